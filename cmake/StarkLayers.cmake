@@ -1,0 +1,26 @@
+# stark_layer(name DEPENDS other...): one static library per architectural layer (see ARCHITECTURE.md).
+# A layer links only the layers below it, so an upward include fails to link and tools/check_layers.py fails first.
+function(stark_layer name)
+  cmake_parse_arguments(LAYER "" "" "DEPENDS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  if(sources)
+    add_library(stark_${name} STATIC ${sources})
+    target_link_libraries(stark_${name} PUBLIC stark_options)
+    target_include_directories(stark_${name} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+    foreach(dependency ${LAYER_DEPENDS})
+      target_link_libraries(stark_${name} PUBLIC stark_${dependency})
+    endforeach()
+  else()
+    add_library(stark_${name} INTERFACE)
+    target_include_directories(stark_${name} INTERFACE
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+    target_link_libraries(stark_${name} INTERFACE stark_options)
+    foreach(dependency ${LAYER_DEPENDS})
+      target_link_libraries(stark_${name} INTERFACE stark_${dependency})
+    endforeach()
+  endif()
+  set_target_properties(stark_${name} PROPERTIES EXPORT_NAME ${name})
+  add_library(Stark::${name} ALIAS stark_${name})
+  set_property(GLOBAL APPEND PROPERTY STARK_LAYERS stark_${name})
+endfunction()

@@ -1,0 +1,63 @@
+"""Stark: strongly coupled simulation of rigid bodies, cloth and soft solids with frictional contact.
+
+    import stark
+
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.4, 0.4, cells=32), stark.materials.cotton)
+    box = scene.add_box(size=0.08, position=(0, 0, -0.08), motion="scripted")
+    sim = stark.Simulation(scene, contact_distance=0.0025)
+    for step in sim.run(until=10.0):
+        box.rotation = stark.rotation(axis="z", angle=90 * stark.deg * step.time)
+
+SI units throughout. Recording, pictures and the command line are in stark.recording, stark.render and stark.cli.
+"""
+
+from stark._cpu import require_supported_processor
+
+require_supported_processor()
+
+from stark import materials, mesh  # noqa: E402
+from stark._core import (  # noqa: E402
+    Error,
+    InitialIntersection,
+    InternalError,
+    InvalidArgument,
+    InvalidMesh,
+    InvalidSetting,
+    __version__,
+)
+from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
+from stark.materials import ShellMaterial, SolidMaterial  # noqa: E402
+from stark.mesh import TetMesh, TriangleMesh  # noqa: E402
+from stark.rotations import deg, rotation, to_quaternion  # noqa: E402
+from stark.scene import Scene, StarkWarning  # noqa: E402
+from stark.settings import Settings  # noqa: E402
+from stark.simulation import Simulation, StepFailed  # noqa: E402
+
+__all__ = [
+    "Body",
+    "Cloth",
+    "Error",
+    "InitialIntersection",
+    "InternalError",
+    "InvalidArgument",
+    "InvalidMesh",
+    "InvalidSetting",
+    "RigidBody",
+    "Scene",
+    "Settings",
+    "ShellMaterial",
+    "Simulation",
+    "Solid",
+    "SolidMaterial",
+    "StarkWarning",
+    "StepFailed",
+    "TetMesh",
+    "TriangleMesh",
+    "__version__",
+    "deg",
+    "materials",
+    "mesh",
+    "rotation",
+    "to_quaternion",
+]

@@ -1,0 +1,266 @@
+"""Handles of bodies: what ``scene.add_*`` returns and what ``simulation.bodies`` holds.
+
+A handle names a body of a scene. The properties that change in time (positions, velocities, poses) belong to the
+simulation that was made last from the scene; ``simulation[body]`` is the same body in one particular simulation.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.mesh import Indices, Points, TetMesh, TriangleMesh
+from stark.rotations import as_matrix, vector
+
+if TYPE_CHECKING:
+    from stark.scene import Scene
+    from stark.simulation import Simulation
+
+
+class Body:
+    """A body of a scene; equal and hashed by scene and name."""
+
+    kind: str = ""
+
+    def __init__(self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh, color: Any = None) -> None:
+        self._scene = scene
+        self._index = index
+        self._mesh = mesh
+        self._color = None if color is None else tuple(float(c) for c in color)
+        self._simulation: Callable[[], Simulation | None] = _no_simulation
+
+    @property
+    def name(self) -> str:
+        return self._scene._core.name(self._index)
+
+    @property
+    def motion(self) -> str:
+        """"dynamic", "fixed" or "scripted"."""
+        return self._scene._core.motion(self._index)
+
+    @property
+    def mesh(self) -> TriangleMesh | TetMesh:
+        """The mesh it was made from, in the frame of the body [m]."""
+        return self._mesh
+
+    @property
+    def triangles(self) -> Indices:
+        """Surface triangles (m, 3) as indices of ``positions``."""
+        assert isinstance(self._mesh, TriangleMesh)
+        return self._mesh.triangles
+
+    @property
+    def positions(self) -> Points:
+        """Positions of all vertices in the world (n, 3) [m], in the order of ``mesh.vertices``; a copy."""
+        simulation = self._simulation()
+        if simulation is None:
+            return self._scene._core.initial_positions(self._index)
+        return simulation._core.positions(self._index)
+
+    @property
+    def surface_positions(self) -> Points:
+        """Positions of the vertices of the surface (k, 3) [m]."""
+        return self.positions
+
+    @property
+    def surface_triangles(self) -> Indices:
+        """Surface triangles (m, 3) as indices of ``surface_positions``."""
+        return self.triangles
+
+    @property
+    def color(self) -> tuple[float, ...] | None:
+        """Red, green, blue in [0, 1] for pictures, or None."""
+        return self._color
+
+    @property
+    def contact_distance(self) -> float | None:
+        """[m]; None: ``contact.distance`` of the settings."""
+        return self._scene._core.contact_distance(self._index)
+
+    def _require_simulation(self, what: str) -> Simulation:
+        simulation = self._simulation()
+        if simulation is None:
+            raise InvalidArgument(
+                f"'{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and keep it"
+            )
+        return simulation
+
+    def _bound_to(self, simulation: Simulation) -> Any:
+        handle = object.__new__(type(self))
+        handle.__dict__.update(self.__dict__)
+        handle._simulation = lambda: simulation
+        return handle
+
+    def _bind(self, simulation: Simulation) -> None:
+        self._simulation = weakref.ref(simulation)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Body) and other._scene is self._scene and other._index == self._index
+
+    def __hash__(self) -> int:
+        return hash((id(self._scene), self._index))
+
+    def __repr__(self) -> str:
+        return f"<stark.{type(self).__name__} '{self.name}'>"
+
+
+def _no_simulation() -> None:
+    return None
+
+
+class _Deformable(Body):
+    @property
+    def velocities(self) -> Points:
+        """Velocities of all vertices (n, 3) [m/s]; a copy."""
+        return self._require_simulation("velocities")._core.velocities(self._index)
+
+    @property
+    def pins(self) -> Indices:
+        """Indices of the pinned vertices, in the order of pinning."""
+        return self._scene._core.pins(self._index)
+
+    def pin(self, vertices: ArrayLike) -> None:
+        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the simulation is made."""
+        indices = np.asarray(vertices)
+        if indices.dtype == bool:
+            if indices.shape != (len(self._mesh.vertices),):
+                raise InvalidArgument(
+                    f"'{self.name}': pin: the mask has the shape {indices.shape}: must be ({len(self._mesh.vertices)},)"
+                )
+            indices = np.flatnonzero(indices)
+        self._scene._core.pin(self._index, np.atleast_1d(indices))
+
+    @property
+    def pin_targets(self) -> Points:
+        """Targets of the pinned vertices at the end of the next step (k, 3) [m], in the order of ``pins``; assign to
+        move them."""
+        return self._require_simulation("pin_targets")._core.pin_targets(self._index)
+
+    @pin_targets.setter
+    def pin_targets(self, targets: ArrayLike) -> None:
+        array = np.asarray(targets, dtype=np.float64)
+        count = len(self.pins)
+        if array.shape != (count, 3):
+            raise InvalidArgument(
+                f"'{self.name}': pin_targets has the shape {array.shape}: must be ({count}, 3), a row for each pinned vertex"
+            )
+        if not np.isfinite(array).all():
+            row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+            raise InvalidArgument(
+                f"'{self.name}': pin_targets[{row}] = {array[row].tolist()} m: must be finite; check where it is computed"
+            )
+        self._require_simulation("pin_targets")._core.set_pin_targets(self._index, np.ascontiguousarray(array))
+
+
+class Cloth(_Deformable):
+    """A sheet of triangles."""
+
+    kind = "cloth"
+
+
+class Solid(_Deformable):
+    """A soft volume of tetrahedra."""
+
+    kind = "solid"
+
+    def _surface(self) -> tuple[Indices, Indices, Indices]:
+        """Boundary triangles, the sorted vertices they use, the triangles renumbered to those."""
+        if "_surface_cache" not in self.__dict__:
+            assert isinstance(self._mesh, TetMesh)
+            triangles = self._mesh.surface_triangles()
+            used, renumbered = np.unique(triangles, return_inverse=True)
+            self._surface_cache = triangles, used, renumbered.reshape(triangles.shape).astype(np.int32)
+        return self._surface_cache
+
+    @property
+    def triangles(self) -> Indices:
+        return self._surface()[0]
+
+    @property
+    def surface_positions(self) -> Points:
+        return self.positions[self._surface()[1]]
+
+    @property
+    def surface_triangles(self) -> Indices:
+        return self._surface()[2]
+
+
+class RigidBody(Body):
+    """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its centre of
+    mass. Scripted bodies are moved by assigning to them: the pose that holds at the end of the next step."""
+
+    kind = "rigid"
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """Origin of the mesh frame in the world (3,) [m]."""
+        return self._pose()[0]
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        self._set_pose(vector(value, f"'{self.name}': position"), self._target()[1])
+
+    @property
+    def rotation(self) -> NDArray[np.float64]:
+        """Rotation of the mesh frame to the world (3, 3); a quaternion (w, x, y, z) may be assigned too."""
+        return self._pose()[1]
+
+    @rotation.setter
+    def rotation(self, value: ArrayLike) -> None:
+        self._set_pose(self._target()[0], as_matrix(value, f"'{self.name}': rotation"))
+
+    @property
+    def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(position, rotation); assign both at once to a scripted body."""
+        return self._pose()
+
+    @pose.setter
+    def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
+        self._set_pose(vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation"))
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocity of the centre of mass (3,) [m/s]."""
+        return self._require_simulation("velocity")._core.twist(self._index)[0]
+
+    @property
+    def angular_velocity(self) -> NDArray[np.float64]:
+        """(3,) [rad/s], world axes."""
+        return self._require_simulation("angular_velocity")._core.twist(self._index)[1]
+
+    @property
+    def mass(self) -> float:
+        """[kg]; 0 for fixed and scripted bodies."""
+        return self._scene._core.inertia(self._index)["mass"]
+
+    @property
+    def center_of_mass(self) -> NDArray[np.float64]:
+        """In the frame of the mesh (3,) [m]."""
+        return np.array(self._scene._core.inertia(self._index)["center_of_mass"])
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """About the centre of mass, axes of the mesh frame (3, 3) [kg m^2]."""
+        return self._scene._core.inertia(self._index)["tensor"]
+
+    def _pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        simulation = self._simulation()
+        return self._scene._core.pose(self._index) if simulation is None else simulation._core.pose(self._index)
+
+    def _target(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        targets = self._require_simulation("setting a pose")._targets
+        return targets.get(self._index) or self._pose()
+
+    def _set_pose(self, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
+        simulation = self._require_simulation("setting a pose")
+        if self.motion != "scripted":
+            raise InvalidArgument(
+                f"'{self.name}' is {self.motion}: its pose cannot be set; only bodies with motion='scripted' are moved so"
+            )
+        simulation._core.set_pose(self._index, position, rotation)
+        simulation._targets[self._index] = position, rotation

@@ -1,0 +1,67 @@
+"""The command ``stark``. Each verb is a module of its own that is imported only when it is asked for."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+#: Verb and what it does; the module of a verb has add_arguments(parser) and run(args) -> exit code.
+VERBS: dict[str, str] = {
+    "run": "run a scene and record it",
+    "bench": "measure a scene",
+    "replay": "write the replay page of a recording",
+    "still": "write a picture of a recording",
+    "video": "write an mp4 of a recording",
+    "export": "write VTU, PLY or OBJ files of a recording",
+    "info": "list scenes, or describe a scene or a recording",
+    "doctor": "show what this machine and installation offer",
+}
+
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+
+
+def _version() -> str:
+    from importlib import metadata
+
+    try:
+        return metadata.version("stark-sim")
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _parser(verb: str | None) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="stark", description="Simulates rigid and deformable bodies with frictional contact."
+    )
+    parser.add_argument("--version", action="version", version=f"stark {_version()}")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    for name, help_text in VERBS.items():
+        sub = verbs.add_parser(name, help=help_text, description=help_text[0].upper() + help_text[1:] + ".")
+        if name == verb:
+            importlib.import_module(f"{__name__}.{name}").add_arguments(sub)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit code: 0 good, 1 the simulation failed, 2 bad input, 130 interrupted."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    verb = next((word for word in words if not word.startswith("-")), None)
+    parser = _parser(verb if verb in VERBS else None)
+    try:
+        args = parser.parse_args(words)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        from .._core import Error
+
+        return int(importlib.import_module(f"{__name__}.{args.verb}").run(args))
+    except KeyboardInterrupt:
+        print("stark: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        return EXIT_OK
+    except (Error, ImportError, OSError) as error:
+        print(f"stark: {' '.join(str(error).split())}", file=sys.stderr)
+        return EXIT_BAD_INPUT

@@ -1,0 +1,96 @@
+"""``stark doctor``: what this machine and installation offer, and whether a first step works."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import os
+import platform
+import sys
+from importlib import metadata
+from pathlib import Path
+
+#: Optional packages: distribution, module, what it adds, extra.
+_OPTIONAL = (
+    ("pytetwild", "pytetwild", "tetrahedral meshes of closed surfaces", "mesh"),
+    ("trimesh", "trimesh", "more mesh formats", "mesh"),
+    ("imageio", "imageio", "mp4 films", "video"),
+    ("imageio-ffmpeg", "imageio_ffmpeg", "mp4 films", "video"),
+    ("viser", "viser", "live view", "view"),
+    ("ipctk", "ipctk", "independent check for intersections", "test"),
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--no-step", action="store_true", help="skip the trial step")
+
+
+def processor() -> tuple[str, set[str]]:
+    """Name and instruction sets of the processor, as Linux reports them."""
+    name, flags = platform.processor() or platform.machine(), set()
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            key, _, value = line.partition(":")
+            if key.strip() == "model name":
+                name = value.strip()
+            elif key.strip() == "flags":
+                flags = set(value.split())
+                break
+    except OSError:
+        pass
+    return name, flags
+
+
+def _version(distribution: str) -> str:
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return "unknown version"
+
+
+def _line(label: str, text: str) -> None:
+    print(f"{label:14}{text}")
+
+
+def run(args: argparse.Namespace) -> int:
+    import numpy as np
+
+    from .. import _core
+
+    name, flags = processor()
+    wanted = ("avx2", "fma", "avx512f", "avx512dq")
+    _line("stark", f"{_core.__version__}  {Path(__file__).resolve().parents[1]}")
+    _line("python", f"{platform.python_version()}  {sys.executable}")
+    _line("numpy", np.__version__)
+    _line("system", platform.platform())
+    _line("processor", name)
+    _line("vector sets", "  ".join(f"{flag} {'yes' if flag in flags else 'no'}" for flag in wanted))
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    _line("cores", f"{available} usable of {os.cpu_count()}")
+    if hasattr(_core, "Settings"):
+        for field in _core.Settings.fields():
+            if field["name"] in ("execution.backend", "linear.solver") and field.get("choices"):
+                label = "back ends" if field["name"].startswith("exec") else "linear solvers"
+                _line(label, ", ".join(field["choices"]))
+    _line("compiler", "not needed")
+    print("\noptional packages")
+    for distribution, module, adds, extra in _OPTIONAL:
+        if importlib.util.find_spec(module):
+            print(f"  {distribution:16}{_version(distribution):12}{adds}")
+        else:
+            print(f"  {distribution:16}{'missing':12}{adds}: pip install 'stark-sim[{extra}]'")
+    return 0 if args.no_step else _trial_step()
+
+
+def _trial_step() -> int:
+    import time
+
+    import stark
+
+    begin = time.perf_counter()
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=4), stark.materials.cotton)
+    report = stark.Simulation(scene, time_step=0.01).step()
+    status = str(getattr(report.status, "name", report.status)).lower()
+    print(f"\ntrial step: {status} in {1e3 * (time.perf_counter() - begin):.0f} ms")
+    return 0 if status == "accepted" else 1

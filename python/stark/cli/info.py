@@ -1,0 +1,69 @@
+"""``stark info``: the packaged scenes, one scene, or one recording."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", nargs="?", metavar="SCENE|RUN", help="a scene or the folder of a run")
+    parser.add_argument("--settings", action="store_true", help="list all settings with unit, default and meaning")
+
+
+def run(args: argparse.Namespace) -> int:
+    if args.settings:
+        return _settings()
+    if args.what is None:
+        return _scenes()
+    return _recording(Path(args.what)) if Path(args.what).is_dir() else _scene(args.what)
+
+
+def _settings() -> int:
+    from ..settings import Settings
+
+    for field in Settings.fields():
+        unit = f" {field['unit']}" if field.get("unit") not in (None, "", "1") else ""
+        print(f"{field['name']} = {field.get('default')}{unit}")
+        print(f"    {field.get('doc', '')}")
+    return 0
+
+
+def _scenes() -> int:
+    from ..scenes import load, names
+
+    for name in names():
+        scene = load(name)
+        print(f"{name:24} {scene.until:5g} s  {scene.description}")
+    return 0
+
+
+def _scene(name: str) -> int:
+    from ..scenes import load
+
+    scene = load(name)
+    built, settings = scene.build()
+    print(f"{scene.name}: {scene.description}")
+    print(f"  runs for {scene.until:g} s" if scene.until else "  needs --until")
+    for key, value in settings.items():
+        print(f"  {key} = {value}")
+    for body in getattr(built, "bodies", []):
+        print(f"  {getattr(body, 'kind', '?'):6} {body.name}")
+    return 0
+
+
+def _recording(folder: Path) -> int:
+    from ..recording import Recording
+
+    recording = Recording(folder)
+    manifest = recording.manifest
+    telemetry = recording.telemetry
+    print(f"{recording.scene}: {recording.status} {manifest.get('message', '')}".rstrip())
+    print(f"  {manifest.get('created', '')}, Stark {manifest.get('stark_version', '')}")
+    if len(recording):
+        print(f"  {len(recording)} frames, {recording.times[0]:g} to {recording.times[-1]:g} s, {len(telemetry)} steps")
+    for body in recording.bodies:
+        print(f"  {body.kind:6} {body.name}: {body.vertex_count} vertices, {body.triangle_count} triangles")
+    for name, value in manifest.get("summary", {}).get("observables", {}).items():
+        print(f"  {name} = {value:.6g}")
+    return 0

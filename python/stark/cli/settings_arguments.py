@@ -1,0 +1,32 @@
+"""Command-line options that set simulation settings, shared by the verbs that simulate."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+
+def add_setting_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a setting by its dotted name, for example newton.step_tolerance=1e-4; may be repeated",
+    )
+    parser.add_argument("--threads", type=int, metavar="N", help="threads; 0 uses all cores")
+
+
+def parse_settings(args: argparse.Namespace) -> dict[str, Any]:
+    """The settings of ``--set`` and ``--threads`` by dotted name, each checked by the settings themselves."""
+    from ..settings import Settings
+
+    settings = Settings()
+    values: dict[str, Any] = {}
+    for text in args.set:
+        settings.set_text(text)
+        name = text.partition("=")[0].strip()
+        values[name] = settings[name]
+    if args.threads is not None:
+        values["threads"] = args.threads
+    return values

@@ -1,0 +1,40 @@
+"""``stark video``: an mp4 of a recording, with the packages of the extra 'video'."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .progress import Progress
+from .still import add_picture_arguments, parse_size
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run")
+    parser.add_argument("--out", type=Path, metavar="FILE.mp4", help="the film; default: RUN/video.mp4")
+    parser.add_argument("--fps", type=float, default=30.0, help="pictures per second (30)")
+    parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (1)")
+    add_picture_arguments(parser, "draft")
+
+
+def run(args: argparse.Namespace) -> int:
+    from ..recording import Recording
+    from ..render import write_video
+
+    width, height = parse_size(args.size)
+    progress = Progress(1.0)
+    path = write_video(
+        Recording(args.run),
+        args.out or args.run / "video.mp4",
+        width=width,
+        height=height,
+        fps=args.fps,
+        speed=args.speed,
+        camera=args.view,
+        quality=args.quality,
+        edges=args.edges,
+        progress=lambda done, total: progress.update(done / total, f"picture {done} of {total}"),
+    )
+    progress.close()
+    print(path)
+    return 0

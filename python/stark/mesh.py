@@ -1,0 +1,397 @@
+"""Meshes: triangle surfaces and tetrahedral volumes as NumPy arrays, generators, files.
+
+Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra have positive volume; ``oriented``
+repairs both.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark import _core
+from stark._core import InvalidArgument, InvalidMesh
+from stark.rotations import as_matrix, vector
+
+Points: TypeAlias = NDArray[np.float64]
+Indices: TypeAlias = NDArray[np.int32]
+_Mesh = TypeVar("_Mesh", bound="_MeshBase")
+
+
+def _points(values: ArrayLike, name: str) -> Points:
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "iuf":
+            raise TypeError
+        array = np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidMesh(f"{name}: got {type(values).__name__}, need an array of shape (n, 3) of real numbers [m]") from None
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidMesh(f"{name}: got the shape {array.shape}, need (n, 3): one row of x, y, z [m] for each vertex")
+    return array
+
+
+def _indices(values: ArrayLike, columns: int, name: str) -> Indices:
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        array = np.empty((), dtype=object)
+    if array.size == 0:
+        return np.empty((0, columns), dtype=np.int32)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise InvalidMesh(f"{name}: got the shape {array.shape}, need (m, {columns}): one row of vertex indices each")
+    if array.dtype.kind not in "iu":
+        raise InvalidMesh(f"{name}: got numbers of type {array.dtype}, need integers; convert with .astype(numpy.int32)")
+    if array.max() > 2**31 - 1 or array.min() < -(2**31):
+        raise InvalidMesh(f"{name}: got the index {array.max()}, need indices that fit 32 bits; check the numbering")
+    return np.ascontiguousarray(array, dtype=np.int32)
+
+
+class _MeshBase:
+    vertices: Points
+
+    def _with(self: _Mesh, vertices: Points) -> _Mesh:
+        raise NotImplementedError
+
+    @property
+    def bounds(self) -> Points:
+        """Lowest and highest corner, shape (2, 3) [m]."""
+        return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def scaled(self: _Mesh, factor: float | ArrayLike) -> _Mesh:
+        """Copy with all coordinates times a factor, or times one for each axis: ``scaled(1e-3)`` for millimetres."""
+        factors = np.asarray(factor, dtype=np.float64)
+        if factors.shape not in ((), (3,)) or not (np.isfinite(factors) & (factors > 0)).all():
+            raise InvalidArgument(f"scaled: factor = {factor!r}: must be one positive number or three")
+        return self._with(self.vertices * factors)
+
+    def translated(self: _Mesh, offset: ArrayLike) -> _Mesh:
+        """Copy moved by an offset [m]."""
+        return self._with(self.vertices + vector(offset, "translated: offset"))
+
+    def rotated(self: _Mesh, rotation: ArrayLike) -> _Mesh:
+        """Copy turned about the origin by a matrix or quaternion, as ``stark.rotation`` makes them."""
+        return self._with(self.vertices @ as_matrix(rotation, "rotated: rotation").T)
+
+    def centered(self: _Mesh) -> _Mesh:
+        """Copy with the middle of its bounds at the origin."""
+        return self._with(self.vertices - self.bounds.mean(axis=0))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TriangleMesh(_MeshBase):
+    """Surface: ``vertices`` (n, 3) float64 [m], ``triangles`` (m, 3) int32."""
+
+    vertices: Points
+    triangles: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", _points(self.vertices, "TriangleMesh: vertices"))
+        object.__setattr__(self, "triangles", _indices(self.triangles, 3, "TriangleMesh: triangles"))
+
+    def _with(self, vertices: Points) -> TriangleMesh:
+        return TriangleMesh(vertices, self.triangles)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge belongs to exactly two triangles."""
+        return bool((_edge_counts(self.triangles) == 2).all())
+
+    @property
+    def volume(self) -> float:
+        """Signed volume [m^3], positive when the triangles are oriented outwards; only of closed meshes."""
+        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    @property
+    def area(self) -> float:
+        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+    def flipped(self) -> TriangleMesh:
+        """Copy with all triangles turned over."""
+        return TriangleMesh(self.vertices, self.triangles[:, ::-1])
+
+    def __repr__(self) -> str:
+        return f"TriangleMesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TetMesh(_MeshBase):
+    """Volume: ``vertices`` (n, 3) float64 [m], ``tets`` (m, 4) int32."""
+
+    vertices: Points
+    tets: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", _points(self.vertices, "TetMesh: vertices"))
+        object.__setattr__(self, "tets", _indices(self.tets, 4, "TetMesh: tets"))
+
+    def _with(self, vertices: Points) -> TetMesh:
+        return TetMesh(vertices, self.tets)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Signed volume of each tetrahedron [m^3], shape (m,)."""
+        a, b, c, d = (self.vertices[self.tets[:, i]] for i in range(4))
+        return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
+
+    @property
+    def volume(self) -> float:
+        return float(self.volumes.sum())
+
+    def surface_triangles(self) -> Indices:
+        """Boundary triangles (k, 3), outwards, as indices of ``vertices``."""
+        faces = self.tets[:, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]].reshape(-1, 3)
+        _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        return faces[np.sort(first[counts == 1])]
+
+    def surface(self) -> TriangleMesh:
+        """The boundary as a mesh of its own, without the inner vertices."""
+        return compact(TriangleMesh(self.vertices, self.surface_triangles()))
+
+    def __repr__(self) -> str:
+        return f"TetMesh({len(self.vertices)} vertices, {len(self.tets)} tets)"
+
+
+Mesh: TypeAlias = TriangleMesh | TetMesh
+
+
+# --- Conversions and repairs ------------------------------------------------------------------------------------------
+
+
+def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
+    """A TriangleMesh, a ``(vertices, triangles)`` pair or anything with ``vertices`` and ``faces`` (trimesh)."""
+    if isinstance(mesh, TriangleMesh):
+        return mesh
+    if isinstance(mesh, TetMesh):
+        raise InvalidMesh(f"{name}: got a TetMesh, need a TriangleMesh; use add_solid, or mesh.surface()")
+    for attribute in ("triangles", "faces"):
+        if hasattr(mesh, "vertices") and hasattr(mesh, attribute):
+            return _named(name, TriangleMesh, mesh.vertices, getattr(mesh, attribute))
+    if isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2:
+        return _named(name, TriangleMesh, mesh[0], mesh[1])
+    raise InvalidMesh(
+        f"{name}: got {type(mesh).__name__}, need a stark.TriangleMesh or a (vertices, triangles) pair; "
+        f"files are read by stark.mesh.load(path)"
+    )
+
+
+def as_tet_mesh(mesh: Any, name: str) -> TetMesh:
+    """A TetMesh, a ``(vertices, tets)`` pair or anything with ``vertices`` and ``tets``."""
+    if isinstance(mesh, TetMesh):
+        return mesh
+    if isinstance(mesh, TriangleMesh):
+        raise InvalidMesh(f"{name}: got a TriangleMesh, need a TetMesh; use stark.mesh.tetrahedralise(mesh) or add_cloth")
+    if hasattr(mesh, "vertices") and hasattr(mesh, "tets"):
+        return _named(name, TetMesh, mesh.vertices, mesh.tets)
+    if isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2:
+        return _named(name, TetMesh, mesh[0], mesh[1])
+    raise InvalidMesh(f"{name}: got {type(mesh).__name__}, need a stark.TetMesh or a (vertices, tets) pair")
+
+
+def _named(name: str, kind: type[Any], vertices: ArrayLike, elements: ArrayLike) -> Any:
+    try:
+        return kind(vertices, elements)
+    except InvalidMesh as error:
+        raise InvalidMesh(f"{name}: {error}") from None
+
+
+def _edge_counts(triangles: Indices) -> NDArray[np.int64]:
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return np.unique(edges, axis=0, return_counts=True)[1]
+
+
+def compact(mesh: Any) -> Any:
+    """Copy without the vertices that no element uses."""
+    elements = mesh.tets if isinstance(mesh, TetMesh) else mesh.triangles
+    used, renumbered = np.unique(elements, return_inverse=True)
+    return type(mesh)(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))
+
+
+def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
+    """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed triangles go."""
+    keys = mesh.vertices if tolerance <= 0.0 else np.round(mesh.vertices / tolerance)
+    _, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # keeps the order of the file
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    triangles = rank[renumbered.reshape(-1)][mesh.triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    return compact(TriangleMesh(mesh.vertices[first[order]], triangles.astype(np.int32)))
+
+
+def oriented(mesh: Any) -> Any:
+    """Copy with tetrahedra of positive volume; or with triangles that agree with their neighbours and, where they
+    enclose a volume, face outwards."""
+    if isinstance(mesh, TetMesh):
+        tets = mesh.tets.copy()
+        negative = mesh.volumes < 0.0
+        tets[negative] = tets[negative][:, [0, 1, 3, 2]]
+        return TetMesh(mesh.vertices, tets)
+    return _oriented_triangles(mesh)
+
+
+def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
+    triangles = mesh.triangles.copy()
+    by_edge: dict[tuple[int, int], list[int]] = {}
+    for t, (a, b, c) in enumerate(triangles.tolist()):
+        for edge in ((a, b), (b, c), (c, a)):
+            by_edge.setdefault((min(edge), max(edge)), []).append(t)
+    seen = np.zeros(len(triangles), dtype=bool)
+    for seed in range(len(triangles)):
+        if seen[seed]:
+            continue
+        seen[seed] = True
+        component, stack = [seed], [seed]
+        while stack:
+            a, b, c = triangles[stack.pop()].tolist()
+            for u, v in ((a, b), (b, c), (c, a)):
+                neighbours = by_edge[min(u, v), max(u, v)]
+                for other in neighbours if len(neighbours) == 2 else ():
+                    if seen[other]:
+                        continue
+                    x, y, z = triangles[other].tolist()
+                    if (u, v) in ((x, y), (y, z), (z, x)):  # runs the same way: turned over relative to us
+                        triangles[other] = (z, y, x)
+                    seen[other] = True
+                    component.append(other)
+                    stack.append(other)
+        part = TriangleMesh(mesh.vertices, triangles[component])
+        if part.is_closed and part.volume < 0.0:
+            triangles[component] = triangles[component][:, ::-1]
+    return TriangleMesh(mesh.vertices, triangles)
+
+
+# --- Generators -------------------------------------------------------------------------------------------------------
+
+
+def _sizes(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
+    values = np.asarray(size, dtype=np.float64)
+    if values.shape == ():
+        values = np.full(3, float(values))
+    if values.shape != (3,) or not (np.isfinite(values) & (values > 0.0)).all():
+        raise InvalidArgument(f"{name} = {size!r} m: must be one positive number or three")
+    return values
+
+
+def _positive(value: float, name: str) -> float:
+    if not (isinstance(value, (int, float, np.number)) and np.isfinite(value) and value > 0.0):
+        raise InvalidArgument(f"{name} = {value!r} m: must be a number > 0")
+    return float(value)
+
+
+def _count(value: int, name: str, least: int = 1) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= 100_000:
+        raise InvalidArgument(f"{name} = {value!r}: must be a whole number in [{least}, 100000]")
+    return int(value)
+
+
+def grid(width: float, depth: float, cells: int | tuple[int, int]) -> TriangleMesh:
+    """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m], two triangles a cell."""
+    nx, ny = (cells, cells) if isinstance(cells, (int, np.integer)) else cells
+    return TriangleMesh(
+        *_core.make_grid(
+            _positive(width, "grid: width"),
+            _positive(depth, "grid: depth"),
+            _count(nx, "grid: cells"),
+            _count(ny, "grid: cells"),
+        )
+    )
+
+
+def box(size: float | ArrayLike, subdivisions: int = 1) -> TriangleMesh:
+    """Closed box about the origin; ``size`` is one edge length or three [m]."""
+    return TriangleMesh(*_core.make_box(_sizes(size, "box: size"), _count(subdivisions, "box: subdivisions")))
+
+
+def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
+    """Icosphere about the origin: an icosahedron split ``subdivisions`` times."""
+    count = _count(subdivisions, "sphere: subdivisions", 0)
+    if count > 8:
+        raise InvalidArgument(f"sphere: subdivisions = {count}: must be at most 8, which is 1,310,720 triangles")
+    return TriangleMesh(*_core.make_icosphere(_positive(radius, "sphere: radius"), count))
+
+
+def cylinder(radius: float, height: float, segments: int = 32, stacks: int = 1) -> TriangleMesh:
+    """Closed cylinder about the z axis, ``height`` from cap to cap."""
+    return TriangleMesh(
+        *_core.make_cylinder(
+            _positive(radius, "cylinder: radius"),
+            _positive(height, "cylinder: height"),
+            _count(segments, "cylinder: segments", 3),
+            _count(stacks, "cylinder: stacks"),
+        )
+    )
+
+
+def capsule(radius: float, height: float, segments: int = 32, rings: int = 8) -> TriangleMesh:
+    """Capsule about the z axis; ``height`` between the centres of the half spheres."""
+    return TriangleMesh(
+        *_core.make_capsule(
+            _positive(radius, "capsule: radius"),
+            _positive(height, "capsule: height"),
+            _count(segments, "capsule: segments", 3),
+            _count(rings, "capsule: rings", 1),
+        )
+    )
+
+
+def torus(major_radius: float, minor_radius: float, major_segments: int = 48, minor_segments: int = 24) -> TriangleMesh:
+    """Torus about the z axis: a tube of ``minor_radius`` around a circle of ``major_radius``."""
+    if _positive(minor_radius, "torus: minor_radius") >= _positive(major_radius, "torus: major_radius"):
+        raise InvalidArgument(f"torus: minor_radius = {minor_radius} m: must be below major_radius = {major_radius} m")
+    return TriangleMesh(
+        *_core.make_torus(
+            float(major_radius),
+            float(minor_radius),
+            _count(major_segments, "torus: major_segments", 3),
+            _count(minor_segments, "torus: minor_segments", 3),
+        )
+    )
+
+
+def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMesh:
+    """Solid box about the origin: cuboid cells with a node at each centre, twelve tetrahedra a cell."""
+    counts = (cells,) * 3 if isinstance(cells, (int, np.integer)) else tuple(cells)
+    if len(counts) != 3:
+        raise InvalidArgument(f"tet_box: cells = {cells!r}: must be one whole number or three")
+    return TetMesh(*_core.make_tet_box(_sizes(size, "tet_box: size"), [_count(n, "tet_box: cells") for n in counts]))
+
+
+# --- Files and volume meshing -----------------------------------------------------------------------------------------
+
+
+def load(path: str | os.PathLike[str]) -> Mesh:
+    """Reads a mesh file. OBJ, PLY and STL surfaces need nothing; MSH and VTK volumes need ``meshio``, all other formats
+    ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates are taken as metres: use ``.scaled`` if they are not."""
+    from stark import mesh_files
+
+    return mesh_files.load(path)
+
+
+def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: float = 1e-3) -> TetMesh:
+    """Volume mesh of a closed surface, by fTetWild (``pip install stark-sim[mesh]``).
+
+    ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out. ``tolerance``: largest
+    distance between the given surface and the result, over that diagonal.
+    """
+    surface = as_triangle_mesh(mesh, "tetrahedralise")
+    if len(surface.triangles) == 0:
+        raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
+    diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
+    fraction = 0.05 if edge_length is None else _positive(edge_length, "tetrahedralise: edge_length") / diagonal
+    try:
+        import pytetwild
+    except ImportError as error:
+        raise ImportError("stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'") from error
+    vertices, tets = pytetwild.tetrahedralize(
+        surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
+    )
+    return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))

@@ -1,0 +1,184 @@
+"""Mesh files: own readers of OBJ, PLY and STL, and the way to other libraries for everything else."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stark._core import InvalidMesh
+from stark.mesh import Mesh, TetMesh, TriangleMesh, merged, oriented
+
+_VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
+
+
+def load(path: str | os.PathLike[str]) -> Mesh:
+    """See ``stark.mesh.load``."""
+    file = Path(path)
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
+    readers = {".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl}
+    suffix = file.suffix.lower()
+    if suffix in readers:
+        try:
+            mesh = readers[suffix](data)
+        except InvalidMesh as error:
+            raise InvalidMesh(f"'{file}': {error}") from None
+        except (ValueError, IndexError, KeyError, UnicodeDecodeError, TypeError) as error:
+            raise InvalidMesh(f"'{file}' is not a valid {suffix[1:].upper()} file: {error}") from None
+    elif suffix in _VOLUME_FORMATS:
+        return _load_by_meshio(file)
+    else:
+        mesh = _load_by_trimesh(file)
+    if len(mesh.triangles) == 0:
+        raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
+    return mesh
+
+
+def _fan(polygon: list[int]) -> list[tuple[int, int, int]]:
+    return [(polygon[0], polygon[i], polygon[i + 1]) for i in range(1, len(polygon) - 1)]
+
+
+def _read_obj(data: bytes) -> TriangleMesh:
+    vertices: list[tuple[float, ...]] = []
+    triangles: list[tuple[int, int, int]] = []
+    for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
+        words = line.split()
+        if not words:
+            continue
+        if words[0] == "v":
+            if len(words) < 4:
+                raise InvalidMesh(f"line {number}: a vertex needs three numbers, got '{line.strip()}'")
+            vertices.append(tuple(float(w) for w in words[1:4]))
+        elif words[0] == "f":
+            # v, v/vt, v//vn or v/vt/vn; negative indices count back from the last vertex so far.
+            indices = [int(w.partition("/")[0]) for w in words[1:]]
+            polygon = [i - 1 if i > 0 else len(vertices) + i for i in indices]
+            if len(polygon) < 3 or 0 in indices:
+                raise InvalidMesh(f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'")
+            triangles.extend(_fan(polygon))
+    return TriangleMesh(np.array(vertices).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3))
+
+
+_PLY_TYPES = {
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
+    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
+    "float32": "f4", "float64": "f8",
+}  # fmt: skip
+
+
+def _read_ply(data: bytes) -> TriangleMesh:
+    end = data.find(b"end_header")
+    if not data.startswith(b"ply") or end < 0:
+        raise InvalidMesh("the file does not start with a PLY header")
+    body = data[data.index(b"\n", end) + 1 :]
+    layout = ""
+    elements: list[tuple[str, int, list[tuple[str, str, str]]]] = []  # name, count, (name, type, type of list length)
+    for line in data[:end].decode("ascii").splitlines():
+        words = line.split()
+        if words[:1] == ["format"]:
+            layout = words[1]
+        elif words[:1] == ["element"]:
+            elements.append((words[1], int(words[2]), []))
+        elif words[:2] == ["property", "list"]:
+            elements[-1][2].append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
+        elif words[:1] == ["property"]:
+            elements[-1][2].append((words[2], _PLY_TYPES[words[1]], ""))
+    reader = _PlyText(body) if layout == "ascii" else _PlyBinary(body, ">" if layout == "binary_big_endian" else "<")
+    vertices: Any = np.empty((0, 3))
+    triangles: list[tuple[int, int, int]] = []
+    for name, count, properties in elements:
+        if not any(length for _, _, length in properties):
+            table = reader.table(count, properties)
+            if name == "vertex":
+                vertices = np.stack([np.asarray(table[axis], dtype=np.float64) for axis in "xyz"], axis=1)
+            continue
+        for _ in range(count):
+            for property_name, kind, length in properties:
+                values = reader.values(kind, int(reader.values(length, 1)[0]) if length else 1)
+                if name == "face" and property_name in ("vertex_indices", "vertex_index"):
+                    triangles.extend(_fan([int(v) for v in values]))
+    return TriangleMesh(vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3))
+
+
+class _PlyText:
+    def __init__(self, body: bytes) -> None:
+        self._words = body.split()
+        self._at = 0
+
+    def values(self, kind: str, count: int) -> list[float]:
+        words = self._words[self._at : self._at + count]
+        if len(words) < count:
+            raise InvalidMesh("the file ends too early")
+        self._at += count
+        return [float(w) if kind[0] == "f" else int(w) for w in words]
+
+    def table(self, count: int, properties: list[tuple[str, str, str]]) -> dict[str, Any]:
+        rows = np.array(self.values("f8", count * len(properties))).reshape(count, len(properties))
+        return {name: rows[:, i] for i, (name, _, _) in enumerate(properties)}
+
+
+class _PlyBinary:
+    def __init__(self, body: bytes, order: str) -> None:
+        self._body, self._order, self._at = body, order, 0
+
+    def values(self, kind: str, count: int) -> Any:
+        return self._take(np.dtype(self._order + kind), count)
+
+    def table(self, count: int, properties: list[tuple[str, str, str]]) -> Any:
+        return self._take(np.dtype([(name, self._order + kind) for name, kind, _ in properties]), count)
+
+    def _take(self, kind: np.dtype[Any], count: int) -> Any:
+        size = kind.itemsize * count
+        if self._at + size > len(self._body):
+            raise InvalidMesh("the file ends too early")
+        result = np.frombuffer(self._body, dtype=kind, count=count, offset=self._at)
+        self._at += size
+        return result
+
+
+def _read_stl(data: bytes) -> TriangleMesh:
+    count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
+    if len(data) == 84 + 50 * count:
+        record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+        corners = np.frombuffer(data, dtype=record, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
+    else:
+        words = [line.split() for line in data.decode("ascii").splitlines()]
+        corners = np.array([[float(x) for x in w[1:4]] for w in words if w[:1] == ["vertex"]]).reshape(-1, 3)
+    if len(corners) % 3:
+        raise InvalidMesh(f"{len(corners)} corners do not make whole triangles")
+    # STL repeats every vertex for each of its triangles; equal corners are one vertex.
+    return merged(TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
+
+
+def _load_by_trimesh(file: Path) -> TriangleMesh:
+    try:
+        import trimesh
+    except ImportError as error:
+        raise ImportError(f"'{file}': this format needs trimesh: pip install 'stark-sim[mesh]'") from error
+    try:
+        loaded = trimesh.load(file, force="mesh")
+    except Exception as error:  # readers of many formats raise what they like
+        raise InvalidMesh(f"'{file}' cannot be read: {error}") from None
+    return TriangleMesh(np.asarray(loaded.vertices), np.asarray(loaded.faces))
+
+
+def _load_by_meshio(file: Path) -> Mesh:
+    try:
+        import meshio
+    except ImportError as error:
+        raise ImportError(f"'{file}': this format needs meshio: pip install meshio") from error
+    try:
+        loaded = meshio.read(file)
+    except Exception as error:
+        raise InvalidMesh(f"'{file}' cannot be read: {error}") from None
+    cells = loaded.cells_dict
+    if "tetra" in cells:
+        return oriented(TetMesh(loaded.points, cells["tetra"]))
+    if "triangle" in cells:
+        return TriangleMesh(loaded.points, cells["triangle"])
+    raise InvalidMesh(f"'{file}' has cells of type {', '.join(cells) or 'none'}: must have 'tetra' or 'triangle' cells")

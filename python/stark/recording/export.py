@@ -1,0 +1,124 @@
+"""Exports frames: PLY and OBJ for modelling tools, VTU with a PVD index for ParaView. Own writers, no dependencies."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from .format import Frame, RecordingError, write_atomically
+from .reader import Recording
+
+FORMATS = ("vtu", "ply", "obj")
+
+
+def _merged(frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All bodies as one mesh: vertices (n, 3) float32, triangles (m, 3) int32, body of each triangle (m,) int32."""
+    vertices, triangles, owners, start = [], [], [], 0
+    for i, body in enumerate(frame.bodies):
+        vertices.append(np.asarray(body.positions, dtype=np.float32))
+        triangles.append(np.asarray(body.triangles, dtype=np.int32) + np.int32(start))
+        owners.append(np.full(len(body.triangles), i, dtype=np.int32))
+        start += len(body.positions)
+    if not vertices:
+        raise RecordingError("the frame has no bodies; there is nothing to export")
+    return np.concatenate(vertices), np.concatenate(triangles), np.concatenate(owners)
+
+
+def ply_bytes(frame: Frame) -> bytes:
+    """One frame as binary little-endian PLY; the face property ``body`` is the index of its body."""
+    vertices, triangles, owners = _merged(frame)
+    header = "\n".join(
+        [
+            "ply",
+            "format binary_little_endian 1.0",
+            f"comment Stark, time {frame.time:.9g} s, bodies: {' '.join(b.name.replace(' ', '_') for b in frame.bodies)}",
+            f"element vertex {len(vertices)}",
+            *(f"property float {axis}" for axis in "xyz"),
+            f"element face {len(triangles)}",
+            "property list uchar int vertex_indices",
+            "property int body",
+            "end_header\n",
+        ]
+    )
+    faces = np.empty(len(triangles), dtype=[("count", "u1"), ("indices", "<i4", 3), ("body", "<i4")])
+    faces["count"], faces["indices"], faces["body"] = 3, triangles, owners
+    return header.encode("ascii", "replace") + vertices.astype("<f4").tobytes() + faces.tobytes()
+
+
+def obj_bytes(frame: Frame) -> bytes:
+    """One frame as OBJ text with one object a body; nine significant digits keep float32 exactly."""
+    lines, start = [f"# Stark, time {frame.time:.9g} s"], 1
+    for body in frame.bodies:
+        lines.append(f"o {body.name.replace(' ', '_')}")
+        lines.extend("v %.9g %.9g %.9g" % tuple(p) for p in body.positions.tolist())
+        lines.extend("f %d %d %d" % (a + start, b + start, c + start) for a, b, c in body.triangles.tolist())
+        start += len(body.positions)
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _data_array(array: np.ndarray, kind: str, name: str, components: int = 1) -> str:
+    """Inline binary DataArray: base64 of a uint32 byte count followed by the little-endian values."""
+    payload = array.tobytes()
+    text = base64.b64encode(np.uint32(len(payload)).astype("<u4").tobytes() + payload).decode()
+    return (
+        f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="binary">{text}</DataArray>'
+    )
+
+
+def vtu_bytes(frame: Frame) -> bytes:
+    """One frame as VTU (VTK XML UnstructuredGrid); cell data ``body`` is the index of the body."""
+    vertices, triangles, owners = _merged(frame)
+    count = len(triangles)
+    parts = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">',
+        "<UnstructuredGrid>",
+        f'<Piece NumberOfPoints="{len(vertices)}" NumberOfCells="{count}">',
+        f"<Points>{_data_array(vertices.astype('<f4'), 'Float32', 'Points', 3)}</Points>",
+        "<Cells>",
+        _data_array(triangles.astype("<i4"), "Int32", "connectivity"),
+        _data_array(3 * np.arange(1, count + 1, dtype="<i4"), "Int32", "offsets"),
+        _data_array(np.full(count, 5, dtype="u1"), "UInt8", "types"),
+        "</Cells>",
+        f'<CellData Scalars="body">{_data_array(owners.astype("<i4"), "Int32", "body")}</CellData>',
+        "</Piece></UnstructuredGrid></VTKFile>\n",
+    ]
+    return "\n".join(parts).encode()
+
+
+def pvd_bytes(files: Iterable[tuple[float, str]]) -> bytes:
+    """ParaView's index of a series of files by time [s]."""
+    lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>']
+    lines += [f'<DataSet timestep="{time:.9g}" part="0" file={quoteattr(name)}/>' for time, name in files]
+    return ("\n".join(lines) + "\n</Collection></VTKFile>\n").encode()
+
+
+def export(
+    recording: Recording, folder: str | PathLike[str], format: str = "vtu", *, frames: Iterable[int] | None = None
+) -> list[Path]:
+    """Writes frames into ``folder`` and returns the files; for ``vtu`` the last one is the ``.pvd`` to open."""
+    writers = {"vtu": vtu_bytes, "ply": ply_bytes, "obj": obj_bytes}
+    if format not in writers:
+        raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    stem = recording.scene or "run"
+    written: list[Path] = []
+    series: list[tuple[float, str]] = []
+    for index in range(len(recording)) if frames is None else frames:
+        frame = recording.frame(index)
+        data = writers[format](frame)
+        path = folder / f"{stem}_{frame.index:06d}.{format}"
+        write_atomically(path, lambda file, data=data: file.write(data) and None)
+        written.append(path)
+        series.append((frame.time, path.name))
+    if format == "vtu":
+        index_path = folder / f"{stem}.pvd"
+        write_atomically(index_path, lambda file: file.write(pvd_bytes(series)) and None)
+        written.append(index_path)
+    return written

@@ -1,0 +1,79 @@
+"""Names and values shared by the recording's writer and reader."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from .._core import InvalidArgument
+
+FORMAT_NAME = "stark-recording"
+FORMAT_VERSION = 1
+#: Frames in one chunk file; also the largest number of frames that a killed run loses.
+CHUNK_FRAMES = 32
+MANIFEST = "manifest.json"
+TELEMETRY = "telemetry.jsonl"
+TOPOLOGY = "frames/topology.npz"
+KINDS = ("cloth", "solid", "rigid", "rod")
+
+
+class RecordingError(InvalidArgument):
+    """A recording that cannot be written or read: names folder or file, defect and remedy."""
+
+
+@dataclass(frozen=True)
+class BodyEntry:
+    """One body of a recording. ``color`` is sRGB in [0, 1], or None for the viewer's palette."""
+
+    name: str
+    kind: str
+    motion: str
+    vertex_count: int
+    triangle_count: int
+    color: tuple[float, float, float] | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class FrameBody:
+    """A body at one time: ``positions`` (n, 3) float32 [m] in the world, ``triangles`` (m, 3) int32."""
+
+    name: str
+    kind: str
+    motion: str
+    positions: np.ndarray
+    triangles: np.ndarray
+    color: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Frame:
+    """All bodies at one time [s]."""
+
+    index: int
+    time: float
+    bodies: tuple[FrameBody, ...]
+
+
+def chunk_path(index: int) -> str:
+    return f"frames/chunk_{index:06d}.npz"
+
+
+def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
+    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with open(temporary, "wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,198 @@
+"""Reads a run folder, checking everything before it is handed out."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+import zlib
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..telemetry import Telemetry, TelemetryError
+from .format import (
+    FORMAT_NAME,
+    FORMAT_VERSION,
+    MANIFEST,
+    TELEMETRY,
+    TOPOLOGY,
+    BodyEntry,
+    Frame,
+    FrameBody,
+    RecordingError,
+    chunk_path,
+)
+
+
+def _read_npz(path: Path) -> dict[str, np.ndarray]:
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except FileNotFoundError:
+        raise RecordingError(f"'{path}' is missing; copy the run folder again or run the scene anew") from None
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+        raise RecordingError(f"'{path}' is damaged or cut off ({error}); copy the run folder again") from error
+
+
+class Recording:
+    """A recorded run. Frames are read chunk by chunk, so a long recording need not fit into memory."""
+
+    def __init__(self, folder: str | PathLike[str]) -> None:
+        self.folder = Path(folder)
+        self.manifest = self._read_manifest()
+        try:
+            self.bodies: list[BodyEntry] = [BodyEntry(**_tuples(entry)) for entry in self.manifest["bodies"]]
+            chunk_count = int(self.manifest["chunk_count"])
+            frame_count = int(self.manifest["frame_count"])
+            self.scene = str(self.manifest["scene"])
+            self.status = str(self.manifest["status"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
+        self._triangles = self._read_topology()
+        self._cache: dict[int, dict[str, np.ndarray]] = {}
+        times = [self._chunk(index)["times"] for index in range(chunk_count)]
+        self._starts = np.cumsum([0] + [len(t) for t in times])
+        #: Time of each frame [s], shape (frames,).
+        self.times: np.ndarray = np.concatenate(times) if times else np.zeros(0)
+        if len(self.times) != frame_count:
+            raise RecordingError(
+                f"'{self.folder}' holds {len(self.times)} frames, its manifest says {frame_count}; copy it again"
+            )
+        if np.any(np.diff(self.times) < 0.0):
+            raise RecordingError(f"'{self.folder}': times of frames decrease; the recording is damaged")
+
+    def _read_manifest(self) -> dict[str, Any]:
+        path = self.folder / MANIFEST
+        if not self.folder.is_dir():
+            raise RecordingError(f"'{self.folder}' is not a run folder: no such folder")
+        try:
+            manifest = json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise RecordingError(f"'{self.folder}' is not a run folder: it has no {MANIFEST}") from None
+        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+            raise RecordingError(f"'{path}' is damaged: {error}") from error
+        if not isinstance(manifest, dict) or manifest.get("format") != FORMAT_NAME:
+            raise RecordingError(f"'{path}' is not the manifest of a Stark recording (format must be {FORMAT_NAME!r})")
+        if manifest.get("version") != FORMAT_VERSION:
+            raise RecordingError(
+                f"'{path}' has format version {manifest.get('version')}; this Stark reads version {FORMAT_VERSION}: "
+                "use the Stark that wrote it"
+            )
+        return manifest
+
+    def _read_topology(self) -> list[np.ndarray]:
+        path = self.folder / TOPOLOGY
+        arrays = _read_npz(path)
+        triangles = []
+        for i, body in enumerate(self.bodies):
+            array = arrays.get(f"triangles_{i:04d}")
+            if array is None or array.shape != (body.triangle_count, 3):
+                raise RecordingError(f"'{path}': triangles of body '{body.name}' are missing or have a wrong shape")
+            if array.size and (array.min() < 0 or array.max() >= body.vertex_count):
+                raise RecordingError(f"'{path}': a triangle of body '{body.name}' names a vertex that it does not have")
+            triangles.append(array.astype(np.int32))
+        return triangles
+
+    def _chunk(self, index: int) -> dict[str, np.ndarray]:
+        if index in self._cache:
+            return self._cache[index]
+        path = self.folder / chunk_path(index)
+        arrays = _read_npz(path)
+        times = arrays.get("times")
+        if times is None or times.ndim != 1 or not np.all(np.isfinite(times)):
+            raise RecordingError(f"'{path}' has no valid times")
+        for i, body in enumerate(self.bodies):
+            positions = arrays.get(f"positions_{i:04d}")
+            if positions is None or positions.shape[1:] != (body.vertex_count, 3) or len(positions) not in (
+                1,
+                len(times),
+            ):
+                raise RecordingError(f"'{path}': positions of body '{body.name}' are missing or have a wrong shape")
+        if len(self._cache) >= 4:
+            self._cache.pop(next(iter(self._cache)))
+        self._cache[index] = arrays
+        return arrays
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings of the run by dotted name."""
+        return self.manifest.get("settings", {})
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """The numbers of every step. An unfinished last line is allowed only in a run that was killed."""
+        try:
+            return Telemetry.read(self.folder / TELEMETRY, tolerate_cut_line=self.status == "running")
+        except TelemetryError as error:
+            raise RecordingError(str(error)) from error
+
+    def body_index(self, body: str | int) -> int:
+        """Index of a body given by name or index."""
+        if isinstance(body, int):
+            if 0 <= body < len(self.bodies):
+                return body
+            raise RecordingError(f"'{self.folder}' has {len(self.bodies)} bodies, no body {body}")
+        names = [entry.name for entry in self.bodies]
+        if body not in names:
+            raise RecordingError(f"'{self.folder}' has no body '{body}'; it has: {', '.join(names)}")
+        return names.index(body)
+
+    def triangles(self, body: str | int) -> np.ndarray:
+        """Triangles of a body, (m, 3) int32."""
+        return self._triangles[self.body_index(body)]
+
+    def positions(self, body: str | int, frames: slice | int = slice(None)) -> np.ndarray:
+        """Positions of a body in the world [m]: (n, 3) for one frame, (frames, n, 3) for a slice, float32."""
+        which = self.body_index(body)
+        if isinstance(frames, int):
+            return self._positions_at(which, self._frame_index(frames))
+        indices = range(*frames.indices(len(self)))
+        if not indices:
+            return np.zeros((0, self.bodies[which].vertex_count, 3), dtype=np.float32)
+        return np.stack([self._positions_at(which, index) for index in indices])
+
+    def _frame_index(self, index: int) -> int:
+        count = len(self)
+        if not -count <= index < count:
+            raise RecordingError(f"'{self.folder}' has {count} frames, no frame {index}")
+        return index % count
+
+    def _positions_at(self, which: int, index: int) -> np.ndarray:
+        chunk_index = int(np.searchsorted(self._starts, index, side="right")) - 1
+        positions = self._chunk(chunk_index)[f"positions_{which:04d}"]
+        return positions[0 if len(positions) == 1 else index - self._starts[chunk_index]]
+
+    def frame(self, index: int) -> Frame:
+        """All bodies of one frame; negative indices count from the end."""
+        index = self._frame_index(index)
+        bodies = tuple(
+            FrameBody(b.name, b.kind, b.motion, self._positions_at(i, index), self._triangles[i], b.color)
+            for i, b in enumerate(self.bodies)
+        )
+        return Frame(index, float(self.times[index]), bodies)
+
+    def frames(self) -> Iterator[Frame]:
+        """All frames in order of time."""
+        return (self.frame(index) for index in range(len(self)))
+
+    def nearest(self, time: float) -> int:
+        """Index of the frame nearest to ``time`` [s]."""
+        if not len(self):
+            raise RecordingError(f"'{self.folder}' has no frames")
+        return int(np.argmin(np.abs(self.times - time)))
+
+    def still(self, time: float, **options: Any) -> np.ndarray:
+        """Picture of the frame nearest to ``time`` [s]: (height, width, 3) uint8; options as ``stark.render.render``."""
+        from ..render import render
+
+        return render(self.frame(self.nearest(time)), **options)
+
+
+def _tuples(entry: dict[str, Any]) -> dict[str, Any]:
+    return {**entry, "color": tuple(entry["color"]) if entry.get("color") else None}

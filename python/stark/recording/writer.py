@@ -1,0 +1,204 @@
+"""Writes a run folder while the simulation runs."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time as clock
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from ..telemetry import SERIES, TelemetryWriter, _plain
+from .format import (
+    CHUNK_FRAMES,
+    FORMAT_NAME,
+    FORMAT_VERSION,
+    MANIFEST,
+    TELEMETRY,
+    TOPOLOGY,
+    BodyEntry,
+    RecordingError,
+    chunk_path,
+    write_atomically,
+)
+
+
+def body_color(body: Any) -> tuple[float, float, float] | None:
+    """The colour of a body as three floats in [0, 1], or None when it has none."""
+    color = getattr(body, "color", None)
+    if color is None:
+        return None
+    red, green, blue = (min(1.0, max(0.0, float(c))) for c in tuple(color)[:3])
+    return (red, green, blue)
+
+
+def _word(value: Any) -> str:
+    return str(getattr(value, "name", value)).lower()
+
+
+class Recorder:
+    """Records the surfaces of all bodies of ``sim`` into ``folder``.
+
+    ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes the folder.
+    An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
+    """
+
+    def __init__(
+        self,
+        folder: str | PathLike[str],
+        sim: Any,
+        *,
+        scene: str = "",
+        settings: Mapping[str, Any] | None = None,
+        chunk_frames: int = CHUNK_FRAMES,
+        stark_version: str = "",
+    ) -> None:
+        if chunk_frames < 1:
+            raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
+        self.folder = Path(folder)
+        self.frame_count = 0
+        self._chunk_frames = chunk_frames
+        self._chunk_index = 0
+        self._times: list[float] = []
+        self._closed = False
+        self._prepare_folder()
+        bodies = list(sim.bodies)
+        self._entries = [self._entry(body) for body in bodies]
+        self._buffers: list[list[np.ndarray]] = [[] for _ in bodies]
+        self._manifest: dict[str, Any] = {
+            "format": FORMAT_NAME,
+            "version": FORMAT_VERSION,
+            "stark_version": stark_version,
+            "scene": scene,
+            "created": clock.strftime("%Y-%m-%dT%H:%M:%SZ", clock.gmtime()),
+            "status": "running",
+            "message": "",
+            "frame_count": 0,
+            "chunk_count": 0,
+            "chunk_frames": chunk_frames,
+            "settings": _plain(dict(settings or {})),
+            "bodies": [entry.to_json() for entry in self._entries],
+            "units": {"position": "m", **SERIES},
+            "summary": {},
+        }
+        triangles = {f"triangles_{i:04d}": np.asarray(b.triangles, dtype=np.int32) for i, b in enumerate(bodies)}
+        write_atomically(self.folder / TOPOLOGY, lambda file: np.savez(file, **triangles))
+        self._telemetry = TelemetryWriter(self.folder / TELEMETRY)
+        self._write_manifest()
+
+    def _prepare_folder(self) -> None:
+        if self.folder.exists():
+            if not self.folder.is_dir():
+                raise RecordingError(f"'{self.folder}' is a file; choose a folder for the recording")
+            known = (self.folder / MANIFEST).exists()
+            if any(self.folder.iterdir()) and not known:
+                raise RecordingError(
+                    f"folder '{self.folder}' is not empty and holds no recording; choose another folder or empty it"
+                )
+            if known:
+                (self.folder / MANIFEST).unlink()
+                shutil.rmtree(self.folder / "frames", ignore_errors=True)
+                (self.folder / TELEMETRY).unlink(missing_ok=True)
+                (self.folder / "replay.html").unlink(missing_ok=True)
+        (self.folder / "frames").mkdir(parents=True, exist_ok=True)
+
+    @staticmethod
+    def _entry(body: Any) -> BodyEntry:
+        positions, triangles = np.asarray(body.positions), np.asarray(body.triangles)
+        if positions.ndim != 2 or positions.shape[1] != 3:
+            raise RecordingError(f"body '{body.name}': positions have shape {positions.shape}; must be (n, 3)")
+        if triangles.ndim != 2 or triangles.shape[1] != 3:
+            raise RecordingError(f"body '{body.name}': triangles have shape {triangles.shape}; must be (m, 3)")
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(positions)):
+            raise RecordingError(
+                f"body '{body.name}': triangle index {triangles.max()} is outside its {len(positions)} vertices"
+            )
+        return BodyEntry(
+            name=str(body.name),
+            kind=_word(body.kind),
+            motion=_word(getattr(body, "motion", None) or "dynamic"),
+            vertex_count=len(positions),
+            triangle_count=len(triangles),
+            color=body_color(body),
+        )
+
+    def record(self, sim: Any, time: float | None = None) -> None:
+        """Adds one frame: the surface positions of all bodies at ``time`` [s], ``sim.time`` when not given."""
+        if self._closed:
+            raise RecordingError(f"recording '{self.folder}' is closed; frames can no longer be added")
+        bodies = list(sim.bodies)
+        if len(bodies) != len(self._entries):
+            raise RecordingError(
+                f"recording '{self.folder}' began with {len(self._entries)} bodies, now there are {len(bodies)}"
+            )
+        frame = []
+        for body, entry in zip(bodies, self._entries):
+            positions = np.array(body.positions, dtype=np.float32)
+            if positions.shape != (entry.vertex_count, 3):
+                raise RecordingError(
+                    f"body '{entry.name}': {positions.shape} positions, recorded as {(entry.vertex_count, 3)}"
+                )
+            frame.append(positions)
+        for buffer, positions in zip(self._buffers, frame):
+            buffer.append(positions)
+        self._times.append(float(sim.time if time is None else time))
+        self.frame_count += 1
+        if len(self._times) == self._chunk_frames:
+            self.flush()
+
+    def report(self, step_report: Any, **extra: float) -> None:
+        """Adds one line of telemetry; ``extra`` are further numbers in SI units."""
+        self._telemetry.write(step_report, **extra)
+
+    def flush(self) -> None:
+        """Writes the frames held in memory as one chunk. A body that did not move in it is stored once."""
+        if not self._times:
+            return
+        arrays: dict[str, np.ndarray] = {"times": np.array(self._times, dtype=np.float64)}
+        for i, buffer in enumerate(self._buffers):
+            still = all(np.array_equal(buffer[0], positions) for positions in buffer[1:])
+            arrays[f"positions_{i:04d}"] = np.stack(buffer[:1] if still else buffer)
+            buffer.clear()
+        self._times.clear()
+        path = self.folder / chunk_path(self._chunk_index)
+        write_atomically(path, lambda file: np.savez(file, **arrays))
+        self._chunk_index += 1
+        self._write_manifest()
+
+    def _write_manifest(self) -> None:
+        self._manifest["frame_count"] = self.frame_count - len(self._times)
+        self._manifest["chunk_count"] = self._chunk_index
+        text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"
+        write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()) and None)
+
+    def close(
+        self, status: str = "complete", message: str = "", summary: Mapping[str, Any] | None = None
+    ) -> None:
+        """Completes the folder. ``status`` is ``complete``, ``failed`` or ``interrupted``."""
+        if self._closed:
+            return
+        self._manifest["status"] = status
+        self._manifest["message"] = message
+        self._manifest["summary"] = _plain(dict(summary or {}))
+        self.flush()
+        self._write_manifest()
+        self._telemetry.close()
+        self._closed = True
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+        elif issubclass(kind, KeyboardInterrupt):
+            self.close("interrupted", "stopped by the user")
+        else:
+            self.close("failed", f"{kind.__name__}: {error}")

@@ -1,0 +1,126 @@
+"""Cameras, and the choice of one that shows a whole scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+#: Azimuth and elevation [rad] of the named views; the same as in the replay page.
+VIEWS = {"oblique": (-0.9, 0.42), "front": (-math.pi / 2, 0.08), "side": (0.0, 0.08), "top": (-math.pi / 2, 1.5)}
+#: A fixed body this many times larger than what moves is scenery: a floor, a wall.
+_SCENERY = 2.5
+#: Share of the picture that the box around the scene may fill.
+_FILL = 0.80
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Perspective camera: ``eye`` and ``target`` [m], ``up``, full vertical field of view [rad]."""
+
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    vertical_fov: float = 0.61
+
+    @classmethod
+    def looking(
+        cls,
+        target: Sequence[float],
+        distance: float,
+        azimuth: float = VIEWS["oblique"][0],
+        elevation: float = VIEWS["oblique"][1],
+        vertical_fov: float = 0.61,
+    ) -> Camera:
+        """Camera at ``distance`` [m] from ``target``, seen under ``azimuth`` and ``elevation`` [rad]."""
+        x, y, z = (float(c) for c in target)
+        flat = distance * math.cos(elevation)
+        eye = (x + flat * math.cos(azimuth), y + flat * math.sin(azimuth), z + distance * math.sin(elevation))
+        return cls(eye=eye, target=(x, y, z), vertical_fov=vertical_fov)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Sphere around what a picture is about, the ground below it, and which bodies are mere scenery."""
+
+    center: tuple[float, float, float]
+    radius: float
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    ground: float
+    has_floor: bool
+    scenery: tuple[bool, ...]
+
+
+def _word(value: Any) -> str:
+    return str(getattr(value, "name", value)).lower()
+
+
+def _box(points: Any) -> tuple[np.ndarray, np.ndarray]:
+    points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _size(box: tuple[np.ndarray, np.ndarray]) -> float:
+    return float(np.linalg.norm(box[1] - box[0]))
+
+
+def _join(boxes: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    return np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+
+
+def _triple(values: Any) -> tuple[float, float, float]:
+    return (float(values[0]), float(values[1]), float(values[2]))
+
+
+def scene_bounds(*frames: Any) -> Bounds:
+    """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless much larger."""
+    first = list(frames[0].bodies)
+    fixed = [_word(getattr(b, "motion", "")) == "fixed" for b in first]
+    filled = [i for i, b in enumerate(first) if len(b.positions)]
+    if not filled:
+        return Bounds((0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first))
+    still = {i: _box(first[i].positions) for i in filled if fixed[i]}
+    moving = [_box(list(f.bodies)[i].positions) for f in frames for i in filled if not fixed[i]]
+    core = _join(moving or list(still.values()))
+    scenery = {i for i, box in still.items() if moving and _size(box) >= _SCENERY * _size(core)}
+    core = _join([core, *(box for i, box in still.items() if i not in scenery)])
+    radius = 0.5 * _size(core) or 1.0
+    floors = [still[i][1][2] for i in scenery if still[i][1][2] <= core[0][2] + 0.1 * radius]
+    ground = float(max(floors)) if floors else float(core[0][2]) - 1e-3 * radius
+    return Bounds(
+        center=_triple(0.5 * (core[0] + core[1])),
+        radius=float(radius),
+        low=_triple(core[0]),
+        high=_triple(core[1]),
+        ground=ground,
+        has_floor=bool(floors),
+        scenery=tuple(i in scenery for i in range(len(first))),
+    )
+
+
+def auto_camera(bounds: Bounds, view: str = "oblique", aspect: float = 16.0 / 9.0) -> Camera:
+    """A camera that shows the whole box of ``bounds`` from a named view: oblique, front, side, top."""
+    if view not in VIEWS:
+        raise ValueError(f"view '{view}' is unknown; choose one of {', '.join(VIEWS)}")
+    azimuth, elevation = VIEWS[view]
+    fov = Camera.vertical_fov
+    back = np.array(
+        [
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        ]
+    )
+    right = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
+    up = np.cross(back, right)
+    half_height = _FILL * math.tan(0.5 * fov)
+    box = np.array([bounds.low, bounds.high])
+    corners = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    arms = corners - np.array(bounds.center)
+    wide = np.maximum(np.abs(arms @ right) / (half_height * aspect), np.abs(arms @ up) / half_height)
+    distance = max(float(np.max(wide + arms @ back)), 0.1 * bounds.radius)
+    return Camera.looking(bounds.center, distance, azimuth, elevation, fov)

@@ -1,0 +1,103 @@
+"""Assembles ``replay.html`` from the viewer's three source files and an encoded recording."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+from importlib import resources
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..recording import Recording
+from ..recording.format import write_atomically
+from ..telemetry import Telemetry
+from .encode import EncodedReplay, encode
+
+#: Plots of the page: title, unit, series, scale. A plot without data is left out.
+_PLOTS: tuple[tuple[str, str, str, tuple[tuple[str, str], ...]], ...] = (
+    ("Newton iterations", "", "linear", (("newton_iterations", "iterations"),)),
+    ("Contacts", "", "linear", (("contact_count", "contacts"),)),
+    ("Smallest distance", "m", "log", (("min_distance", "distance"),)),
+    ("Residual", "N", "log", (("residual", "residual"),)),
+    ("Energy", "J", "linear", ()),
+    ("Wall time per step", "s", "linear", (("wall", "wall"),)),
+)
+
+
+def _number(value: float) -> float | None:
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
+def plots(telemetry: Telemetry) -> dict[str, Any]:
+    """The plots of the page: time of each step [s] and the series with their units."""
+    if not len(telemetry) or "time" not in telemetry:
+        return {"time": [], "plots": []}
+    names = telemetry.names
+    energies = [(name, name.split(".", 1)[1].replace("_", " ")) for name in names if name.startswith("energy.")]
+    charts = []
+    for title, unit, scale, series in _PLOTS:
+        wanted = energies if title == "Energy" else [entry for entry in series if entry[0] in names]
+        columns = [(label, telemetry[name]) for name, label in wanted]
+        columns = [(label, values) for label, values in columns if np.any(np.isfinite(values))]
+        if title == "Energy":
+            columns = [(label, values) for label, values in columns if np.any(np.nan_to_num(values) != 0.0)]
+        if columns:
+            lines = [{"label": label, "values": [_number(v) for v in values]} for label, values in columns]
+            charts.append({"title": title, "unit": unit, "scale": scale, "series": lines})
+    return {"time": [_number(t) for t in telemetry["time"]], "plots": charts}
+
+
+def _script_json(value: Any) -> str:
+    """JSON that is safe inside a script element, whatever the names of bodies are."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def assemble(replay: EncodedReplay, telemetry: Telemetry) -> str:
+    """The page as text."""
+    sources = resources.files(__package__)
+    template = sources.joinpath("viewer.html").read_text(encoding="utf-8")
+    blocks = "\n".join(
+        f'<script type="application/octet-stream" class="block">{base64.b64encode(block).decode()}</script>'
+        for block in replay.blocks
+    )
+    header = {**replay.header, "telemetry": plots(telemetry)}
+    values = {
+        "title": html.escape(replay.header["scene"] or "Stark replay"),
+        "style": sources.joinpath("viewer.css").read_text(encoding="utf-8"),
+        "header": _script_json(header),
+        "blocks": blocks,
+        "script": "\n".join(
+            sources.joinpath(name).read_text(encoding="utf-8")
+            for name in ("decode.js", "draw.js", "plots.js", "viewer.js")
+        ),
+    }
+    parts = template.split("{{")
+    text = [parts[0]]
+    for part in parts[1:]:
+        name, rest = part.split("}}", 1)
+        text += [values[name], rest]
+    return "".join(text)
+
+
+def write_page(
+    recording: Recording,
+    path: str | PathLike[str] | None = None,
+    *,
+    stride: int | None = None,
+    max_megabytes: float = 60.0,
+) -> Path:
+    """Writes ``replay.html`` beside the recording (or to ``path``) and returns where it lies.
+
+    ``stride`` keeps every so-many-th frame; when not given, it is chosen so that the page stays below about
+    ``max_megabytes`` megabytes.
+    """
+    target = recording.folder / "replay.html" if path is None else Path(path)
+    page = assemble(encode(recording, stride=stride, max_megabytes=max_megabytes), recording.telemetry)
+    write_atomically(target, lambda file: file.write(page.encode("utf-8")) and None)
+    return target

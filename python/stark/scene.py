@@ -1,0 +1,343 @@
+"""The scene: what is simulated. Everything is checked when it is added."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stark import _core, materials
+from stark import mesh as meshes
+from stark._core import InvalidArgument
+from stark.bodies import Body, Cloth, RigidBody, Solid
+from stark.materials import ShellMaterial, SolidMaterial
+from stark.rotations import Vec3Like, as_matrix
+
+_ZERO = (0.0, 0.0, 0.0)
+
+
+class StarkWarning(UserWarning):
+    """Something that can be simulated but is probably not meant."""
+
+
+class FrictionTable:
+    """Coefficients of friction of pairs of bodies: ``scene.friction[box, "floor"] = 0.3``.
+
+    Reading gives the coefficient that holds: the one set for the pair; else the geometric mean of the coefficients of
+    the two bodies, where ``scene.default_friction`` stands in for a body that was given none. A body with itself is its
+    self-contact.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def __getitem__(self, pair: tuple[Body | str, Body | str]) -> float:
+        a, b = self._scene._pair(pair)
+        return self._scene._core.friction(a, b)
+
+    def __setitem__(self, pair: tuple[Body | str, Body | str], coefficient: float) -> None:
+        a, b = self._scene._pair(pair)
+        try:
+            value = float(coefficient)
+        except (TypeError, ValueError):
+            raise InvalidArgument(f"friction of {pair!r} = {coefficient!r}: must be a number >= 0") from None
+        self._scene._core.set_friction(a, b, value)
+
+
+class Scene:
+    """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
+
+    def __init__(self, name: str = "scene") -> None:
+        self.name = name
+        self._core = _core.Scene()
+        self._bodies: list[Body] = []
+        self._warned = 0
+
+    # --- deformable bodies ---
+
+    def add_cloth(
+        self,
+        mesh: Any,
+        material: ShellMaterial = materials.cotton,
+        *,
+        name: str | None = None,
+        position: Vec3Like = _ZERO,
+        rotation: ArrayLike | None = None,
+        velocity: Vec3Like = _ZERO,
+        angular_velocity: Vec3Like = _ZERO,
+        initial_positions: ArrayLike | None = None,
+        rest_angles: str = "flat",
+        pins: ArrayLike | None = None,
+        self_contact: bool = True,
+        contact_distance: float | None = None,
+        friction: float | None = None,
+        color: Vec3Like | None = None,
+    ) -> Cloth:
+        """Adds a sheet. ``mesh`` is its rest shape; ``position`` [m] and ``rotation`` (matrix or quaternion) place it.
+
+        ``velocity`` [m/s] and ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame
+        of the mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of the
+        mesh are at rest). ``pins``: indices or mask of prescribed vertices. ``contact_distance`` [m]: half of the gap
+        that it keeps to bodies of the same value, ``contact.distance`` of the settings if left out.
+        """
+        _require(material, ShellMaterial, "cloth", "stark.materials.cotton")
+        surface = meshes.as_triangle_mesh(mesh, _title("cloth", name))
+        given = self._description(
+            name, surface.vertices, position, rotation, velocity, angular_velocity, contact_distance, friction, color
+        )
+        given |= {
+            "triangles": surface.triangles,
+            "initial_positions": initial_positions,
+            "self_contact": bool(self_contact),
+            "rest_angles": rest_angles,
+        }
+        _check_pins(pins, len(surface.vertices), _title("cloth", name))
+        cloth = Cloth(self, self._core.add_cloth(given, material._core), surface, color)
+        self._append(cloth)
+        if pins is not None:
+            cloth.pin(pins)
+        return cloth
+
+    def add_solid(
+        self,
+        mesh: Any,
+        material: SolidMaterial = materials.soft_rubber,
+        *,
+        name: str | None = None,
+        position: Vec3Like = _ZERO,
+        rotation: ArrayLike | None = None,
+        velocity: Vec3Like = _ZERO,
+        angular_velocity: Vec3Like = _ZERO,
+        initial_positions: ArrayLike | None = None,
+        pins: ArrayLike | None = None,
+        self_contact: bool = True,
+        contact_distance: float | None = None,
+        friction: float | None = None,
+        color: Vec3Like | None = None,
+    ) -> Solid:
+        """Adds a soft volume of tetrahedra; arguments as in ``add_cloth``. Surfaces become volumes with
+        ``stark.mesh.tetrahedralise``."""
+        _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
+        volume = meshes.as_tet_mesh(mesh, _title("solid", name))
+        given = self._description(
+            name, volume.vertices, position, rotation, velocity, angular_velocity, contact_distance, friction, color
+        )
+        given |= {"tets": volume.tets, "initial_positions": initial_positions, "self_contact": bool(self_contact)}
+        _check_pins(pins, len(volume.vertices), _title("solid", name))
+        solid = Solid(self, self._core.add_solid(given, material._core), volume, color)
+        self._append(solid)
+        if pins is not None:
+            solid.pin(pins)
+        return solid
+
+    # --- rigid bodies ---
+
+    def add_rigid(
+        self,
+        mesh: Any,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        inertia: tuple[float, Vec3Like, ArrayLike] | None = None,
+        motion: str = "dynamic",
+        name: str | None = None,
+        position: Vec3Like = _ZERO,
+        rotation: ArrayLike | None = None,
+        velocity: Vec3Like = _ZERO,
+        angular_velocity: Vec3Like = _ZERO,
+        linear_damping: float = 0.0,
+        angular_damping: float = 0.0,
+        contact_distance: float | None = None,
+        friction: float | None = None,
+        color: Vec3Like | None = None,
+    ) -> RigidBody:
+        """Adds a rigid body with the surface ``mesh``.
+
+        A dynamic body needs one of ``mass`` [kg] (spread over the enclosed volume, or over the surface of open meshes),
+        ``density`` [kg/m^3] (closed meshes), ``inertia`` (mass [kg], centre of mass (3,) [m], tensor about it (3, 3)
+        [kg m^2], in the frame of the mesh). ``motion="fixed"`` never moves; ``motion="scripted"`` follows the poses that
+        are assigned to it, or its constant ``velocity`` [m/s] and ``angular_velocity`` [rad/s] until one is.
+        ``linear_damping`` and ``angular_damping`` in 1/s.
+        """
+        surface = meshes.as_triangle_mesh(mesh, _title("rigid body", name))
+        given = self._description(
+            name, surface.vertices, position, rotation, velocity, angular_velocity, contact_distance, friction, color
+        )
+        if inertia is not None and (not isinstance(inertia, tuple) or len(inertia) != 3):
+            raise InvalidArgument(
+                f"{_title('rigid body', name)}: inertia = {inertia!r}: must be (mass, centre of mass, 3x3 tensor)"
+            )
+        given |= {
+            "triangles": surface.triangles,
+            "motion": str(motion),
+            "mass": mass,
+            "density": density,
+            "inertia": inertia,
+            "linear_damping": linear_damping,
+            "angular_damping": angular_damping,
+        }
+        body = RigidBody(self, self._core.add_rigid(given), surface, color)
+        self._append(body)
+        return body
+
+    def add_box(self, size: float | ArrayLike, *, subdivisions: int = 1, **options: Any) -> RigidBody:
+        """Rigid box about its origin; ``size`` is one edge length or three [m], options as in ``add_rigid``."""
+        return self._add_shape("box", meshes.box(size, subdivisions), options)
+
+    def add_sphere(self, radius: float, *, subdivisions: int = 3, **options: Any) -> RigidBody:
+        """Rigid icosphere; options as in ``add_rigid``."""
+        return self._add_shape("sphere", meshes.sphere(radius, subdivisions), options)
+
+    def add_cylinder(self, radius: float, height: float, *, segments: int = 32, **options: Any) -> RigidBody:
+        """Rigid cylinder about z; options as in ``add_rigid``."""
+        return self._add_shape("cylinder", meshes.cylinder(radius, height, segments), options)
+
+    def add_capsule(self, radius: float, height: float, *, segments: int = 32, **options: Any) -> RigidBody:
+        """Rigid capsule about z, ``height`` between the centres of its half spheres; options as in ``add_rigid``."""
+        return self._add_shape("capsule", meshes.capsule(radius, height, segments), options)
+
+    def add_floor(self, size: float = 4.0, *, height: float = 0.0, **options: Any) -> RigidBody:
+        """Fixed square of two triangles in the plane z = ``height`` [m]; options as in ``add_rigid``."""
+        options = {"motion": "fixed", "position": (0.0, 0.0, height), **options}
+        return self._add_shape("floor", meshes.grid(size, size, 1), options)
+
+    # --- pairs ---
+
+    @property
+    def friction(self) -> FrictionTable:
+        """Coefficients of pairs: ``scene.friction[a, b] = 0.3``; see FrictionTable for pairs that are not set."""
+        return FrictionTable(self)
+
+    @property
+    def default_friction(self) -> float:
+        """Coefficient of bodies that were given none, 0.5 at first."""
+        return self._core.default_friction
+
+    @default_friction.setter
+    def default_friction(self, coefficient: float) -> None:
+        if isinstance(coefficient, bool) or not isinstance(coefficient, (int, float, np.number)):
+            raise InvalidArgument(f"scene: default_friction = {coefficient!r}: must be a number >= 0")
+        self._core.default_friction = float(coefficient)
+
+    def disable_contact(self, a: Body | str, b: Body | str) -> None:
+        """Lets two bodies pass through each other; ``a`` with itself switches its self-contact off."""
+        self._core.disable_contact(*self._pair((a, b)))
+
+    def enable_contact(self, a: Body | str, b: Body | str) -> None:
+        """Undoes ``disable_contact``."""
+        self._core.enable_contact(*self._pair((a, b)))
+
+    def contact_enabled(self, a: Body | str, b: Body | str) -> bool:
+        return self._core.contact_enabled(*self._pair((a, b)))
+
+    # --- bodies ---
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies in the order of adding."""
+        return tuple(self._bodies)
+
+    def __getitem__(self, name: str) -> Body:
+        return self._bodies[self._index(name)]
+
+    def __contains__(self, name: object) -> bool:
+        return any(body.name == name or body is name for body in self._bodies)
+
+    def __iter__(self) -> Iterator[Body]:
+        return iter(self._bodies)
+
+    def __len__(self) -> int:
+        return len(self._bodies)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was warned about so far."""
+        return self._core.warnings
+
+    def __repr__(self) -> str:
+        return f"<stark.Scene '{self.name}': {', '.join(f'{b.name} ({b.kind})' for b in self._bodies) or 'empty'}>"
+
+    # --- details ---
+
+    def _description(
+        self,
+        name: str | None,
+        vertices: meshes.Points,
+        position: ArrayLike,
+        rotation: ArrayLike | None,
+        velocity: ArrayLike,
+        angular_velocity: ArrayLike,
+        contact_distance: float | None,
+        friction: float | None,
+        color: ArrayLike | None,
+    ) -> dict[str, Any]:
+        if name is not None and (not isinstance(name, str) or not name):
+            raise InvalidArgument(f"name = {name!r}: must be a non-empty text, or None to have one chosen")
+        return {
+            "name": name or "",
+            "vertices": vertices,
+            "position": position,
+            "rotation": as_matrix(rotation, f"{'body' if name is None else repr(name)}: rotation"),
+            "velocity": velocity,
+            "angular_velocity": angular_velocity,
+            "contact_distance": contact_distance,
+            "friction": friction,
+            "color": color,
+        }
+
+    def _add_shape(self, kind: str, mesh: meshes.TriangleMesh, options: dict[str, Any]) -> RigidBody:
+        if options.get("name") is None:
+            number, options["name"] = 1, kind
+            while options["name"] in self:
+                number += 1
+                options["name"] = f"{kind}_{number}"
+        return self.add_rigid(mesh, **options)
+
+    def _append(self, body: Body) -> None:
+        self._bodies.append(body)
+        found = self._core.warnings
+        for message in found[self._warned :]:
+            warnings.warn(message, StarkWarning, stacklevel=3)
+        self._warned = len(found)
+
+    def _index(self, body: Body | str) -> int:
+        if isinstance(body, Body):
+            if body._scene is not self:
+                raise InvalidArgument(f"'{body.name}' belongs to another scene: must be a body of this one; add it here")
+            return body._index
+        if isinstance(body, str):
+            return self._core.find(body)
+        raise InvalidArgument(f"body = {body!r}: must be a body of the scene or its name")
+
+    def _pair(self, pair: Any) -> tuple[int, int]:
+        if not isinstance(pair, tuple) or len(pair) != 2:
+            raise InvalidArgument(f"pair = {pair!r}: must be two bodies or names, as in scene.friction[box, 'floor']")
+        return self._index(pair[0]), self._index(pair[1])
+
+
+def _title(kind: str, name: str | None) -> str:
+    return kind if name is None else f"{kind} '{name}'"
+
+
+def _require(material: Any, kind: type[Any], body: str, example: str) -> None:
+    if not isinstance(material, kind):
+        raise InvalidArgument(
+            f"material of a {body} = {material!r}: must be a stark.{kind.__name__}, for instance {example}"
+        )
+
+
+def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
+    """Before the body exists, so that a refused pin leaves the scene as it was."""
+    if pins is None:
+        return
+    array = np.asarray(pins)
+    if array.dtype == bool and array.shape == (vertex_count,):
+        return
+    if array.size and array.dtype.kind not in "iu":
+        raise InvalidArgument(f"{owner}: pins of type {array.dtype}: must be vertex indices or a mask of ({vertex_count},)")
+    wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array
+    if wrong.size:
+        raise InvalidArgument(f"{owner}: pinned vertex {wrong.flat[0]}: must be in [0, {vertex_count})")

@@ -1,0 +1,9 @@
+"""Scene files: the packaged ones by name, the user's by path, and the loop that runs them.
+
+A scene file is a Python file with a function ``build()``; ``docs/scene_files.md`` is the contract.
+"""
+
+from .runner import RunResult, run
+from .scene_file import SceneFile, SceneFileError, load, names
+
+__all__ = ["RunResult", "SceneFile", "SceneFileError", "load", "names", "run"]

@@ -1,0 +1,136 @@
+"""Loading of scene files and checking of what they define."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import importlib.util
+import inspect
+import math
+import pkgutil
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from .._core import InvalidArgument
+
+_INTERNAL = {"runner", "scene_file"}
+
+
+class SceneFileError(InvalidArgument):
+    """A scene file that cannot be used: names the file, the defect and the remedy."""
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """What a scene file defines. ``until`` is the simulated time [s], None when the file leaves it to the caller."""
+
+    name: str
+    description: str
+    module: ModuleType
+    until: float | None
+
+    def build(self) -> tuple[Any, dict[str, Any]]:
+        """A fresh scene and the settings of the file by dotted name."""
+        settings = self._mapping("settings()", self._call("settings", {}))
+        built = self.module.build()
+        if isinstance(built, tuple):
+            if len(built) != 2:
+                raise SceneFileError(
+                    f"scene '{self.name}': build() returned {len(built)} values; must return a stark.Scene or "
+                    "(scene, settings)"
+                )
+            built, more = built
+            settings.update(self._mapping("build()", more))
+        if built is None:
+            raise SceneFileError(f"scene '{self.name}': build() returned nothing; end it with 'return scene'")
+        return built, settings
+
+    def drive(self, sim: Any) -> None:
+        """The file's hook before every step, if it has one."""
+        if hasattr(self.module, "drive"):
+            self.module.drive(sim)
+
+    def observables(self, sim: Any) -> dict[str, float]:
+        """Numbers that characterise the state, if the file defines any."""
+        return {str(k): float(v) for k, v in dict(self._call("observables", {}, sim)).items()}
+
+    @property
+    def has_check(self) -> bool:
+        return hasattr(self.module, "check")
+
+    def check(self, recording: Any) -> None:
+        """The file's check of a finished run, if it has one; raises AssertionError when the run is wrong."""
+        if self.has_check:
+            self.module.check(recording)
+
+    def _call(self, function: str, default: Any, *arguments: Any) -> Any:
+        return getattr(self.module, function)(*arguments) if hasattr(self.module, function) else default
+
+    def _mapping(self, source: str, value: Any) -> dict[str, Any]:
+        if not hasattr(value, "keys"):
+            kind = type(value).__name__
+            raise SceneFileError(f"scene '{self.name}': settings of {source} are a {kind}; must be a dictionary")
+        return dict(value)
+
+
+def names() -> list[str]:
+    """Names of the packaged scenes."""
+    found = (m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)]))
+    return sorted(name for name in found if not name.startswith("_") and name not in _INTERNAL)
+
+
+def load(scene: str | PathLike[str]) -> SceneFile:
+    """A scene by the name of a packaged one, or by the path of a Python file."""
+    text = str(scene)
+    if text.endswith(".py") or "/" in text:
+        return _checked(_import_file(Path(text)), Path(text).stem)
+    if text not in names():
+        near = difflib.get_close_matches(text, names(), n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f"packaged scenes: {', '.join(names())}"
+        raise SceneFileError(f"no scene is called '{text}'; {hint} (a file must end in .py)")
+    return _checked(importlib.import_module(f"{__package__}.{text}"), text)
+
+
+def _import_file(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise SceneFileError(f"scene file '{path}' does not exist")
+    spec = importlib.util.spec_from_file_location(f"stark_scene_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise SceneFileError(f"scene file '{path}' cannot be imported; it must be a Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(path.parent.resolve()))  # so that a scene may import files beside it
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as error:
+        raise SceneFileError(f"scene file '{path}' line {error.lineno}: {error.msg}") from error
+    finally:
+        sys.path.pop(0)
+    return module
+
+
+def _require_arguments(name: str, function: Callable[..., Any], attribute: str, count: int) -> None:
+    if not callable(function):
+        raise SceneFileError(f"scene '{name}': {attribute} must be a function")
+    try:
+        inspect.signature(function).bind(*[None] * count)
+    except TypeError as error:
+        arguments = {0: "no arguments", 1: "one argument"}[count]
+        raise SceneFileError(f"scene '{name}': {attribute}() must accept {arguments}: {error}") from error
+
+
+def _checked(module: ModuleType, name: str) -> SceneFile:
+    if not hasattr(module, "build"):
+        raise SceneFileError(f"scene '{name}': defines no build(); add a function that returns a stark.Scene")
+    for attribute, count in (("build", 0), ("settings", 0), ("drive", 1), ("observables", 1), ("check", 1)):
+        if hasattr(module, attribute):
+            _require_arguments(name, getattr(module, attribute), attribute, count)
+    until = getattr(module, "until", None)
+    if until is not None and not (isinstance(until, (int, float)) and math.isfinite(until) and until > 0.0):
+        raise SceneFileError(f"scene '{name}': until = {until!r} s; must be a positive number")
+    description = (inspect.getdoc(module) or "").strip().split("\n")[0]
+    return SceneFile(name, description, module, None if until is None else float(until))

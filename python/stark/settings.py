@@ -1,0 +1,155 @@
+"""Settings with attribute access: ``settings.newton.step_tolerance = 1e-4``.
+
+Names, units, ranges and defaults are declared once in the core; every assignment is checked there. Rules between
+settings are checked when a simulation is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from stark import _core
+from stark._core import InvalidSetting
+
+
+class _UnknownSetting(InvalidSetting, AttributeError):
+    """An unknown setting asked for as an attribute, so that hasattr() works."""
+
+
+class SettingsGroup:
+    """The settings below one dotted prefix, as attributes."""
+
+    __slots__ = ("_names", "_prefix", "_settings")
+
+    def __init__(self, settings: Settings, prefix: str) -> None:
+        object.__setattr__(self, "_settings", settings)
+        object.__setattr__(self, "_prefix", prefix)
+        object.__setattr__(
+            self, "_names", tuple(n[len(prefix) :] for n in settings.names() if n.startswith(prefix))
+        )
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        try:
+            return self._settings[self._prefix + name]
+        except InvalidSetting as error:
+            raise _UnknownSetting(str(error)) from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._settings[self._prefix + name] = value
+
+    def __dir__(self) -> list[str]:
+        return list(self._names)
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{self._prefix}{name} = {getattr(self, name)!r}" for name in self._names)
+
+
+class Settings:
+    """All settings of a simulation.
+
+    ``Settings(time_step=1/30, contact_distance=2e-3, **{"newton.step_tolerance": 1e-4})``; short names exist for
+    ``time.step`` (time_step), ``contact.distance`` (contact_distance) and ``execution.threads`` (threads).
+    ``settings["newton.step_tolerance"]`` and ``settings.newton.step_tolerance`` are the same.
+    """
+
+    __slots__ = ("__weakref__", "_core")
+
+    def __init__(self, **values: Any) -> None:
+        object.__setattr__(self, "_core", _core.Settings())
+        self.update(values)
+
+    @classmethod
+    def _of(cls, core: _core.Settings) -> Settings:
+        settings = cls()
+        object.__setattr__(settings, "_core", core)
+        return settings
+
+    def update(self, values: Mapping[str, Any]) -> None:
+        """Assigns all entries by name, or none when one is refused. Groups may be nested mappings."""
+        changed = self._core.copy()
+        for name, value in values.items():
+            if isinstance(value, Mapping):
+                for inner, inner_value in value.items():
+                    changed.assign(f"{name}.{inner}", inner_value)
+            else:
+                changed.assign(name, value)
+        object.__setattr__(self, "_core", changed)
+
+    def set_text(self, assignment: str) -> None:
+        """Assigns from text, as on a command line: ``"newton.step_tolerance=1e-4"``."""
+        name, equals, text = assignment.partition("=")
+        if not equals:
+            raise InvalidSetting(f"'{assignment}': must have the form name=value")
+        self._core.set_text(name.strip(), text.strip())
+
+    def validate(self) -> None:
+        """Checks the rules between settings."""
+        self._core.validate()
+
+    def copy(self) -> Settings:
+        return Settings._of(self._core.copy())
+
+    def names(self) -> list[str]:
+        return [field["name"] for field in _core.Settings.fields()]
+
+    @staticmethod
+    def fields() -> list[dict[str, Any]]:
+        """Name, unit, default, rule, choices and meaning of every setting."""
+        return _core.Settings.fields()
+
+    def to_dict(self) -> dict[str, Any]:
+        """All settings by dotted name; ``Settings(**d)`` restores them."""
+        return self._core.to_dict()
+
+    def changed(self) -> dict[str, Any]:
+        """The settings that differ from their defaults."""
+        return self._core.changed()
+
+    def brief(self) -> str:
+        """One line: what differs from the defaults."""
+        return self._core.brief()
+
+    def __getitem__(self, name: str) -> Any:
+        return self._core.read(name)
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self._core.assign(name, value)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names())
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if any(known.startswith(name + ".") for known in self.names()):
+            return SettingsGroup(self, name + ".")
+        try:
+            return self._core.read(name)
+        except InvalidSetting as error:
+            raise _UnknownSetting(str(error)) from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if any(known.startswith(name + ".") for known in self.names()):
+            raise InvalidSetting(f"'{name}' is a group of settings, not a setting; assign to one of its fields")
+        self._core.assign(name, value)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *dict.fromkeys(name.partition(".")[0] for name in self.names())]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Settings) and self._core == other._core
+
+    __hash__ = None  # type: ignore[assignment]  # mutable
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self.to_dict(),)
+
+    def __repr__(self) -> str:
+        return self._core.listing().rstrip()
+
+
+def _rebuild(values: dict[str, Any]) -> Settings:
+    return Settings(**values)

@@ -1,0 +1,141 @@
+"""Running a scene: ``sim = stark.Simulation(scene, time_step=1/30)``, then ``for step in sim.run(until=1.0)``."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark import _core
+from stark._core import Error, InvalidArgument
+from stark.bodies import Body
+from stark.scene import Scene, StarkWarning
+from stark.settings import Settings
+
+if TYPE_CHECKING:
+    from stark._core import State, StepReport
+
+
+class StepFailed(Error):
+    """``Simulation.run`` met a step that failed even at the shortest time step; ``report`` is its report."""
+
+    def __init__(self, report: StepReport) -> None:
+        super().__init__(report.message or "the time step failed")
+        self.report = report
+
+
+class Simulation:
+    """A scene being simulated.
+
+    ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3, **{"newton.step_tolerance":
+    1e-4})``: keyword arguments are settings by name, see ``stark.Settings``; both may be given, keywords win. The scene is
+    copied: later changes to it do not reach the simulation. Initial intersections raise ``InitialIntersection``.
+    """
+
+    def __init__(self, scene: Scene, settings: Settings | None = None, **options: Any) -> None:
+        if not isinstance(scene, Scene):
+            raise InvalidArgument(f"scene = {scene!r}: must be a stark.Scene")
+        if settings is not None and not isinstance(settings, Settings):
+            raise InvalidArgument(f"settings = {settings!r}: must be a stark.Settings, or give settings as keywords")
+        self._settings = Settings() if settings is None else settings.copy()
+        self._settings.update(options)
+        self._settings.validate()
+        if len(scene) == 0:
+            raise InvalidArgument(
+                f"scene '{scene.name}' has 0 bodies: must have at least one to simulate; add one with scene.add_cloth, "
+                f"add_solid or add_rigid"
+            )
+        self._scene = scene
+        for message in scene._core.check_contact_distances(self._settings._core):
+            warnings.warn(message, StarkWarning, stacklevel=2)
+        self._core = _core.Simulation(scene._core, self._settings._core)
+        self._targets: dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
+        for body in scene.bodies:
+            body._bind(self)
+
+    # --- stepping ---
+
+    def step(self, *, max_time_step: float | None = None) -> StepReport:
+        """One time step. A step that fails is a value: look at ``report.status``. Ctrl-C stops it between iterations and
+        leaves the state as it was. ``max_time_step`` [s] shortens this step, to end at a given time."""
+        if max_time_step is None:
+            return self._core.step()
+        if not max_time_step > 0.0:
+            raise InvalidArgument(f"step: max_time_step = {max_time_step} s: must be > 0")
+        return self._core.step(float(max_time_step))
+
+    def run(self, until: float) -> Iterator[StepReport]:
+        """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end there.
+
+        A failed step is yielded as well; going on after it raises StepFailed.
+        """
+        until = float(until)
+        if not until >= 0.0:  # also NaN
+            raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
+        return self._run(until)
+
+    def _run(self, until: float) -> Iterator[StepReport]:
+        # Times are sums of steps: what is left below a millionth of a step is rounding, not a step to take.
+        while (rest := until - self.time) > 1e-6 * self._settings.time.step:
+            whole = rest > (1.0 + 1e-6) * self._settings.time.step
+            report = self._core.step() if whole else self._core.step(rest)
+            yield report
+            if report.failed:
+                raise StepFailed(report)
+
+    def run_until(self, until: float, stop: Callable[[], bool] | None = None) -> StepReport | None:
+        """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is asked after
+        each step and ends the run when true."""
+        report = None
+        for report in self.run(until):
+            if stop is not None and not report.failed and stop():
+                break
+        return report
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._core.time
+
+    @property
+    def time_step(self) -> float:
+        """Length of the next step [s]."""
+        return self._core.time_step
+
+    # --- state ---
+
+    @property
+    def state(self) -> State:
+        """Everything that changes in time, as a value: ``before = sim.state``; ``sim.state = before`` rewinds bitwise."""
+        return self._core.state
+
+    @state.setter
+    def state(self, state: State) -> None:
+        self._core.state = state
+        self._targets.clear()
+
+    @property
+    def settings(self) -> Settings:
+        """The settings it was made with; a copy."""
+        return self._settings.copy()
+
+    # --- bodies ---
+
+    @property
+    def scene(self) -> Scene:
+        return self._scene
+
+    @property
+    def bodies(self) -> list[Body]:
+        """Handles of all bodies, bound to this simulation, in the order of the scene."""
+        return [body._bound_to(self) for body in self._scene.bodies[: self._core.body_count]]
+
+    def __getitem__(self, body: Body | str) -> Body:
+        """The handle of a body, bound to this simulation."""
+        return self._scene.bodies[self._scene._index(body)]._bound_to(self)
+
+    def __repr__(self) -> str:
+        return f"<stark.Simulation of '{self._scene.name}' at {self.time:g} s>"

@@ -1,0 +1,197 @@
+"""Per-step telemetry: the numbers of every time step as JSON lines, with the unit of each series.
+
+One line of ``telemetry.jsonl`` is one call of ``sim.step()``. Numbers that are not finite (the minimum distance of a
+step without contacts, the residual of a failed solve) are written as ``null``, because JSON knows no NaN.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from .._core import InvalidArgument
+
+__all__ = ["SERIES", "Telemetry", "TelemetryError", "TelemetryWriter", "report_to_dict"]
+
+#: Unit of every series that the simulator itself reports; nested groups are written ``group.name``.
+SERIES: dict[str, str] = {
+    "step": "1",
+    "time": "s",
+    "time_step": "s",
+    "newton_iterations": "1",
+    "linear_iterations": "1",
+    "factorizations": "1",
+    "line_search_backtracks": "1",
+    "rejected_steps": "1",
+    "contact_count": "1",
+    "min_distance": "m",
+    "residual": "N",
+    "wall": "s",
+    "energy": "J",
+    "phases": "s",
+}
+
+
+class TelemetryError(InvalidArgument):
+    """A telemetry file that cannot be read: names file, line and defect."""
+
+
+def unit_of(name: str) -> str:
+    """Unit of a series; ``energy.kinetic`` has the unit of its group ``energy``. Unknown names are dimensionless."""
+    return SERIES.get(name) or SERIES.get(name.split(".", 1)[0], "1")
+
+
+def _plain(value: Any) -> Any:
+    """A JSON value: NumPy scalars become numbers, non-finite floats null, enums their names."""
+    if value is None or isinstance(value, (bool, str)):
+        return value
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, Iterable):
+        return [_plain(item) for item in value]
+    return str(getattr(value, "name", value))
+
+
+_REPORT_FIELDS = (
+    "status",
+    "time",
+    "time_step",
+    "newton_iterations",
+    "linear_iterations",
+    "factorizations",
+    "contact_count",
+    "min_distance",
+    "residual",
+    "energy",
+    "line_search_backtracks",
+    "rejected_steps",
+    "phases",
+    "message",
+)
+
+
+def report_to_dict(report: Any) -> dict[str, Any]:
+    """The numbers of a ``StepReport`` as a plain dictionary that JSON can hold."""
+    if hasattr(report, "to_dict"):
+        return _plain(report.to_dict())
+    return {name: _plain(getattr(report, name)) for name in _REPORT_FIELDS if hasattr(report, name)}
+
+
+class TelemetryWriter:
+    """Appends one line a step. Each line is handed to the system at once, so a killed run loses at most one line."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self._file = open(self.path, "w", encoding="utf-8", buffering=1)
+        self._step = 0
+
+    def write(self, report: Any, **extra: float) -> None:
+        """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds."""
+        line = {"step": self._step, **report_to_dict(report), **_plain(extra)}
+        self._file.write(json.dumps(line, separators=(",", ":"), allow_nan=False) + "\n")
+        self._step += 1
+
+    def close(self) -> None:
+        self._file.close()
+
+    def __enter__(self) -> TelemetryWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class Telemetry:
+    """The steps of a run as columns: ``telemetry["newton_iterations"]`` is a float64 array with one value a step."""
+
+    def __init__(self, rows: list[dict[str, Any]]) -> None:
+        self.rows = rows
+        self._columns: dict[str, np.ndarray] = {}
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], *, tolerate_cut_line: bool = False) -> Telemetry:
+        """Reads a JSONL file. With ``tolerate_cut_line`` an unfinished last line (a killed run) is left out."""
+        path = Path(path)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise TelemetryError(f"telemetry '{path}' cannot be read: {error}") from error
+        rows: list[dict[str, Any]] = []
+        lines = text.split("\n")
+        complete, rest = lines[:-1], lines[-1]
+        if rest and not tolerate_cut_line:
+            raise TelemetryError(
+                f"telemetry '{path}' line {len(lines)} is cut off; the run was killed or the copy is incomplete: copy "
+                "the run folder again"
+            )
+        for number, line in enumerate(complete, start=1):
+            try:
+                row = json.loads(line)
+            except json.JSONDecodeError as error:
+                raise TelemetryError(f"telemetry '{path}' line {number} is not JSON: {error.msg}") from error
+            if not isinstance(row, dict):
+                raise TelemetryError(f"telemetry '{path}' line {number} must be a JSON object")
+            rows.append(row)
+        return cls(rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all numeric series, in order of first appearance; groups are flattened to ``group.name``."""
+        names: dict[str, None] = {}
+        for row in self.rows:
+            for key, value in row.items():
+                if isinstance(value, dict):
+                    names.update({f"{key}.{inner}": None for inner in value})
+                elif not isinstance(value, (str, list)):
+                    names[key] = None
+        return list(names)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.names
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Column of shape (steps,), float64, NaN where a step has no value."""
+        if name not in self._columns:
+            group, _, inner = name.partition(".")
+            values = []
+            for row in self.rows:
+                value = row.get(name, row.get(group))
+                if isinstance(value, dict):
+                    value = value.get(inner)
+                values.append(float(value) if isinstance(value, (int, float)) else math.nan)
+            if self.rows and name not in self.names:
+                raise KeyError(f"no series '{name}'; there are: {', '.join(self.names)}")
+            self._columns[name] = np.array(values, dtype=np.float64)
+        return self._columns[name]
+
+    def unit(self, name: str) -> str:
+        """Unit of a series in SI symbols, ``1`` for counts."""
+        return unit_of(name)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes all series as CSV; the header holds ``name [unit]``."""
+        names = self.names
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([f"{name} [{self.unit(name)}]" for name in names])
+            columns = [self[name] for name in names]
+            writer.writerows(["" if math.isnan(value) else repr(value) for value in row] for row in zip(*columns))

@@ -1,0 +1,405 @@
+// Ownership of vertices and edges, tree order by median splits, refit, and pairs of groups by sweeping. See bvh.h.
+#include <stark/collision/bvh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <stark/base/error.h>
+
+namespace stark::detail {
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Box kEmptyBox = {{kInfinity, kInfinity, kInfinity, kInfinity},
+                           {-kInfinity, -kInfinity, -kInfinity, -kInfinity}};
+// A tree is built anew when the sum of its leaves' extents has grown by this factor.
+constexpr double kRebuildGrowth = 2.0;
+// Leaf blocks per unit of parallel work.
+constexpr int32_t kLeavesPerTask = 64;
+
+// One unit in the last place further out; subtracting two roundings' worth keeps the bound after the conversion.
+float round_down(double value) {
+  const float rounded = static_cast<float>(value);
+  return rounded - std::fabs(rounded) * 0x1p-23f - 1e-37f;
+}
+float round_up(double value) {
+  const float rounded = static_cast<float>(value);
+  return rounded + std::fabs(rounded) * 0x1p-23f + 1e-37f;
+}
+
+[[noreturn]] void throw_mesh(const std::string& what) { throw InvalidMesh("collision mesh: " + what); }
+
+template <size_t N>
+void check_primitives(const std::vector<std::array<int32_t, N>>& primitives, const std::vector<int32_t>& groups,
+                      const SurfaceMesh& mesh, const char* kind) {
+  if (groups.size() != primitives.size()) {
+    throw_mesh(std::to_string(primitives.size()) + " " + kind + "s, but " + std::to_string(groups.size()) +
+               " groups of them; give one group each");
+  }
+  for (size_t k = 0; k < primitives.size(); ++k) {
+    for (const int32_t v : primitives[k]) {
+      if (v < 0 || v >= mesh.vertex_count) {
+        throw_mesh(std::string(kind) + " " + std::to_string(k) + " uses vertex " + std::to_string(v) +
+                   ", but there are " + std::to_string(mesh.vertex_count) + " vertices (0-based)");
+      }
+      if (mesh.vertex_group[v] != groups[k]) {
+        throw_mesh(std::string(kind) + " " + std::to_string(k) + " of group " + std::to_string(groups[k]) +
+                   " uses vertex " + std::to_string(v) + " of group " + std::to_string(mesh.vertex_group[v]) +
+                   "; a primitive and its vertices must be of one group");
+      }
+    }
+    for (size_t i = 0; i < N; ++i) {
+      if (primitives[k][i] == primitives[k][(i + 1) % N]) {
+        throw_mesh(std::string(kind) + " " + std::to_string(k) + " uses vertex " + std::to_string(primitives[k][i]) +
+                   " twice; remove the degenerate primitive");
+      }
+    }
+  }
+}
+
+void check_mesh(const SurfaceMesh& mesh, int32_t group_count) {
+  if (mesh.vertex_group.size() != static_cast<size_t>(mesh.vertex_count)) {
+    throw_mesh(std::to_string(mesh.vertex_count) + " vertices, but " + std::to_string(mesh.vertex_group.size()) +
+               " groups of vertices; give one group each");
+  }
+  const auto check_group = [&](int32_t group) {
+    if (group < 0 || group >= group_count) {
+      throw_mesh("group " + std::to_string(group) + " is not in [0, " + std::to_string(group_count) +
+                 "), the range of the pair filter");
+    }
+  };
+  check_primitives(mesh.edges, mesh.edge_group, mesh, "edge");
+  check_primitives(mesh.triangles, mesh.triangle_group, mesh, "triangle");
+  for (const int32_t group : mesh.edge_group) check_group(group);
+  for (const int32_t group : mesh.triangle_group) check_group(group);
+  for (const int32_t v : mesh.points) {
+    if (v < 0 || v >= mesh.vertex_count) {
+      throw_mesh("point " + std::to_string(v) + " is not one of the " + std::to_string(mesh.vertex_count) +
+                 " vertices (0-based)");
+    }
+    check_group(mesh.vertex_group[v]);
+  }
+}
+
+struct Splitter {
+  std::vector<Vec3> centres;
+  std::vector<int32_t> order;
+
+  void split(int64_t begin, int64_t end) {
+    const int64_t count = end - begin;
+    if (count <= kWidth) {
+      std::sort(order.begin() + begin, order.begin() + end);
+      return;
+    }
+    int64_t block = kWidth;
+    while (block * kWidth < count) block *= kWidth;
+    const int64_t blocks = (count + block - 1) / block;
+    const int64_t middle = begin + block * ((blocks + 1) / 2);
+    Vec3 low = centres[order[begin]], high = low;
+    for (int64_t k = begin + 1; k < end; ++k) {
+      const Vec3& c = centres[order[k]];
+      low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
+      high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
+    }
+    const Vec3 extent = high - low;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : (extent.y >= extent.z ? 1 : 2);
+    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](int32_t i, int32_t j) {
+      const double ci = centres[i][axis], cj = centres[j][axis];
+      return ci != cj ? ci < cj : i < j;
+    });
+    split(begin, middle);
+    split(middle, end);
+  }
+};
+
+}  // namespace
+
+void Bvh::reset(SurfaceMesh mesh, int32_t group_count) {
+  check_mesh(mesh, group_count);
+  mesh_ = std::move(mesh);
+  make_cells(group_count);
+  vertex_boxes_.assign(mesh_.vertex_count, kEmptyBox);
+}
+
+void Bvh::make_cells(int32_t group_count) {
+  // Lowest triangle that has the edge, by binary search in the sorted list of triangle sides.
+  struct Side {
+    int32_t low, high, triangle, corner;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh_.triangles.size());
+  for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    const Index3& v = mesh_.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      sides.push_back({std::min(v[k], v[(k + 1) % 3]), std::max(v[k], v[(k + 1) % 3]), static_cast<int32_t>(t), k});
+    }
+  }
+  const auto less = [](const Side& a, const Side& b) {
+    if (a.low != b.low) return a.low < b.low;
+    return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+  };
+  std::sort(sides.begin(), sides.end(), less);
+
+  std::vector<Cell> cells;  // in the order triangles, edges, points
+  std::vector<int32_t> groups;
+  std::vector<bool> owned(mesh_.vertex_count, false);
+  const auto own_vertex = [&](Cell& cell, int32_t v) {
+    if (owned[v]) return;
+    owned[v] = true;
+    cell.points[cell.point_count++] = v;
+  };
+  for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    Cell cell;
+    cell.vertices = mesh_.triangles[t];
+    cell.triangle = static_cast<int32_t>(t);
+    for (const int32_t v : cell.vertices) own_vertex(cell, v);
+    cells.push_back(cell);
+    groups.push_back(mesh_.triangle_group[t]);
+  }
+  for (size_t e = 0; e < mesh_.edges.size(); ++e) {
+    const int32_t low = std::min(mesh_.edges[e][0], mesh_.edges[e][1]);
+    const int32_t high = std::max(mesh_.edges[e][0], mesh_.edges[e][1]);
+    auto side = std::lower_bound(sides.begin(), sides.end(), Side{low, high, -1, 0}, less);
+    // A repeated edge may find its first triangle full; then the next one, or a cell of its own.
+    while (side != sides.end() && side->low == low && side->high == high && cells[side->triangle].edge_count == 3) {
+      ++side;
+    }
+    if (side != sides.end() && side->low == low && side->high == high) {
+      Cell& cell = cells[side->triangle];
+      cell.edges[cell.edge_count++] = static_cast<int32_t>(e);
+      continue;
+    }
+    Cell cell;
+    cell.vertices = {mesh_.edges[e][0], mesh_.edges[e][1], mesh_.edges[e][1]};
+    cell.edges[cell.edge_count++] = static_cast<int32_t>(e);
+    own_vertex(cell, low);
+    own_vertex(cell, high);
+    cells.push_back(cell);
+    groups.push_back(mesh_.edge_group[e]);
+  }
+  for (const int32_t v : mesh_.points) {
+    if (owned[v]) continue;
+    Cell cell;
+    cell.vertices = {v, v, v};
+    own_vertex(cell, v);
+    cells.push_back(cell);
+    groups.push_back(mesh_.vertex_group[v]);
+  }
+  points_.clear();
+  for (int32_t v = 0; v < mesh_.vertex_count; ++v) {
+    if (owned[v]) points_.push_back(v);
+  }
+
+  trees_.assign(group_count, Tree{});
+  for (const int32_t group : groups) ++trees_[group].cell_count;
+  int32_t padded = 0;
+  for (Tree& tree : trees_) {
+    tree.cell_begin = padded;
+    padded += (tree.cell_count + kWidth - 1) / kWidth * kWidth;
+  }
+  cells_.assign(padded, Cell{});
+  std::vector<int32_t> next(group_count);
+  for (int32_t g = 0; g < group_count; ++g) next[g] = trees_[g].cell_begin;
+  for (size_t k = 0; k < cells.size(); ++k) cells_[next[groups[k]]++] = cells[k];
+  // Level 0 of all groups is contiguous, so that leaves are refitted in one parallel loop; upper levels follow.
+  leaf_count_ = padded / kWidth;
+  int32_t node_count = static_cast<int32_t>(leaf_count_);
+  for (Tree& tree : trees_) {
+    if (tree.cell_count == 0) continue;
+    int32_t size = (tree.cell_count + kWidth - 1) / kWidth;
+    tree.level_begin[0] = tree.cell_begin / kWidth;
+    tree.level_size[0] = size;
+    tree.level_count = 1;
+    while (size > 1) {
+      size = (size + kWidth - 1) / kWidth;
+      STARK_CHECK(tree.level_count < kMaxLevels);
+      tree.level_begin[tree.level_count] = node_count;
+      tree.level_size[tree.level_count++] = size;
+      node_count += size;
+    }
+  }
+  nodes_.assign(node_count, BoxNode{});
+}
+
+void Bvh::build(Tree& tree, std::span<const Vec3> x) {
+  Splitter splitter;
+  splitter.centres.resize(tree.cell_count);
+  splitter.order.resize(tree.cell_count);
+  for (int32_t k = 0; k < tree.cell_count; ++k) {
+    const Index3& v = cells_[tree.cell_begin + k].vertices;
+    splitter.centres[k] = x[v[0]] + x[v[1]] + x[v[2]];
+    splitter.order[k] = k;
+  }
+  splitter.split(0, tree.cell_count);
+  std::vector<Cell> sorted(tree.cell_count);
+  for (int32_t k = 0; k < tree.cell_count; ++k) sorted[k] = cells_[tree.cell_begin + splitter.order[k]];
+  std::copy(sorted.begin(), sorted.end(), cells_.begin() + tree.cell_begin);
+}
+
+void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
+                ThreadPool& pool) {
+  const size_t vertex_count = static_cast<size_t>(mesh_.vertex_count);
+  if (x0.size() < vertex_count || x1.size() < vertex_count) {
+    throw InvalidArgument("collision: " + std::to_string(std::min(x0.size(), x1.size())) + " positions for " +
+                          std::to_string(vertex_count) + " vertices; give one each");
+  }
+  if (group_inflation.size() != trees_.size()) {
+    throw InvalidArgument("collision: " + std::to_string(group_inflation.size()) + " inflations for " +
+                          std::to_string(trees_.size()) + " groups; give one each, in metres");
+  }
+  if (points_.empty()) return;
+  Vec3 low = x0[points_[0]], high = low;
+  for (const int32_t v : points_) {
+    const Vec3& p = x0[v];
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 origin = (low + high) * 0.5;
+  // Covers the rounding of the differences below, which is relative to the distance from the origin.
+  const double slack = 1e-15 * max_abs(high - low);
+  constexpr int64_t kPointGrain = 4096, kLeafGrain = 512;
+  pool.for_each_range(static_cast<int64_t>(points_.size()), kPointGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const int32_t v = points_[k];
+      const double r = group_inflation[mesh_.vertex_group[v]] * (1.0 + 1e-12) + slack;
+      const Vec3 p = x0[v] - origin, q = x1[v] - origin;
+      Box& box = vertex_boxes_[v];
+      box.low[0] = round_down(std::min(p.x, q.x) - r);
+      box.low[1] = round_down(std::min(p.y, q.y) - r);
+      box.low[2] = round_down(std::min(p.z, q.z) - r);
+      box.high[0] = round_up(std::max(p.x, q.x) + r);
+      box.high[1] = round_up(std::max(p.y, q.y) + r);
+      box.high[2] = round_up(std::max(p.z, q.z) + r);
+    }
+  });
+  for (Tree& tree : trees_) {
+    if (tree.cell_count > 0 && tree.built_size < 0.0) build(tree, x0);
+  }
+  pool.for_each_range(leaf_count_, kLeafGrain, [&](int64_t begin, int64_t end) { refit_leaves(begin, end); });
+  for (Tree& tree : trees_) {
+    if (tree.cell_count == 0) continue;
+    const double size = leaf_size(tree);
+    if (tree.built_size < 0.0) {
+      tree.built_size = size;
+    } else if (size > kRebuildGrowth * tree.built_size && tree.level_count > 1) {
+      build(tree, x0);
+      refit_leaves(tree.level_begin[0], tree.level_begin[0] + tree.level_size[0]);
+      tree.built_size = leaf_size(tree);
+    }
+    refit_upper_levels(tree);
+  }
+}
+
+void Bvh::refit_leaves(int64_t begin, int64_t end) {
+  for (int64_t leaf = begin; leaf < end; ++leaf) {
+    BoxNode& node = nodes_[leaf];
+    for (int k = 0; k < kWidth; ++k) {
+      const Cell& cell = cells_[kWidth * leaf + k];
+      const bool used = cell.triangle >= 0 || cell.point_count + cell.edge_count > 0;
+      const Box box = used ? cell_box(cell) : kEmptyBox;
+      for (int axis = 0; axis < 3; ++axis) {
+        node.low[axis][k] = box.low[axis];
+        node.high[axis][k] = box.high[axis];
+      }
+    }
+  }
+}
+
+namespace {
+
+Box node_bounds(const BoxNode& node) {
+  Box box = kEmptyBox;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < kWidth; ++k) {
+      box.low[axis] = std::min(box.low[axis], node.low[axis][k]);
+      box.high[axis] = std::max(box.high[axis], node.high[axis][k]);
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+double Bvh::leaf_size(const Tree& tree) const {
+  double size = 0.0;
+  for (int32_t leaf = 0; leaf < tree.level_size[0]; ++leaf) {
+    const Box box = node_bounds(nodes_[tree.level_begin[0] + leaf]);
+    for (int axis = 0; axis < 3; ++axis) size += static_cast<double>(box.high[axis]) - box.low[axis];
+  }
+  return size;
+}
+
+void Bvh::refit_upper_levels(Tree& tree) {
+  for (int level = 1; level < tree.level_count; ++level) {
+    for (int32_t n = 0; n < tree.level_size[level]; ++n) {
+      BoxNode& node = nodes_[tree.level_begin[level] + n];
+      for (int k = 0; k < kWidth; ++k) {
+        const int32_t child = kWidth * n + k;
+        const Box box = child < tree.level_size[level - 1]
+                            ? node_bounds(nodes_[tree.level_begin[level - 1] + child])
+                            : kEmptyBox;
+        for (int axis = 0; axis < 3; ++axis) {
+          node.low[axis][k] = box.low[axis];
+          node.high[axis][k] = box.high[axis];
+        }
+      }
+    }
+  }
+  tree.bounds = node_bounds(nodes_[tree.level_begin[tree.level_count - 1]]);
+}
+
+void Bvh::find_tasks(const PairFilter& filter) {
+  tasks_.clear();
+  task_begin_.assign(1, 0);
+  int32_t work = 0;
+  const auto add = [&](int32_t a, int32_t b) {
+    // The smaller group's leaves are looked up in the larger group's tree; few leaves against a large tree (a floor of
+    // two triangles under a big cloth) are split by its subtrees instead, to keep all threads busy.
+    if (trees_[a].level_size[0] > trees_[b].level_size[0]) std::swap(a, b);
+    const Tree &small = trees_[a], &large = trees_[b];
+    const int32_t size = small.level_size[0];
+    const bool by_subtrees = size < kLeavesPerTask && large.level_count > 3;
+    const int32_t level = large.level_count - (by_subtrees ? 3 : 1);
+    for (int32_t node = 0; node < large.level_size[level]; ++node) {
+      for (int32_t begin = 0; begin < size; begin += kLeavesPerTask) {
+        const int32_t end = std::min(size, begin + kLeavesPerTask);
+        tasks_.push_back({a, b, begin, end, level, node});
+        work += by_subtrees ? kLeavesPerTask : end - begin;
+        if (work >= kLeavesPerTask) {
+          task_begin_.push_back(static_cast<int32_t>(tasks_.size()));
+          work = 0;
+        }
+      }
+    }
+  };
+  order_.clear();
+  Box all = kEmptyBox;
+  for (int32_t g = 0; g < group_count(); ++g) {
+    if (trees_[g].cell_count == 0) continue;
+    if (filter.allowed(g, g)) add(g, g);
+    order_.push_back(g);
+    all = merge(all, trees_[g].bounds);
+  }
+  int axis = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (all.high[k] - all.low[k] > all.high[axis] - all.low[axis]) axis = k;
+  }
+  std::sort(order_.begin(), order_.end(), [&](int32_t i, int32_t j) {
+    const float a = trees_[i].bounds.low[axis], b = trees_[j].bounds.low[axis];
+    return a != b ? a < b : i < j;
+  });
+  for (size_t i = 0; i < order_.size(); ++i) {
+    const Box& box = trees_[order_[i]].bounds;
+    for (size_t j = i + 1; j < order_.size() && trees_[order_[j]].bounds.low[axis] <= box.high[axis]; ++j) {
+      if (box.overlaps(trees_[order_[j]].bounds) && filter.allowed(order_[i], order_[j])) add(order_[i], order_[j]);
+    }
+  }
+  if (task_begin_.back() != static_cast<int32_t>(tasks_.size())) {
+    task_begin_.push_back(static_cast<int32_t>(tasks_.size()));
+  }
+}
+
+}  // namespace stark::detail

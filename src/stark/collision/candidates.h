@@ -1,0 +1,78 @@
+// The collision primitives of a scene and the lists of primitive pairs that may touch. Pure data; the broad phase fills
+// the lists, continuous detection and contact read them in every iteration.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <stark/geometry/mesh.h>
+
+namespace stark {
+
+/// All collision primitives of a scene; vertex ids index one position array. Every vertex of an edge or triangle is a
+/// collision point; `points` adds vertices that belong to neither (particles). Interior vertices are simply not named.
+struct SurfaceMesh {
+  int32_t vertex_count = 0;
+  std::vector<int32_t> points;  // vertices without edges or triangles; others may be listed, too
+  std::vector<Index2> edges;
+  std::vector<Index3> triangles;
+  std::vector<int32_t> vertex_group, edge_group, triangle_group;  // collision group (body) of each primitive
+};
+
+struct PointTriangleCandidate {
+  int32_t point, triangle;
+  bool operator==(const PointTriangleCandidate&) const = default;
+};
+
+/// edge_a < edge_b.
+struct EdgeEdgeCandidate {
+  int32_t edge_a, edge_b;
+  bool operator==(const EdgeEdgeCandidate&) const = default;
+};
+
+/// A point without edges against an edge without triangles.
+struct PointEdgeCandidate {
+  int32_t point, edge;
+  bool operator==(const PointEdgeCandidate&) const = default;
+};
+
+/// Two points without edges, point_a < point_b.
+struct PointPointCandidate {
+  int32_t point_a, point_b;
+  bool operator==(const PointPointCandidate&) const = default;
+};
+
+/// Pairs that share no vertex, each once, sorted by first and second id. The last two lists hold what the first two
+/// cannot see: particles against rods and particles against particles.
+struct CandidateList {
+  std::vector<PointTriangleCandidate> point_triangle;
+  std::vector<EdgeEdgeCandidate> edge_edge;
+  std::vector<PointEdgeCandidate> point_edge;
+  std::vector<PointPointCandidate> point_point;
+
+  void clear();
+  int64_t size() const;
+  bool operator==(const CandidateList&) const = default;
+};
+
+/// Which groups may touch: a symmetric table that includes each group with itself.
+class PairFilter {
+ public:
+  PairFilter() = default;
+  explicit PairFilter(int32_t group_count, bool allow_pairs = true, bool allow_self = true);
+
+  void set(int32_t group_a, int32_t group_b, bool allowed);
+  bool allowed(int32_t group_a, int32_t group_b) const { return table_[index(group_a, group_b)]; }
+  int32_t group_count() const { return group_count_; }
+
+ private:
+  static size_t index(int32_t a, int32_t b) {
+    const size_t low = static_cast<size_t>(a < b ? a : b), high = static_cast<size_t>(a < b ? b : a);
+    return high * (high + 1) / 2 + low;
+  }
+
+  int32_t group_count_ = 0;
+  std::vector<bool> table_;
+};
+
+}  // namespace stark

@@ -1,0 +1,58 @@
+// Continuous collision detection for linear motion by conservative advancement along separating planes: at time t the
+// direction n between the closest points separates the primitives; each vertex pair keeps its gap along n linearly in
+// time, so the first time at which a gap falls to the target is a safe step (a directional form of additive CCD, Li et
+// al. 2021, "Codimensional incremental potential contact"). Gaps are lowered by a bound of their rounding errors, so
+// the result is conservative in floating point, whatever closest features were found. Phase: step-length bound.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <stark/base/thread_pool.h>
+#include <stark/collision/candidates.h>
+
+namespace stark {
+
+struct CcdSettings {
+  double gap_fraction = 0.1;  // part of the initial gap (beyond the separation) that must remain
+  double tolerance = 0.01;    // stop when this part of the initial gap is left to the target
+  int max_iterations = 64;    // the time reached so far is returned: safe, only smaller
+};
+
+// Largest fraction t in [0, 1] found such that the distance of the two primitives on [0, t] stays above
+// min(min_separation, 0.1 d0), d0 the distance at the start; 1 means that the whole motion is safe. When t < 1, at
+// least about gap_fraction of the initial gap remains at t. Returns 0 when d0 is zero or below rounding.
+// x0 and x1 hold the vertices at the start and the end, point first, then edge or triangle; edge A, then edge B.
+double point_point_ccd(const std::array<Vec3, 2>& x0, const std::array<Vec3, 2>& x1, double min_separation,
+                       const CcdSettings& settings = {});
+double point_edge_ccd(const std::array<Vec3, 3>& x0, const std::array<Vec3, 3>& x1, double min_separation,
+                      const CcdSettings& settings = {});
+double point_triangle_ccd(const std::array<Vec3, 4>& x0, const std::array<Vec3, 4>& x1, double min_separation,
+                          const CcdSettings& settings = {});
+double edge_edge_ccd(const std::array<Vec3, 4>& x0, const std::array<Vec3, 4>& x1, double min_separation,
+                     const CcdSettings& settings = {});
+
+enum class CandidateKind : uint8_t { None, PointTriangle, EdgeEdge, PointEdge, PointPoint };
+
+/// What limited a step and how much work it was.
+struct CcdReport {
+  double step = 1.0;
+  CandidateKind kind = CandidateKind::None;  // None when nothing limits
+  int64_t candidate = -1;                    // index into the list of that kind
+  int32_t first = -1, second = -1;           // ids of the two primitives
+  int64_t tested = 0;                        // candidates that needed more than the box test
+};
+
+/// Smallest safe fraction over all candidates, for vertices that move linearly from x0 to x1. The list must hold every
+/// pair that can come within min_separation [m] on the way (BroadPhase::find_swept, or a list whose motion budget
+/// covers the motion).
+double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
+                     std::span<const Vec3> x1, double min_separation, ThreadPool& pool, CcdReport* out_report = nullptr,
+                     const CcdSettings& settings = {});
+
+/// As above with one separation per group; a pair keeps the sum of its two groups' values.
+double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
+                     std::span<const Vec3> x1, std::span<const double> group_separation, ThreadPool& pool,
+                     CcdReport* out_report = nullptr, const CcdSettings& settings = {});
+
+}  // namespace stark

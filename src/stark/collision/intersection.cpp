@@ -1,0 +1,111 @@
+// Edge-triangle intersections through the hierarchy with exact predicates, containment by connected pieces. See
+// intersection.h.
+#include <stark/collision/intersection.h>
+
+#include <algorithm>
+
+#include <stark/collision/bvh.h>
+#include <stark/geometry/intersection.h>
+#include <stark/geometry/topology.h>
+
+namespace stark {
+
+namespace {
+
+using detail::Bvh;
+using detail::Cell;
+
+void add_edge_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::span<const Vec3> x,
+                       std::vector<EdgeTriangleIntersection>& out) {
+  if (b.triangle < 0 || a.edge_count == 0) return;
+  const detail::Box box = bvh.cell_box(b);
+  const Index3& t = b.vertices;
+  for (int k = 0; k < a.edge_count; ++k) {
+    const Index2& e = bvh.mesh().edges[a.edges[k]];
+    if (e[0] == t[0] || e[0] == t[1] || e[0] == t[2] || e[1] == t[0] || e[1] == t[1] || e[1] == t[2]) continue;
+    if (!box.overlaps(bvh.edge_box(a.edges[k]))) continue;
+    if (segment_intersects_triangle(x[e[0]], x[e[1]], x[t[0]], x[t[1]], x[t[2]])) {
+      out.push_back({a.edges[k], b.triangle});
+    }
+  }
+}
+
+struct Bounds {
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  void add(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  bool contains(const Vec3& p) const {
+    return low.x <= p.x && low.y <= p.y && low.z <= p.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+  }
+};
+
+// Lowest vertex of each connected piece of the collision primitives, sorted.
+std::vector<int32_t> find_piece_vertices(const SurfaceMesh& mesh) {
+  std::vector<Index3> links = mesh.triangles;
+  for (const Index2& e : mesh.edges) links.push_back({e[0], e[1], e[1]});
+  for (const int32_t v : mesh.points) links.push_back({v, v, v});
+  const std::vector<int32_t> component = find_connected_components(mesh.vertex_count, links);
+  std::vector<bool> seen(mesh.vertex_count, false);
+  std::vector<int32_t> result;
+  for (const int32_t v : find_used_vertices(links)) {
+    if (!seen[component[v]]) result.push_back(v);
+    seen[component[v]] = true;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                                                         const PairFilter& filter, ThreadPool& pool) {
+  Bvh bvh;
+  bvh.reset(mesh, filter.group_count());
+  bvh.refit(x, x, std::vector<double>(filter.group_count(), 0.0), pool);
+  std::vector<std::vector<EdgeTriangleIntersection>> found(pool.thread_count());
+  bvh.for_each_pair(filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
+    add_edge_triangle(bvh, a, b, x, found[thread]);
+    add_edge_triangle(bvh, b, a, x, found[thread]);
+  });
+  std::vector<EdgeTriangleIntersection> result;
+  for (const auto& part : found) result.insert(result.end(), part.begin(), part.end());
+  std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
+    return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
+  });
+  return result;
+}
+
+std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                                                  const PairFilter& filter, ThreadPool& pool) {
+  const int32_t group_count = filter.group_count();
+  std::vector<std::vector<Index3>> triangles(group_count);
+  std::vector<Bounds> bounds(group_count);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    triangles[mesh.triangle_group[t]].push_back(mesh.triangles[t]);
+    for (const int32_t v : mesh.triangles[t]) bounds[mesh.triangle_group[t]].add(x[v]);
+  }
+  const std::vector<int32_t> pieces = find_piece_vertices(mesh);
+  std::vector<std::vector<ContainedGroup>> found(group_count);
+  pool.for_each_task(group_count, [&](int64_t task, int) {
+    const int32_t outer = static_cast<int32_t>(task);
+    if (!is_closed(triangles[outer])) return;
+    std::vector<bool> reported(group_count, false);
+    for (const int32_t v : pieces) {
+      const int32_t inner = mesh.vertex_group[v];
+      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || !bounds[outer].contains(x[v])) continue;
+      if (locate_point(x[v], x, triangles[outer]) != PointLocation::Inside) continue;
+      reported[inner] = true;
+      found[outer].push_back({inner, outer, v});
+    }
+  });
+  std::vector<ContainedGroup> result;
+  for (const auto& part : found) result.insert(result.end(), part.begin(), part.end());
+  std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
+    return a.inner != b.inner ? a.inner < b.inner : a.outer < b.outer;
+  });
+  return result;
+}
+
+}  // namespace stark

@@ -1,0 +1,241 @@
+#include <stark/contact/contact_set.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <stark/base/error.h>
+#include <stark/geometry/distance.h>
+
+namespace stark {
+
+using symbolic::kLanes;
+using symbolic::Order;
+
+namespace {
+
+constexpr double kParallelFactor = 1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
+constexpr int64_t kCandidatesPerTask = 2048;
+
+/// Fills a contact from vertex ids; unused points are left out.
+void set_points(Contact& contact, StencilKind kind, int side_a_count, std::initializer_list<int32_t> sites,
+                std::initializer_list<double> weights) {
+  contact.kind = kind;
+  contact.point_count = static_cast<int8_t>(sites.size());
+  contact.side_a_count = static_cast<int8_t>(side_a_count);
+  std::copy(sites.begin(), sites.end(), contact.sites.begin());
+  std::copy(weights.begin(), weights.end(), contact.weights.begin());
+}
+
+void set_point_edge(Contact& contact, int32_t p, int32_t a, int32_t b, const std::array<double, 2>& w) {
+  set_points(contact, StencilKind::PointEdge, 1, {p, a, b}, {1.0, -w[0], -w[1]});
+}
+
+class Classifier {
+ public:
+  Classifier(const ContactGeometry& geometry, std::span<const Vec3> x) : geometry_(geometry), mesh_(*geometry.mesh), x_(x) {}
+
+  bool classify(const PointTriangleCandidate& c, Contact& contact) const {
+    const int32_t p = c.point;
+    const auto& t = mesh_.triangles[c.triangle];
+    if (!begin(contact, {0, c.point, c.triangle}, mesh_.vertex_group[p], mesh_.triangle_group[c.triangle])) return false;
+    const auto type = point_triangle_type(x_[p], x_[t[0]], x_[t[1]], x_[t[2]]);
+    if (!within(contact, point_triangle_squared_distance(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type))) return false;
+    const auto w = point_triangle_weights(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type);
+    const int k = static_cast<int>(type);
+    if (k < 3) {
+      set_points(contact, StencilKind::PointPoint, 1, {p, t[k]}, {1.0, -1.0});
+    } else if (k < 6) {
+      const int i = k - 3, j = (i + 1) % 3;
+      set_point_edge(contact, p, t[i], t[j], {w[i], w[j]});
+    } else {
+      set_points(contact, StencilKind::PointTriangle, 1, {p, t[0], t[1], t[2]}, {1.0, -w[0], -w[1], -w[2]});
+    }
+    return true;
+  }
+
+  bool classify(const EdgeEdgeCandidate& c, Contact& contact) const {
+    Index2 a = mesh_.edges[c.edge_a], b = mesh_.edges[c.edge_b];
+    if (!begin(contact, {1, c.edge_a, c.edge_b}, mesh_.edge_group[c.edge_a], mesh_.edge_group[c.edge_b])) return false;
+    auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);
+    if (!within(contact, edge_edge_squared_distance(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type))) return false;
+    const auto w = edge_edge_weights(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type);
+    contact.parallel_threshold =
+        kParallelFactor * geometry_.edge_squared_length[c.edge_a] * geometry_.edge_squared_length[c.edge_b];
+    const bool mollified =
+        squared_norm(cross(x_[a[1]] - x_[a[0]], x_[b[1]] - x_[b[0]])) < contact.parallel_threshold;
+    using enum EdgeEdgeType;
+    if (type == EA_EB) {
+      set_points(contact, mollified ? StencilKind::MollifiedEdgeEdge : StencilKind::EdgeEdge, 2, {a[0], a[1], b[0], b[1]},
+                 {w[0], w[1], -w[2], -w[3]});
+    } else if (type == EA_EB0 || type == EA_EB1) {
+      // An end of edge B against the inside of edge A: the point side comes first.
+      const int i = type == EA_EB0 ? 0 : 1;
+      std::swap(contact.group_a, contact.group_b);
+      if (mollified)
+        set_points(contact, StencilKind::MollifiedPointEdge, 2, {b[i], b[1 - i], a[0], a[1]}, {1.0, 0.0, -w[0], -w[1]});
+      else
+        set_point_edge(contact, b[i], a[0], a[1], {w[0], w[1]});
+    } else if (type == EA0_EB || type == EA1_EB) {
+      const int i = type == EA0_EB ? 0 : 1;
+      if (mollified)
+        set_points(contact, StencilKind::MollifiedPointEdge, 2, {a[i], a[1 - i], b[0], b[1]}, {1.0, 0.0, -w[2], -w[3]});
+      else
+        set_point_edge(contact, a[i], b[0], b[1], {w[2], w[3]});
+    } else {
+      const int i = type == EA1_EB0 || type == EA1_EB1 ? 1 : 0, j = type == EA0_EB1 || type == EA1_EB1 ? 1 : 0;
+      if (mollified)
+        set_points(contact, StencilKind::MollifiedPointPoint, 2, {a[i], a[1 - i], b[j], b[1 - j]}, {1.0, 0.0, -1.0, 0.0});
+      else
+        set_points(contact, StencilKind::PointPoint, 1, {a[i], b[j]}, {1.0, -1.0});
+    }
+    return true;
+  }
+
+  bool classify(const PointEdgeCandidate& c, Contact& contact) const {
+    const auto& e = mesh_.edges[c.edge];
+    if (!begin(contact, {2, c.point, c.edge}, mesh_.vertex_group[c.point], mesh_.edge_group[c.edge])) return false;
+    const auto type = point_edge_type(x_[c.point], x_[e[0]], x_[e[1]]);
+    if (!within(contact, point_edge_squared_distance(x_[c.point], x_[e[0]], x_[e[1]], type))) return false;
+    if (type == PointEdgeType::P_E)
+      set_point_edge(contact, c.point, e[0], e[1], point_edge_weights(x_[c.point], x_[e[0]], x_[e[1]], type));
+    else
+      set_points(contact, StencilKind::PointPoint, 1, {c.point, e[type == PointEdgeType::P_E0 ? 0 : 1]}, {1.0, -1.0});
+    return true;
+  }
+
+  bool classify(const PointPointCandidate& c, Contact& contact) const {
+    if (!begin(contact, {3, c.point_a, c.point_b}, mesh_.vertex_group[c.point_a], mesh_.vertex_group[c.point_b])) return false;
+    if (!within(contact, squared_norm(x_[c.point_a] - x_[c.point_b]))) return false;
+    set_points(contact, StencilKind::PointPoint, 1, {c.point_a, c.point_b}, {1.0, -1.0});
+    return true;
+  }
+
+ private:
+  bool begin(Contact& contact, const PairKey& key, int32_t group_a, int32_t group_b) const {
+    contact.key = key;
+    contact.group_a = group_a;
+    contact.group_b = group_b;
+    contact.contact_distance = geometry_.group_distance[group_a] + geometry_.group_distance[group_b];
+    return true;
+  }
+
+  static bool within(Contact& contact, double squared_distance) {
+    if (!(squared_distance < contact.contact_distance * contact.contact_distance)) return false;
+    contact.distance = std::sqrt(squared_distance);
+    return true;
+  }
+
+  const ContactGeometry& geometry_;
+  const SurfaceMesh& mesh_;
+  std::span<const Vec3> x_;
+};
+
+template <typename Candidate>
+void classify_all(const Classifier& classifier, const std::vector<Candidate>& candidates, ThreadPool& pool,
+                  std::vector<Contact>& out) {
+  const int64_t count = static_cast<int64_t>(candidates.size());
+  std::vector<std::vector<Contact>> parts((count + kCandidatesPerTask - 1) / kCandidatesPerTask);
+  pool.for_each_range(count, kCandidatesPerTask, [&](int64_t begin, int64_t end) {
+    Contact contact;
+    for (int64_t i = begin; i < end; ++i)
+      if (classifier.classify(candidates[i], contact)) parts[begin / kCandidatesPerTask].push_back(contact);
+  });
+  for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
+}
+
+}  // namespace
+
+void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
+                   ThreadPool& pool, std::vector<Contact>& out) {
+  out.clear();
+  const Classifier classifier(geometry, x);
+  classify_all(classifier, candidates.point_triangle, pool, out);
+  classify_all(classifier, candidates.edge_edge, pool, out);
+  classify_all(classifier, candidates.point_edge, pool, out);
+  classify_all(classifier, candidates.point_point, pool, out);
+}
+
+ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers, ThreadPool& pool)
+    : pool_(pool), contact_of_(kStencilKindCount) {
+  for (const auto& barrier : barriers) batches_.emplace_back(barrier);
+}
+
+void ContactSet::reset(std::vector<Contact> contacts) {
+  contacts_ = std::move(contacts);
+  std::vector<int32_t> stencils;
+  for (int kind = 0; kind < kStencilKindCount; ++kind) {
+    stencils.clear();
+    contact_of_[kind].clear();
+    for (size_t c = 0; c < contacts_.size(); ++c) {
+      if (static_cast<int>(contacts_[c].kind) != kind) continue;
+      stencils.insert(stencils.end(), contacts_[c].sites.begin(), contacts_[c].sites.begin() + contacts_[c].point_count);
+      contact_of_[kind].push_back(static_cast<int64_t>(c));
+    }
+    PotentialBatch& batch = batches_[kind];
+    batch.resize(stencils);
+    const bool mollified = kind >= static_cast<int>(StencilKind::MollifiedPointPoint);
+    const int stiffness = batch.field_index("stiffness"), distance = batch.field_index("contact_distance");
+    const int threshold = mollified ? batch.field_index("parallel_threshold") : -1;
+    for (int64_t e = 0; e < batch.size(); ++e) {
+      const Contact& contact = contacts_[contact_of_[kind][e]];
+      batch.set(stiffness, e, {&contact.stiffness, 1});
+      batch.set(distance, e, {&contact.contact_distance, 1});
+      if (mollified) batch.set(threshold, e, {&contact.parallel_threshold, 1});
+    }
+  }
+}
+
+std::vector<const PotentialBatch*> ContactSet::batches() const {
+  std::vector<const PotentialBatch*> result;
+  for (const PotentialBatch& batch : batches_)
+    if (batch.size() > 0) result.push_back(&batch);
+  return result;
+}
+
+const std::vector<double>& ContactSet::evaluate_energies(std::span<const Vec3> x) {
+  energies_.assign(contacts_.size(), 0.0);
+  AlignedVector<double> out;
+  for (int kind = 0; kind < kStencilKindCount; ++kind) {
+    const PotentialBatch& batch = batches_[kind];
+    out.resize(batch.block_count() * kLanes);
+    pool_.for_each_range(batch.block_count(), 32, [&](int64_t first, int64_t last) {
+      batch.evaluate(Order::Energy, x, first, last, out.data() + first * kLanes);
+    });
+    for (int64_t e = 0; e < batch.size(); ++e) energies_[contact_of_[kind][e]] = out[e];
+  }
+  return energies_;
+}
+
+void ContactSet::evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out_forces) const {
+  out_forces.assign(contacts_.size(), Vec3{});
+  AlignedVector<double> out;
+  for (int kind = 0; kind < kStencilKindCount; ++kind) {
+    const PotentialBatch& batch = batches_[kind];
+    const int outputs = batch.potential().kernel().output_count(Order::Gradient);
+    out.resize(batch.block_count() * outputs * kLanes);
+    batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());
+    for (int64_t e = 0; e < batch.size(); ++e) {
+      const int64_t c = contact_of_[kind][e];
+      const double* lane = out.data() + (e / kLanes) * outputs * kLanes + e % kLanes;
+      for (int p = 0; p < contacts_[c].side_a_count; ++p)
+        for (int a = 0; a < 3; ++a) out_forces[c][a] -= lane[(1 + 3 * p + a) * kLanes];
+    }
+  }
+}
+
+EnergyDifference energy_difference(const ContactSet& a, const ContactSet& b) {
+  const auto &ca = a.contacts(), &cb = b.contacts();
+  const auto &ea = a.energies(), &eb = b.energies();
+  EnergyDifference total;
+  size_t i = 0, j = 0;
+  while (i < ca.size() || j < cb.size()) {
+    const bool take_a = j == cb.size() || (i < ca.size() && ca[i].key <= cb[j].key);
+    const bool take_b = i == ca.size() || (j < cb.size() && cb[j].key <= ca[i].key);
+    const double energy_a = take_a ? ea[i++] : 0.0, energy_b = take_b ? eb[j++] : 0.0;
+    total.difference += energy_b - energy_a;
+    total.magnitude += std::fabs(energy_a);
+  }
+  return total;
+}
+
+}  // namespace stark

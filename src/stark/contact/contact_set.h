@@ -1,0 +1,81 @@
+// Active contacts of a configuration: candidate pairs whose distance is below their contact distance, classified into
+// stencils and filled into one batch per barrier (step phase 4b).
+#pragma once
+
+#include <array>
+#include <compare>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <stark/collision/candidates.h>
+#include <stark/mechanics/assembler.h>
+
+namespace stark {
+
+enum class StencilKind : uint8_t {
+  PointPoint, PointEdge, PointTriangle, EdgeEdge, MollifiedPointPoint, MollifiedPointEdge, MollifiedEdgeEdge, kCount
+};
+inline constexpr int kStencilKindCount = static_cast<int>(StencilKind::kCount);
+
+/// Identity of a pair of primitives, in the order of the candidate lists.
+struct PairKey {
+  uint8_t list = 0;  ///< 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point
+  int32_t first = 0, second = 0;
+  auto operator<=>(const PairKey&) const = default;
+};
+
+struct Contact {
+  PairKey key;
+  StencilKind kind = StencilKind::PointPoint;
+  int8_t point_count = 2;
+  int8_t side_a_count = 1;          ///< the first vertices belong to side A
+  int32_t group_a = 0, group_b = 0;
+  std::array<int32_t, 4> sites{};   ///< as the barrier of `kind` orders them
+  std::array<double, 4> weights{};  ///< separation = sum_i weights_i x_i, + on side A
+  double distance = 0.0;            ///< [m]
+  double contact_distance = 0.0;    ///< [m]
+  double parallel_threshold = 0.0;  ///< [m^4], edge-edge only
+  double stiffness = 0.0;           ///< [N/m]
+};
+
+/// What classification needs to know about the surfaces.
+struct ContactGeometry {
+  const SurfaceMesh* mesh = nullptr;
+  std::vector<double> group_distance;      ///< contact distance per group [m]; a pair acts within the sum
+  std::vector<double> edge_squared_length; ///< of the rest shape, per edge [m^2]
+};
+
+/// Contacts among the candidates at site positions x, in the order of the lists. Stiffness is left at zero.
+void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
+                   ThreadPool& pool, std::vector<Contact>& out);
+
+class ContactSet {
+ public:
+  /// barriers: one potential per StencilKind.
+  ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers, ThreadPool& pool);
+
+  /// Takes the contacts (with stiffness) and fills the batches.
+  void reset(std::vector<Contact> contacts);
+
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  std::vector<const PotentialBatch*> batches() const;
+
+  /// Energies of the contacts at x, in the order of contacts() [J].
+  const std::vector<double>& evaluate_energies(std::span<const Vec3> x);
+  const std::vector<double>& energies() const { return energies_; }
+  /// Force vectors on side A of each contact at x: minus the sum of the gradients of its points [N].
+  void evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out) const;
+
+ private:
+  ThreadPool& pool_;
+  std::vector<PotentialBatch> batches_;             ///< by StencilKind
+  std::vector<std::vector<int64_t>> contact_of_;    ///< [kind][element] -> index into contacts_
+  std::vector<Contact> contacts_;
+  std::vector<double> energies_;
+};
+
+/// Sum over pairs of energies of `b` minus energies of `a`; both sorted by key, missing pairs have no energy.
+EnergyDifference energy_difference(const ContactSet& a, const ContactSet& b);
+
+}  // namespace stark

@@ -1,0 +1,87 @@
+#include <stark/contact/friction_set.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stark {
+
+using symbolic::kLanes;
+using symbolic::Order;
+
+FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity) {
+  for (const auto& potential : potentials) {
+    batches_.emplace_back(potential);
+    batches_.back().set_uniform("stick_velocity", stick_velocity);
+  }
+}
+
+double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                          const FrictionTable& coefficient, std::span<const Vec3> x_start, double time_step) {
+  std::map<PairKey, double> strengths;
+  std::array<std::vector<int32_t>, 3> stencils;
+  std::array<std::vector<size_t>, 3> members;
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    const Contact& contact = contacts[c];
+    const double strength = coefficient(contact.group_a, contact.group_b) * norm(forces[c]);
+    if (!(strength > 0.0)) continue;
+    strengths.emplace(contact.key, strength);
+    auto& stencil = stencils[contact.point_count - 2];
+    stencil.insert(stencil.end(), contact.sites.begin(), contact.sites.begin() + contact.point_count);
+    members[contact.point_count - 2].push_back(c);
+  }
+  for (int k = 0; k < 3; ++k) {
+    PotentialBatch& batch = batches_[k];
+    batch.resize(stencils[k]);
+    batch.set_previous(x_start);
+    batch.set_time_step(time_step);
+    const int strength = batch.field_index("strength"), normal = batch.field_index("normal");
+    for (int64_t e = 0; e < batch.size(); ++e) {
+      const size_t c = members[k][e];
+      const Vec3 n = normalized(forces[c]);
+      batch.set(strength, e, {&strengths.at(contacts[c].key), 1});
+      batch.set(normal, e, {&n.x, 3});
+      for (int p = 0; p < k + 2; ++p) batch.set("weight" + std::to_string(p), e, contacts[c].weights[p]);
+    }
+  }
+  double change = 0.0;
+  for (const auto& [key, strength] : strengths) {
+    const auto old = strengths_.find(key);
+    change = std::max(change, std::fabs(strength - (old == strengths_.end() ? 0.0 : old->second)));
+  }
+  for (const auto& [key, strength] : strengths_)
+    if (!strengths.contains(key)) change = std::max(change, strength);
+  strengths_ = std::move(strengths);
+  return change;
+}
+
+std::vector<const PotentialBatch*> FrictionSet::batches() const {
+  std::vector<const PotentialBatch*> result;
+  for (const PotentialBatch& batch : batches_)
+    if (batch.size() > 0) result.push_back(&batch);
+  return result;
+}
+
+std::vector<double> FrictionSet::energies(std::span<const Vec3> x) const {
+  std::vector<double> energies;
+  AlignedVector<double> out;
+  for (const PotentialBatch& batch : batches_) {
+    out.resize(batch.block_count() * kLanes);
+    batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
+    energies.insert(energies.end(), out.begin(), out.begin() + batch.size());
+  }
+  return energies;
+}
+
+void FrictionSet::remember(std::span<const Vec3> x) { remembered_ = energies(x); }
+
+EnergyDifference FrictionSet::energy_difference(std::span<const Vec3> x) const {
+  EnergyDifference total;
+  const std::vector<double> now = energies(x);
+  for (size_t e = 0; e < now.size(); ++e) {
+    total.difference += now[e] - remembered_[e];
+    total.magnitude += std::fabs(remembered_[e]);
+  }
+  return total;
+}
+
+}  // namespace stark

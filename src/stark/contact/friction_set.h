@@ -1,0 +1,40 @@
+// Friction of the contacts of a configuration, with normal force, tangent plane and closest points frozen there and
+// displacements measured from the start of the step (step phase 2, refreshed when the iteration has converged).
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include <stark/contact/contact_set.h>
+
+namespace stark {
+
+/// Coulomb's coefficient of a pair of groups.
+using FrictionTable = std::function<double(int32_t group_a, int32_t group_b)>;
+
+class FrictionSet {
+ public:
+  /// potentials: friction of 2, 3 and 4 points.
+  FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity);
+
+  /// Freezes friction at the contacts, with the forces on their sides A; x_start are site positions at the start of the
+  /// step. Returns the largest change of mu lambda of a pair [N].
+  double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces, const FrictionTable& coefficient,
+               std::span<const Vec3> x_start, double time_step);
+
+  std::vector<const PotentialBatch*> batches() const;
+  bool empty() const { return strengths_.empty(); }
+
+  /// Energies at x are compared with those at the last remember(), element by element.
+  void remember(std::span<const Vec3> x);
+  EnergyDifference energy_difference(std::span<const Vec3> x) const;
+
+ private:
+  std::vector<double> energies(std::span<const Vec3> x) const;
+
+  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points
+  std::map<PairKey, double> strengths_;  ///< mu lambda [N]
+  std::vector<double> remembered_;
+};
+
+}  // namespace stark

@@ -1,0 +1,174 @@
+#include <stark/contact/pipeline.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <stark/base/error.h>
+
+namespace stark {
+
+namespace {
+
+/// A list is built with this part of the contact distance as motion budget; motions beyond kSweptFactor times it are
+/// swept once instead of enlarging the list for all energy evaluations.
+constexpr double kMarginFactor = 0.5;
+constexpr double kGrowFactor = 1.5;
+constexpr double kSweptFactor = 8.0;
+
+std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
+  std::vector<int32_t> sites(mesh.points);
+  for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
+  for (const Index3& triangle : mesh.triangles) sites.insert(sites.end(), triangle.begin(), triangle.end());
+  std::sort(sites.begin(), sites.end());
+  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+  return sites;
+}
+
+}  // namespace
+
+ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials,
+                                 const ContactOptions& options, const KinematicMap& map, ThreadPool& pool,
+                                 PhaseTimer& timer)
+    : friction_coefficient_(std::move(surfaces.friction)),
+      options_(options),
+      pool_(pool),
+      timer_(timer),
+      stiffness_(map),
+      active_(potentials.barriers, pool),
+      trial_(potentials.barriers, pool),
+      friction_(potentials.frictions, options.stick_velocity) {
+  surface_sites_ = find_surface_sites(surfaces.mesh);
+  for (const Index2& edge : surfaces.mesh.edges)
+    geometry_.edge_squared_length.push_back(
+        squared_norm(surfaces.rest_positions[edge[1]] - surfaces.rest_positions[edge[0]]));
+  geometry_.group_distance = surfaces.group_distance;
+  for (const double d : surfaces.group_distance) group_separation_.push_back(options.min_separation_factor * d);
+  broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
+  geometry_.mesh = &broad_phase_.mesh();
+}
+
+void ContactPipeline::begin_step(const Configuration& configuration, std::span<const Vec3> x,
+                                 std::span<const Mat3> diagonal, double time_step) {
+  x_start_.assign(x.begin(), x.end());
+  time_step_ = time_step;
+  {
+    const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
+    stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor);
+  }
+  update(x);
+  refresh_lagged(x);
+}
+
+bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
+  if (candidates.x.empty()) return false;
+  const std::vector<int32_t>& group = mesh().vertex_group;
+  for (const int32_t site : surface_sites_) {
+    const double margin = candidates.margin[group[site]];
+    if (squared_norm(x[site] - candidates.x[site]) > margin * margin) return false;
+  }
+  return true;
+}
+
+void ContactPipeline::build(std::span<const Vec3> x, std::vector<double> margin, Candidates& out) {
+  const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
+  out.x.assign(x.begin(), x.end());
+  out.margin = std::move(margin);
+  std::vector<double> inflation(geometry_.group_distance);
+  for (size_t g = 0; g < inflation.size(); ++g) inflation[g] += out.margin[g];
+  broad_phase_.find(x, inflation, pool_, out.list);
+  ++counters_.candidate_builds;
+  counters_.candidates += out.list.size();
+}
+
+std::vector<double> ContactPipeline::group_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) const {
+  std::vector<double> motion(geometry_.group_distance.size(), 0.0);
+  for (const int32_t site : surface_sites_) {
+    double& largest = motion[mesh().vertex_group[site]];
+    largest = std::max(largest, squared_norm(x1[site] - x0[site]));
+  }
+  for (double& m : motion) m = std::sqrt(m);
+  return motion;
+}
+
+void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out) {
+  std::vector<Contact> contacts;
+  find_contacts(geometry_, list, x, pool_, contacts);
+  stiffness_.assign(x, contacts);
+  out.reset(std::move(contacts));
+  out.evaluate_energies(x);
+}
+
+void ContactPipeline::update(std::span<const Vec3> x) {
+  if (!covers(candidates_, x)) {
+    std::vector<double> margin(geometry_.group_distance);
+    for (double& m : margin) m *= kMarginFactor;
+    build(x, std::move(margin), candidates_);
+  }
+  fill(candidates_.list, x, active_);
+  friction_.remember(x);
+}
+
+std::vector<const PotentialBatch*> ContactPipeline::batches() const {
+  std::vector<const PotentialBatch*> all = active_.batches();
+  for (const PotentialBatch* batch : friction_.batches()) all.push_back(batch);
+  return all;
+}
+
+double ContactPipeline::max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  const CandidateList* list = &candidates_.list;
+  if (!covers(candidates_, x1) || !covers(candidates_, x0)) {
+    std::vector<double> motion = group_motion(x0, x1);
+    bool is_far = false;
+    for (size_t g = 0; g < motion.size(); ++g) {
+      is_far = is_far || motion[g] > kSweptFactor * geometry_.group_distance[g];
+      motion[g] = std::max(kGrowFactor * motion[g], kMarginFactor * geometry_.group_distance[g]);
+    }
+    if (is_far) {
+      const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
+      broad_phase_.find_swept(x0, x1, geometry_.group_distance, pool_, swept_);
+      ++counters_.swept_builds;
+      list = &swept_;
+    } else {
+      build(x0, std::move(motion), candidates_);
+    }
+  }
+  return max_safe_step(mesh(), *list, x0, x1, group_separation_, pool_, &ccd_report_);
+}
+
+EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
+  const CandidateList* list = &candidates_.list;
+  if (!covers(candidates_, x)) {
+    if (!covers(trial_candidates_, x)) {
+      std::vector<double> margin(geometry_.group_distance);
+      for (double& m : margin) m *= kMarginFactor;
+      build(x, std::move(margin), trial_candidates_);
+    }
+    list = &trial_candidates_.list;
+  }
+  fill(*list, x, trial_);
+  EnergyDifference total = stark::energy_difference(active_, trial_);
+  const EnergyDifference friction = friction_.energy_difference(x);
+  total.difference += friction.difference;
+  total.magnitude += friction.magnitude;
+  return total;
+}
+
+double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
+  if (!options_.friction) return 0.0;
+  const PhaseTimer::Scope scope(timer_, Phase::Friction);
+  update(x);
+  std::vector<Vec3> forces;
+  active_.evaluate_forces(x, forces);
+  const double change = friction_.reset(active_.contacts(), forces, friction_coefficient_, x_start_, time_step_);
+  friction_.remember(x);
+  return change;
+}
+
+double ContactPipeline::min_distance() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Contact& contact : active_.contacts()) smallest = std::min(smallest, contact.distance);
+  return smallest;
+}
+
+}  // namespace stark

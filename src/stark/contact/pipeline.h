@@ -1,0 +1,99 @@
+// Contact of all kinds of bodies in one pipeline: candidates with a motion budget, active contacts, barrier, friction,
+// certified step bounds (step phases 2, 4b and 4h). It sees sites only, never bodies.
+#pragma once
+
+#include <memory>
+
+#include <stark/base/timer.h>
+#include <stark/collision/broad_phase.h>
+#include <stark/collision/ccd.h>
+#include <stark/contact/friction_set.h>
+#include <stark/contact/stiffness.h>
+#include <stark/mechanics/active_set.h>
+
+namespace stark {
+
+struct ContactOptions {
+  double stiffness_factor = 300.0;
+  double min_separation_factor = 1e-3;
+  double stick_velocity = 1e-3;  ///< [m/s]
+  bool friction = true;
+};
+
+/// Surfaces of a scene: vertex ids are site ids, groups are bodies.
+struct ContactSurfaces {
+  SurfaceMesh mesh;
+  PairFilter filter;
+  std::vector<double> group_distance;  ///< contact distance per group [m]
+  std::vector<Vec3> rest_positions;    ///< by site [m]; sets the edges' rest lengths
+  FrictionTable friction;
+};
+
+struct ContactPotentials {
+  std::array<std::shared_ptr<const Potential>, kStencilKindCount> barriers;
+  std::array<std::shared_ptr<const Potential>, 3> frictions;
+};
+
+struct ContactCounters {
+  int64_t candidate_builds = 0, swept_builds = 0, candidates = 0;
+};
+
+class ContactPipeline final : public ActiveSet {
+ public:
+  ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials, const ContactOptions& options,
+                  const KinematicMap& map, ThreadPool& pool, PhaseTimer& timer);
+
+  /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness. Returns
+  /// false when the surfaces touch or intersect there to rounding.
+  void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
+                  double time_step);
+
+  void update(std::span<const Vec3> x) override;
+  std::vector<const PotentialBatch*> batches() const override;
+  double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
+  EnergyDifference energy_difference(std::span<const Vec3> x) override;
+  double refresh_lagged(std::span<const Vec3> x) override;
+
+  const std::vector<Contact>& contacts() const { return active_.contacts(); }
+  const ContactSet& active_set() const { return active_; }
+  const SurfaceMesh& mesh() const { return broad_phase_.mesh(); }
+  const PairFilter& filter() const { return broad_phase_.filter(); }
+  const ContactCounters& counters() const { return counters_; }
+  /// Smallest distance of an active contact [m], infinity when there is none.
+  double min_distance() const;
+  /// Pair of primitives that limited the last max_step().
+  const CcdReport& limiting_pair() const { return ccd_report_; }
+
+ private:
+  /// Candidate list that is complete while no site is farther than its group's margin from where it was built.
+  struct Candidates {
+    CandidateList list;
+    std::vector<Vec3> x;
+    std::vector<double> margin;  ///< per group [m]
+  };
+
+  bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
+  void build(std::span<const Vec3> x, std::vector<double> margin, Candidates& out);
+  std::vector<double> group_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) const;
+  void fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out);
+
+  BroadPhase broad_phase_;
+  ContactGeometry geometry_;
+  FrictionTable friction_coefficient_;
+  ContactOptions options_;
+  ThreadPool& pool_;
+  PhaseTimer& timer_;
+  PairStiffness stiffness_;
+  ContactSet active_, trial_;
+  FrictionSet friction_;
+  Candidates candidates_, trial_candidates_;
+  CandidateList swept_;
+  CcdReport ccd_report_;
+  ContactCounters counters_;
+  std::vector<int32_t> surface_sites_;
+  std::vector<double> group_separation_;
+  std::vector<Vec3> x_start_;
+  double time_step_ = 0.0;
+};
+
+}  // namespace stark

@@ -1,0 +1,316 @@
+// Choice of the linear solver, refinement, and the cost model behind LinearSolverKind::Automatic.
+#include <stark/linalg/linear_solver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <stark/base/error.h>
+#include <stark/linalg/cholesky.h>
+#include <stark/linalg/pcg.h>
+
+namespace stark {
+
+namespace {
+
+// Rates of the cost model, in the round numbers of one core of 2020-2025. Only their ratio matters; a choice must not
+// depend on the machine, or runs would not repeat elsewhere.
+constexpr double kFlopsPerSecond = 15e9;
+constexpr double kBytesPerSecond = 12e9;
+constexpr double kSwitchGain = 1.5;          // hysteresis: the other solver must be this much cheaper
+constexpr double kDirectStartFlops = 20e9;   // above, conjugate gradients go first
+constexpr double kProbeMinIterations = 60;   // do not try conjugate gradients when direct costs less than this many
+constexpr int kFirstBackoff = 8;             // time steps until conjugate gradients are tried again, doubling
+constexpr int kLastBackoff = 256;
+constexpr double kPredictionSlack = 3.0;     // conjugate gradients give up at this multiple of their prediction
+constexpr int kLeastIterationCap = 50;
+
+constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of direct solvers
+constexpr int kFloatRefinements = 30;
+constexpr int kDoubleRefinements = 3;
+constexpr double kAcceptableResidual = 1e-6;    // a direct solve worse than this is a failure
+
+double dot(const std::vector<double>& a, std::span<const double> b) {
+  double sum = 0.0;
+  for (size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+double norm(std::span<const double> a) {
+  double sum = 0.0;
+  for (double value : a) sum += value * value;
+  return std::sqrt(sum);
+}
+
+// A factor with the pattern it was analysed for.
+template <typename Real>
+struct Factor {
+  Cholesky<Real> cholesky;
+  uint64_t hash = 0;
+  bool analyzed = false;
+
+  void update(const BlockPattern& pattern, uint64_t pattern_hash, std::span<const Vec3> positions) {
+    if (analyzed && hash == pattern_hash) return;
+    cholesky.analyze(pattern, positions);
+    hash = pattern_hash;
+    analyzed = true;
+  }
+};
+
+}  // namespace
+
+struct LinearSolver::Implementation {
+  Implementation(const LinearSolverSettings& the_settings, ThreadPool& the_pool)
+      : settings(the_settings), pool(the_pool) {
+    current = settings.kind == LinearSolverKind::Automatic ? LinearSolverKind::Cholesky : settings.kind;
+  }
+
+  LinearSolverSettings settings;
+  ThreadPool& pool;
+  LinearSolverKind current;
+  Factor<double> factor;
+  Factor<float> factor_float;
+  Pcg pcg;
+  std::vector<double> r, z, p, q;
+
+  // State of the automatic choice.
+  int32_t modelled_blocks = -1;   // block rows for which the first choice was made
+  double direct_cost = 0.0;       // modelled seconds of one solve
+  double iteration_cost = 0.0;    // modelled seconds of one iteration of conjugate gradients
+  double predicted_iterations = -1.0;
+  double step_iterations = 0.0;
+  int step_solves = 0;
+  bool probing = false;
+  bool pcg_failed = false;
+  int backoff = kFirstBackoff, steps_until_probe = 0;
+
+  void model_costs(const BlockMatrix& A);
+  void choose_first(const BlockMatrix& A, uint64_t hash, std::span<const Vec3> positions);
+  void choose_next();
+  int iteration_cap() const;
+  bool solve_direct(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
+                    std::span<const Vec3> positions, LinearSolveReport& report);
+  bool solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
+                   std::span<const Vec3> positions, LinearSolveReport& report);
+  bool solve_pcg(const BlockMatrix& A, std::span<const double> b, std::span<double> x, double tolerance,
+                 int max_iterations, LinearSolveReport& report);
+  double residual(const BlockMatrix& A, std::span<const double> b, std::span<const double> x);
+};
+
+void LinearSolver::Implementation::model_costs(const BlockMatrix& A) {
+  const double n = A.pattern.block_count, off_diagonal = static_cast<double>(A.pattern.slot_count()) - n;
+  // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads every block
+  // and its index, and passes over about ten vectors.
+  direct_cost = factor.cholesky.flops() / kFlopsPerSecond +
+                4.0 * 8.0 * static_cast<double>(factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
+  iteration_cost = ((2.0 * off_diagonal + n) * 76.0 + 10.0 * 24.0 * n) / kBytesPerSecond;
+}
+
+void LinearSolver::Implementation::choose_first(const BlockMatrix& A, uint64_t hash,
+                                                std::span<const Vec3> positions) {
+  factor.update(A.pattern, hash, positions);
+  model_costs(A);
+  modelled_blocks = A.pattern.block_count;
+  current = factor.cholesky.flops() > kDirectStartFlops ? LinearSolverKind::Pcg : LinearSolverKind::Cholesky;
+  probing = current == LinearSolverKind::Pcg;
+  predicted_iterations = -1.0;
+  backoff = kFirstBackoff;
+  steps_until_probe = 1;
+}
+
+void LinearSolver::Implementation::choose_next() {
+  if (modelled_blocks < 0) return;
+  if (step_solves > 0) predicted_iterations = step_iterations / step_solves;
+  if (current == LinearSolverKind::Pcg) {
+    const double cost = predicted_iterations * iteration_cost;
+    probing = false;
+    if (predicted_iterations >= 0.0 && cost > kSwitchGain * direct_cost) {
+      current = LinearSolverKind::Cholesky;
+      steps_until_probe = backoff;
+    } else if (step_solves > 0) {
+      backoff = kFirstBackoff;
+    }
+  } else {
+    if (pcg_failed) {
+      steps_until_probe = backoff;
+      backoff = std::min(2 * backoff, kLastBackoff);
+    }
+    // Conjugate gradients get a chance whenever they could win: their count of iterations is only known by trying.
+    if (--steps_until_probe <= 0 && direct_cost > kSwitchGain * kProbeMinIterations * iteration_cost) {
+      current = LinearSolverKind::Pcg;
+      probing = true;
+      predicted_iterations = -1.0;
+    }
+  }
+  pcg_failed = false;
+  step_iterations = 0.0;
+  step_solves = 0;
+}
+
+int LinearSolver::Implementation::iteration_cap() const {
+  // Without a prediction, try as long as success would still have paid.
+  double cap = kPredictionSlack * predicted_iterations;
+  if (predicted_iterations < 0.0) cap = direct_cost / (kSwitchGain * iteration_cost);
+  cap = std::max(cap, static_cast<double>(kLeastIterationCap));
+  return static_cast<int>(std::min(cap, static_cast<double>(settings.pcg_max_iterations)));
+}
+
+double LinearSolver::Implementation::residual(const BlockMatrix& A, std::span<const double> b,
+                                              std::span<const double> x) {
+  r.resize(b.size());
+  A.multiply(x.data(), r.data(), pool);
+  for (size_t k = 0; k < r.size(); ++k) r[k] = b[k] - r[k];
+  const double scale = norm(b), value = norm(r);
+  return value == 0.0 ? 0.0 : value / scale;
+}
+
+bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
+                                                std::span<double> x, std::span<const Vec3> positions,
+                                                LinearSolveReport& report) {
+  report.used = LinearSolverKind::Cholesky;
+  factor.update(A.pattern, hash, positions);
+  ++report.factorizations;
+  const FactorStatus status = factor.cholesky.factor(A, pool);
+  if (!status.positive_definite) {
+    report.indefinite = true;
+    report.failed_block = status.failed_block;
+    return false;
+  }
+  factor.cholesky.solve(b.data(), x.data());
+  report.relative_residual = residual(A, b, x);
+  for (int k = 0; k < kDoubleRefinements && report.relative_residual > kRefinementTolerance; ++k) {
+    z.resize(b.size());
+    p.assign(x.begin(), x.end());
+    factor.cholesky.solve(r.data(), z.data());
+    for (size_t i = 0; i < z.size(); ++i) x[i] += z[i];
+    const double improved = residual(A, b, x);
+    if (!(improved < report.relative_residual)) {
+      std::copy(p.begin(), p.end(), x.begin());
+      break;
+    }
+    report.relative_residual = improved;
+  }
+  report.ok = report.relative_residual < kAcceptableResidual;
+  report.indefinite = false;
+  report.failed_block = -1;
+  return report.ok;
+}
+
+// Conjugate gradients in double, preconditioned by the factor in single precision. False if it gives up, and double
+// precision decides.
+bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
+                                               std::span<double> x, std::span<const Vec3> positions,
+                                               LinearSolveReport& report) {
+  report.used = LinearSolverKind::CholeskyFloat;
+  factor_float.update(A.pattern, hash, positions);
+  ++report.factorizations;
+  if (!factor_float.cholesky.factor(A, pool).positive_definite) return false;
+  const size_t size = b.size();
+  const double b_norm = norm(b);
+  r.assign(b.begin(), b.end());
+  z.resize(size);
+  p.assign(size, 0.0);
+  q.resize(size);
+  std::fill(x.begin(), x.end(), 0.0);
+  double rz = 0.0;
+  for (int k = 0; k < kFloatRefinements; ++k) {
+    if (norm(r) <= 0.5 * kRefinementTolerance * b_norm) break;
+    factor_float.cholesky.solve(r.data(), z.data());
+    const double rz_next = dot(r, z);
+    if (!(rz_next > 0.0)) return false;
+    const double beta = k == 0 ? 0.0 : rz_next / rz;
+    rz = rz_next;
+    for (size_t i = 0; i < size; ++i) p[i] = z[i] + beta * p[i];
+    A.multiply(p.data(), q.data(), pool);
+    const double pq = dot(p, q);
+    if (!(pq > 0.0)) return false;
+    const double alpha = rz / pq;
+    for (size_t i = 0; i < size; ++i) x[i] += alpha * p[i], r[i] -= alpha * q[i];
+    ++report.iterations;
+  }
+  report.relative_residual = residual(A, b, x);
+  report.ok = report.relative_residual <= kRefinementTolerance;
+  return report.ok;
+}
+
+bool LinearSolver::Implementation::solve_pcg(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
+                                             double tolerance, int max_iterations, LinearSolveReport& report) {
+  report.used = LinearSolverKind::Pcg;
+  pcg.prepare(A, pool);
+  const PcgReport result = pcg.solve(b, x, tolerance, max_iterations, pool);
+  report.iterations += result.iterations;
+  report.indefinite = result.indefinite;
+  report.failed_block = result.failed_block;
+  report.relative_residual = result.relative_residual;
+  report.ok = result.converged;
+  return result.converged;
+}
+
+LinearSolver::LinearSolver(LinearSolverSettings settings, ThreadPool& pool) {
+  if (!(settings.pcg_tolerance > 0.0 && settings.pcg_tolerance < 1.0))
+    throw InvalidSetting("linear solver: pcg_tolerance is " + std::to_string(settings.pcg_tolerance) +
+                         ", a relative residual must lie between 0 and 1; try 1e-4");
+  if (settings.pcg_max_iterations < 1)
+    throw InvalidSetting("linear solver: pcg_max_iterations is " + std::to_string(settings.pcg_max_iterations) +
+                         ", it must be at least 1; try 10000");
+  implementation_ = std::make_unique<Implementation>(settings, pool);
+}
+
+LinearSolver::~LinearSolver() = default;
+LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
+
+LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
+                                      double forcing_tolerance, std::span<const Vec3> positions) {
+  Implementation& s = *implementation_;
+  const size_t size = 3 * static_cast<size_t>(A.pattern.block_count);
+  STARK_CHECK(b.size() == size && x.size() == size && A.values.size() == 9 * A.pattern.column.size());
+  LinearSolveReport report;
+  report.used = s.current;
+  if (size == 0) {
+    report.ok = true;
+    return report;
+  }
+  const uint64_t hash = A.pattern.hash();
+  const bool automatic = s.settings.kind == LinearSolverKind::Automatic;
+  if (automatic && s.modelled_blocks != A.pattern.block_count) s.choose_first(A, hash, positions);
+
+  if (s.current == LinearSolverKind::Pcg) {
+    const double tolerance = std::clamp(forcing_tolerance, s.settings.pcg_tolerance, 0.5);
+    const int cap = automatic ? s.iteration_cap() : s.settings.pcg_max_iterations;
+    const bool solved = s.solve_pcg(A, b, x, tolerance, cap, report);
+    s.step_iterations += report.iterations;
+    ++s.step_solves;
+    if (solved || !automatic) return report;
+    s.current = LinearSolverKind::Cholesky;
+    s.pcg_failed = true;
+  }
+  if (s.current == LinearSolverKind::CholeskyFloat && s.solve_float(A, hash, b, x, positions, report)) return report;
+  s.solve_direct(A, hash, b, x, positions, report);
+  if (automatic) s.model_costs(A);
+  return report;
+}
+
+void LinearSolver::begin_step() {
+  if (implementation_->settings.kind == LinearSolverKind::Automatic) implementation_->choose_next();
+}
+
+const LinearSolverSettings& LinearSolver::settings() const { return implementation_->settings; }
+LinearSolverKind LinearSolver::current_kind() const { return implementation_->current; }
+double LinearSolver::factor_flops() const {
+  const Implementation& s = *implementation_;
+  return s.factor.analyzed ? s.factor.cholesky.flops() : s.factor_float.analyzed ? s.factor_float.cholesky.flops() : 0.0;
+}
+int64_t LinearSolver::factor_nonzeros() const {
+  const Implementation& s = *implementation_;
+  if (s.factor.analyzed) return s.factor.cholesky.factor_nonzeros();
+  return s.factor_float.analyzed ? s.factor_float.cholesky.factor_nonzeros() : 0;
+}
+int64_t LinearSolver::ordering_count() const {
+  return implementation_->factor.cholesky.ordering_count() + implementation_->factor_float.cholesky.ordering_count();
+}
+int64_t LinearSolver::analysis_count() const {
+  return implementation_->factor.cholesky.analysis_count() + implementation_->factor_float.cholesky.analysis_count();
+}
+
+}  // namespace stark

@@ -1,0 +1,258 @@
+#include <stark/mechanics/assembler.h>
+
+#include <algorithm>
+#include <bit>
+
+#include <stark/base/error.h>
+#include <stark/base/psd.h>
+#include <stark/mechanics/congruence.h>
+
+namespace stark {
+
+using symbolic::kLanes;
+using symbolic::Order;
+
+namespace {
+
+constexpr int64_t kChunkBlocks = 32;  ///< blocks of lanes in a coloured chunk: 256 elements
+constexpr int64_t kGroupBlocks = 8;   ///< blocks whose Hessians are kept in cache together
+
+/// Projects the element Hessians of the blocks at `out`; returns how many were not positive semidefinite.
+int64_t project_blocks(const PotentialBatch& batch, int64_t block_count, double* out) {
+  const int n = batch.potential().kernel().unknown_count();
+  const int outputs = batch.potential().kernel().output_count(Order::Hessian);
+  int64_t count = 0;
+  for (int64_t block = 0; block < block_count; ++block) {
+    double* upper = out + (block * outputs + 1 + n) * kLanes;
+    if (const uint32_t mask = psd_test(upper, n); mask != 0) {
+      psd_project(upper, n, mask, batch.potential().is_translation_invariant());
+      count += std::popcount(mask);
+    }
+  }
+  return count;
+}
+
+int64_t lanes_used(const PotentialBatch& batch, int64_t block) {
+  return std::min<int64_t>(kLanes, batch.size() - block * kLanes);
+}
+
+void add_block(BlockMatrix& hessian, int64_t slot, const Mat3& H) {
+  double* values = hessian.values.data() + 9 * slot;
+  for (int c = 0; c < 9; ++c) values[c] += H.m[c];
+}
+
+}  // namespace
+
+Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), pool_(pool) {
+  body_moment_.resize(map.layout().body_block.size());
+  set_static_batches({});
+}
+
+void Assembler::append_pairs(const PotentialBatch& batch, std::vector<std::pair<int32_t, int32_t>>& out) const {
+  std::vector<int32_t> blocks;
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    blocks.clear();
+    for (const int32_t site : batch.stencil(e)) map_.append_blocks(site, blocks);
+    for (size_t a = 0; a < blocks.size(); ++a)
+      for (size_t b = a + 1; b < blocks.size(); ++b)
+        if (blocks[a] != blocks[b])
+          out.emplace_back(std::min(blocks[a], blocks[b]), std::max(blocks[a], blocks[b]));
+  }
+}
+
+void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches) {
+  std::vector<std::pair<int32_t, int32_t>> pairs;
+  for (const int32_t block : map_.layout().body_block)
+    if (block != kNoBlock) pairs.emplace_back(block, block + 1);
+  for (const PotentialBatch* batch : batches) append_pairs(*batch, pairs);
+  static_pattern_ = BlockPattern::from_pairs(map_.layout().block_count, std::move(pairs));
+  static_plans_.clear();
+  for (const PotentialBatch* batch : batches) static_plans_.push_back(plan(*batch));
+  set_dynamic_batches({});
+}
+
+Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
+  StaticPlan plan;
+  plan.batch = &batch;
+  const auto stencils = batch.stencils();
+  plan.is_plain = std::all_of(stencils.begin(), stencils.end(), [&](int32_t s) { return map_.is_point(s); });
+  plan.energies.resize(batch.block_count() * kLanes);
+  if (!plan.is_plain) return plan;
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    const auto sites = batch.stencil(e);
+    for (size_t p = 0; p < sites.size(); ++p)
+      for (size_t q = p; q < sites.size(); ++q) {
+        const int32_t a = map_.point_block(sites[p]), b = map_.point_block(sites[q]);
+        plan.slots.push_back(a == kNoBlock || b == kNoBlock ? -1
+                                                            : static_pattern_.slot(std::min(a, b), std::max(a, b)));
+      }
+  }
+  colour_chunks(plan);
+  return plan;
+}
+
+void Assembler::colour_chunks(StaticPlan& plan) const {
+  // Greedy colouring: bit c of a block says that a chunk of colour c touches it.
+  std::vector<uint64_t> used(map_.layout().block_count, 0);
+  const PotentialBatch& batch = *plan.batch;
+  for (int64_t first = 0; first < batch.block_count(); first += kChunkBlocks) {
+    const Chunk chunk{first, std::min(first + kChunkBlocks, batch.block_count())};
+    const int64_t begin = chunk.first_block * kLanes, end = std::min(chunk.last_block * kLanes, batch.size());
+    uint64_t taken = 0;
+    for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
+      if (const int32_t block = map_.point_block(batch.stencils()[s]); block != kNoBlock) taken |= used[block];
+    size_t colour = static_cast<size_t>(std::countr_one(taken));
+    if (colour < 64) {
+      for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
+        if (const int32_t block = map_.point_block(batch.stencils()[s]); block != kNoBlock)
+          used[block] |= uint64_t{1} << colour;
+    } else {
+      colour = std::max<size_t>(64, plan.colours.size());  // a colour of its own
+    }
+    if (plan.colours.size() <= colour) plan.colours.resize(colour + 1);
+    plan.colours[colour].push_back(chunk);
+  }
+}
+
+void Assembler::set_dynamic_batches(std::vector<const PotentialBatch*> batches) {
+  dynamic_batches_ = std::move(batches);
+  std::vector<std::pair<int32_t, int32_t>> pairs;
+  for (const PotentialBatch* batch : dynamic_batches_) append_pairs(*batch, pairs);
+  pattern_ = static_pattern_.merged_with(pairs, slot_of_static_);
+}
+
+void Assembler::assemble(const Configuration& configuration, std::span<const Vec3> x, const AssemblyOptions& options,
+                         std::span<double> out_gradient, BlockMatrix& out_hessian) {
+  out_hessian.pattern = pattern_;
+  out_hessian.set_zero();
+  std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
+  std::fill(body_moment_.begin(), body_moment_.end(), Mat3{});
+  projected_count_ = 0;
+  for (StaticPlan& plan : static_plans_) {
+    if (plan.is_plain)
+      assemble_plain(plan, x, options, out_gradient, out_hessian);
+    else
+      assemble_mapped(*plan.batch, configuration, x, options, out_gradient, out_hessian, plan.energies.data());
+  }
+  for (const PotentialBatch* batch : dynamic_batches_)
+    assemble_mapped(*batch, configuration, x, options, out_gradient, out_hessian, nullptr);
+  add_rigid_curvature(options, out_hessian);
+}
+
+void Assembler::assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const AssemblyOptions& options,
+                               std::span<double> gradient, BlockMatrix& hessian) {
+  for (const auto& colour : plan.colours)
+    pool_.for_each_task(static_cast<int64_t>(colour.size()), [&](int64_t task, int) {
+      assemble_chunk(plan, colour[task], x, options, gradient, hessian);
+    });
+}
+
+void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
+                               const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian) {
+  const PotentialBatch& batch = *plan.batch;
+  const int points = batch.point_count(), n = 3 * points, pairs = points * (points + 1) / 2;
+  const int outputs = batch.potential().kernel().output_count(Order::Hessian);
+  thread_local AlignedVector<double> out;
+  thread_local std::vector<Vec3> extra;
+  out.resize(static_cast<size_t>(kGroupBlocks) * outputs * kLanes);
+  extra.resize(points);
+  for (int64_t group = chunk.first_block; group < chunk.last_block; group += kGroupBlocks) {
+    const int64_t group_end = std::min(group + kGroupBlocks, chunk.last_block);
+    batch.evaluate(Order::Hessian, x, group, group_end, out.data());
+    if (options.project) projected_count_ += project_blocks(batch, group_end - group, out.data());
+    for (int64_t block = group; block < group_end; ++block) {
+      const double* lanes = out.data() + (block - group) * outputs * kLanes;
+      for (int64_t l = 0; l < lanes_used(batch, block); ++l) {
+        const int64_t e = block * kLanes + l;
+        const ElementView element(lanes, n, static_cast<int>(l));
+        const auto sites = batch.stencil(e);
+        plan.energies[e] = element.energy();
+        if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);
+        const int64_t* slots = plan.slots.data() + e * pairs;
+        for (int p = 0; p < points; ++p) {
+          const int32_t a = map_.point_block(sites[p]);
+          if (a == kNoBlock) {
+            slots += points - p;
+            continue;
+          }
+          Vec3 g = element.point_gradient(p);
+          if (!options.pending.empty()) g += extra[p];
+          for (int c = 0; c < 3; ++c) gradient[3 * a + c] += g[c];
+          for (int q = p; q < points; ++q, ++slots) {
+            if (*slots < 0) continue;
+            const Mat3 H = element.point_hessian(p, q);
+            add_block(hessian, slot_of_static_[*slots], a <= map_.point_block(sites[q]) ? H : transpose(H));
+          }
+        }
+      }
+    }
+  }
+}
+
+void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
+                                std::span<const Vec3> x, const AssemblyOptions& options, std::span<double> gradient,
+                                BlockMatrix& hessian, double* out_energies) {
+  const int points = batch.point_count(), n = 3 * points;
+  const int outputs = batch.potential().kernel().output_count(Order::Hessian);
+  buffer_.resize(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
+  pool_.for_each_range(batch.block_count(), kGroupBlocks, [&](int64_t first, int64_t last) {
+    double* out = buffer_.data() + first * outputs * kLanes;
+    batch.evaluate(Order::Hessian, x, first, last, out);
+    if (options.project) projected_count_ += project_blocks(batch, last - first, out);
+  });
+  std::vector<SiteJacobian> jacobians(points);
+  std::vector<Vec3> extra(options.pending.empty() ? 0 : points);
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, n, static_cast<int>(e % kLanes));
+    const auto sites = batch.stencil(e);
+    for (int p = 0; p < points; ++p) jacobians[p] = map_.jacobian(sites[p], configuration);
+    if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);
+    if (out_energies) out_energies[e] = element.energy();
+    add_mapped_element(element, jacobians, extra, gradient, hessian, body_moment_);
+  }
+}
+
+void Assembler::add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const {
+  for (size_t b = 0; b < body_moment_.size(); ++b) {
+    const int32_t block = map_.layout().body_block[b];
+    if (block == kNoBlock) continue;
+    const Mat3& M = body_moment_[b];
+    Mat3 K = (M + transpose(M)) * 0.5 - Mat3::identity() * trace(M);
+    if (options.project) K = psd_project(K);
+    add_block(hessian, hessian.pattern.slot(block + 1, block + 1), K);
+  }
+}
+
+EnergyDifference Assembler::static_energy_difference(std::span<const Vec3> x) {
+  EnergyDifference total;
+  std::vector<EnergyDifference> partial;
+  for (const StaticPlan& plan : static_plans_) {
+    const int64_t blocks = plan.batch->block_count();
+    partial.assign((blocks + kChunkBlocks - 1) / kChunkBlocks, {});
+    pool_.for_each_range(blocks, kChunkBlocks, [&](int64_t first, int64_t last) {
+      thread_local AlignedVector<double> energies;
+      energies.resize((last - first) * kLanes);
+      plan.batch->evaluate(Order::Energy, x, first, last, energies.data());
+      EnergyDifference& sum = partial[first / kChunkBlocks];
+      const int64_t begin = first * kLanes, end = std::min(last * kLanes, plan.batch->size());
+      for (int64_t e = begin; e < end; ++e) {
+        sum.difference += energies[e - begin] - plan.energies[e];
+        sum.magnitude += std::fabs(plan.energies[e]);
+      }
+    });
+    for (const EnergyDifference& p : partial) {
+      total.difference += p.difference;
+      total.magnitude += p.magnitude;
+    }
+  }
+  return total;
+}
+
+double Assembler::static_energy(size_t batch) const {
+  const StaticPlan& plan = static_plans_[batch];
+  double sum = 0.0;
+  for (int64_t e = 0; e < plan.batch->size(); ++e) sum += plan.energies[e];
+  return sum;
+}
+
+}  // namespace stark

@@ -1,0 +1,63 @@
+#include <stark/mechanics/congruence.h>
+
+#include <stark/base/error.h>
+
+namespace stark {
+
+namespace {
+
+Mat3 transposed_product(const JacobianTerm& a, const Mat3& H, const JacobianTerm& b) {
+  Mat3 block = H;
+  if (!a.is_identity) block = transpose(a.J) * block;
+  if (!b.is_identity) block = block * b.J;
+  const double weight = a.weight * b.weight;
+  return weight == 1.0 ? block : block * weight;
+}
+
+}  // namespace
+
+void pending_gradient(const ElementView& element, std::span<const int32_t> sites, const KinematicMap& map,
+                      std::span<const Vec3> pending, std::span<Vec3> out) {
+  const int points = static_cast<int>(sites.size());
+  for (Vec3& g : out) g = {};
+  for (int j = 0; j < points; ++j) {
+    if (!map.is_prescribed(sites[j])) continue;
+    const Vec3& d = pending[sites[j]];
+    if (d == Vec3{}) continue;
+    for (int i = 0; i < points; ++i) out[i] += element.point_hessian(i, j) * d;
+  }
+}
+
+void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
+                        std::span<const Vec3> extra_gradient, std::span<double> gradient, BlockMatrix& hessian,
+                        std::span<Mat3> body_moment) {
+  const int points = static_cast<int>(jacobians.size());
+  for (int p = 0; p < points; ++p) {
+    const SiteJacobian& site = jacobians[p];
+    if (site.term_count == 0) continue;
+    Vec3 g = element.point_gradient(p);
+    if (site.body >= 0) body_moment[site.body] += outer(g, site.lever);
+    if (!extra_gradient.empty()) g += extra_gradient[p];
+    for (int k = 0; k < site.term_count; ++k) {
+      const JacobianTerm& term = site.terms[k];
+      const Vec3 f = (term.is_identity ? g : transpose(term.J) * g) * term.weight;
+      for (int c = 0; c < 3; ++c) gradient[3 * term.block + c] += f[c];
+    }
+    for (int q = 0; q < points; ++q) {
+      const SiteJacobian& other = jacobians[q];
+      if (other.term_count == 0) continue;
+      const Mat3 H = element.point_hessian(p, q);
+      for (int k = 0; k < site.term_count; ++k)
+        for (int l = 0; l < other.term_count; ++l) {
+          const JacobianTerm &a = site.terms[k], &b = other.terms[l];
+          if (a.block > b.block) continue;  // the transposed pair adds it
+          const int64_t slot = hessian.pattern.slot(a.block, b.block);
+          const Mat3 block = transposed_product(a, H, b);
+          double* values = hessian.values.data() + 9 * slot;
+          for (int c = 0; c < 9; ++c) values[c] += block.m[c];
+        }
+    }
+  }
+}
+
+}  // namespace stark

@@ -1,0 +1,13 @@
+// Vocabulary for writing energies: include this in a model file and write the formula in namespace stark::models.
+#pragma once
+
+#include <stark/mechanics/potential.h>
+
+namespace stark::models {
+
+using namespace symbolic;
+// Where both exist, the symbolic type is meant.
+using symbolic::Mat3;
+using symbolic::Vec3;
+
+}  // namespace stark::models

@@ -1,0 +1,170 @@
+#include <stark/mechanics/incremental_potential.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <stark/base/error.h>
+
+namespace stark {
+
+namespace {
+
+Vec3 block_of(std::span<const double> values, int32_t block) {
+  return {values[3 * block], values[3 * block + 1], values[3 * block + 2]};
+}
+
+/// Part of a safe fraction that is used: what remains keeps the next iteration from starting in contact.
+constexpr double kSafeFraction = 0.95;
+
+}  // namespace
+
+IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& assembler, ActiveSet* active_set,
+                                           std::vector<BlockScale> scales, PhaseTimer& timer)
+    : map_(map), assembler_(assembler), active_set_(active_set), scales_(std::move(scales)), timer_(timer) {
+  STARK_CHECK(static_cast<int32_t>(scales_.size()) == block_count());
+  for (const int32_t block : map_.layout().body_block)
+    if (block != kNoBlock) rotation_blocks_.push_back(block + 1);
+  // Sites that nothing moves and that can be scripted; directions of prescribed bodies enter no energy.
+  for (int32_t i = 0; i < map_.site_count(); ++i)
+    if (map_.is_prescribed(i)) prescribed_sites_.push_back(i);
+  x_.resize(map_.site_count());
+  x_trial_.resize(map_.site_count());
+  block_positions_.resize(block_count());
+}
+
+void IncrementalPotential::begin(const Configuration& start, const Configuration& target) {
+  iterate_ = start;
+  target_ = target;
+  map_.positions(start, x_);
+  std::vector<Vec3> x_target(map_.site_count());
+  map_.positions(target, x_target);
+  prescribed_start_.clear();
+  prescribed_target_.clear();
+  bool moves = false;
+  for (const int32_t site : prescribed_sites_) {
+    prescribed_start_.push_back(x_[site]);
+    prescribed_target_.push_back(x_target[site]);
+    moves = moves || !(x_[site] == x_target[site]);
+  }
+  progress_ = moves ? 0.0 : 1.0;
+  const DofLayout& layout = map_.layout();
+  for (size_t p = 0; p < layout.point_block.size(); ++p)
+    if (layout.point_block[p] != kNoBlock) block_positions_[layout.point_block[p]] = start.point_position[p];
+  for (size_t b = 0; b < layout.body_block.size(); ++b)
+    if (layout.body_block[b] != kNoBlock)
+      block_positions_[layout.body_block[b]] = block_positions_[layout.body_block[b] + 1] = start.body_position[b];
+}
+
+void IncrementalPotential::place_prescribed(double progress, std::span<Vec3> x) const {
+  for (size_t k = 0; k < prescribed_sites_.size(); ++k)
+    x[prescribed_sites_[k]] = progress >= 1.0
+                                  ? prescribed_target_[k]
+                                  : prescribed_start_[k] + (prescribed_target_[k] - prescribed_start_[k]) * progress;
+}
+
+void IncrementalPotential::linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) {
+  if (active_set_) {
+    const PhaseTimer::Scope scope(timer_, Phase::ActiveSet);
+    active_set_->update(x_);
+    assembler_.set_dynamic_batches(active_set_->batches());
+  }
+  const PhaseTimer::Scope scope(timer_, Phase::Assemble);
+  AssemblyOptions options{.project = project, .pending = {}};
+  if (has_pending_motion()) {
+    pending_.assign(map_.site_count(), Vec3{});
+    for (size_t k = 0; k < prescribed_sites_.size(); ++k)
+      pending_[prescribed_sites_[k]] = prescribed_target_[k] - x_[prescribed_sites_[k]];
+    options.pending = pending_;
+  }
+  assembler_.assemble(iterate_, x_, options, out_gradient, out_hessian);
+}
+
+Residual IncrementalPotential::residual(std::span<const double> gradient) const {
+  Residual residual;
+  for (int32_t block = 0; block < block_count(); ++block) {
+    const double force = norm(block_of(gradient, block));
+    residual.force = std::max(residual.force, force * scales_[block].inverse_length);
+    residual.acceleration = std::max(residual.acceleration, force * scales_[block].inverse_inertia);
+  }
+  return residual;
+}
+
+double IncrementalPotential::motion(std::span<const double> direction) const {
+  double motion = 0.0;
+  for (int32_t block = 0; block < block_count(); ++block)
+    motion = std::max(motion, norm(block_of(direction, block)) * scales_[block].reach);
+  return motion;
+}
+
+void IncrementalPotential::set_trial(std::span<const double> direction, double alpha) {
+  map_.retract(iterate_, direction, alpha, trial_);
+  map_.positions(trial_, x_trial_);
+  trial_progress_ = alpha >= 1.0 ? 1.0 : progress_ + alpha * (1.0 - progress_);
+  place_prescribed(trial_progress_, x_trial_);
+}
+
+double IncrementalPotential::bound_step(std::span<const double> direction, double max_rotation) {
+  double alpha = 1.0;
+  for (const int32_t block : rotation_blocks_) {
+    const double angle = norm(block_of(direction, block));
+    if (angle * alpha > max_rotation) alpha = max_rotation / angle;
+  }
+  certified_alpha_ = alpha;
+  if (!active_set_) return alpha;
+  // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to the larger
+  // one, so a shortened step is tested again until it is safe as a whole.
+  while (alpha > 0.0) {
+    set_trial(direction, alpha);
+    const double fraction = active_set_->max_step(x_, x_trial_);
+    if (fraction >= 1.0) break;
+    alpha *= kSafeFraction * fraction;
+    if (rotation_blocks_.empty()) break;
+    if (alpha < 1e-14) break;
+  }
+  certified_alpha_ = alpha;
+  return alpha;
+}
+
+TrialEnergy IncrementalPotential::try_step(std::span<const double> direction, double alpha) {
+  set_trial(direction, alpha);
+  TrialEnergy trial;
+  // Without rotations a smaller step lies on the certified path; with them it has a path of its own.
+  if (active_set_ && !rotation_blocks_.empty() && alpha != certified_alpha_ &&
+      active_set_->max_step(x_, x_trial_) < 1.0)
+    return trial;
+  const EnergyDifference fixed = assembler_.static_energy_difference(x_trial_);
+  trial.difference = fixed.difference;
+  trial.magnitude = fixed.magnitude;
+  if (active_set_) {
+    const EnergyDifference active = active_set_->energy_difference(x_trial_);
+    trial.difference += active.difference;
+    trial.magnitude += active.magnitude;
+  }
+  trial.feasible = std::isfinite(trial.difference);
+  return trial;
+}
+
+void IncrementalPotential::accept_trial() {
+  std::swap(iterate_, trial_);
+  std::swap(x_, x_trial_);
+  progress_ = trial_progress_;
+  if (progress_ >= 1.0) {
+    // Prescribed parts have arrived: from here on the configuration holds their exact target.
+    const DofLayout& layout = map_.layout();
+    for (size_t p = 0; p < layout.point_block.size(); ++p)
+      if (layout.point_block[p] == kNoBlock) iterate_.point_position[p] = target_.point_position[p];
+    for (size_t b = 0; b < layout.body_block.size(); ++b)
+      if (layout.body_block[b] == kNoBlock) {
+        iterate_.body_position[b] = target_.body_position[b];
+        iterate_.body_rotation[b] = target_.body_rotation[b];
+      }
+  }
+}
+
+double IncrementalPotential::refresh_lagged() {
+  if (!active_set_) return 0.0;
+  const PhaseTimer::Scope scope(timer_, Phase::Friction);
+  return active_set_->refresh_lagged(x_);
+}
+
+}  // namespace stark

@@ -1,0 +1,69 @@
+// The objective of one time step: static batches (inertia, elasticity, loads) plus an active set (contact), as a
+// function of increments of the configuration.
+//
+// Prescribed sites move during the minimisation: with progress s in [0, 1] they are at (1 - s) start + s target, each
+// Newton step carries s along by its step length, and the gradient anticipates the rest of the motion. So the path of
+// every vertex between iterates is linear, which is what the collision detection certifies.
+#pragma once
+
+#include <memory>
+
+#include <stark/base/timer.h>
+#include <stark/mechanics/active_set.h>
+#include <stark/mechanics/assembler.h>
+#include <stark/solve/objective.h>
+
+namespace stark {
+
+/// Converts forces on a block into accelerations of material: |M^-1 f| for points, and for the rotational block of a
+/// body the surface acceleration |J^-1 tau| r.
+struct BlockScale {
+  double inverse_inertia = 0.0;  ///< [1/kg], or r / J_min [1/(kg m)]
+  double inverse_length = 1.0;   ///< 1, or 1/r for torques [1/m]
+  double reach = 1.0;            ///< motion of material per unit of the unknown: 1, or r [m]
+};
+
+class IncrementalPotential final : public Objective {
+ public:
+  /// active_set may be null. scales has one entry per block.
+  IncrementalPotential(const KinematicMap& map, Assembler& assembler, ActiveSet* active_set,
+                       std::vector<BlockScale> scales, PhaseTimer& timer);
+
+  /// Starts a minimisation from `start` towards the prescribed poses and points of `target` (free parts of `target` are
+  /// ignored).
+  void begin(const Configuration& start, const Configuration& target);
+
+  const Configuration& configuration() const { return iterate_; }
+  std::span<const Vec3> site_positions() const { return x_; }
+
+  int32_t block_count() const override { return map_.layout().block_count; }
+  void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) override;
+  bool has_pending_motion() const override { return progress_ < 1.0; }
+  Residual residual(std::span<const double> gradient) const override;
+  double motion(std::span<const double> direction) const override;
+  double bound_step(std::span<const double> direction, double max_rotation) override;
+  TrialEnergy try_step(std::span<const double> direction, double alpha) override;
+  void accept_trial() override;
+  double refresh_lagged() override;
+  std::span<const Vec3> block_positions() const override { return block_positions_; }
+
+ private:
+  void set_trial(std::span<const double> direction, double alpha);
+  void place_prescribed(double progress, std::span<Vec3> x) const;
+
+  const KinematicMap& map_;
+  Assembler& assembler_;
+  ActiveSet* active_set_;
+  std::vector<BlockScale> scales_;
+  PhaseTimer& timer_;
+  Configuration iterate_, trial_, target_;
+  std::vector<Vec3> x_, x_trial_;                 ///< by site [m]
+  std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
+  std::vector<int32_t> prescribed_sites_;
+  std::vector<int32_t> rotation_blocks_;
+  std::vector<Vec3> block_positions_;
+  double progress_ = 1.0, trial_progress_ = 1.0;
+  double certified_alpha_ = 0.0;
+};
+
+}  // namespace stark

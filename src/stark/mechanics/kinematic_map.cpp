@@ -1,0 +1,112 @@
+#include <stark/mechanics/kinematic_map.h>
+
+#include <stark/base/rotation.h>
+
+namespace stark {
+
+KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites)
+    : layout_(std::move(layout)), sites_(std::move(sites)) {
+  std::vector<int32_t> blocks;
+  for (int32_t i = 0; i < site_count(); ++i) {
+    blocks.clear();
+    append_blocks(i, blocks);
+    prescribed_.push_back(blocks.empty());
+  }
+}
+
+void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x) const {
+  for (int32_t i = 0; i < site_count(); ++i) {
+    const Site& site = sites_[i];
+    switch (site.kind) {
+      case SiteKind::Point:
+        out_x[i] = configuration.point_position[site.index];
+        break;
+      case SiteKind::RigidPoint:
+        out_x[i] = configuration.body_position[site.index] + configuration.body_rotation[site.index] * site.local;
+        break;
+      case SiteKind::RigidDirection:
+        out_x[i] = configuration.body_rotation[site.index] * site.local;
+        break;
+      case SiteKind::Barycentric: {
+        Vec3 x;
+        for (int k = 0; k < 4; ++k) x += configuration.point_position[site.points[k]] * site.weights[k];
+        out_x[i] = x;
+        break;
+      }
+    }
+  }
+}
+
+SiteJacobian KinematicMap::jacobian(int32_t i, const Configuration& configuration) const {
+  const Site& site = sites_[i];
+  SiteJacobian jacobian;
+  const auto add = [&](int32_t block, double weight) {
+    if (block != kNoBlock && weight != 0.0)
+      jacobian.terms[jacobian.term_count++] = {.block = block, .is_identity = true, .weight = weight, .J = {}};
+  };
+  const auto add_rotation = [&] {
+    const int32_t block = layout_.body_block[site.index];
+    if (block == kNoBlock) return;
+    jacobian.body = site.index;
+    jacobian.lever = configuration.body_rotation[site.index] * site.local;
+    jacobian.terms[jacobian.term_count++] = {
+        .block = block + 1, .is_identity = false, .weight = 1.0, .J = skew(-jacobian.lever)};
+  };
+  switch (site.kind) {
+    case SiteKind::Point:
+      add(layout_.point_block[site.index], 1.0);
+      break;
+    case SiteKind::RigidPoint:
+      add(layout_.body_block[site.index], 1.0);
+      add_rotation();
+      break;
+    case SiteKind::RigidDirection:
+      add_rotation();
+      break;
+    case SiteKind::Barycentric:
+      for (int k = 0; k < 4; ++k) add(layout_.point_block[site.points[k]], site.weights[k]);
+      break;
+  }
+  return jacobian;
+}
+
+void KinematicMap::append_blocks(int32_t i, std::vector<int32_t>& out_blocks) const {
+  const Site& site = sites_[i];
+  const auto add = [&](int32_t block) {
+    if (block != kNoBlock) out_blocks.push_back(block);
+  };
+  switch (site.kind) {
+    case SiteKind::Point:
+      add(layout_.point_block[site.index]);
+      break;
+    case SiteKind::RigidPoint:
+    case SiteKind::RigidDirection:
+      if (const int32_t block = layout_.body_block[site.index]; block != kNoBlock) {
+        if (site.kind == SiteKind::RigidPoint) add(block);
+        add(block + 1);
+      }
+      break;
+    case SiteKind::Barycentric:
+      for (int k = 0; k < 4; ++k)
+        if (site.weights[k] != 0.0) add(layout_.point_block[site.points[k]]);
+      break;
+  }
+}
+
+void KinematicMap::retract(const Configuration& configuration, std::span<const double> direction, double alpha,
+                           Configuration& out) const {
+  const auto increment = [&](int32_t block) {
+    return Vec3{direction[3 * block], direction[3 * block + 1], direction[3 * block + 2]} * alpha;
+  };
+  out = configuration;
+  for (size_t p = 0; p < out.point_position.size(); ++p)
+    if (const int32_t block = layout_.point_block[p]; block != kNoBlock) out.point_position[p] += increment(block);
+  for (size_t b = 0; b < out.body_position.size(); ++b) {
+    const int32_t block = layout_.body_block[b];
+    if (block == kNoBlock) continue;
+    out.body_position[b] += increment(block);
+    out.body_rotation[b] = exp_rotation(increment(block + 1)) * configuration.body_rotation[b];
+  }
+}
+
+}  // namespace stark

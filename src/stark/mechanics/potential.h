@@ -1,0 +1,132 @@
+// A potential: a named energy of n points with parameters, written once as a formula and compiled by the symbolic
+// engine. Built-in and user energies use exactly this mechanism; no derivative is written by hand.
+//
+//   PotentialDefinition gravity() {
+//     return define_potential("gravity", 1, "...", [](PotentialBuilder& b) {
+//       return -b.data("mass", "kg", "...") * dot(b.parameter3("acceleration", ...), b.x(0));
+//     });
+//   }
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <stark/base/math.h>
+#include <stark/symbolic/kernel.h>
+#include <stark/symbolic/tensor.h>
+
+namespace stark {
+
+/// A per-element input of a potential; stored once per element, `width` numbers each.
+struct ElementField {
+  enum class Source : uint8_t {
+    Data,      ///< set by the model (PotentialBatch::set)
+    Rest,      ///< rest position of point `point` [m]
+    Previous,  ///< position of point `point` at the start of the time step [m], refreshed every step
+  };
+  std::string name;
+  std::string unit;
+  std::string doc;
+  Source source = Source::Data;
+  int point = 0;
+  int width = 1;
+  int offset = 0;  ///< first number within the element's inputs
+};
+
+/// An input shared by all elements of a batch. "time_step" is set by the integrator, the others by the model.
+struct UniformField {
+  std::string name;
+  std::string unit;
+  std::string doc;
+  int width = 1;
+  int offset = 0;
+};
+
+class PotentialBuilder;
+
+/// Random feasible inputs of a potential, for the automatic tests of every registered one. Empty members are filled
+/// with defaults: a well-shaped simplex of about 1 m, strained by up to 20 %, parameters in [0.5, 1.5].
+struct PotentialSample {
+  std::vector<Vec3> X, x_prev, x;
+  std::map<std::string, std::vector<double>> values;  ///< element data and parameters by name
+};
+
+struct PotentialDefinition {
+  std::string name;
+  int point_count = 0;
+  std::string doc;
+  std::function<symbolic::Scalar(PotentialBuilder&)> energy;
+  bool translation_invariant = true;  ///< declared; checked by the registry sweep
+  bool rotation_invariant = true;     ///< declared; checked by the registry sweep
+  bool zero_at_rest = false;          ///< declared: no energy and no force at x = x_prev = X; checked likewise
+  std::function<PotentialSample(std::mt19937_64&)> sample;  ///< empty: the defaults of PotentialSample
+};
+
+/// Vocabulary in which an energy is written. Every method may be called again with the same name.
+class PotentialBuilder {
+ public:
+  explicit PotentialBuilder(int point_count);
+
+  symbolic::Vec3 x(int point);       ///< unknown position [m]
+  symbolic::Vec3 X(int point);       ///< rest position [m]
+  symbolic::Vec3 x_prev(int point);  ///< position at the start of the step [m]
+  symbolic::Scalar time_step();      ///< [s]
+
+  symbolic::Scalar data(const std::string& name, const std::string& unit, const std::string& doc);
+  symbolic::Vec3 data3(const std::string& name, const std::string& unit, const std::string& doc);
+  symbolic::Scalar parameter(const std::string& name, const std::string& unit, const std::string& doc);
+  symbolic::Vec3 parameter3(const std::string& name, const std::string& unit, const std::string& doc);
+
+  int point_count() const { return static_cast<int>(x_.size()); }
+  const std::vector<ElementField>& element_fields() const { return element_fields_; }
+  const std::vector<UniformField>& uniform_fields() const { return uniform_fields_; }
+
+ private:
+  const std::vector<symbolic::Scalar>& element_field(const ElementField& field);
+  const std::vector<symbolic::Scalar>& uniform_field(const UniformField& field);
+
+  std::shared_ptr<symbolic::Graph> graph_;
+  std::vector<symbolic::Vec3> x_;
+  std::vector<ElementField> element_fields_;
+  std::vector<UniformField> uniform_fields_;
+  std::vector<std::vector<symbolic::Scalar>> element_values_, uniform_values_;
+
+  friend class Potential;
+};
+
+/// A compiled potential. Immutable; shared by all batches that use it.
+class Potential {
+ public:
+  Potential(const PotentialDefinition& definition, symbolic::Backend backend);
+
+  const std::string& name() const { return name_; }
+  int point_count() const { return point_count_; }
+  bool is_translation_invariant() const { return translation_invariant_; }
+  int element_width() const { return element_width_; }
+  int uniform_width() const { return uniform_width_; }
+  const std::vector<ElementField>& element_fields() const { return element_fields_; }
+  const std::vector<UniformField>& uniform_fields() const { return uniform_fields_; }
+  const symbolic::Kernel& kernel() const { return kernel_; }
+
+ private:
+  std::string name_;
+  int point_count_ = 0;
+  bool translation_invariant_ = true;
+  int element_width_ = 0, uniform_width_ = 0;
+  std::vector<ElementField> element_fields_;
+  std::vector<UniformField> uniform_fields_;
+  symbolic::Kernel kernel_;
+};
+
+/// Definition of an energy of `point_count` points.
+PotentialDefinition define_potential(std::string name, int point_count, std::string doc,
+                                     std::function<symbolic::Scalar(PotentialBuilder&)> energy);
+
+/// Sum of several energies on the same points as one potential: shared subexpressions are evaluated once.
+PotentialDefinition compose(std::string name, const std::vector<PotentialDefinition>& terms);
+
+}  // namespace stark

@@ -1,0 +1,108 @@
+#include <stark/mechanics/potential_batch.h>
+
+#include <algorithm>
+
+#include <stark/base/error.h>
+
+namespace stark {
+
+using symbolic::kLanes;
+
+PotentialBatch::PotentialBatch(std::shared_ptr<const Potential> potential) : potential_(std::move(potential)) {
+  uniforms_.assign(std::max(1, potential_->uniform_width()), 0.0);
+  for (const UniformField& field : potential_->uniform_fields())
+    if (field.name == "time_step") time_step_offset_ = field.offset;
+}
+
+void PotentialBatch::resize(std::span<const int32_t> stencils) {
+  size_ = static_cast<int64_t>(stencils.size()) / point_count();
+  stencils_.assign(stencils.begin(), stencils.end());
+  elements_.assign(static_cast<size_t>(block_count()) * potential_->element_width() * kLanes, 0.0);
+}
+
+void PotentialBatch::copy_padding(int64_t element, int offset) {
+  // Lanes past the end repeat the last element, so that they never produce NaN.
+  if (element != size_ - 1) return;
+  double* last = lane(element, offset);
+  for (int64_t l = element % kLanes + 1; l < kLanes; ++l) last[l - element % kLanes] = *last;
+}
+
+void PotentialBatch::set(int field, int64_t element, std::span<const double> values) {
+  const ElementField& f = potential_->element_fields()[field];
+  STARK_CHECK(static_cast<int>(values.size()) == f.width);
+  for (int c = 0; c < f.width; ++c) {
+    *lane(element, f.offset + c) = values[c];
+    copy_padding(element, f.offset + c);
+  }
+}
+
+double PotentialBatch::get(int field, int64_t element, int c) const {
+  return *const_cast<PotentialBatch*>(this)->lane(element, potential_->element_fields()[field].offset + c);
+}
+
+int PotentialBatch::field_index(const std::string& name) const {
+  const auto& fields = potential_->element_fields();
+  for (size_t k = 0; k < fields.size(); ++k)
+    if (fields[k].name == name) return static_cast<int>(k);
+  throw InternalError("potential '" + potential_->name() + "' has no element field '" + name + "'");
+}
+
+void PotentialBatch::set_uniform(const std::string& name, std::span<const double> values) {
+  for (const UniformField& field : potential_->uniform_fields())
+    if (field.name == name) {
+      STARK_CHECK(static_cast<int>(values.size()) == field.width);
+      std::copy(values.begin(), values.end(), uniforms_.begin() + field.offset);
+      return;
+    }
+  throw InternalError("potential '" + potential_->name() + "' has no parameter '" + name + "'");
+}
+
+void PotentialBatch::set_time_step(double h) {
+  if (time_step_offset_ >= 0) uniforms_[time_step_offset_] = h;
+}
+
+void PotentialBatch::fill(ElementField::Source source, std::span<const Vec3> values) {
+  for (const ElementField& field : potential_->element_fields()) {
+    if (field.source != source) continue;
+    for (int64_t e = 0; e < size_; ++e) {
+      const Vec3& v = values[stencils_[e * point_count() + field.point]];
+      for (int c = 0; c < 3; ++c) *lane(e, field.offset + c) = v[c];
+    }
+    if (size_ > 0)
+      for (int c = 0; c < 3; ++c) copy_padding(size_ - 1, field.offset + c);
+  }
+}
+
+void PotentialBatch::set_rest(std::span<const Vec3> X) { fill(ElementField::Source::Rest, X); }
+
+void PotentialBatch::set_previous(std::span<const Vec3> x_prev) { fill(ElementField::Source::Previous, x_prev); }
+
+void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
+                              double* out) const {
+  // Gathering at least 64 elements before running the kernel avoids store-forwarding stalls (docs/theory.md).
+  constexpr int64_t kGroup = 8;
+  const int points = point_count();
+  thread_local AlignedVector<double> unknowns;
+  unknowns.resize(static_cast<size_t>(kGroup) * 3 * points * kLanes);
+  const int outputs = potential_->kernel().output_count(order);
+  for (int64_t group = first; group < last; group += kGroup) {
+    const int64_t group_end = std::min(group + kGroup, last);
+    double* lanes = unknowns.data();
+    for (int64_t block = group; block < group_end; ++block, lanes += 3 * points * kLanes)
+      for (int l = 0; l < kLanes; ++l) {
+        const int64_t element = std::min(block * kLanes + l, size_ - 1);
+        const int32_t* sites = stencils_.data() + element * points;
+        for (int p = 0; p < points; ++p) {
+          const Vec3& position = x[sites[p]];
+          lanes[(3 * p) * kLanes + l] = position.x;
+          lanes[(3 * p + 1) * kLanes + l] = position.y;
+          lanes[(3 * p + 2) * kLanes + l] = position.z;
+        }
+      }
+    potential_->kernel().evaluate(order, unknowns.data(),
+                                  elements_.data() + group * potential_->element_width() * kLanes, uniforms_.data(),
+                                  out + (group - first) * outputs * kLanes, group_end - group);
+  }
+}
+
+}  // namespace stark

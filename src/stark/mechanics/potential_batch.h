@@ -1,0 +1,69 @@
+// All elements of one potential with the same parameters: stencils of sites and their inputs in the lane-major layout
+// of the kernels, so that only the unknown positions are gathered at an evaluation (step phase 4c).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <stark/base/aligned.h>
+#include <stark/mechanics/potential.h>
+
+namespace stark {
+
+class PotentialBatch {
+ public:
+  explicit PotentialBatch(std::shared_ptr<const Potential> potential);
+
+  const Potential& potential() const { return *potential_; }
+  int64_t size() const { return size_; }
+  int64_t block_count() const { return (size_ + symbolic::kLanes - 1) / symbolic::kLanes; }
+  int point_count() const { return potential_->point_count(); }
+
+  /// Replaces all elements; stencils is [count][point_count] site indices. Element data become zero.
+  void resize(std::span<const int32_t> stencils);
+  std::span<const int32_t> stencil(int64_t element) const {
+    return {stencils_.data() + element * point_count(), static_cast<size_t>(point_count())};
+  }
+  std::span<const int32_t> stencils() const { return stencils_; }
+
+  /// Sets a per-element Data field of one element; values has the width of the field.
+  void set(int field, int64_t element, std::span<const double> values);
+  void set(const std::string& field, int64_t element, std::span<const double> values) {
+    set(field_index(field), element, values);
+  }
+  void set(const std::string& field, int64_t element, double value) { set(field, element, {&value, 1}); }
+  int field_index(const std::string& name) const;
+  /// Value of component c of an element field.
+  double get(int field, int64_t element, int c = 0) const;
+
+  /// Sets a shared parameter; unknown names throw.
+  void set_uniform(const std::string& name, std::span<const double> values);
+  void set_uniform(const std::string& name, double value) { set_uniform(name, {&value, 1}); }
+  /// Sets "time_step" where the potential uses it.
+  void set_time_step(double h);
+
+  void set_rest(std::span<const Vec3> X);           ///< fills the Rest fields; X by site [m]
+  void set_previous(std::span<const Vec3> x_prev);  ///< fills the Previous fields; by site [m]
+
+  /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding lanes of the
+  /// last block repeat the last element.
+  void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last, double* out) const;
+
+ private:
+  void fill(ElementField::Source source, std::span<const Vec3> values);
+  double* lane(int64_t element, int offset) {
+    return elements_.data() + (element / symbolic::kLanes) * potential_->element_width() * symbolic::kLanes +
+           static_cast<int64_t>(offset) * symbolic::kLanes + element % symbolic::kLanes;
+  }
+  void copy_padding(int64_t element, int offset);
+
+  std::shared_ptr<const Potential> potential_;
+  int64_t size_ = 0;
+  std::vector<int32_t> stencils_;
+  AlignedVector<double> elements_;
+  AlignedVector<double> uniforms_;
+  int time_step_offset_ = -1;
+};
+
+}  // namespace stark

@@ -1,0 +1,64 @@
+// Materials of cloth and solids: plain parameters with units, a descriptor table each, and presets. They say nothing
+// about energies; sim/model picks the potentials.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <stark/base/settings.h>
+
+namespace stark {
+
+/// Cloth and thin shells. Membrane: Neo-Hookean with thickness h; bending: discrete hinges with a stiffness in joules
+/// [Bergou 2006]; above strain_limit a stiffening term acts; damping is relative to the strain and bending rates.
+struct ShellMaterial {
+  double density = 0.2;             ///< [kg/m^2] mass of a unit of area
+  double thickness = 1e-3;          ///< [m] of the membrane energy only; contact has its own distance
+  double youngs_modulus = 5e3;      ///< [Pa]
+  double poissons_ratio = 0.3;
+  double strain_limit = std::numeric_limits<double>::infinity();  ///< Green strain; infinity: no limit
+  double strain_limit_stiffness = 1e6;                            ///< [Pa]
+  double bending_stiffness = 1e-6;                                ///< [J]
+  double mass_damping = 0.0;                                      ///< [1/s]
+  double strain_damping = 0.0;                                    ///< [N s/m]
+  double bending_damping = 0.0;                                   ///< [J s]
+  static const FieldTable& fields();
+};
+
+/// Soft solids: stable Neo-Hookean [Smith 2018] in Lame parameters of linear elasticity.
+struct SolidMaterial {
+  double density = 1000.0;      ///< [kg/m^3]
+  double youngs_modulus = 1e4;  ///< [Pa]
+  double poissons_ratio = 0.3;
+  double strain_limit = std::numeric_limits<double>::infinity();  ///< Green strain; infinity: no limit
+  double strain_limit_stiffness = 1e2;                            ///< [Pa]
+  double mass_damping = 0.0;                                      ///< [1/s]
+  double strain_damping = 0.0;                                    ///< [Pa s]
+  static const FieldTable& fields();
+};
+
+/// Throws InvalidArgument naming owner, parameter, value, unit and rule.
+void validate(const ShellMaterial& material, std::string_view owner);
+void validate(const SolidMaterial& material, std::string_view owner);
+
+namespace materials {
+
+ShellMaterial cotton();  ///< light woven cotton
+ShellMaterial towel();   ///< terry towel, 1.75 m x 0.75 m of 0.484 kg
+SolidMaterial soft_rubber();
+SolidMaterial silicone();  ///< soft platinum-cure silicone (Ecoflex 00-30)
+
+/// One row of the reference table: name, where the numbers come from, values.
+template <typename Material>
+struct Preset {
+  std::string name;
+  std::string source;
+  Material material;
+};
+const std::vector<Preset<ShellMaterial>>& shell_presets();
+const std::vector<Preset<SolidMaterial>>& solid_presets();
+
+}  // namespace materials
+}  // namespace stark

@@ -1,0 +1,80 @@
+// The frozen result of building a scene: dof layout, sites, batches of energies with their rest shapes and parameters,
+// collision surfaces. Immutable while a simulation runs, apart from the per-step inputs of the batches.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <stark/contact/pipeline.h>
+#include <stark/mechanics/incremental_potential.h>
+#include <stark/mechanics/potential_batch.h>
+#include <stark/mechanics/state.h>
+#include <stark/sim/scene.h>
+
+namespace stark {
+
+/// Where a body of the scene lives in the arrays of the model.
+struct ModelBody {
+  BodyKind kind = BodyKind::Cloth;
+  int32_t first_site = 0, site_count = 0;  ///< vertices of the body's mesh, in its order
+  int32_t rigid_index = -1;                ///< into the state's body arrays
+  std::vector<Index3> triangles;           ///< surface, indices into the body's vertices
+  Vec3 centre;                             ///< rigid: origin of the body frame in the mesh frame [m]
+  Mat3 axes = Mat3::identity();            ///< rigid: axes of the body frame in the mesh frame
+  std::vector<int32_t> pins;               ///< prescribed vertices
+};
+
+/// Mass distribution of a rigid body in its principal frame.
+struct RigidMass {
+  double mass = 0.0;   ///< [kg], 0 for fixed and scripted bodies
+  Vec3 moments;        ///< principal moments of inertia [kg m^2]
+  Vec3 second_moments; ///< tr(J)/2 - J_k: integral of rho x_k^2 [kg m^2]
+  double reach = 0.0;  ///< largest distance of a vertex from the centre of mass [m]
+  double linear_damping = 0.0, angular_damping = 0.0;  ///< [1/s]
+};
+
+/// A batch and what it means to the time step and the energy ledger.
+struct ModelBatch {
+  enum class Role : uint8_t { Inertia, Elastic };
+  Role role = Role::Elastic;
+  std::string body;  ///< name of the body, empty for batches of all bodies
+  PotentialBatch batch;
+  /// Inertia: what each element's site is; point index, or -1 - (3 body + axis) for directions, see Model::predict.
+  std::vector<int32_t> subject;
+};
+
+class Model {
+ public:
+  Model(const Scene& scene, const Settings& settings);
+
+  const KinematicMap& map() const { return map_; }
+  const std::vector<ModelBody>& bodies() const { return bodies_; }
+  const std::vector<RigidMass>& rigid_masses() const { return rigid_masses_; }
+  const std::vector<double>& point_masses() const { return point_masses_; }
+  const std::vector<BlockScale>& block_scales() const { return block_scales_; }
+  std::vector<ModelBatch>& batches() { return batches_; }
+  const std::vector<ModelBatch>& batches() const { return batches_; }
+  const State& initial_state() const { return initial_state_; }
+  ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
+  ContactPotentials contact_potentials() const { return contact_potentials_; }
+  uint64_t fingerprint() const { return fingerprint_; }
+
+  /// Pose of a rigid body's mesh frame from the state's body frame.
+  void mesh_pose(int32_t body, const State& state, Vec3& out_position, Mat3& out_rotation) const;
+
+ private:
+  struct Builder;
+  KinematicMap map_;
+  std::vector<ModelBody> bodies_;
+  std::vector<RigidMass> rigid_masses_;
+  std::vector<double> point_masses_;
+  std::vector<BlockScale> block_scales_;
+  std::vector<ModelBatch> batches_;
+  std::vector<Vec3> rest_positions_;  ///< by site [m]
+  State initial_state_;
+  ContactPotentials contact_potentials_;
+  uint64_t fingerprint_ = 0;
+};
+
+}  // namespace stark

@@ -1,0 +1,198 @@
+// Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction, pairs without
+// contact. Everything is validated when it is added, so a scene that exists is a scene that can be built; no numerics
+// happen here. sim/model turns it into stencils and parameter tables. SI units.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <stark/base/math.h>
+#include <stark/geometry/mesh.h>
+#include <stark/sim/materials.h>
+#include <stark/sim/settings.h>
+
+namespace stark {
+
+/// Index of a body in its scene, in the order of the add_* calls. Valid in copies of the scene and in the simulation.
+struct BodyId {
+  int32_t index = -1;
+  auto operator<=>(const BodyId&) const = default;
+};
+
+enum class BodyKind : uint8_t { Cloth, Solid, Rigid };
+/// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or else their
+/// constant initial velocities; forces do not move them.
+enum class Motion : uint8_t { Dynamic, Fixed, Scripted };
+/// Rest angles of cloth: flat everywhere, or those of the rest mesh.
+enum class RestAngles : uint8_t { Flat, Mesh };
+
+template <>
+struct EnumNames<BodyKind> {
+  static constexpr std::array<std::string_view, 3> kNames{"cloth", "solid", "rigid"};
+};
+template <>
+struct EnumNames<Motion> {
+  static constexpr std::array<std::string_view, 3> kNames{"dynamic", "fixed", "scripted"};
+};
+template <>
+struct EnumNames<RestAngles> {
+  static constexpr std::array<std::string_view, 2> kNames{"flat", "mesh"};
+};
+
+/// Red, green, blue in [0, 1]; for pictures only.
+using Color = std::array<double, 3>;
+
+struct ClothDescription {
+  std::string name;                     ///< unique; empty: "cloth", "cloth_2", ...
+  TriangleMesh mesh;                    ///< [m] rest shape, in the frame of the body
+  ShellMaterial material;
+  Vec3 position;                        ///< [m] of the frame of the body at time 0
+  Mat3 rotation = Mat3::identity();     ///< of the frame of the body at time 0
+  std::vector<Vec3> initial_positions;  ///< [m] in the frame of the body; empty: the rest shape
+  Vec3 velocity;                        ///< [m/s] at time 0
+  Vec3 angular_velocity;                ///< [rad/s] at time 0, world axes, about `position`
+  std::optional<double> contact_distance;  ///< [m]; unset: settings.contact.distance
+  std::optional<double> friction;          ///< unset: Scene::default_friction
+  bool self_contact = true;
+  RestAngles rest_angles = RestAngles::Flat;
+  std::optional<Color> color;
+};
+
+struct SolidDescription {
+  std::string name;
+  TetMesh mesh;  ///< [m] rest shape; all tetrahedra of positive volume
+  SolidMaterial material;
+  Vec3 position;
+  Mat3 rotation = Mat3::identity();
+  std::vector<Vec3> initial_positions;
+  Vec3 velocity;
+  Vec3 angular_velocity;
+  std::optional<double> contact_distance;
+  std::optional<double> friction;
+  bool self_contact = true;
+  std::optional<Color> color;
+};
+
+/// Mass, centre and inertia of a rigid body in the frame of its mesh.
+struct RigidInertia {
+  double mass = 0.0;    ///< [kg]
+  Vec3 center_of_mass;  ///< [m]
+  Mat3 tensor;          ///< [kg m^2] about the centre of mass, axes of the mesh frame
+};
+
+/// A dynamic body needs a mass or a density (closed meshes), or all of `inertia`; fixed and scripted ones need none.
+struct RigidDescription {
+  std::string name;
+  TriangleMesh mesh;  ///< [m] surface for contact and pictures, in the frame of the body
+  Motion motion = Motion::Dynamic;
+  std::optional<double> mass;           ///< [kg] spread evenly over the enclosed volume (surface of open meshes)
+  std::optional<double> density;        ///< [kg/m^3]
+  std::optional<RigidInertia> inertia;  ///< overrides what follows from the mesh
+  Vec3 position;                        ///< [m] of the origin of the mesh frame, not of the centre of mass
+  Mat3 rotation = Mat3::identity();
+  Vec3 velocity;                        ///< [m/s] of the centre of mass (of the origin of a scripted body)
+  Vec3 angular_velocity;                ///< [rad/s] world axes
+  double linear_damping = 0.0;          ///< [1/s]
+  double angular_damping = 0.0;         ///< [1/s]
+  std::optional<double> contact_distance;
+  std::optional<double> friction;
+  std::optional<Color> color;
+};
+
+/// Vertices of a cloth or solid whose positions are prescribed: they keep their initial position, or follow the targets
+/// that Simulation::set_pin_targets gives in this order. They have no unknowns.
+struct Pins {
+  std::vector<int32_t> vertices;  ///< in the order of pinning, no vertex twice
+};
+
+class Scene {
+ public:
+  /// Each validates, takes a copy and returns the id. Throws InvalidArgument or InvalidMesh and leaves the scene as is.
+  BodyId add_cloth(ClothDescription description);
+  BodyId add_solid(SolidDescription description);
+  BodyId add_rigid(RigidDescription description);
+
+  /// Prescribes vertices of a cloth or a solid; vertices that are pinned already stay pinned.
+  void pin(BodyId body, std::span<const int32_t> vertices);
+
+  /// Coefficient of a pair; a == b is the self-contact of a body.
+  void set_friction(BodyId a, BodyId b, double coefficient);
+  /// Coefficient of bodies that were given none.
+  void set_default_friction(double coefficient);
+  double default_friction() const { return default_friction_; }
+  /// The pair's own coefficient when set_friction gave one, else the geometric mean of the two bodies' coefficients,
+  /// where default_friction() stands in for a body without one.
+  double friction(BodyId a, BodyId b) const;
+
+  /// Switches contact of a pair off and on; a == b is the self-contact of a deformable body.
+  void disable_contact(BodyId a, BodyId b);
+  void enable_contact(BodyId a, BodyId b);
+  /// False for disabled pairs, rigid bodies with themselves and pairs of bodies that are both fixed or scripted.
+  bool contact_enabled(BodyId a, BodyId b) const;
+
+  int32_t body_count() const { return static_cast<int32_t>(bodies_.size()); }
+  BodyId find(std::string_view name) const;  ///< throws for unknown names, with the nearest one as a hint
+  const std::string& name(BodyId body) const { return at(body).name; }
+  BodyKind kind(BodyId body) const { return at(body).kind; }
+  Motion motion(BodyId body) const;  ///< Dynamic for cloth and solids
+  /// Position of the description in cloths(), solids() or rigids().
+  int32_t index_in_kind(BodyId body) const { return at(body).index_in_kind; }
+  const std::vector<ClothDescription>& cloths() const { return cloths_; }
+  const std::vector<SolidDescription>& solids() const { return solids_; }
+  const std::vector<RigidDescription>& rigids() const { return rigids_; }
+  const ClothDescription& cloth(BodyId body) const;
+  const SolidDescription& solid(BodyId body) const;
+  const RigidDescription& rigid(BodyId body) const;
+  const RigidInertia& rigid_inertia(BodyId body) const;  ///< zero mass for fixed and scripted bodies
+  const Pins& pins(BodyId body) const { return pins_[at_index(body)]; }
+  std::optional<double> contact_distance(BodyId body) const;  ///< unset: settings.contact.distance
+  std::optional<double> body_friction(BodyId body) const;
+  std::optional<Color> color(BodyId body) const;
+
+  /// Positions [m] of the vertices at time 0 in the world, any kind of body.
+  std::vector<Vec3> initial_positions(BodyId body) const;
+  /// Velocities [m/s] of the vertices at time 0 in the world, cloth and solids.
+  std::vector<Vec3> initial_velocities(BodyId body) const;
+
+  /// Findings that do not prevent a simulation: non-manifold edges, unused vertices of rigid meshes, ...
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  struct Body {
+    std::string name;
+    BodyKind kind;
+    int32_t index_in_kind;
+  };
+  using Pair = std::pair<int32_t, int32_t>;
+
+  size_t at_index(BodyId body) const;  ///< throws for ids of another scene
+  const Body& at(BodyId body) const { return bodies_[at_index(body)]; }
+  BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
+  std::string unique_name(const std::string& name, BodyKind kind) const;
+  Pair ordered(BodyId a, BodyId b) const;
+
+  std::vector<Body> bodies_;
+  std::vector<ClothDescription> cloths_;
+  std::vector<SolidDescription> solids_;
+  std::vector<RigidDescription> rigids_;
+  std::vector<RigidInertia> inertias_;  // parallel to rigids_
+  std::vector<Pins> pins_;              // parallel to bodies_
+  std::map<Pair, double> friction_;
+  std::set<Pair> contact_disabled_;
+  double default_friction_ = 0.5;
+  std::vector<std::string> warnings_;
+};
+
+/// What a scene with these settings should be warned about: contact distances above half the smallest height of a
+/// triangle that can touch its own body, which makes a mesh press on itself at rest.
+std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings);
+
+}  // namespace stark

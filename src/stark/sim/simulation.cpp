@@ -1,0 +1,254 @@
+#include <stark/sim/simulation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include <stark/base/error.h>
+#include <stark/base/rotation.h>
+#include <stark/collision/intersection.h>
+
+namespace stark {
+
+namespace {
+
+LinearSolverSettings to_solver_settings(const LinearSettings& linear) {
+  return {.kind = linear.solver, .pcg_tolerance = linear.pcg_tolerance, .pcg_max_iterations = linear.pcg_max_iterations};
+}
+
+ContactOptions to_options(const ContactSettings& contact) {
+  return {.stiffness_factor = contact.stiffness_factor,
+          .min_separation_factor = contact.min_separation_factor,
+          .stick_velocity = contact.stick_velocity,
+          .friction = contact.friction};
+}
+
+Vec3 axial(const Mat3& W) { return {0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)), 0.5 * (W(1, 0) - W(0, 1))}; }
+
+std::string point_text(const Vec3& p) {
+  std::ostringstream out;
+  out << "(" << to_text(p.x) << ", " << to_text(p.y) << ", " << to_text(p.z) << ") m";
+  return out.str();
+}
+
+}  // namespace
+
+std::string StepReport::brief() const {
+  std::ostringstream out;
+  out.precision(4);
+  out << "step " << step << "  t " << time << " s  h " << 1e3 * time_step << " ms  " << solve.iterations << " iterations  "
+      << contact_count << " contacts  residual " << solve.residual << " N";
+  if (rejected_steps > 0) out << "  " << rejected_steps << " rejected";
+  if (failed()) out << "  FAILED: " << message;
+  return out.str();
+}
+
+Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {
+  validate(settings_);
+  if (scene_.body_count() == 0)
+    throw InvalidArgument("scene has no bodies; add at least one with add_cloth, add_solid or add_rigid");
+  pool_ = std::make_unique<ThreadPool>(settings_.execution.threads);
+  timer_ = std::make_unique<PhaseTimer>();
+  model_ = std::make_unique<Model>(scene_, settings_);
+  state_ = model_->initial_state();
+  ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
+  surface_mesh_ = surfaces.mesh;
+  if (settings_.contact.enabled) {
+    contact_ = std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
+                                                 to_options(settings_.contact), model_->map(), *pool_, *timer_);
+    check_initial_state();
+  }
+  assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
+  std::vector<const PotentialBatch*> batches;
+  for (const ModelBatch& batch : model_->batches()) batches.push_back(&batch.batch);
+  assembler_->set_static_batches(std::move(batches));
+  potential_ = std::make_unique<IncrementalPotential>(model_->map(), *assembler_, contact_.get(), model_->block_scales(),
+                                                      *timer_);
+  linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
+  newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+void Simulation::check_initial_state() const {
+  const std::vector<Vec3> x = site_positions();
+  const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
+  const auto intersections = find_intersections(surface_mesh_, x, contact_->filter(), *pool_);
+  if (!intersections.empty()) {
+    const auto& first = intersections.front();
+    const Vec3 where = (x[surface_mesh_.edges[first.edge][0]] + x[surface_mesh_.edges[first.edge][1]]) * 0.5;
+    throw InitialIntersection(name(surface_mesh_.edge_group[first.edge]) + " and " +
+                              name(surface_mesh_.triangle_group[first.triangle]) + " intersect at time 0 at " +
+                              std::to_string(intersections.size()) + " edge-triangle pairs, the first near " +
+                              point_text(where) + "; move them apart, or disable contact between them");
+  }
+  const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_);
+  if (!contained.empty()) {
+    const auto& first = contained.front();
+    throw InitialIntersection(name(first.inner) + " is inside " + name(first.outer) + " at time 0, near " +
+                              point_text(x[first.vertex]) +
+                              "; move it out, make the outer surface open, or disable contact between them");
+  }
+}
+
+void Simulation::set_state(const State& state) {
+  const State& mine = state_;
+  if (state.point_position.size() != mine.point_position.size() || state.point_velocity.size() != mine.point_velocity.size() ||
+      state.body_position.size() != mine.body_position.size() || state.body_rotation.size() != mine.body_rotation.size() ||
+      state.pin_target.size() != mine.pin_target.size() || state.script_remaining.size() != mine.script_remaining.size())
+    throw InvalidArgument("state has " + std::to_string(state.point_position.size()) + " points and " +
+                          std::to_string(state.body_position.size()) + " rigid bodies, the simulation has " +
+                          std::to_string(mine.point_position.size()) + " and " + std::to_string(mine.body_position.size()) +
+                          "; use a state of the same scene");
+  state_ = state;
+}
+
+const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
+  const std::string& name = scene_.name(body);  // throws for ids of another scene
+  const ModelBody& b = model_->bodies()[body.index];
+  if (b.kind != BodyKind::Rigid)
+    throw InvalidArgument("body '" + name + "' is a " + to_string(b.kind) + "; " + what + " is for rigid bodies");
+  return b;
+}
+
+std::vector<Vec3> Simulation::positions(BodyId body) const {
+  scene_.name(body);
+  const ModelBody& b = model_->bodies()[body.index];
+  std::vector<Vec3> x(b.site_count);
+  if (b.kind == BodyKind::Rigid) {
+    for (int32_t v = 0; v < b.site_count; ++v)
+      x[v] = state_.body_position[b.rigid_index] +
+             state_.body_rotation[b.rigid_index] * model_->map().site(b.first_site + v).local;
+  } else {
+    std::copy_n(state_.point_position.begin() + b.first_site, b.site_count, x.begin());
+  }
+  return x;
+}
+
+std::vector<Vec3> Simulation::velocities(BodyId body) const {
+  scene_.name(body);
+  const ModelBody& b = model_->bodies()[body.index];
+  std::vector<Vec3> v(b.site_count);
+  for (int32_t i = 0; i < b.site_count; ++i)
+    v[i] = b.kind == BodyKind::Rigid ? state_.body_velocity[b.rigid_index] + state_.body_rotation_rate[b.rigid_index] *
+                                                                                model_->map().site(b.first_site + i).local
+                                     : state_.point_velocity[b.first_site + i];
+  return v;
+}
+
+const std::vector<Index3>& Simulation::triangles(BodyId body) const {
+  scene_.name(body);
+  return model_->bodies()[body.index].triangles;
+}
+
+Vec3 Simulation::position(BodyId body) const {
+  rigid(body, "position");
+  Vec3 t;
+  Mat3 R;
+  model_->mesh_pose(body.index, state_, t, R);
+  return t;
+}
+
+Mat3 Simulation::rotation(BodyId body) const {
+  rigid(body, "rotation");
+  Vec3 t;
+  Mat3 R;
+  model_->mesh_pose(body.index, state_, t, R);
+  return R;
+}
+
+Vec3 Simulation::linear_velocity(BodyId body) const {
+  const ModelBody& b = rigid(body, "velocity");
+  const Vec3 lever = rotation(body) * -b.centre;  // from the centre of mass to the origin of the mesh
+  return state_.body_velocity[b.rigid_index] + cross(angular_velocity(body), lever);
+}
+
+Vec3 Simulation::angular_velocity(BodyId body) const {
+  const ModelBody& b = rigid(body, "angular velocity");
+  return axial(state_.body_rotation_rate[b.rigid_index] * transpose(state_.body_rotation[b.rigid_index]));
+}
+
+void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotation) {
+  const ModelBody& b = rigid(body, "set_pose");
+  if (scene_.motion(body) != Motion::Scripted)
+    throw InvalidArgument("body '" + scene_.name(body) + "' is " + to_string(scene_.motion(body)) +
+                          "; only scripted bodies follow poses, add it with motion = scripted");
+  const double defect = max_abs((transpose(rotation) * rotation - Mat3::identity()) * Vec3{1, 1, 1});
+  if (!is_finite(position) || !(defect < 1e-6) || !(determinant(rotation) > 0.0))
+    throw InvalidArgument("pose of body '" + scene_.name(body) + "': position " + point_text(position) +
+                          " must be finite and rotation orthogonal with determinant +1 (defect " + to_text(defect) + ")");
+  state_.script_position[b.rigid_index] = position;
+  state_.script_rotation[b.rigid_index] = orthonormalized(rotation);
+  state_.script_remaining[b.rigid_index] = settings_.time.step;
+  state_.body_velocity[b.rigid_index] = {};
+  state_.body_rotation_rate[b.rigid_index] = {};
+}
+
+void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity) {
+  const ModelBody& b = rigid(body, "set_velocity");
+  if (scene_.motion(body) != Motion::Scripted)
+    throw InvalidArgument("body '" + scene_.name(body) + "' is " + to_string(scene_.motion(body)) +
+                          "; only scripted bodies follow velocities, add it with motion = scripted");
+  if (!is_finite(velocity) || !is_finite(angular_velocity))
+    throw InvalidArgument("velocity of body '" + scene_.name(body) + "' must be finite, in m/s and rad/s");
+  state_.script_remaining[b.rigid_index] = 0.0;
+  state_.body_velocity[b.rigid_index] = velocity;
+  state_.body_rotation_rate[b.rigid_index] = skew(angular_velocity) * state_.body_rotation[b.rigid_index];
+}
+
+void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
+  const std::string& name = scene_.name(body);
+  const ModelBody& b = model_->bodies()[body.index];
+  if (b.pins.size() != targets.size())
+    throw InvalidArgument("pin targets of body '" + name + "': " + std::to_string(targets.size()) + " positions for " +
+                          std::to_string(b.pins.size()) + " pinned vertices; give one position [m] for each");
+  for (const Vec3& target : targets)
+    if (!is_finite(target))
+      throw InvalidArgument("pin targets of body '" + name + "': " + point_text(target) + " must be finite");
+  for (size_t k = 0; k < targets.size(); ++k) state_.pin_target[b.first_site + b.pins[k]] = targets[k];
+  state_.pin_remaining = settings_.time.step;
+}
+
+void Simulation::set_interrupt(std::function<bool()> interrupted) { newton_->set_interrupt(std::move(interrupted)); }
+
+const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }
+
+std::vector<Vec3> Simulation::site_positions() const {
+  std::vector<Vec3> x(model_->map().site_count());
+  model_->map().positions({state_.point_position, state_.body_position, state_.body_rotation}, x);
+  return x;
+}
+
+EnergyLedger Simulation::energies(std::span<const Vec3> x) const {
+  EnergyLedger ledger;
+  const auto& masses = model_->point_masses();
+  const auto& blocks = model_->map().layout().point_block;
+  for (size_t p = 0; p < masses.size(); ++p) {
+    if (blocks[p] == kNoBlock) continue;
+    ledger.kinetic += 0.5 * masses[p] * squared_norm(state_.point_velocity[p]);
+    ledger.gravity -= masses[p] * dot(settings_.gravity, state_.point_position[p]);
+  }
+  for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
+    const RigidMass& mass = model_->rigid_masses()[b];
+    if (mass.mass == 0.0) continue;
+    ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
+    for (int k = 0; k < 3; ++k)
+      ledger.kinetic += 0.5 * mass.second_moments[k] * squared_norm(state_.body_rotation_rate[b].column(k));
+    ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
+  }
+  AlignedVector<double> out;
+  for (ModelBatch& batch : model_->batches()) {
+    if (batch.role != ModelBatch::Role::Elastic) continue;
+    batch.batch.set_previous(x);  // at rest within a step: only the elastic part is left
+    out.resize(batch.batch.block_count() * symbolic::kLanes);
+    batch.batch.evaluate(symbolic::Order::Energy, x, 0, batch.batch.block_count(), out.data());
+    for (int64_t e = 0; e < batch.batch.size(); ++e) ledger.elastic += out[e];
+  }
+  if (contact_)
+    for (const double energy : contact_->active_set().energies()) ledger.contact += energy;
+  return ledger;
+}
+
+}  // namespace stark

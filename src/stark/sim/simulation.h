@@ -1,0 +1,90 @@
+// Simulation: owns the model of a scene, its state and the solver; advances time step by step.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <stark/sim/model.h>
+#include <stark/sim/step_report.h>
+#include <stark/solve/newton.h>
+
+namespace stark {
+
+class Simulation {
+ public:
+  /// Builds the model. Throws InvalidArgument for settings or scenes that cannot be simulated and InitialIntersection
+  /// when surfaces intersect or contain each other at time 0.
+  explicit Simulation(const Scene& scene, const Settings& settings = {});
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+
+  /// Advances by one time step: settings.time.step, or less after failures or when `max_time_step` [s] is smaller. On
+  /// failure the state is as before the call.
+  const StepReport& step(double max_time_step = 1e300);
+  const StepReport& report() const { return report_; }
+
+  double time() const { return state_.time; }
+  const State& state() const { return state_; }
+  /// Rewinds or resumes; throws InvalidArgument for a state of another model.
+  void set_state(const State& state);
+  const Model& model() const { return *model_; }
+  const Scene& scene() const { return scene_; }
+  const Settings& settings() const { return settings_; }
+  int32_t dof_count() const { return 3 * model_->map().layout().block_count; }
+
+  /// Positions [m] or velocities [m/s] of the vertices of a body's mesh, in its order.
+  std::vector<Vec3> positions(BodyId body) const;
+  std::vector<Vec3> velocities(BodyId body) const;
+  const std::vector<Index3>& triangles(BodyId body) const;
+  /// Pose of a rigid body's mesh frame, velocity [m/s] of its origin and angular velocity [rad/s], world axes.
+  Vec3 position(BodyId body) const;
+  Mat3 rotation(BodyId body) const;
+  Vec3 linear_velocity(BodyId body) const;
+  Vec3 angular_velocity(BodyId body) const;
+
+  /// Pose of a scripted body at the end of the next full time step; afterwards it rests until told otherwise.
+  void set_pose(BodyId body, const Vec3& position, const Mat3& rotation);
+  /// Velocity of the origin [m/s] and angular velocity [rad/s] of a scripted body from now on.
+  void set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Positions [m] of the pinned vertices, in the order of pinning, at the end of the next full time step.
+  void set_pin_targets(BodyId body, std::span<const Vec3> targets);
+
+  /// Asked between Newton iterations; returning true ends the step with status Interrupted.
+  void set_interrupt(std::function<bool()> interrupted);
+
+  /// Surfaces for checks and pictures: all sites and the primitives on them.
+  const SurfaceMesh& surface_mesh() const;
+  std::vector<Vec3> site_positions() const;
+
+ private:
+  struct Attempt;
+  void check_initial_state() const;
+  const ModelBody& rigid(BodyId body, const char* what) const;
+  Configuration start_configuration() const;
+  Configuration target_configuration(double h) const;
+  void predict(double h);
+  bool attempt(double h, SolveReport& total);
+  void commit(double h);
+  EnergyLedger energies(std::span<const Vec3> x) const;
+  void finish_report(StepStatus status);
+
+  Scene scene_;
+  Settings settings_;
+  std::unique_ptr<ThreadPool> pool_;
+  std::unique_ptr<PhaseTimer> timer_;
+  std::unique_ptr<Model> model_;
+  std::unique_ptr<Assembler> assembler_;
+  std::unique_ptr<ContactPipeline> contact_;
+  std::unique_ptr<IncrementalPotential> potential_;
+  std::unique_ptr<LinearSolver> linear_solver_;
+  std::unique_ptr<NewtonSolver> newton_;
+  SurfaceMesh surface_mesh_;
+  State state_;
+  StepReport report_;
+  BlockMatrix diagonal_hessian_;
+  std::vector<double> scratch_gradient_;
+};
+
+}  // namespace stark

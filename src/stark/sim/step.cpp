@@ -1,0 +1,207 @@
+// The journey of a time step (ARCHITECTURE.md): predict, freeze, minimise, accept or halve, commit, report.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <stark/base/rotation.h>
+#include <stark/sim/simulation.h>
+
+namespace stark {
+
+namespace {
+
+/// Scale that switches inertia and damping off in quasistatic steps [s].
+constexpr double kQuasistaticStep = 1e150;
+
+/// Relative difference of times below which a remaining time counts as used up.
+constexpr double kTimeRounding = 1e-12;
+
+void add_counters(SolveReport& total, const SolveReport& attempt) {
+  SolveReport sum = attempt;
+  sum.iterations += total.iterations;
+  sum.linear_iterations += total.linear_iterations;
+  sum.factorizations += total.factorizations;
+  sum.backtracks += total.backtracks;
+  sum.projected_iterations += total.projected_iterations;
+  sum.lag_updates += total.lag_updates;
+  total = sum;
+}
+
+const char* failure_text(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::MaxIterations:
+      return "Newton's method did not converge within newton.max_iterations; raise it, or loosen the tolerances";
+    case SolveStatus::NotFinite:
+      return "the energy or its derivatives are not finite; look for collapsed elements and extreme stiffness";
+    case SolveStatus::LineSearchFailed:
+      return "no step along the Newton direction lowers the energy; look for over-constrained bodies and for tolerances "
+             "below rounding";
+    case SolveStatus::LinearSolveFailed:
+      return "the linear system could not be solved; look for free bodies without inertia";
+    case SolveStatus::Blocked:
+      return "a scripted body or pinned vertex is blocked by an obstacle; change its motion or the obstacle";
+    case SolveStatus::Interrupted:
+      return "interrupted";
+    case SolveStatus::Converged:
+    case SolveStatus::RoundOff:
+      return "";
+  }
+  return "";
+}
+
+}  // namespace
+
+const StepReport& Simulation::step(double max_time_step) {
+  report_ = {};
+  report_.step = state_.step_count + 1;
+  timer_->reset();
+  linear_solver_->begin_step();
+  double h = std::min(state_.time_step, max_time_step);
+  while (true) {
+    if (attempt(h, report_.solve)) {
+      commit(h);
+      report_.time_step = h;
+      // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink the next.
+      if (report_.rejected_steps > 0) state_.time_step = h;
+      else if (h >= state_.time_step) state_.time_step = std::min(settings_.time.step, h * settings_.time.growth);
+      finish_report(report_.rejected_steps > 0 ? StepStatus::Retried : StepStatus::Accepted);
+      return report_;
+    }
+    report_.message = failure_text(report_.solve.status);
+    if (report_.solve.status == SolveStatus::Interrupted) {
+      finish_report(StepStatus::Interrupted);
+      return report_;
+    }
+    ++report_.rejected_steps;
+    h *= 0.5;
+    if (h < settings_.time.min_step) {
+      report_.message += "; the time step was halved down to time.min_step = " +
+                         quantity_text(settings_.time.min_step, "s") + " without success";
+      report_.time_step = 2.0 * h;
+      finish_report(StepStatus::Failed);
+      return report_;
+    }
+  }
+}
+
+bool Simulation::attempt(double h, SolveReport& total) {
+  const Configuration start = start_configuration();
+  {
+    const PhaseTimer::Scope scope(*timer_, Phase::Predict);
+    potential_->begin(start, target_configuration(h));
+    predict(h);
+  }
+  if (contact_) {
+    // Diagonal blocks of inertia and elasticity: the natural stiffness that barriers are measured against.
+    assembler_->set_dynamic_batches({});
+    scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
+    {
+      const PhaseTimer::Scope scope(*timer_, Phase::Stiffness);
+      assembler_->assemble(start, potential_->site_positions(), {.project = false, .pending = {}}, scratch_gradient_,
+                           diagonal_hessian_);
+    }
+    std::vector<Mat3> diagonal(model_->map().layout().block_count);
+    for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
+      std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9, diagonal[b].m.data());
+    contact_->begin_step(start, potential_->site_positions(), diagonal, h);
+  }
+  const SolveReport solved = newton_->minimize(*potential_, h, settings_.contact.friction_updates);
+  add_counters(total, solved);
+  return is_success(solved.status);
+}
+
+Configuration Simulation::start_configuration() const {
+  return {state_.point_position, state_.body_position, state_.body_rotation};
+}
+
+Configuration Simulation::target_configuration(double h) const {
+  Configuration target = start_configuration();
+  if (state_.pin_remaining > 0.0) {
+    const double fraction = std::min(1.0, h / state_.pin_remaining);
+    const auto& blocks = model_->map().layout().point_block;
+    for (size_t p = 0; p < blocks.size(); ++p)
+      if (blocks[p] == kNoBlock) {
+        const Vec3& from = target.point_position[p];
+        target.point_position[p] = fraction >= 1.0 ? state_.pin_target[p] : from + (state_.pin_target[p] - from) * fraction;
+      }
+  }
+  for (size_t b = 0; b < target.body_position.size(); ++b) {
+    if (model_->map().layout().body_block[b] != kNoBlock) continue;
+    if (state_.script_remaining[b] > 0.0) {
+      const double fraction = std::min(1.0, h / state_.script_remaining[b]);
+      target.body_position[b] += (state_.script_position[b] - target.body_position[b]) * fraction;
+      target.body_rotation[b] =
+          fraction >= 1.0 ? state_.script_rotation[b]
+                          : interpolate_rotation(target.body_rotation[b], state_.script_rotation[b], fraction);
+    } else {
+      const Mat3 W = state_.body_rotation_rate[b] * transpose(target.body_rotation[b]);
+      target.body_position[b] += state_.body_velocity[b] * h;
+      target.body_rotation[b] = exp_rotation(Vec3{W(2, 1), W(0, 2), W(1, 0)} * h) * target.body_rotation[b];
+    }
+  }
+  return target;
+}
+
+void Simulation::predict(double h) {
+  const bool quasistatic = settings_.time.integrator == Integrator::Quasistatic;
+  const std::span<const Vec3> x = potential_->site_positions();
+  for (ModelBatch& batch : model_->batches()) {
+    batch.batch.set_previous(x);
+    batch.batch.set_time_step(quasistatic ? kQuasistaticStep : h);
+    if (batch.role != ModelBatch::Role::Inertia) continue;
+    batch.batch.set_uniform("inverse_scale_squared", quasistatic ? 0.0 : 1.0 / (h * h));
+    const int field = batch.batch.field_index("predicted");
+    const bool is_rotation = batch.batch.potential().name() == "point_inertia";
+    for (int64_t e = 0; e < batch.batch.size(); ++e) {
+      const int32_t subject = batch.subject[e];
+      Vec3 velocity;
+      if (is_rotation) velocity = state_.body_rotation_rate[subject / 3].column(subject % 3);
+      else velocity = subject >= 0 ? state_.point_velocity[subject] : state_.body_velocity[-1 - subject];
+      const Vec3 predicted = x[batch.batch.stencil(e)[0]] + velocity * h;
+      batch.batch.set(field, e, {&predicted.x, 3});
+    }
+  }
+}
+
+void Simulation::commit(double h) {
+  const PhaseTimer::Scope scope(*timer_, Phase::Commit);
+  const Configuration& end = potential_->configuration();
+  const DofLayout& layout = model_->map().layout();
+  for (size_t p = 0; p < end.point_position.size(); ++p) {
+    state_.point_velocity[p] = (end.point_position[p] - state_.point_position[p]) / h;
+    state_.point_position[p] = end.point_position[p];
+  }
+  const auto arrived = [&](double remaining) { return remaining - h <= kTimeRounding * (state_.time + h); };
+  for (size_t b = 0; b < end.body_position.size(); ++b) {
+    if (layout.body_block[b] != kNoBlock) {
+      const Mat3 rotation = orthonormalized(end.body_rotation[b]);
+      state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
+      state_.body_rotation_rate[b] = (rotation - state_.body_rotation[b]) * (1.0 / h);
+      state_.body_rotation[b] = rotation;
+    } else {
+      // The world axes of the angular velocity stay the same: the rate turns along with the body.
+      const Mat3 W = state_.body_rotation_rate[b] * transpose(state_.body_rotation[b]);
+      state_.body_rotation[b] = end.body_rotation[b];
+      state_.body_rotation_rate[b] = W * state_.body_rotation[b];
+      if (state_.script_remaining[b] > 0.0)
+        state_.script_remaining[b] = arrived(state_.script_remaining[b]) ? 0.0 : state_.script_remaining[b] - h;
+    }
+    state_.body_position[b] = end.body_position[b];
+  }
+  if (state_.pin_remaining > 0.0) state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
+  state_.time += h;
+  ++state_.step_count;
+}
+
+void Simulation::finish_report(StepStatus status) {
+  report_.status = status;
+  report_.time = state_.time;
+  if (!report_.failed()) {
+    report_.min_distance = contact_ ? contact_->min_distance() : std::numeric_limits<double>::infinity();
+    report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
+    report_.energy = energies(potential_->site_positions());
+  }
+  for (size_t k = 0; k < report_.phases.size(); ++k) report_.phases[k] = timer_->seconds(static_cast<Phase>(k));
+}
+
+}  // namespace stark

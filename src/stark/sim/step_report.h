@@ -1,0 +1,41 @@
+// What a time step did: returned by Simulation::step(), complete whether the step succeeded or not (step phase 8).
+#pragma once
+
+#include <array>
+#include <string>
+
+#include <stark/base/timer.h>
+#include <stark/solve/report.h>
+
+namespace stark {
+
+/// Accepted: at the first attempt. Retried: after at least one halving of the time step. Failed: the state is unchanged.
+enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
+
+/// Energies at the end of the step [J].
+struct EnergyLedger {
+  double kinetic = 0.0;
+  double elastic = 0.0;
+  double gravity = 0.0;  ///< of all free masses, zero at the origin
+  double contact = 0.0;  ///< barrier
+};
+
+struct StepReport {
+  StepStatus status = StepStatus::Accepted;
+  std::string message;         ///< empty, or why the step was retried or failed, with the remedy
+  int64_t step = 0;            ///< number of this step, from 1
+  double time = 0.0;           ///< at its end [s]
+  double time_step = 0.0;      ///< [s]
+  int rejected_steps = 0;      ///< attempts thrown away before this one
+  SolveReport solve;           ///< of the accepted attempt; counters include the rejected ones
+  int64_t contact_count = 0;
+  double min_distance = 0.0;   ///< of the active contacts [m], infinity without any
+  EnergyLedger energy;
+  std::array<double, static_cast<size_t>(Phase::kCount)> phases{};  ///< seconds by Phase
+
+  bool failed() const { return status == StepStatus::Failed || status == StepStatus::Interrupted; }
+  /// "step 12  t 0.4 s  h 33.3 ms  6 iterations  132 contacts  residual 1.2e-06 N".
+  std::string brief() const;
+};
+
+}  // namespace stark

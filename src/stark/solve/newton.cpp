@@ -1,0 +1,149 @@
+#include <stark/solve/newton.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stark {
+
+namespace {
+
+constexpr int kProjectedIterations = 4;     ///< kept projected after an indefinite matrix (Newton slows down otherwise)
+constexpr int kRoundOffIterations = 4;      ///< full steps taken where energy differences are rounding errors
+constexpr double kEnergyRounding = 1e-15;   ///< relative rounding of a sum of element energies
+constexpr double kTinyStep = 1e-6;          ///< step lengths below it make no progress ...
+constexpr int kTinyStepLimit = 12;          ///< ... and so many in a row end the minimisation
+
+bool all_finite(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+NewtonSolver::NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_solver, PhaseTimer& timer)
+    : settings_(settings), linear_solver_(linear_solver), timer_(timer) {}
+
+SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int max_lag_updates) {
+  SolveReport report;
+  const size_t n = 3 * static_cast<size_t>(objective.block_count());
+  gradient_.assign(n, 0.0);
+  direction_.assign(n, 0.0);
+  projection_countdown_ = 0;
+  previous_gradient_norm_ = 0.0;
+  int tiny_steps = 0, round_off_steps = 0;
+  const auto finish = [&](SolveStatus status) {
+    report.status = status;
+    return report;
+  };
+
+  while (true) {
+    if (interrupted_ && interrupted_()) return finish(SolveStatus::Interrupted);
+    const bool pending = objective.has_pending_motion();
+    switch (find_direction(objective, report)) {
+      case Direction::Found: break;
+      case Direction::NotFinite: return finish(SolveStatus::NotFinite);
+      case Direction::Failed: return finish(SolveStatus::LinearSolveFailed);
+    }
+    report.last_motion = objective.motion(direction_);
+    const bool converged = !pending && is_converged(objective, report, time_step);
+    if (!converged && report.iterations >= settings_.max_iterations) return finish(SolveStatus::MaxIterations);
+
+    // The last direction is known, so it is taken even when its size already says "converged".
+    const SolveStatus searched = line_search(objective, report);
+    if (!converged) ++report.iterations;
+    if (converged) {
+      if (report.lag_updates >= max_lag_updates) return finish(SolveStatus::Converged);
+      report.lag_residual = objective.refresh_lagged();
+      ++report.lag_updates;
+      if (report.lag_residual == 0.0) return finish(SolveStatus::Converged);
+      continue;
+    }
+    if (searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations) return finish(searched);
+    if (searched == SolveStatus::LineSearchFailed) {
+      if (projection_countdown_ > 0 || settings_.projection != Projection::OnDemand) return finish(searched);
+      projection_countdown_ = kProjectedIterations;
+    }
+    tiny_steps = report.last_step_length < kTinyStep ? tiny_steps + 1 : 0;
+    if (tiny_steps >= kTinyStepLimit) return finish(pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed);
+  }
+}
+
+NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, SolveReport& report) {
+  bool project = settings_.projection == Projection::Always || projection_countdown_ > 0;
+  if (projection_countdown_ > 0) --projection_countdown_;
+  while (true) {
+    objective.linearize(project, gradient_, hessian_);
+    if (!all_finite(gradient_)) return Direction::NotFinite;
+    if (project) ++report.projected_iterations;
+    right_hand_side_.resize(gradient_.size());
+    for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
+    const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
+    const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_, forcing_tolerance(),
+                                                          objective.block_positions());
+    report.linear_iterations += solved.iterations;
+    report.factorizations += solved.factorizations;
+    const bool usable = solved.ok && all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
+    if (usable) break;
+    if (project || settings_.projection == Projection::Never) return Direction::Failed;
+    project = true;
+    projection_countdown_ = kProjectedIterations - 1;
+  }
+  const Residual residual = objective.residual(gradient_);
+  report.residual = residual.force;
+  report.acceleration = residual.acceleration;
+  return Direction::Found;
+}
+
+double NewtonSolver::slope() const { return dot(gradient_, direction_); }
+
+double NewtonSolver::forcing_tolerance() {
+  // Eisenstat and Walker 1996, choice 2: solve only as exactly as the quadratic model is worth.
+  const double norm = std::sqrt(dot(gradient_, gradient_));
+  const double ratio = previous_gradient_norm_ > 0.0 ? norm / previous_gradient_norm_ : 0.3;
+  previous_gradient_norm_ = norm;
+  return std::clamp(0.9 * ratio * ratio, 1e-4, 0.1);
+}
+
+bool NewtonSolver::is_converged(const Objective& objective, const SolveReport& report, double time_step) const {
+  (void)objective;
+  bool all = true, any = false;
+  const auto test = [&](double tolerance, double value) {
+    if (tolerance <= 0.0) return;
+    all = all && value < tolerance;
+    any = any || value < tolerance;
+  };
+  test(settings_.residual_tolerance, report.residual);
+  test(settings_.acceleration_tolerance, report.acceleration);
+  test(settings_.step_tolerance, report.last_motion / time_step);
+  return settings_.termination == Termination::All ? all : any;
+}
+
+SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report) {
+  const bool pending = objective.has_pending_motion();
+  double alpha = 0.0;
+  {
+    const PhaseTimer::Scope scope(timer_, Phase::StepBound);
+    alpha = objective.bound_step(direction_, settings_.max_rotation);
+  }
+  const PhaseTimer::Scope scope(timer_, Phase::LineSearch);
+  const double decrease = slope();
+  for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
+    const TrialEnergy trial = objective.try_step(direction_, alpha);
+    const double noise = kEnergyRounding * trial.magnitude;
+    if (trial.feasible && (pending || trial.difference <= settings_.armijo * alpha * decrease + noise)) {
+      objective.accept_trial();
+      report.last_step_length = alpha;
+      return !pending && -decrease < noise ? SolveStatus::RoundOff : SolveStatus::Converged;
+    }
+    ++report.backtracks;
+  }
+  report.last_step_length = 0.0;
+  return SolveStatus::LineSearchFailed;
+}
+
+}  // namespace stark

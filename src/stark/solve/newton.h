@@ -1,0 +1,44 @@
+// Newton's method with line search (step phases 4, 4h to 4j): raw Hessians, projected ones where the matrix turns out
+// indefinite; steps bounded by continuous collision detection; Armijo's rule on energy differences.
+#pragma once
+
+#include <functional>
+
+#include <stark/base/timer.h>
+#include <stark/linalg/linear_solver.h>
+#include <stark/solve/newton_settings.h>
+#include <stark/solve/objective.h>
+#include <stark/solve/report.h>
+
+namespace stark {
+
+class NewtonSolver {
+ public:
+  NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_solver, PhaseTimer& timer);
+
+  /// Asked between iterations; returning true ends the minimisation with status Interrupted.
+  void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
+
+  /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step` [s] turns
+  /// the motion of a Newton step into a velocity.
+  SolveReport minimize(Objective& objective, double time_step, int max_lag_updates);
+
+ private:
+  enum class Direction : uint8_t { Found, NotFinite, Failed };
+  Direction find_direction(Objective& objective, SolveReport& report);
+  bool is_converged(const Objective& objective, const SolveReport& report, double time_step) const;
+  SolveStatus line_search(Objective& objective, SolveReport& report);
+  double slope() const;
+  double forcing_tolerance();
+
+  NewtonSettings settings_;
+  LinearSolver& linear_solver_;
+  PhaseTimer& timer_;
+  std::function<bool()> interrupted_;
+  std::vector<double> gradient_, direction_, right_hand_side_;
+  BlockMatrix hessian_;
+  int projection_countdown_ = 0;  ///< iterations for which Hessians stay projected after a failure
+  double previous_gradient_norm_ = 0.0;
+};
+
+}  // namespace stark

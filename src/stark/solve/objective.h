@@ -1,0 +1,60 @@
+// What Newton's method minimises: a function of increments on a manifold, seen through blocks of three unknowns. The
+// solver knows nothing of bodies or contact; the objective owns the current iterate and a trial point.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <stark/base/math.h>
+#include <stark/linalg/block_matrix.h>
+
+namespace stark {
+
+/// Size of the unbalanced forces at the iterate.
+struct Residual {
+  double force = 0.0;         ///< largest force on a node or body [N] (torques over the body's radius)
+  double acceleration = 0.0;  ///< largest M^-1 force at a node or body surface [m/s^2]
+};
+
+/// Energy at the trial point relative to the iterate.
+struct TrialEnergy {
+  bool feasible = false;    ///< finite energy and, for the whole path, no intersection
+  double difference = 0.0;  ///< [J], summed element by element
+  double magnitude = 0.0;   ///< sum of the elements' magnitudes [J]: rounding of `difference` is about 1e-16 of it
+};
+
+class Objective {
+ public:
+  virtual ~Objective() = default;
+
+  virtual int32_t block_count() const = 0;
+
+  /// Gradient and Hessian at the iterate. `project`: element Hessians made positive semidefinite.
+  virtual void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) = 0;
+
+  /// True while prescribed parts still have to move within this minimisation. The gradient then anticipates their motion
+  /// to first order, each accepted step brings them closer, and energies along a step are not comparable.
+  virtual bool has_pending_motion() const = 0;
+
+  virtual Residual residual(std::span<const double> gradient) const = 0;
+  /// Largest motion of a material point under the full increment [m].
+  virtual double motion(std::span<const double> direction) const = 0;
+
+  /// Largest alpha in (0, 1] for which the path from the iterate to alpha * direction is certified free of
+  /// intersections and rotations are below max_rotation [rad].
+  virtual double bound_step(std::span<const double> direction, double max_rotation) = 0;
+
+  /// Sets the trial point to alpha * direction and evaluates it.
+  virtual TrialEnergy try_step(std::span<const double> direction, double alpha) = 0;
+  /// The trial point becomes the iterate.
+  virtual void accept_trial() = 0;
+
+  /// Called between iterations once the residual is small: brings lagged quantities (friction) up to date. Returns the
+  /// change of force it caused [N], 0 when nothing was refreshed.
+  virtual double refresh_lagged() { return 0.0; }
+
+  /// Positions of the blocks, for fill-reducing orderings; may be empty.
+  virtual std::span<const Vec3> block_positions() const { return {}; }
+};
+
+}  // namespace stark

@@ -1,0 +1,200 @@
+// Reference evaluation by the standard library, printing, and compiled functions.
+// Phase: model building and post-processing.
+#include <stark/symbolic/evaluate.h>
+
+#include <stark/base/error.h>
+#include <stark/symbolic/backend/executable.h>
+#include <stark/symbolic/lower.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace stark::symbolic {
+
+namespace {
+
+double input_value(std::span<const double> values, NodeId index, const char* kind) {
+  if (index >= static_cast<NodeId>(values.size())) {
+    throw InvalidArgument("evaluate: the expression uses " + std::string(kind) + " input " + std::to_string(index) +
+                          ", but only " + std::to_string(values.size()) + " values were given.");
+  }
+  return values[index];
+}
+
+double evaluate_node(const Node& n, const double* x, const InputValues& in) {
+  switch (n.op) {
+    case Op::Constant: return n.value;
+    case Op::Unknown: return input_value(in.unknowns, n.operands[0], "unknown");
+    case Op::Element: return input_value(in.elements, n.operands[0], "element");
+    case Op::Uniform: return input_value(in.uniforms, n.operands[0], "uniform");
+    case Op::Neg: return -x[0];
+    case Op::Abs: return std::fabs(x[0]);
+    case Op::Sqrt: return std::sqrt(x[0]);
+    case Op::Exp: return std::exp(x[0]);
+    case Op::Log: return std::log(x[0]);
+    case Op::Sin: return std::sin(x[0]);
+    case Op::Cos: return std::cos(x[0]);
+    case Op::Tan: return std::tan(x[0]);
+    case Op::Asin: return std::asin(x[0]);
+    case Op::Acos: return std::acos(x[0]);
+    case Op::Atan: return std::atan(x[0]);
+    case Op::Tanh: return std::tanh(x[0]);
+    case Op::Add: return x[0] + x[1];
+    case Op::Sub: return x[0] - x[1];
+    case Op::Mul: return x[0] * x[1];
+    case Op::Div: return x[0] / x[1];
+    case Op::Min: return x[0] < x[1] ? x[0] : x[1];
+    case Op::Max: return x[0] > x[1] ? x[0] : x[1];
+    case Op::Pow: return std::pow(x[0], x[1]);
+    case Op::Atan2: return std::atan2(x[0], x[1]);
+    case Op::Fma: return std::fma(x[0], x[1], x[2]);
+    case Op::Select: return x[0] != 0.0 ? x[1] : x[2];
+    case Op::Less: return x[0] < x[1];
+    case Op::LessEqual: return x[0] <= x[1];
+    case Op::And: return x[0] != 0.0 && x[1] != 0.0;
+    case Op::Or: return x[0] != 0.0 || x[1] != 0.0;
+    case Op::Not: return x[0] == 0.0;
+  }
+  return 0.0;
+}
+
+double evaluate_any(const Scalar& expression, const InputValues& values) {
+  if (expression.is_literal()) return expression.value();
+  const Graph& graph = *expression.graph();
+  std::vector<char> needed(expression.id() + 1, 0);
+  needed[expression.id()] = 1;
+  for (NodeId id = expression.id(); id >= 0; --id) {
+    if (!needed[id]) continue;
+    const Node& n = graph.node(id);
+    for (int k = 0; k < operand_count(n.op); ++k) needed[n.operands[k]] = 1;
+  }
+  std::vector<double> result(expression.id() + 1, 0.0);
+  for (NodeId id = 0; id <= expression.id(); ++id) {
+    if (!needed[id]) continue;
+    const Node& n = graph.node(id);
+    double x[3] = {0.0, 0.0, 0.0};
+    for (int k = 0; k < operand_count(n.op); ++k) x[k] = result[n.operands[k]];
+    result[id] = evaluate_node(n, x, values);
+  }
+  return result[expression.id()];
+}
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  char shorter[32];
+  std::snprintf(shorter, sizeof shorter, "%.15g", value);
+  return std::strtod(shorter, nullptr) == value ? shorter : text;
+}
+
+const char* function_name(Op op) {
+  switch (op) {
+    case Op::Abs: return "abs";
+    case Op::Sqrt: return "sqrt";
+    case Op::Exp: return "exp";
+    case Op::Log: return "log";
+    case Op::Sin: return "sin";
+    case Op::Cos: return "cos";
+    case Op::Tan: return "tan";
+    case Op::Asin: return "asin";
+    case Op::Acos: return "acos";
+    case Op::Atan: return "atan";
+    case Op::Tanh: return "tanh";
+    case Op::Min: return "min";
+    case Op::Max: return "max";
+    case Op::Pow: return "pow";
+    case Op::Atan2: return "atan2";
+    case Op::Fma: return "fma";
+    case Op::Select: return "select";
+    default: return nullptr;
+  }
+}
+
+std::string node_text(const Graph& graph, NodeId id) {
+  const Node& n = graph.node(id);
+  const auto operand = [&](int k) { return node_text(graph, n.operands[k]); };
+  const auto infix = [&](const char* sign) { return "(" + operand(0) + " " + sign + " " + operand(1) + ")"; };
+  switch (n.op) {
+    case Op::Constant: return number_text(n.value);
+    case Op::Unknown: return "u" + std::to_string(n.operands[0]);
+    case Op::Element: return "e" + std::to_string(n.operands[0]);
+    case Op::Uniform: return "p" + std::to_string(n.operands[0]);
+    case Op::Neg: return "-" + operand(0);
+    case Op::Not: return "!" + operand(0);
+    case Op::Add: return infix("+");
+    case Op::Sub: return infix("-");
+    case Op::Mul: return infix("*");
+    case Op::Div: return infix("/");
+    case Op::Less: return infix("<");
+    case Op::LessEqual: return infix("<=");
+    case Op::And: return infix("&&");
+    case Op::Or: return infix("||");
+    default: break;
+  }
+  std::string text = std::string(function_name(n.op)) + "(" + operand(0);
+  for (int k = 1; k < operand_count(n.op); ++k) text += ", " + operand(k);
+  return text + ")";
+}
+
+}  // namespace
+
+double evaluate(const Scalar& expression, const InputValues& values) {
+  if (expression.is_condition()) throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
+  return evaluate_any(expression, values);
+}
+
+bool evaluate_condition(const Scalar& condition, const InputValues& values) {
+  if (!condition.is_condition()) throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
+  return evaluate_any(condition, values) != 0.0;
+}
+
+std::string to_string(const Scalar& expression) {
+  if (expression.is_literal()) {
+    return expression.is_condition() ? (expression.value() != 0.0 ? "true" : "false") : number_text(expression.value());
+  }
+  return node_text(*expression.graph(), expression.id());
+}
+
+struct FunctionState {
+  std::unique_ptr<Executable> code;
+  int unknown_count = 0, element_count = 0, uniform_count = 0, output_count = 0;
+  Backend backend = Backend::Interpreter;
+};
+
+int Function::unknown_count() const { return state_->unknown_count; }
+int Function::element_count() const { return state_->element_count; }
+int Function::uniform_count() const { return state_->uniform_count; }
+int Function::output_count() const { return state_->output_count; }
+Backend Function::backend() const { return state_->backend; }
+
+void Function::evaluate(const double* unknowns, const double* elements, const double* uniforms, double* out_values,
+                        int64_t block_count) const {
+  state_->code->run(unknowns, elements, uniforms, out_values, block_count);
+}
+
+Function compile_function(std::span<const Scalar> outputs, Backend backend) {
+  Graph* graph = nullptr;
+  for (const Scalar& s : outputs) {
+    if (s.is_condition()) throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
+    if (s.is_literal()) continue;
+    if (graph && s.graph() != graph) throw InvalidArgument("compile_function: the outputs belong to different graphs; build them in one graph.");
+    graph = s.graph();
+  }
+  Graph own;
+  std::vector<std::vector<NodeId>> groups(1);
+  for (const Scalar& s : outputs) {
+    groups[0].push_back(s.is_literal() ? (graph ? graph->constant(s.value()) : own.constant(s.value())) : s.id());
+  }
+  if (graph) groups[0] = import_expressions(*graph, groups[0], own);
+  const Program program = lower(own, groups);
+  Function f;
+  f.state_ = std::make_shared<FunctionState>();
+  f.state_->code = make_executable(program, resolve_backend(backend), f.state_->backend);
+  f.state_->unknown_count = program.unknown_count;
+  f.state_->element_count = program.element_count;
+  f.state_->uniform_count = program.uniform_count;
+  f.state_->output_count = static_cast<int>(outputs.size());
+  return f;
+}
+
+}  // namespace stark::symbolic

@@ -1,0 +1,93 @@
+// The thread pool: every task exactly once, the same split for any number of threads, exceptions reach the caller.
+#include <stark/base/thread_pool.h>
+
+#include <atomic>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+using stark::ThreadPool;
+
+TEST_CASE("every task runs exactly once, on a valid thread") {
+  for (int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    REQUIRE(pool.thread_count() == threads);
+    for (int64_t tasks : {0, 1, 2, 7, 1000}) {
+      std::vector<std::atomic<int>> count(static_cast<size_t>(tasks));
+      std::atomic<bool> valid{true};
+      pool.for_each_task(tasks, [&](int64_t task, int thread) {
+        count[static_cast<size_t>(task)].fetch_add(1);
+        if (thread < 0 || thread >= threads) valid = false;
+      });
+      CHECK(valid);
+      for (const auto& c : count) CHECK(c.load() == 1);
+    }
+  }
+}
+
+TEST_CASE("ranges cover everything once and do not depend on the number of threads") {
+  const auto ranges = [](int threads, int64_t count, int64_t grain) {
+    ThreadPool pool(threads);
+    std::vector<std::pair<int64_t, int64_t>> found(static_cast<size_t>((count + grain - 1) / grain));
+    pool.for_each_range(count, grain, [&](int64_t begin, int64_t end) {
+      found[static_cast<size_t>(begin / grain)] = {begin, end};
+    });
+    return found;
+  };
+  for (int64_t count : {0, 1, 63, 64, 65, 1000}) {
+    const auto expected = ranges(1, count, 64);
+    int64_t covered = 0;
+    for (const auto& [begin, end] : expected) {
+      CHECK(begin == covered);
+      CHECK(end - begin <= 64);
+      covered = end;
+    }
+    CHECK(covered == count);
+    CHECK(ranges(2, count, 64) == expected);
+    CHECK(ranges(5, count, 64) == expected);
+  }
+}
+
+TEST_CASE("chunked sums have the same bits for 1, 2 and 5 threads") {
+  std::vector<double> values(100'000);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / static_cast<double>(3 * i + 1);
+  const auto sum = [&](int threads) {
+    ThreadPool pool(threads);
+    constexpr int64_t kGrain = 512;
+    std::vector<double> partial((values.size() + kGrain - 1) / kGrain);
+    pool.for_each_range(static_cast<int64_t>(values.size()), kGrain, [&](int64_t begin, int64_t end) {
+      partial[static_cast<size_t>(begin / kGrain)] =
+          std::accumulate(values.begin() + begin, values.begin() + end, 0.0);
+    });
+    return std::accumulate(partial.begin(), partial.end(), 0.0);
+  };
+  CHECK(sum(2) == sum(1));
+  CHECK(sum(5) == sum(1));
+}
+
+TEST_CASE("an exception of a task reaches the caller and the pool stays usable") {
+  for (int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    for (int round = 0; round < 20; ++round) {
+      CHECK_THROWS_AS(pool.for_each_task(50,
+                                         [](int64_t task, int) {
+                                           if (task == 17) throw std::runtime_error("task 17");
+                                         }),
+                      std::runtime_error);
+      std::atomic<int64_t> sum{0};
+      pool.for_each_task(50, [&](int64_t task, int) { sum += task; });
+      CHECK(sum == 50 * 49 / 2);
+    }
+  }
+}
+
+TEST_CASE("many short regions in a row lose no task") {
+  ThreadPool pool(3);
+  std::atomic<int64_t> sum{0};
+  for (int round = 0; round < 5000; ++round) pool.for_each_task(4, [&](int64_t task, int) { sum += task + 1; });
+  CHECK(sum == 5000 * 10);
+}

@@ -1,0 +1,260 @@
+// Candidates against brute force: complete (no pair in reach is missing), exact (no pair whose boxes are apart), sorted,
+// unique, independent of threads and history.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <set>
+
+#include <stark/base/error.h>
+#include <stark/collision/broad_phase.h>
+#include <stark/geometry/distance.h>
+#include <stark/geometry/shapes.h>
+
+#include "support/collision_scenes.h"
+#include "support/random_points.h"
+
+using namespace stark;
+using test::RandomPoints;
+using test::SceneBuilder;
+
+namespace {
+
+struct DoubleBox {
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+};
+
+template <size_t N>
+DoubleBox box_of(const std::array<int32_t, N>& ids, std::span<const Vec3> x0, std::span<const Vec3> x1, double r) {
+  DoubleBox box;
+  for (const int32_t v : ids) {
+    for (const Vec3& p : {x0[v], x1[v]}) {
+      for (int k = 0; k < 3; ++k) {
+        box.low[k] = std::min(box.low[k], p[k] - r);
+        box.high[k] = std::max(box.high[k], p[k] + r);
+      }
+    }
+  }
+  return box;
+}
+
+// Boxes that overlap by more, or miss by more, than `margin` on all (some) axes.
+bool overlap(const DoubleBox& a, const DoubleBox& b, double margin) {
+  for (int k = 0; k < 3; ++k) {
+    if (a.low[k] > b.high[k] - margin || b.low[k] > a.high[k] - margin) return false;
+  }
+  return true;
+}
+
+template <size_t A, size_t B>
+bool share_vertex(const std::array<int32_t, A>& a, const std::array<int32_t, B>& b) {
+  for (const int32_t v : a) {
+    if (std::find(b.begin(), b.end(), v) != b.end()) return true;
+  }
+  return false;
+}
+
+// All pairs whose boxes overlap by `margin`, by testing everything against everything.
+CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, std::span<const Vec3> x0,
+                          std::span<const Vec3> x1, const std::vector<double>& inflation, double margin) {
+  const SurfaceMesh& mesh = scene.surface;
+  CandidateList list;
+  std::set<int32_t> used, with_edge;
+  std::set<Index2> triangle_edges;
+  for (const Index2& e : mesh.edges) with_edge.insert(e.begin(), e.end());
+  for (const Index3& t : mesh.triangles) {
+    with_edge.insert(t.begin(), t.end());
+    for (int k = 0; k < 3; ++k) triangle_edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+  }
+  used = with_edge;
+  used.insert(mesh.points.begin(), mesh.points.end());
+  const auto near = [&](const auto& a, int32_t group_a, const auto& b, int32_t group_b) {
+    return filter.allowed(group_a, group_b) && !share_vertex(a, b) &&
+           overlap(box_of(a, x0, x1, inflation[group_a]), box_of(b, x0, x1, inflation[group_b]), margin);
+  };
+  for (const int32_t v : used) {
+    const std::array<int32_t, 1> point{v};
+    const int32_t group = mesh.vertex_group[v];
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (near(point, group, mesh.triangles[t], mesh.triangle_group[t])) {
+        list.point_triangle.push_back({v, static_cast<int32_t>(t)});
+      }
+    }
+    if (with_edge.count(v)) continue;
+    for (size_t e = 0; e < mesh.edges.size(); ++e) {
+      if (triangle_edges.count({std::min(mesh.edges[e][0], mesh.edges[e][1]), std::max(mesh.edges[e][0], mesh.edges[e][1])})) continue;
+      if (near(point, group, mesh.edges[e], mesh.edge_group[e])) list.point_edge.push_back({v, static_cast<int32_t>(e)});
+    }
+    for (const int32_t w : used) {
+      if (w > v && !with_edge.count(w) && near(point, group, std::array<int32_t, 1>{w}, mesh.vertex_group[w])) {
+        list.point_point.push_back({v, w});
+      }
+    }
+  }
+  for (size_t a = 0; a < mesh.edges.size(); ++a) {
+    for (size_t b = a + 1; b < mesh.edges.size(); ++b) {
+      if (near(mesh.edges[a], mesh.edge_group[a], mesh.edges[b], mesh.edge_group[b])) {
+        list.edge_edge.push_back({static_cast<int32_t>(a), static_cast<int32_t>(b)});
+      }
+    }
+  }
+  return list;
+}
+
+template <typename Candidate>
+bool includes(const std::vector<Candidate>& large, const std::vector<Candidate>& small) {
+  const auto less = [](const Candidate& a, const Candidate& b) {
+    const auto& [a0, a1] = a;
+    const auto& [b0, b1] = b;
+    return a0 != b0 ? a0 < b0 : a1 < b1;
+  };
+  if (!std::is_sorted(large.begin(), large.end(), less)) return false;
+  if (std::adjacent_find(large.begin(), large.end()) != large.end()) return false;
+  return std::includes(large.begin(), large.end(), small.begin(), small.end(), less);
+}
+
+bool includes(const CandidateList& large, const CandidateList& small) {
+  return includes(large.point_triangle, small.point_triangle) && includes(large.edge_edge, small.edge_edge) &&
+         includes(large.point_edge, small.point_edge) && includes(large.point_point, small.point_point);
+}
+
+SceneBuilder mixed_scene(RandomPoints& random) {
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(1.0, 1.0, 12, 12));
+  for (int k = 0; k < 5; ++k) scene.add_mesh(make_box({0.2, 0.2, 0.2}, 1 + k % 3), random.point() * 0.5);
+  scene.add_mesh(make_icosphere(0.2, 1), {0.1, 0.2, 0.3});
+  std::vector<Vec3> rod, particles;
+  for (int k = 0; k < 30; ++k) rod.push_back({-0.5 + k / 29.0, 0.1 * random.uniform(), 0.1 * random.uniform()});
+  for (int k = 0; k < 40; ++k) particles.push_back(random.point() * 0.5);
+  scene.add_rod(rod);
+  scene.add_particles(particles);
+  scene.add_mesh(make_grid(4.0, 4.0, 1, 1), {0, 0, -0.2});
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("candidates equal brute force on boxes, at rest and under random motion, with any thread count") {
+  RandomPoints random(31);
+  SceneBuilder scene = mixed_scene(random);
+  PairFilter filter(scene.group_count);
+  filter.set(1, 2, false);
+  filter.set(1, 1, false);
+  filter.set(scene.group_count - 1, 0, false);
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, filter);
+  ThreadPool one(1), three(3);
+  for (int round = 0; round < 12; ++round) {
+    std::vector<double> inflation(scene.group_count);
+    for (double& r : inflation) r = random.uniform(0.0, round < 6 ? 0.03 : 0.1);
+    std::vector<Vec3> x0 = scene.x, x1 = scene.x;
+    // Far from the origin in some rounds: boxes are single precision about the scene.
+    const Vec3 shift = round % 3 == 2 ? Vec3{1e4, -2e4, 5e3} : Vec3{};
+    for (size_t v = 0; v < x0.size(); ++v) {
+      x0[v] = x0[v] + shift + random.point() * (0.02 * round);
+      x1[v] = x0[v] + random.point() * (round % 2 ? 0.05 : 0.0);
+    }
+    CandidateList list, again;
+    broad_phase.find_swept(x0, x1, inflation, one, list);
+    broad_phase.find_swept(x0, x1, inflation, three, again);
+    CHECK(list == again);
+    BroadPhase fresh;
+    fresh.reset(scene.surface, filter);
+    fresh.find_swept(x0, x1, inflation, three, again);
+    CHECK(list == again);
+    // Single precision about a scene of a few metres: boxes are at most 1e-6 too large, and never too small.
+    CHECK(includes(list, brute_force(scene, filter, x0, x1, inflation, 0.0)));
+    CHECK(includes(brute_force(scene, filter, x0, x1, inflation, -2e-6), list));
+    CHECK(list.point_triangle.size() > 500);
+    CHECK(list.edge_edge.size() > 1000);
+    CHECK(list.point_edge.size() > 0);
+    CHECK(list.point_point.size() > 0);
+    if (round % 2 == 0) {
+      broad_phase.find(x0, inflation, one, again);
+      CHECK(list == again);
+    }
+  }
+}
+
+TEST_CASE("a list built with a motion budget stays complete while vertices move within it, and not beyond") {
+  RandomPoints random(32);
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(1.0, 1.0, 20, 20));
+  scene.add_mesh(make_grid(1.0, 1.0, 17, 13), {0.01, 0.02, 0.05});
+  const PairFilter filter(2);
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, filter);
+  ThreadPool pool(1);
+  const double reach = 0.01, budget = 0.02;
+  CandidateList list;
+  broad_phase.find(scene.x, std::vector<double>(2, 0.5 * reach + budget), pool, list);
+  const auto missing = [&](double motion) {
+    std::vector<Vec3> x = scene.x;
+    for (Vec3& v : x) v += normalized(random.point()) * motion;
+    int count = 0;
+    const SurfaceMesh& mesh = scene.surface;
+    for (int32_t v = 0; v < mesh.vertex_count; ++v) {
+      for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t) {
+        const Index3& ids = mesh.triangles[t];
+        if (ids[0] == v || ids[1] == v || ids[2] == v) continue;
+        if (point_triangle_squared_distance(x[v], x[ids[0]], x[ids[1]], x[ids[2]]) > reach * reach) continue;
+        const PointTriangleCandidate pair{v, t};
+        count += std::find(list.point_triangle.begin(), list.point_triangle.end(), pair) == list.point_triangle.end();
+      }
+    }
+    return count;
+  };
+  for (int round = 0; round < 3; ++round) CHECK(missing(budget) == 0);
+  CHECK(missing(10 * budget) > 0);
+}
+
+TEST_CASE("degraded trees are rebuilt without changing the result") {
+  RandomPoints random(33);
+  SceneBuilder scene;
+  std::vector<Vec3> particles;
+  for (int k = 0; k < 600; ++k) particles.push_back(random.point());
+  scene.add_particles(particles);
+  const PairFilter filter(1);
+  BroadPhase broad_phase, fresh;
+  broad_phase.reset(scene.surface, filter);
+  ThreadPool pool(1);
+  CandidateList list, expected;
+  broad_phase.find(scene.x, std::vector<double>{0.02}, pool, list);
+  for (Vec3& v : scene.x) v = random.point();
+  broad_phase.find(scene.x, std::vector<double>{0.02}, pool, list);
+  fresh.reset(scene.surface, filter);
+  fresh.find(scene.x, std::vector<double>{0.02}, pool, expected);
+  CHECK(list == expected);
+  CHECK(list.point_point.size() > 0);
+  CHECK(includes(list, brute_force(scene, filter, scene.x, scene.x, {0.02}, 0.0)));
+}
+
+TEST_CASE("empty scenes, empty groups and bad meshes") {
+  BroadPhase broad_phase;
+  ThreadPool pool(1);
+  CandidateList list;
+  list.point_triangle.push_back({1, 2});
+  broad_phase.reset({}, PairFilter(0));
+  broad_phase.find({}, {}, pool, list);
+  CHECK(list.size() == 0);
+
+  SceneBuilder scene;
+  scene.add_particles({});
+  scene.add_mesh(make_box({1, 1, 1}));
+  scene.add_mesh(make_box({1, 1, 1}), {1.05, 0, 0});
+  broad_phase.reset(scene.surface, PairFilter(3, true, false));
+  broad_phase.find(scene.x, std::vector<double>(3, 0.01), pool, list);
+  CHECK(list.size() == 0);
+  broad_phase.find(scene.x, std::vector<double>(3, 0.03), pool, list);
+  CHECK(list.size() > 0);
+  CHECK_THROWS_AS(broad_phase.find(scene.x, std::vector<double>(2, 0.03), pool, list), InvalidArgument);
+  CHECK_THROWS_AS(broad_phase.find({}, std::vector<double>(3, 0.03), pool, list), InvalidArgument);
+  CHECK_THROWS_AS(broad_phase.set_filter(PairFilter(2)), InvalidArgument);
+
+  SurfaceMesh bad = scene.surface;
+  bad.triangles[0][1] = bad.vertex_count;
+  CHECK_THROWS_AS(broad_phase.reset(bad, PairFilter(3)), InvalidMesh);
+  bad = scene.surface;
+  bad.edge_group[0] = 2;
+  CHECK_THROWS_AS(broad_phase.reset(bad, PairFilter(3)), InvalidMesh);
+  CHECK_THROWS_AS(broad_phase.reset(scene.surface, PairFilter(2)), InvalidMesh);
+}

@@ -1,0 +1,292 @@
+// Conservative advancement against closed forms and dense sampling of the motion, bullets, and the batch minimum.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include <stark/base/error.h>
+#include <stark/collision/broad_phase.h>
+#include <stark/collision/ccd.h>
+#include <stark/collision/intersection.h>
+#include <stark/geometry/distance.h>
+#include <stark/geometry/shapes.h>
+
+#include "support/collision_scenes.h"
+#include "support/random_points.h"
+
+using namespace stark;
+using test::RandomPoints;
+using test::SceneBuilder;
+
+namespace {
+
+template <size_t N>
+std::array<Vec3, N> lerp(const std::array<Vec3, N>& a, const std::array<Vec3, N>& b, double t) {
+  std::array<Vec3, N> x;
+  for (size_t k = 0; k < N; ++k) x[k] = a[k] + (b[k] - a[k]) * t;
+  return x;
+}
+
+double pt_distance(const std::array<Vec3, 4>& x) { return std::sqrt(point_triangle_squared_distance(x[0], x[1], x[2], x[3])); }
+double ee_distance(const std::array<Vec3, 4>& x) { return std::sqrt(edge_edge_squared_distance(x[0], x[1], x[2], x[3])); }
+double pe_distance(const std::array<Vec3, 3>& x) { return std::sqrt(point_edge_squared_distance(x[0], x[1], x[2])); }
+double pp_distance(const std::array<Vec3, 2>& x) { return norm(x[0] - x[1]); }
+
+// Smallest distance on [0, t] over samples.
+template <size_t N, typename Distance>
+double sampled_minimum(const std::array<Vec3, N>& a, const std::array<Vec3, N>& b, double t, Distance&& distance) {
+  double smallest = HUGE_VAL;
+  constexpr int kSamples = 200;
+  for (int k = 0; k <= kSamples; ++k) smallest = std::min(smallest, distance(lerp(a, b, t * k / kSamples)));
+  return smallest;
+}
+
+// Random motions of all sizes; checks the promise of the header and returns how many steps were cut short.
+template <size_t N, typename Ccd, typename Distance>
+int check_random_motions(unsigned seed, Ccd&& ccd, Distance&& distance) {
+  RandomPoints random(seed);
+  int cut = 0;
+  for (int round = 0; round < 20000; ++round) {
+    std::array<Vec3, N> a, b;
+    const double motion = std::pow(10.0, random.uniform(-3.0, 1.0));
+    const Vec3 shift = round % 4 == 0 ? random.point() * 1e3 : Vec3{}, common = random.point() * 10.0;
+    for (size_t k = 0; k < N; ++k) {
+      a[k] = (round % 5 == 0 ? random.lattice() * 0.5 : random.point()) + shift;
+      b[k] = a[k] + common + random.point() * motion;
+    }
+    const double xi = round % 2 ? std::pow(10.0, random.uniform(-6.0, -1.0)) : 0.0;
+    const double d0 = distance(a);
+    const double t = ccd(a, b, xi);
+    REQUIRE(t >= 0.0);
+    REQUIRE(t <= 1.0);
+    cut += t < 1.0;
+    // Below the rounding error of the input a distance counts as zero.
+    if (d0 < 1e-12) {
+      REQUIRE((t == 0.0 || d0 > 0.0));
+      continue;
+    }
+    REQUIRE(t > 0.0);
+    const double separation = std::min(xi, 0.1 * d0);
+    // Samples carry the rounding of shifted coordinates, at most 1e-12 here.
+    REQUIRE(sampled_minimum(a, b, t, distance) > separation - 1e-12);
+    if (t < 1.0) REQUIRE(distance(lerp(a, b, t)) >= separation + 0.0999 * (d0 - separation) - 1e-12);
+  }
+  return cut;
+}
+
+}  // namespace
+
+TEST_CASE("the distance on the way stays above the separation for random motions") {
+  CHECK(check_random_motions<2>(41, [](auto& a, auto& b, double xi) { return point_point_ccd(a, b, xi); }, pp_distance) > 20);
+  CHECK(check_random_motions<3>(42, [](auto& a, auto& b, double xi) { return point_edge_ccd(a, b, xi); }, pe_distance) > 500);
+  CHECK(check_random_motions<4>(43, [](auto& a, auto& b, double xi) { return point_triangle_ccd(a, b, xi); }, pt_distance) > 2000);
+  CHECK(check_random_motions<4>(44, [](auto& a, auto& b, double xi) { return edge_edge_ccd(a, b, xi); }, ee_distance) > 2000);
+}
+
+TEST_CASE("head-on translation: closed form") {
+  // Gap 1, separation 0.01: stops at separation + 0.1 (gap - separation) = 0.109, within 1 % of the gap.
+  const std::array<Vec3, 4> a = {Vec3{0.2, 0.2, 1.0}, Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+  for (const double speed : {1.0, 2.0, 1e3, 1e9}) {
+    std::array<Vec3, 4> b = a;
+    b[0].z -= speed;
+    const double t = point_triangle_ccd(a, b, 0.01);
+    CHECK(t == doctest::Approx((1.0 - 0.109) / speed).epsilon(1e-12));
+  }
+  std::array<Vec3, 4> away = a;
+  away[0].z += 5.0;
+  CHECK(point_triangle_ccd(a, away, 0.01) == 1.0);
+  CHECK(point_triangle_ccd(a, a, 0.01) == 1.0);
+  const std::array<Vec3, 4> cross0 = {Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, -1, 1}, Vec3{0, 1, 1}};
+  std::array<Vec3, 4> cross1 = cross0;
+  cross1[2].z = cross1[3].z = -1.0;
+  CHECK(edge_edge_ccd(cross0, cross1, 0.0) == doctest::Approx(0.45).epsilon(1e-12));
+  CHECK(point_point_ccd({Vec3{0, 0, 0}, Vec3{1, 0, 0}}, {Vec3{1, 0, 0}, Vec3{0, 0, 0}}, 0.0) ==
+        doctest::Approx(0.45).epsilon(1e-12));
+}
+
+TEST_CASE("sliding at a small gap does not limit the step") {
+  const std::array<Vec3, 4> a = {Vec3{0.2, 0.2, 1e-6}, Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+  std::array<Vec3, 4> b = a;
+  b[0].x += 100.0;
+  CHECK(point_triangle_ccd(a, b, 1e-7) == 1.0);
+}
+
+TEST_CASE("swinging edge: result lies between conservative bounds of the true time") {
+  // Edge A turns through edge B's end; the first touch is found by bisection on the distance.
+  RandomPoints random(45);
+  int collisions = 0, half = 0;
+  for (int round = 0; round < 5000; ++round) {
+    std::array<Vec3, 4> a, b;
+    for (int k = 0; k < 4; ++k) {
+      a[k] = random.point();
+      b[k] = random.point();
+    }
+    // Signed volume changes sign where the lines meet: roots by dense sampling, then check of the closest points.
+    double touch = 2.0;
+    for (int k = 1; k <= 20000 && touch > 1.0; ++k) {
+      if (ee_distance(lerp(a, b, k / 20000.0)) < 1e-3) touch = k / 20000.0;
+    }
+    const double t = edge_edge_ccd(a, b, 0.0);
+    if (touch <= 1.0) {
+      ++collisions;
+      REQUIRE(t < touch);
+      half += t > 0.5 * touch;
+    }
+  }
+  CHECK(collisions > 100);
+  CHECK(half > 0.95 * collisions);
+}
+
+TEST_CASE("touching and degenerate starts return zero or make progress, never a wrong pass") {
+  const Vec3 o{}, e{1, 0, 0};
+  CHECK(point_triangle_ccd({o, o, e, Vec3{0, 1, 0}}, {Vec3{0, 0, -1}, o, e, Vec3{0, 1, 0}}, 0.0) == 0.0);
+  // A triangle without area is a segment.
+  const double t = point_triangle_ccd({Vec3{0.5, 0, 1}, o, e, Vec3{0.5, 0, 0}}, {Vec3{0.5, 0, -1}, o, e, Vec3{0.5, 0, 0}}, 0.0);
+  CHECK(t == doctest::Approx(0.45).epsilon(1e-9));
+  // Parallel edges.
+  CHECK(edge_edge_ccd({o, e, Vec3{0, 0, 1}, Vec3{1, 0, 1}}, {o, e, Vec3{0, 0, -1}, Vec3{1, 0, -1}}, 0.0) ==
+        doctest::Approx(0.45).epsilon(1e-9));
+  // Edges of zero length are points.
+  CHECK(edge_edge_ccd({o, o, Vec3{0, 0, 1}, Vec3{0, 0, 1}}, {o, o, Vec3{0, 0, -1}, Vec3{0, 0, -1}}, 0.0) ==
+        doctest::Approx(0.45).epsilon(1e-9));
+}
+
+TEST_CASE("nearly degenerate stencils at tiny gaps still make progress and stay apart") {
+  RandomPoints random(46);
+  for (int round = 0; round < 20000; ++round) {
+    const double gap = std::pow(10.0, random.uniform(-9.0, -3.0)), thin = std::pow(10.0, random.uniform(-12.0, 0.0));
+    const Vec3 n = normalized(random.point()), u = normalized(cross(n, random.point())), v = cross(n, u);
+    const Vec3 base = random.point();
+    // Nearly parallel edges, or a needle, at distance about `gap` along n.
+    std::array<Vec3, 4> a, b;
+    double d0, t;
+    if (round % 2) {
+      a = {base, base + u, base + n * gap + u * random.uniform(-0.9, 0.9), Vec3{}};
+      a[3] = a[2] + u * random.uniform(0.5, 1.5) + v * thin;
+      for (int k = 0; k < 4; ++k) b[k] = a[k] + n * (k < 2 ? 1.0 : -1.0) + random.point() * 0.1;
+      d0 = ee_distance(a);
+      t = edge_edge_ccd(a, b, 0.0);
+      REQUIRE(sampled_minimum(a, b, t, ee_distance) > 0.0);
+    } else {
+      a = {base + n * gap + u * random.uniform(0.0, 1.0), base, base + u, base + u * random.uniform(0.0, 1.0) + v * thin};
+      for (int k = 0; k < 4; ++k) b[k] = a[k] + n * (k < 1 ? -1.0 : 1.0) + random.point() * 0.1;
+      d0 = pt_distance(a);
+      t = point_triangle_ccd(a, b, 0.0);
+      REQUIRE(sampled_minimum(a, b, t, pt_distance) > 0.0);
+    }
+    REQUIRE(d0 > 0.0);
+    // Closing speed is about 2, at most 3: at least a third of the 0.9 gap must be used.
+    REQUIRE(t > 0.1 * d0);
+  }
+}
+
+TEST_CASE("bullets at 1e4 m/s through a sheet of 1e-4 m never pass, in any orientation") {
+  RandomPoints random(47);
+  const double h = 1.0 / 30.0;
+  for (int round = 0; round < 300; ++round) {
+    SceneBuilder scene;
+    const int32_t sheet = scene.add_mesh(make_box({1.0, 1.0, 1e-4}, 8));
+    const Vec3 start{random.uniform(-0.45, 0.45), random.uniform(-0.45, 0.45), random.uniform(0.02, 2.0)};
+    const int32_t bullet = round % 3 == 2 ? scene.add_particles({start}) : scene.add_mesh(make_box({0.01, 0.01, 0.01}), start);
+    std::vector<Vec3> x1 = scene.x;
+    // Aimed at a point of the sheet, 1e4 m/s.
+    const Vec3 aim{random.uniform(-0.45, 0.45), random.uniform(-0.45, 0.45), 0.0};
+    const Vec3 velocity = normalized(aim - start) * 1e4;
+    for (int32_t v = 0; v < scene.surface.vertex_count; ++v) {
+      if (scene.surface.vertex_group[v] == bullet) x1[v] += velocity * h;
+    }
+    BroadPhase broad_phase;
+    broad_phase.reset(scene.surface, PairFilter(2, true, false));
+    ThreadPool pool(1);
+    CandidateList list;
+    const double xi = 1e-6;
+    broad_phase.find_swept(scene.x, x1, std::vector<double>(2, xi), pool, list);
+    CcdReport report;
+    const double t = max_safe_step(scene.surface, list, scene.x, x1, xi, pool, &report);
+    const double hit = norm(aim - start) / norm(velocity * h);
+    REQUIRE(t < hit);
+    // Stops with a tenth of the gap left (the bullet's corners lead by at most 1 cm).
+    REQUIRE(t > 0.8 * hit - 0.02 / norm(velocity * h) - 1e-4);
+    REQUIRE(report.kind != CandidateKind::None);
+    std::vector<Vec3> x = scene.x;
+    for (size_t v = 0; v < x.size(); ++v) x[v] += (x1[v] - x[v]) * t;
+    REQUIRE(find_intersections(scene.surface, x, PairFilter(2, true, false), pool).empty());
+    (void)sheet;
+  }
+}
+
+TEST_CASE("iterated random steps with CCD never intersect; without they do") {
+  RandomPoints random(48);
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(0.5, 0.5, 8, 8), {0, 0, 0.05});
+  scene.add_mesh(make_grid(0.5, 0.5, 7, 9), {0.01, 0.02, 0.10});
+  scene.add_mesh(make_icosphere(0.15, 1), {0, 0, -0.12});
+  scene.add_rod({{-0.4, 0.013, 0.017}, {-0.2, 0.011, 0.02}, {0.1, 0.017, 0.026}, {0.4, 0.01, 0.021}});
+  scene.add_mesh(make_grid(4.0, 4.0, 1, 1), {0, 0, -0.3});
+  PairFilter filter(5);
+  filter.set(2, 2, false);
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, filter);
+  ThreadPool pool(2);
+  const std::vector<double> xi(5, 5e-6);
+  std::vector<Vec3> x = scene.x;
+  CandidateList list;
+  REQUIRE(find_intersections(scene.surface, x, filter, pool).empty());
+  int cut = 0, naive = 0;
+  for (int step = 0; step < 200; ++step) {
+    std::vector<Vec3> x1 = x;
+    const double size = std::pow(10.0, random.uniform(-3.0, -0.5));
+    for (Vec3& v : x1) v += random.point() * size;
+    for (int32_t v = 0; v < scene.surface.vertex_count; ++v) {
+      if (scene.surface.vertex_group[v] == 4) x1[v] = x[v];
+    }
+    broad_phase.find_swept(x, x1, xi, pool, list);
+    const double t = max_safe_step(scene.surface, list, x, x1, xi, pool);
+    REQUIRE(t > 0.0);
+    cut += t < 1.0;
+    naive += !find_intersections(scene.surface, x1, filter, pool).empty();
+    for (size_t v = 0; v < x.size(); ++v) x[v] += (x1[v] - x[v]) * t;
+    REQUIRE(find_intersections(scene.surface, x, filter, pool).empty());
+  }
+  CHECK(cut > 100);
+  CHECK(naive > 100);
+}
+
+TEST_CASE("batch: the minimum of single calls, same bits for any thread count, names the limiting pair") {
+  RandomPoints random(49);
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(1.0, 1.0, 30, 30));
+  scene.add_mesh(make_grid(1.0, 1.0, 29, 31), {0.01, 0.02, 0.05});
+  std::vector<Vec3> x1 = scene.x;
+  for (Vec3& v : x1) v += random.point() * 0.02;
+  for (int32_t v = 0; v < scene.surface.vertex_count; ++v) x1[v].z += scene.surface.vertex_group[v] == 0 ? 0.05 : -0.05;
+  BroadPhase broad_phase;
+  const SurfaceMesh& mesh = scene.surface;
+  broad_phase.reset(mesh, PairFilter(2));
+  ThreadPool one(1), three(3);
+  CandidateList list;
+  const std::vector<double> xi = {1e-4, 2e-4};
+  broad_phase.find_swept(scene.x, x1, xi, one, list);
+  CcdReport a, b;
+  const double t = max_safe_step(mesh, list, scene.x, x1, xi, one, &a);
+  CHECK(t == max_safe_step(mesh, list, scene.x, x1, xi, three, &b));
+  CHECK(a.kind == b.kind);
+  CHECK(a.candidate == b.candidate);
+  CHECK(a.tested == b.tested);
+  CHECK(t < 1.0);
+  double smallest = 1.0;
+  const auto separation = [&](int32_t g, int32_t h) { return xi[g] + xi[h]; };
+  for (const auto& [p, triangle] : list.point_triangle) {
+    const Index3& i = mesh.triangles[triangle];
+    smallest = std::min(smallest, point_triangle_ccd({scene.x[p], scene.x[i[0]], scene.x[i[1]], scene.x[i[2]]},
+                                                     {x1[p], x1[i[0]], x1[i[1]], x1[i[2]]},
+                                                     separation(mesh.vertex_group[p], mesh.triangle_group[triangle])));
+  }
+  for (const auto& [e, f] : list.edge_edge) {
+    const Index2 &i = mesh.edges[e], &j = mesh.edges[f];
+    smallest = std::min(smallest, edge_edge_ccd({scene.x[i[0]], scene.x[i[1]], scene.x[j[0]], scene.x[j[1]]},
+                                                {x1[i[0]], x1[i[1]], x1[j[0]], x1[j[1]]},
+                                                separation(mesh.edge_group[e], mesh.edge_group[f])));
+  }
+  CHECK(t == smallest);
+  CHECK_THROWS_AS(max_safe_step(mesh, list, {}, x1, xi, one), InvalidArgument);
+}

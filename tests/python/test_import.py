@@ -1,0 +1,104 @@
+"""The package as installed: version, exceptions, type stubs, refusal of old processors, and a fast import."""
+
+import importlib.metadata
+import json
+import os
+import pickle
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import stark
+from stark import _cpu
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Bound for `import stark`, NumPy included, with files in the page cache. Best of several runs, since other
+# work on the machine can only make it slower.
+IMPORT_SECONDS = 0.15
+
+
+def test_version_is_the_one_of_the_project() -> None:
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert stark.__version__ == version
+    if Path(stark.__file__).is_relative_to(sys.prefix):
+        assert importlib.metadata.version("stark-sim") == version
+
+
+def test_exception_hierarchy() -> None:
+    assert issubclass(stark.InvalidArgument, stark.Error)
+    assert issubclass(stark.InvalidArgument, ValueError)
+    for name in ("InvalidSetting", "InvalidMesh", "InitialIntersection"):
+        assert issubclass(getattr(stark, name), stark.InvalidArgument)
+    assert issubclass(stark.InternalError, stark.Error)
+    assert not issubclass(stark.InternalError, ValueError)
+    assert not issubclass(stark.Error, ValueError)
+
+
+def test_exceptions_can_be_sent_between_processes() -> None:
+    error = pickle.loads(pickle.dumps(stark.InvalidMesh("cloth 'a': triangle 3 is degenerate")))
+    assert type(error) is stark.InvalidMesh
+    assert "triangle 3" in str(error)
+
+
+def test_type_information_is_shipped() -> None:
+    package = Path(stark.__file__).parent
+    assert (package / "py.typed").is_file()
+    stub = (package / "_core.pyi").read_text()
+    assert "class InvalidMesh(InvalidArgument)" in stub
+
+
+def test_import_is_fast_and_loads_nothing_optional() -> None:
+    code = (
+        "import json, sys, time; start = time.perf_counter(); import stark; "
+        "print(json.dumps([time.perf_counter() - start, sorted({m.split('.')[0] for m in sys.modules})]))"
+    )
+    runs = [
+        json.loads(
+            subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        )
+        for _ in range(7)
+    ]
+    assert min(seconds for seconds, _ in runs) < IMPORT_SECONDS
+    optional = {
+        "ipctk",
+        "scipy",
+        "trimesh",
+        "pytetwild",
+        "imageio",
+        "viser",
+        "hypothesis",
+        "argparse",
+        "email",
+    }
+    assert optional.isdisjoint(runs[0][1])
+
+
+@pytest.mark.parametrize(
+    ("flags", "missing"),
+    [
+        ("fpu sse2 avx avx2 fma bmi2", []),
+        ("fpu sse2 avx", ["avx2", "fma"]),
+        ("fpu sse2 avx avx2 fma4", ["fma"]),
+    ],
+)
+def test_missing_instruction_sets_are_found(flags: str, missing: list[str]) -> None:
+    assert _cpu.missing_flags(f"processor\t: 0\nflags\t\t: {flags}\nbugs\t\t: avx2 fma\n") == missing
+
+
+def test_a_machine_without_flags_line_is_not_refused() -> None:
+    assert _cpu.missing_flags("Hardware\t: something else\n") == []
+
+
+def test_this_machine_is_accepted() -> None:
+    _cpu.require_supported_processor()
+
+
+@pytest.mark.skipif(os.uname().machine != "x86_64", reason="the check is for x86-64 Linux")
+def test_old_processors_get_an_import_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_cpu, "missing_flags", lambda cpuinfo: ["avx2"])
+    with pytest.raises(ImportError, match=r"AVX2 and FMA.*lacks avx2"):
+        _cpu.require_supported_processor()

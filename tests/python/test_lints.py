@@ -1,0 +1,149 @@
+"""Every lint must fail on a planted violation and stay silent on clean code; else it guards nothing."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+import check_forbidden  # noqa: E402
+import check_layers  # noqa: E402
+import check_mirror  # noqa: E402
+import check_sizes  # noqa: E402
+import check_versions  # noqa: E402
+
+LAYERS = "stark_layer(base)\nstark_layer(linalg DEPENDS base)\nstark_layer(solve DEPENDS linalg base)\n"
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """A miniature repository with three layers and no violation."""
+    (tmp_path / "src/stark/base").mkdir(parents=True)
+    (tmp_path / "src/stark/linalg").mkdir()
+    (tmp_path / "src/stark/solve").mkdir()
+    (tmp_path / "tests/base").mkdir(parents=True)
+    (tmp_path / "src/stark/CMakeLists.txt").write_text(LAYERS)
+    (tmp_path / "src/stark/base/a.h").write_text("#pragma once\n#include <vector>\n")
+    (tmp_path / "src/stark/linalg/b.cpp").write_text("#include <stark/base/a.h>\n")
+    return tmp_path
+
+
+def test_clean_tree_passes(tree: Path) -> None:
+    assert check_layers.check(tree) == []
+    assert check_forbidden.check(tree) == []
+    assert check_sizes.check(tree) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("file", "include", "words"),
+    [
+        ("base/a.h", "<stark/linalg/b.h>", "base may not see linalg"),
+        ("linalg/b.cpp", "<stark/solve/c.h>", "linalg may not see solve"),
+        ("linalg/b.cpp", "<stark/stark.h>", "umbrella"),
+        ("linalg/b.cpp", '"a.h"', "in quotes"),
+        ("linalg/b.cpp", "<stark/unknown/c.h>", "linalg may not see unknown"),
+    ],
+)
+def test_layers_reports_a_forbidden_include(tree: Path, file: str, include: str, words: str) -> None:
+    (tree / "src/stark" / file).write_text(f"#include {include}\n")
+    errors = check_layers.check(tree)
+    assert len(errors) == 1
+    assert words in errors[0]
+    assert file in errors[0]
+
+
+def test_layers_reports_a_cycle_and_a_stray_folder(tree: Path) -> None:
+    (tree / "src/stark/CMakeLists.txt").write_text(LAYERS.replace("(base)", "(base DEPENDS linalg)"))
+    assert any("base depends on linalg" in error for error in check_layers.check(tree))
+    (tree / "src/stark/CMakeLists.txt").write_text(LAYERS)
+    (tree / "src/stark/stray").mkdir()
+    (tree / "src/stark/stray/x.h").write_text("\n")
+    assert any("'stray' is not a layer" in error for error in check_layers.check(tree))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "std::exit(1);",
+        "  exit(2);",
+        "abort();",
+        "std::abort();",
+        'std::cout << "x";',
+        'std::cerr << "x";',
+        'printf("x");',
+        'std::fprintf(stderr, "x");',
+        "assert(x > 0);",
+        'std::ofstream file("x");',
+        'FILE* f = fopen("x", "w");',
+        "using namespace std;",
+        "#pragma omp parallel for",
+    ],
+)
+def test_forbidden_reports_the_line(tree: Path, line: str) -> None:
+    (tree / "src/stark/base/bad.cpp").write_text(f"// first\nvoid f();\n{line}\n")
+    errors = check_forbidden.check(tree)
+    assert len(errors) == 1
+    assert errors[0].startswith("src/stark/base/bad.cpp:3:")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "// std::exit(1) is never called",
+        "/* abort(); */",
+        'throw Error("call exit(1) or printf() yourself");',
+        "static_assert(sizeof(int) == 4);",
+        "const int n = 1'000'000; const char c = 'x';",
+        "std::snprintf(buffer, size, format);",
+        "program.exit_block(3);",
+    ],
+)
+def test_forbidden_ignores_comments_strings_and_lookalikes(tree: Path, line: str) -> None:
+    (tree / "src/stark/base/good.cpp").write_text(line + "\n")
+    assert check_forbidden.check(tree) == []
+
+
+def test_forbidden_reports_unresolved_notes(tree: Path) -> None:
+    (tree / "tests/base/test_a.cpp").write_text("// TO" + "DO: later\n")
+    assert len(check_forbidden.check(tree)) == 1
+
+
+def test_sizes(tree: Path) -> None:
+    (tree / "src/stark/base/long.cpp").write_text("\n" * 601)
+    (tree / "src/stark/base/edge.cpp").write_text("\n" * 600)
+    errors, warnings = check_sizes.check(tree)
+    assert len(errors) == 1
+    assert "long.cpp: 601 lines" in errors[0]
+    assert len(warnings) == 1
+    assert "edge.cpp" in warnings[0]
+
+
+def test_mirror_lists_sources_without_test(tree: Path) -> None:
+    (tree / "src/stark/base/tested.cpp").write_text("\n")
+    (tree / "tests/base/test_tested.cpp").write_text("\n")
+    assert [w.split()[0] for w in check_mirror.check(tree)] == ["src/stark/linalg/b.cpp"]
+
+
+def test_versions_agree_and_a_difference_is_reported(tmp_path: Path) -> None:
+    assert check_versions.check(ROOT) == []
+    for name in check_versions.PLACES:
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    text = (tmp_path / "CITATION.cff").read_text()
+    (tmp_path / "CITATION.cff").write_text(text.replace("\nversion: ", "\nversion: 9"))
+    assert len(check_versions.check(tmp_path)) == 1
+
+
+def test_scripts_exit_with_an_error(tree: Path) -> None:
+    (tree / "src/stark/base/bad.cpp").write_text(
+        "#include <stark/solve/c.h>\nvoid f() { abort(); }\n" + "\n" * 700
+    )
+    for name in ("layers", "forbidden", "sizes"):
+        script = ROOT / "tools" / f"check_{name}.py"
+        done = subprocess.run(
+            [sys.executable, str(script), str(tree)], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 1, done.stdout
+        assert "bad.cpp" in done.stdout

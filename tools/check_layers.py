@@ -1,0 +1,62 @@
+"""Keeps the arrows between the layers pointing down.
+
+The allowed arrows are the DEPENDS lists of src/stark/CMakeLists.txt. A file of a layer may include headers of
+its own layer and of the layers in its list, nothing else of Stark; the umbrella stark.h is for users only.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from repository import CPP, ROOT, run_check, source_files
+
+LIST = "src/stark/CMakeLists.txt"
+LAYER = re.compile(r"^\s*stark_layer\(\s*(\w+)(?:\s+DEPENDS\s+([\w\s]+))?\)", re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+
+def allowed_arrows(cmake: str) -> dict[str, set[str]]:
+    """Layer -> layers that it may include, from the text of src/stark/CMakeLists.txt."""
+    return {name: set((depends or "").split()) for name, depends in LAYER.findall(cmake)}
+
+
+def cycles_and_unknowns(arrows: dict[str, set[str]]) -> list[str]:
+    """A layer may depend only on layers that stand above its own line in the list, hence no cycles."""
+    errors = []
+    seen: set[str] = set()
+    for layer, depends in arrows.items():
+        for name in sorted(depends - seen):
+            errors.append(f"{LIST}: {layer} depends on {name}, which is not listed above it")
+        seen.add(layer)
+    return errors
+
+
+def check(root: Path) -> list[str]:
+    """All forbidden includes below root/src/stark, one message each."""
+    arrows = allowed_arrows((root / LIST).read_text())
+    errors = cycles_and_unknowns(arrows)
+    for path in source_files(root, CPP, "src/stark"):
+        relative = path.relative_to(root / "src/stark")
+        layer = relative.parts[0]
+        if len(relative.parts) == 1:
+            continue
+        if layer not in arrows:
+            errors.append(f"src/stark/{relative}: folder '{layer}' is not a layer of {LIST}")
+            continue
+        for bracket, target in INCLUDE.findall(path.read_text()):
+            where = f"src/stark/{relative} includes {target}"
+            if bracket == '"':
+                errors.append(f"{where} in quotes; write <stark/layer/file.h>")
+            if target == "stark/stark.h":
+                errors.append(f"{where}: the umbrella is for users only")
+            elif target.startswith("stark/"):
+                other = target.split("/")[1]
+                if other != layer and other not in arrows[layer]:
+                    errors.append(f"{where}: {layer} may not see {other}")
+    return errors
+
+
+if __name__ == "__main__":
+    sys.exit(run_check("layers", check(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT)))
