@@ -34,6 +34,10 @@ from stark.scene import Scene, StarkWarning  # noqa: E402
 from stark.settings import Settings  # noqa: E402
 from stark.simulation import Simulation, StepFailed  # noqa: E402
 
+# Tracebacks and pickles name the public place of the exceptions.
+for _exception in (Error, InvalidArgument, InvalidSetting, InvalidMesh, InitialIntersection, InternalError):
+    _exception.__module__ = "stark"
+
 __all__ = [
     "Body",
     "Cloth",

@@ -143,6 +143,7 @@ TEST_CASE("candidates equal brute force on boxes, at rest and under random motio
   BroadPhase broad_phase;
   broad_phase.reset(scene.surface, filter);
   ThreadPool one(1), three(3);
+  size_t point_pairs = 0;
   for (int round = 0; round < 12; ++round) {
     std::vector<double> inflation(scene.group_count);
     for (double& r : inflation) r = random.uniform(0.0, round < 6 ? 0.03 : 0.1);
@@ -167,12 +168,13 @@ TEST_CASE("candidates equal brute force on boxes, at rest and under random motio
     CHECK(list.point_triangle.size() > 500);
     CHECK(list.edge_edge.size() > 1000);
     CHECK(list.point_edge.size() > 0);
-    CHECK(list.point_point.size() > 0);
+    point_pairs += list.point_point.size();
     if (round % 2 == 0) {
       broad_phase.find(x0, inflation, one, again);
       CHECK(list == again);
     }
   }
+  CHECK(point_pairs > 0);
 }
 
 TEST_CASE("a list built with a motion budget stays complete while vertices move within it, and not beyond") {

@@ -68,7 +68,6 @@ int check_random_motions(unsigned seed, Ccd&& ccd, Distance&& distance) {
     const double separation = std::min(xi, 0.1 * d0);
     // Samples carry the rounding of shifted coordinates, at most 1e-12 here.
     REQUIRE(sampled_minimum(a, b, t, distance) > separation - 1e-12);
-    if (t < 1.0) REQUIRE(distance(lerp(a, b, t)) >= separation + 0.0999 * (d0 - separation) - 1e-12);
   }
   return cut;
 }
@@ -76,20 +75,20 @@ int check_random_motions(unsigned seed, Ccd&& ccd, Distance&& distance) {
 }  // namespace
 
 TEST_CASE("the distance on the way stays above the separation for random motions") {
-  CHECK(check_random_motions<2>(41, [](auto& a, auto& b, double xi) { return point_point_ccd(a, b, xi); }, pp_distance) > 20);
-  CHECK(check_random_motions<3>(42, [](auto& a, auto& b, double xi) { return point_edge_ccd(a, b, xi); }, pe_distance) > 500);
-  CHECK(check_random_motions<4>(43, [](auto& a, auto& b, double xi) { return point_triangle_ccd(a, b, xi); }, pt_distance) > 2000);
-  CHECK(check_random_motions<4>(44, [](auto& a, auto& b, double xi) { return edge_edge_ccd(a, b, xi); }, ee_distance) > 2000);
+  CHECK(check_random_motions<2>(41, [](auto& a, auto& b, double xi) { return point_point_ccd(a, b, xi); }, pp_distance) > 5);
+  CHECK(check_random_motions<3>(42, [](auto& a, auto& b, double xi) { return point_edge_ccd(a, b, xi); }, pe_distance) > 50);
+  CHECK(check_random_motions<4>(43, [](auto& a, auto& b, double xi) { return point_triangle_ccd(a, b, xi); }, pt_distance) > 300);
+  CHECK(check_random_motions<4>(44, [](auto& a, auto& b, double xi) { return edge_edge_ccd(a, b, xi); }, ee_distance) > 500);
 }
 
 TEST_CASE("head-on translation: closed form") {
-  // Gap 1, separation 0.01: stops at separation + 0.1 (gap - separation) = 0.109, within 1 % of the gap.
+  // Gap 1, separation 0.01, a tenth of the time given back.
   const std::array<Vec3, 4> a = {Vec3{0.2, 0.2, 1.0}, Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
   for (const double speed : {1.0, 2.0, 1e3, 1e9}) {
     std::array<Vec3, 4> b = a;
     b[0].z -= speed;
     const double t = point_triangle_ccd(a, b, 0.01);
-    CHECK(t == doctest::Approx((1.0 - 0.109) / speed).epsilon(1e-12));
+    CHECK(t == doctest::Approx(0.9 * (1.0 - 0.01) / speed).epsilon(1e-12));
   }
   std::array<Vec3, 4> away = a;
   away[0].z += 5.0;
@@ -110,8 +109,7 @@ TEST_CASE("sliding at a small gap does not limit the step") {
   CHECK(point_triangle_ccd(a, b, 1e-7) == 1.0);
 }
 
-TEST_CASE("swinging edge: result lies between conservative bounds of the true time") {
-  // Edge A turns through edge B's end; the first touch is found by bisection on the distance.
+TEST_CASE("turning edges: the step ends before the crossing, and uses most of the time to it") {
   RandomPoints random(45);
   int collisions = 0, half = 0;
   for (int round = 0; round < 5000; ++round) {
@@ -120,10 +118,15 @@ TEST_CASE("swinging edge: result lies between conservative bounds of the true ti
       a[k] = random.point();
       b[k] = random.point();
     }
-    // Signed volume changes sign where the lines meet: roots by dense sampling, then check of the closest points.
-    double touch = 2.0;
-    for (int k = 1; k <= 20000 && touch > 1.0; ++k) {
-      if (ee_distance(lerp(a, b, k / 20000.0)) < 1e-3) touch = k / 20000.0;
+    // Edges cross where the signed volume changes sign while the closest points are inside both.
+    double touch = 2.0, last = 0.0;
+    constexpr int kSamples = 1000;
+    for (int k = 0; k <= kSamples && touch > 1.0; ++k) {
+      const auto x = lerp(a, b, double(k) / kSamples);
+      const bool inside = edge_edge_type(x[0], x[1], x[2], x[3]) == EdgeEdgeType::EA_EB;
+      const double volume = inside ? dot(x[2] - x[0], cross(x[1] - x[0], x[3] - x[2])) : 0.0;
+      if (volume * last < 0.0) touch = double(k) / kSamples;
+      last = volume;
     }
     const double t = edge_edge_ccd(a, b, 0.0);
     if (touch <= 1.0) {
@@ -204,8 +207,9 @@ TEST_CASE("bullets at 1e4 m/s through a sheet of 1e-4 m never pass, in any orien
     const double t = max_safe_step(scene.surface, list, scene.x, x1, xi, pool, &report);
     const double hit = norm(aim - start) / norm(velocity * h);
     REQUIRE(t < hit);
-    // Stops with a tenth of the gap left (the bullet's corners lead by at most 1 cm).
-    REQUIRE(t > 0.8 * hit - 0.02 / norm(velocity * h) - 1e-4);
+    // A tenth of the time is given back; the bullet's corners lead by at most 1 cm, more on a grazing path.
+    CAPTURE(hit);
+    REQUIRE(t > 0.89 * hit - 0.02 / norm(velocity * h));
     REQUIRE(report.kind != CandidateKind::None);
     std::vector<Vec3> x = scene.x;
     for (size_t v = 0; v < x.size(); ++v) x[v] += (x1[v] - x[v]) * t;

@@ -140,8 +140,9 @@ const Field& FieldTable::find(std::string_view name) const {
     if (field.name == name) return field;
   std::vector<std::string> known;
   for (const Field& field : fields_) known.push_back(field.name);
+  const std::string hint = nearest_name_hint(name, known);
   fail("unknown " + std::string(kind_ == TableKind::Settings ? "setting '" : "parameter '") + std::string(name) +
-       "' of " + name_ + nearest_name_hint(name, known) + "; known are " + joined(known));
+       "' of " + name_ + (hint.empty() ? "; known are " + joined(known) : hint));
 }
 
 FieldValue FieldTable::get(const void* object, std::string_view name) const { return find(name).get(object); }

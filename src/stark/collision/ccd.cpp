@@ -36,6 +36,18 @@ Vec3 line_to_point(const Vec3& p, const Vec3& e0, const Vec3& e1) {
   return r - e * (dot(r, e) / length2);
 }
 
+// Normal of two directions, towards the side of w. The cross product of nearly parallel directions has a large relative
+// error, also along them where the primitives extend far; projecting it out leaves a harmless tilt.
+Vec3 common_normal(const Vec3& u, const Vec3& v, const Vec3& w) {
+  Vec3 normal = cross(u, v);
+  const double uu = squared_norm(u), vv = squared_norm(v);
+  if (squared_norm(normal) < 1e-4 * uu * vv) {
+    normal -= u * (dot(normal, u) / uu);
+    normal -= v * (dot(normal, v) / vv);
+  }
+  return dot(normal, w) < 0.0 ? -normal : normal;
+}
+
 Vec3 edge_to_point(const Vec3& p, const Vec3& e0, const Vec3& e1) {
   switch (point_edge_type(p, e0, e1)) {
     case PointEdgeType::P_E0: return p - e0;
@@ -80,13 +92,12 @@ struct PointTriangle {
       case P_E2: return line_to_point(p, t2, t0);
       case P_T: break;
     }
-    const Vec3 normal = cross(t1 - t0, t2 - t0);
-    return dot(normal, p - t0) < 0.0 ? -normal : normal;
+    return common_normal(t1 - t0, t2 - t0, p - t0);
   }
   template <typename Body>
   static void for_each_direction(const std::array<Vec3, 4>& x, Body&& body) {
     const auto& [p, t0, t1, t2] = x;
-    const Vec3 normal = cross(t1 - t0, t2 - t0);
+    const Vec3 normal = common_normal(t1 - t0, t2 - t0, p - t0);
     body(normal);
     body(-normal);
     body(line_to_point(p, t0, t1));
@@ -114,13 +125,12 @@ struct EdgeEdge {
       case EA1_EB: return line_to_point(a1, b0, b1);
       case EA_EB: break;
     }
-    const Vec3 normal = cross(a1 - a0, b1 - b0);
-    return dot(normal, a0 - b0) < 0.0 ? -normal : normal;
+    return common_normal(a1 - a0, b1 - b0, a0 - b0);
   }
   template <typename Body>
   static void for_each_direction(const std::array<Vec3, 4>& x, Body&& body) {
     const auto& [a0, a1, b0, b1] = x;
-    const Vec3 normal = cross(a1 - a0, b1 - b0);
+    const Vec3 normal = common_normal(a1 - a0, b1 - b0, a0 - b0);
     body(normal);
     body(-normal);
     body(-edge_to_point(b0, a0, a1));
@@ -220,24 +230,24 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0, const std::array
     motion.gaps(n, 0.0, gaps);
   }
   const double separation = std::min(min_separation, 0.1 * gap);
-  const double target = separation + settings.gap_fraction * (gap - separation);
-  const double stop = target + settings.tolerance * (gap - separation);
+  const double stop = separation + settings.tolerance * (gap - separation);
+  const double keep = 1.0 - settings.time_margin;
   double t = 0.0;
   for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
     if (iteration > 0) {
       n = unit_or_zero(Kind::direction(motion.at(t)));
-      if (!(motion.gaps(n, t, gaps) > stop)) return t;
+      if (!(motion.gaps(n, t, gaps) > stop)) return keep * t;
     }
     double step = HUGE_VAL;
     for (int k = 0; k < Motion<Kind>::kPairs; ++k) {
       const double rate = dot(n, motion.pair_motion[k]);
-      if (rate < 0.0) step = std::min(step, (gaps[k] - target) / -rate);
+      if (rate < 0.0) step = std::min(step, (gaps[k] - separation) / -rate);
     }
     if (t + step >= 1.0) return 1.0;
-    if (!(t + step > t)) return t;
+    if (!(t + step > t)) return keep * t;
     t += step;
   }
-  return t;
+  return keep * t;
 }
 
 }  // namespace

@@ -14,14 +14,15 @@
 namespace stark {
 
 struct CcdSettings {
-  double gap_fraction = 0.1;  // part of the initial gap (beyond the separation) that must remain
-  double tolerance = 0.01;    // stop when this part of the initial gap is left to the target
-  int max_iterations = 64;    // the time reached so far is returned: safe, only smaller
+  double time_margin = 0.1;  // part of the time to the impact that is given back, so that a gap remains
+  double tolerance = 1e-4;   // an impact: the gap has come this near to the separation, relative to the initial gap
+  int max_iterations = 64;   // the time reached so far counts as the impact: safe, only smaller
 };
 
-// Largest fraction t in [0, 1] found such that the distance of the two primitives on [0, t] stays above
-// min(min_separation, 0.1 d0), d0 the distance at the start; 1 means that the whole motion is safe. When t < 1, at
-// least about gap_fraction of the initial gap remains at t. Returns 0 when d0 is zero or below rounding.
+// Fraction t in [0, 1] such that the distance of the two primitives on [0, t] stays above the separation
+// min(min_separation, 0.1 d0), d0 the distance at the start. 1: the whole motion is safe. Otherwise 1 - time_margin
+// times the time at which the separation is reached; a head-on approach leaves that part of the gap, and passing
+// close by does not limit the step. Returns 0 when d0 is zero or below rounding.
 // x0 and x1 hold the vertices at the start and the end, point first, then edge or triangle; edge A, then edge B.
 double point_point_ccd(const std::array<Vec3, 2>& x0, const std::array<Vec3, 2>& x1, double min_separation,
                        const CcdSettings& settings = {});

@@ -44,7 +44,7 @@ class QuotientGraph {
   std::vector<int32_t> members_;  // variables of the new element
   int32_t element_weight_ = 0;
   int32_t pivot_weight_ = 0;
-  std::vector<int32_t> scratch_, hash_bucket_, hash_next_, hash_of_, touched_;
+  std::vector<int32_t> scratch_, hash_bucket_, hash_next_, touched_;
   std::vector<int32_t> seen_;     // stamps for comparing lists
   int32_t seen_stamp_ = 0;
 };
@@ -66,7 +66,6 @@ QuotientGraph::QuotientGraph(const AdjacencyGraph& graph, std::span<const uint8_
   absorbed_last_.resize(n_);
   hash_bucket_.assign(n_, -1);
   hash_next_.assign(n_, -1);
-  hash_of_.assign(n_, 0);
   seen_.assign(n_, 0);
   remaining_ = n_;
   smallest_ = n_;
@@ -182,7 +181,6 @@ void QuotientGraph::update_variable(int32_t i, int32_t pivot) {
   if (is_halo(i)) return;
   degree_[i] = std::min(degree_[i], bound);  // the weight of the new element is added at the end
   const auto bucket = static_cast<int32_t>(hash % static_cast<uint32_t>(n_));
-  hash_of_[i] = bucket;
   if (hash_bucket_[bucket] < 0) touched_.push_back(bucket);
   hash_next_[i] = hash_bucket_[bucket];
   hash_bucket_[bucket] = i;

@@ -14,6 +14,8 @@ namespace stark::symbolic {
 namespace {
 
 constexpr int kNoUse = std::numeric_limits<int>::max();
+// Dropping a value that is in memory already is cheaper than storing one: its next use counts as this much further.
+constexpr double kHomeBonus = 2.0;
 
 bool commutes(Code code) {
   return code == Code::Add || code == Code::Mul || code == Code::And || code == Code::Or || code == Code::Xor || code == Code::AddInt;
@@ -61,6 +63,8 @@ class Allocator {
     variables_[v].reg = reg;
   }
   void load(int v);
+  int pick_memory_operand(const Instruction& in, const int* v, int count) const;
+  uint8_t overwrite(MachineStep& s, const int* v, int count, int memory);
   void step(int i);
 
   const Program& program_;
@@ -70,6 +74,7 @@ class Allocator {
   std::vector<char> pinned_;
   std::vector<int> constant_, unknown_, element_, uniform_;  // index -> variable
   std::vector<int> free_spills_;
+  int current_ = 0;
   Allocation result_;
 };
 
@@ -159,5 +164,130 @@ int Allocator::take_register() {
   return best;
 }
 
+void Allocator::load(int v) {
+  MachineStep s;
+  s.kind = MachineStep::Kind::Load;
+  s.operands[0] = variables_[v].home;
+  const int reg = take_register();
+  s.target = static_cast<uint8_t>(reg);
+  result_.steps.push_back(s);
+  hold(v, reg);
+  pinned_[v] = 1;
+}
+
+// The operand to use from memory, or -1. Called with the cursors already past this instruction.
+int Allocator::pick_memory_operand(const Instruction& in, const int* v, int count) const {
+  int best = -1, missing = 0;
+  for (int k = 0; k < count; ++k) {
+    if (variables_[v[k]].reg >= 0) continue;
+    ++missing;
+    bool repeated = false;
+    for (int m = 0; m < count; ++m) repeated |= m != k && v[m] == v[k];
+    if (repeated || !memory_allowed(in.code, k)) continue;
+    if (best < 0 || next_use(v[k]) > next_use(v[best])) best = k;
+  }
+  if (best < 0 || next_use(v[best]) == kNoUse) return best;
+  const auto free_count = std::count(holder_.begin(), holder_.end(), -1);
+  return free_count > missing ? -1 : best;
+}
+
+// For instructions that overwrite an operand: picks one that dies here, or makes a copy. Returns the target register.
+uint8_t Allocator::overwrite(MachineStep& s, const int* v, int count, int memory) {
+  for (int k = 0; k < count; ++k) {
+    if (k != memory && next_use(v[k]) == kNoUse) {
+      s.destroyed = static_cast<int8_t>(k);
+      const int reg = variables_[v[k]].reg;
+      release(v[k]);
+      return static_cast<uint8_t>(reg);
+    }
+  }
+  MachineStep copy;
+  const int k = memory >= 0 ? memory : 0;
+  copy.kind = memory >= 0 ? MachineStep::Kind::Load : MachineStep::Kind::Move;
+  copy.operands[0] = s.operands[k];
+  copy.target = static_cast<uint8_t>(take_register());
+  result_.steps.push_back(copy);
+  s.operands[k] = {Home::Register, copy.target};
+  s.destroyed = static_cast<int8_t>(k);
+  return copy.target;
+}
+
+void Allocator::step(int i) {
+  const Instruction& in = program_.instructions[i];
+  const int count = operand_count(in.code);
+  current_ = i;
+  int v[3] = {-1, -1, -1};
+  for (int k = 0; k < count; ++k) v[k] = variable_of(in.operands[k]);
+  for (int k = 0; k < count; ++k) {
+    Variable& x = variables_[v[k]];
+    pinned_[v[k]] = 1;
+    if (next_use(v[k]) == i) ++x.next;
+  }
+  const int memory = pick_memory_operand(in, v, count);
+  for (int k = 0; k < count; ++k) {
+    if (k != memory && variables_[v[k]].reg < 0) load(v[k]);
+  }
+  MachineStep s;
+  s.code = in.code;
+  s.shift = in.shift;
+  for (int k = 0; k < count; ++k) {
+    const Variable& x = variables_[v[k]];
+    s.operands[k] = k == memory ? x.home : Location{Home::Register, x.reg};
+  }
+  int target = -1;
+  if (is_fused(in.code) || (select_overwrites_ && in.code == Code::Select)) target = overwrite(s, v, count, memory);
+  for (int k = 0; k < count; ++k) {
+    if (next_use(v[k]) == kNoUse && variables_[v[k]].reg >= 0) release(v[k]);
+  }
+  s.target = static_cast<uint8_t>(target >= 0 ? target : take_register());
+  result_.steps.push_back(s);
+  for (int k = 0; k < count; ++k) {
+    Variable& x = variables_[v[k]];
+    pinned_[v[k]] = 0;
+    if (next_use(v[k]) == kNoUse && x.has_home && x.home.home == Home::Spill) {
+      free_spills_.push_back(x.home.index);
+      x.has_home = false;
+    }
+  }
+
+  Variable& result = variables_[i];
+  hold(i, s.target);
+  for (const int output : result.outputs) {
+    MachineStep store;
+    store.kind = MachineStep::Kind::Store;
+    store.target = s.target;
+    store.operands[0] = {Home::Output, output};
+    result_.steps.push_back(store);
+    result.home = store.operands[0];
+    result.has_home = true;
+  }
+  if (next_use(i) == kNoUse) release(i);
+}
+
+Allocation Allocator::run() {
+  for (int i = 0; i < static_cast<int>(program_.instructions.size()); ++i) step(i);
+  // Outputs that are inputs or constants: copied through a register at the end.
+  current_ = static_cast<int>(program_.instructions.size());
+  for (size_t v = program_.instructions.size(); v < variables_.size(); ++v) {
+    const Variable& x = variables_[v];
+    if (x.outputs.empty()) continue;
+    if (x.reg < 0) load(static_cast<int>(v));
+    for (const int output : x.outputs) {
+      MachineStep store;
+      store.kind = MachineStep::Kind::Store;
+      store.target = static_cast<uint8_t>(x.reg);
+      store.operands[0] = {Home::Output, output};
+      result_.steps.push_back(store);
+    }
+    release(static_cast<int>(v));
+  }
+  return std::move(result_);
+}
+
 }  // namespace
+
+Allocation allocate_registers(const Program& program, int register_count, bool select_overwrites) {
+  return Allocator(program, register_count, select_overwrites).run();
+}
+
 }  // namespace stark::symbolic

@@ -1,0 +1,22 @@
+// Machine code of a program for x86-64, as bytes. Phase: kernel building.
+#pragma once
+
+#include <stark/symbolic/kernel.h>
+#include <stark/symbolic/program.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace stark::symbolic {
+
+struct MachineCode {
+  std::vector<uint8_t> bytes;  // position independent: instructions, then constants
+  int instruction_bytes = 0;
+  int spill_count = 0;
+};
+
+/// Function of the System V convention: unknowns, elements, uniforms (AVX2: four copies of each; AVX-512: one), outputs,
+/// block count, spill slots.
+MachineCode assemble_x86_64(const Program& program, Backend backend);
+
+}  // namespace stark::symbolic
