@@ -22,6 +22,8 @@ FORBIDDEN = [
     (r"\b(?:rand|srand)\s*\(", "no hidden random state"),
     (r"#\s*pragma\s+omp\b", "threads go through base/thread_pool.h"),
 ]
+# The vocabulary in which energies are written; included by files that do nothing else.
+USING_NAMESPACE_ALLOWED = {"src/stark/mechanics/define.h"}
 TODO = re.compile(r"\b(?:TODO|FIXME|XXX)\b")
 
 
@@ -37,6 +39,8 @@ def check(root: Path) -> list[str]:
     for path in source_files(root, CPP, "src"):
         code = code_only(path.read_text())
         for pattern, reason in FORBIDDEN:
+            if "namespace" in pattern and str(path.relative_to(root)) in USING_NAMESPACE_ALLOWED:
+                continue
             for match in re.finditer(pattern, code, re.MULTILINE):
                 start = match.end() - len(match.group().lstrip())
                 line = code.count("\n", 0, start) + 1

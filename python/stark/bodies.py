@@ -125,7 +125,7 @@ class _Deformable(Body):
         return self._scene._core.pins(self._index)
 
     def pin(self, vertices: ArrayLike) -> None:
-        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the simulation is made."""
+        """Prescribes vertices, by index or by a mask: they stay, or follow ``pinned_positions``. Before the simulation is made."""
         indices = np.asarray(vertices)
         if indices.dtype == bool:
             if indices.shape != (len(self._mesh.vertices),):
@@ -136,25 +136,25 @@ class _Deformable(Body):
         self._scene._core.pin(self._index, np.atleast_1d(indices))
 
     @property
-    def pin_targets(self) -> Points:
-        """Targets of the pinned vertices at the end of the next step (k, 3) [m], in the order of ``pins``; assign to
-        move them."""
-        return self._require_simulation("pin_targets")._core.pin_targets(self._index)
+    def pinned_positions(self) -> Points:
+        """Positions of the pinned vertices (k, 3) [m], in the order of ``pins``; what is assigned holds at the end of the
+        next step."""
+        return self.positions[self.pins]
 
-    @pin_targets.setter
-    def pin_targets(self, targets: ArrayLike) -> None:
+    @pinned_positions.setter
+    def pinned_positions(self, targets: ArrayLike) -> None:
         array = np.asarray(targets, dtype=np.float64)
         count = len(self.pins)
         if array.shape != (count, 3):
             raise InvalidArgument(
-                f"'{self.name}': pin_targets has the shape {array.shape}: must be ({count}, 3), a row for each pinned vertex"
+                f"'{self.name}': pinned_positions has the shape {array.shape}: must be ({count}, 3), a row for each pinned vertex"
             )
         if not np.isfinite(array).all():
             row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
             raise InvalidArgument(
-                f"'{self.name}': pin_targets[{row}] = {array[row].tolist()} m: must be finite; check where it is computed"
+                f"'{self.name}': pinned_positions[{row}] = {array[row].tolist()} m: must be finite; check where it is computed"
             )
-        self._require_simulation("pin_targets")._core.set_pin_targets(self._index, np.ascontiguousarray(array))
+        self._require_simulation("pinned_positions")._core.set_pin_targets(self._index, np.ascontiguousarray(array))
 
 
 class Cloth(_Deformable):
@@ -225,13 +225,24 @@ class RigidBody(Body):
 
     @property
     def velocity(self) -> NDArray[np.float64]:
-        """Velocity of the centre of mass (3,) [m/s]."""
-        return self._require_simulation("velocity")._core.twist(self._index)[0]
+        """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies, which move at
+        it from the next step on when it is assigned."""
+        core = self._require_simulation("velocity")._core
+        of_origin, angular = core.twist(self._index)
+        return of_origin + np.cross(angular, core.pose(self._index)[1] @ self.center_of_mass)
+
+    @velocity.setter
+    def velocity(self, value: ArrayLike) -> None:
+        self._set_velocity(vector(value, f"'{self.name}': velocity"), self.angular_velocity)
 
     @property
     def angular_velocity(self) -> NDArray[np.float64]:
-        """(3,) [rad/s], world axes."""
+        """(3,) [rad/s], world axes; assign it to scripted bodies."""
         return self._require_simulation("angular_velocity")._core.twist(self._index)[1]
+
+    @angular_velocity.setter
+    def angular_velocity(self, value: ArrayLike) -> None:
+        self._set_velocity(self.velocity, vector(value, f"'{self.name}': angular_velocity"))
 
     @property
     def mass(self) -> float:
@@ -258,9 +269,18 @@ class RigidBody(Body):
 
     def _set_pose(self, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
         simulation = self._require_simulation("setting a pose")
-        if self.motion != "scripted":
-            raise InvalidArgument(
-                f"'{self.name}' is {self.motion}: its pose cannot be set; only bodies with motion='scripted' are moved so"
-            )
+        self._require_scripted("pose")
         simulation._core.set_pose(self._index, position, rotation)
         simulation._targets[self._index] = position, rotation
+
+    def _set_velocity(self, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]) -> None:
+        simulation = self._require_simulation("setting a velocity")
+        self._require_scripted("velocity")
+        simulation._core.set_velocity(self._index, velocity, angular_velocity)
+        simulation._targets.pop(self._index, None)
+
+    def _require_scripted(self, what: str) -> None:
+        if self.motion != "scripted":
+            raise InvalidArgument(
+                f"'{self.name}' is {self.motion}: its {what} cannot be set; only bodies with motion='scripted' are moved so"
+            )

@@ -8,7 +8,7 @@ from typing import Any
 FIXED = (0.80, 0.81, 0.83)
 _BY_KIND: dict[str, tuple[tuple[float, float, float], ...]] = {
     "cloth": ((0.87, 0.44, 0.34), (0.36, 0.56, 0.86), (0.94, 0.68, 0.26), (0.62, 0.45, 0.80)),
-    "solid": ((0.20, 0.64, 0.60), (0.93, 0.60, 0.28), (0.84, 0.40, 0.52), (0.46, 0.66, 0.32), (0.42, 0.52, 0.84)),
+    "solid": ((0.20, 0.64, 0.60), (0.93, 0.60, 0.28), (0.84, 0.40, 0.52), (0.46, 0.66, 0.32)),
     "rigid": (
         (0.33, 0.45, 0.66), (0.91, 0.66, 0.33), (0.47, 0.63, 0.50), (0.80, 0.45, 0.38), (0.55, 0.49, 0.70),
         (0.36, 0.62, 0.70),
@@ -17,7 +17,8 @@ _BY_KIND: dict[str, tuple[tuple[float, float, float], ...]] = {
 
 
 def body_colors(bodies: Sequence[Any]) -> list[tuple[float, float, float]]:
-    """One colour a body: its own when it has one, light grey when it is fixed, else the next of its kind's palette."""
+    """One colour a body: its own when it has one, light grey when it is fixed, else the next of its kind's
+    palette."""
     used: dict[str, int] = {}
     colors = []
     for body in bodies:

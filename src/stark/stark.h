@@ -4,3 +4,13 @@
 #include <stark/base/error.h>
 #include <stark/base/math.h>
 #include <stark/base/rotation.h>
+#include <stark/base/settings.h>
+#include <stark/geometry/mass_properties.h>
+#include <stark/geometry/mesh.h>
+#include <stark/geometry/shapes.h>
+#include <stark/geometry/topology.h>
+#include <stark/sim/materials.h>
+#include <stark/sim/scene.h>
+#include <stark/sim/settings.h>
+#include <stark/sim/simulation.h>
+#include <stark/sim/step_report.h>

@@ -1,7 +1,9 @@
 // Descriptor tables on a struct of the test's own: every type, every rule, text, hints, all-or-nothing.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <stark/base/error.h>
@@ -12,6 +14,15 @@ using namespace stark;
 namespace {
 
 enum class Shape : uint8_t { Round, Square };
+
+}  // namespace
+
+template <>
+struct stark::EnumNames<Shape> {
+  static constexpr std::array<std::string_view, 2> kNames{"round", "square"};
+};
+
+namespace {
 
 struct Inner {
   double stiffness = 2.0;
@@ -57,11 +68,6 @@ std::string message_of(const std::function<void()>& action) {
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
-
-template <>
-struct stark::EnumNames<Shape> {
-  static constexpr std::array<std::string_view, 2> kNames{"round", "square"};
-};
 
 TEST_CASE("rules hold exactly where they say") {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::nan("");
@@ -121,6 +127,7 @@ TEST_CASE("fields are set by name from values and from text, and read back") {
 
 TEST_CASE("refused values name the field, the value with its unit, the rule and the default") {
   Outer object;
+  const Outer untouched;
   const FieldTable& table = Outer::fields();
   struct Row {
     std::string name;
@@ -149,7 +156,7 @@ TEST_CASE("refused values name the field, the value with its unit, the rule and 
     CAPTURE(message);
     for (const std::string& part : row.parts) CHECK_MESSAGE(contains(message, part), part);
   }
-  CHECK(table.to_map(&object) == table.to_map(std::addressof(static_cast<const Outer&>(Outer{}))));
+  CHECK(table.to_map(&object) == table.to_map(&untouched));
 }
 
 TEST_CASE("unknown names are refused with the nearest one, or with all of them") {

@@ -207,9 +207,9 @@ TEST_CASE("bullets at 1e4 m/s through a sheet of 1e-4 m never pass, in any orien
     const double t = max_safe_step(scene.surface, list, scene.x, x1, xi, pool, &report);
     const double hit = norm(aim - start) / norm(velocity * h);
     REQUIRE(t < hit);
-    // A tenth of the time is given back; the bullet's corners lead by at most 1 cm, more on a grazing path.
+    // A tenth of the time is given back; the corners of the bullet lead it by at most 1 cm in height.
     CAPTURE(hit);
-    REQUIRE(t > 0.89 * hit - 0.02 / norm(velocity * h));
+    REQUIRE(t > 0.89 * hit - 0.01 / std::fabs(velocity.z * h));
     REQUIRE(report.kind != CandidateKind::None);
     std::vector<Vec3> x = scene.x;
     for (size_t v = 0; v < x.size(); ++v) x[v] += (x1[v] - x[v]) * t;
@@ -223,7 +223,7 @@ TEST_CASE("iterated random steps with CCD never intersect; without they do") {
   SceneBuilder scene;
   scene.add_mesh(make_grid(0.5, 0.5, 8, 8), {0, 0, 0.05});
   scene.add_mesh(make_grid(0.5, 0.5, 7, 9), {0.01, 0.02, 0.10});
-  scene.add_mesh(make_icosphere(0.15, 1), {0, 0, -0.12});
+  scene.add_mesh(make_icosphere(0.15, 1), {0, 0, -0.14});
   scene.add_rod({{-0.4, 0.013, 0.017}, {-0.2, 0.011, 0.02}, {0.1, 0.017, 0.026}, {0.4, 0.01, 0.021}});
   scene.add_mesh(make_grid(4.0, 4.0, 1, 1), {0, 0, -0.3});
   PairFilter filter(5);

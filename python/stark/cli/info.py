@@ -8,7 +8,9 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", nargs="?", metavar="SCENE|RUN", help="a scene or the folder of a run")
-    parser.add_argument("--settings", action="store_true", help="list all settings with unit, default and meaning")
+    parser.add_argument(
+        "--settings", action="store_true", help="list all settings with unit, default and meaning"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -61,7 +63,10 @@ def _recording(folder: Path) -> int:
     print(f"{recording.scene}: {recording.status} {manifest.get('message', '')}".rstrip())
     print(f"  {manifest.get('created', '')}, Stark {manifest.get('stark_version', '')}")
     if len(recording):
-        print(f"  {len(recording)} frames, {recording.times[0]:g} to {recording.times[-1]:g} s, {len(telemetry)} steps")
+        print(
+            f"  {len(recording)} frames from {recording.times[0]:g} to {recording.times[-1]:g} s, "
+            f"{len(telemetry)} steps"
+        )
     for body in recording.bodies:
         print(f"  {body.kind:6} {body.name}: {body.vertex_count} vertices, {body.triangle_count} triangles")
     for name, value in manifest.get("summary", {}).get("observables", {}).items():

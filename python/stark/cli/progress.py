@@ -8,7 +8,8 @@ from typing import TextIO
 
 
 class Progress:
-    """Shows how far something has come. Nothing is written when the stream is not a terminal or ``quiet`` is set."""
+    """Shows how far something has come. Nothing is written when the stream is not a terminal or ``quiet`` is
+    set."""
 
     _WIDTH = 28
 

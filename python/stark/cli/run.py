@@ -14,10 +14,16 @@ from .settings_arguments import add_setting_arguments, parse_settings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scene", metavar="SCENE.py|NAME", help="a scene file, or the name of a packaged scene")
-    parser.add_argument("--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own")
+    parser.add_argument(
+        "scene", metavar="SCENE.py|NAME", help="a scene file, or the name of a packaged scene"
+    )
+    parser.add_argument(
+        "--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own"
+    )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the run; default: out/NAME")
-    parser.add_argument("--fps", type=float, default=60.0, help="most recorded frames per simulated second (60)")
+    parser.add_argument(
+        "--fps", type=float, default=60.0, help="most recorded frames per simulated second (60)"
+    )
     parser.add_argument("--no-replay", action="store_true", help="write no replay page")
     parser.add_argument("--no-picture", action="store_true", help="write no picture")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -57,7 +63,8 @@ def run(args: argparse.Namespace) -> int:
         progress.close()
     if not args.quiet:
         print(
-            f"{result.scene}: {result.simulated:.4g} s simulated in {result.wall:.1f} s; {result.steps} steps, "
+            f"{result.scene}: {result.simulated:.4g} s simulated in {result.wall:.1f} s"
+            f"; {result.steps} steps, "
             f"{result.rejected_steps} rejected, {result.newton_iterations} Newton iterations, "
             f"at most {result.max_contacts} contacts"
         )

@@ -26,7 +26,9 @@ def parse_size(text: str) -> tuple[int, int]:
 
     width, _, height = text.lower().partition("x")
     if not (width.isdigit() and height.isdigit() and 1 <= int(width) <= 16384 and 1 <= int(height) <= 16384):
-        raise InvalidArgument(f"size '{text}': must be WIDTHxHEIGHT in pixels, each in [1, 16384], like 1280x720")
+        raise InvalidArgument(
+            f"size '{text}': must be WIDTHxHEIGHT in pixels, each in [1, 16384], like 1280x720"
+        )
     return int(width), int(height)
 
 

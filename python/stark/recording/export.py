@@ -1,4 +1,5 @@
-"""Exports frames: PLY and OBJ for modelling tools, VTU with a PVD index for ParaView. Own writers, no dependencies."""
+"""Exports frames: PLY and OBJ for modelling tools, VTU with a PVD index for ParaView. Own writers, no
+dependencies."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ FORMATS = ("vtu", "ply", "obj")
 
 
 def _merged(frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All bodies as one mesh: vertices (n, 3) float32, triangles (m, 3) int32, body of each triangle (m,) int32."""
+    """All bodies as one mesh: vertices (n, 3) float32, triangles (m, 3) int32, body of each triangle (m,)
+    int32."""
     vertices, triangles, owners, start = [], [], [], 0
     for i, body in enumerate(frame.bodies):
         vertices.append(np.asarray(body.positions, dtype=np.float32))
@@ -36,7 +38,8 @@ def ply_bytes(frame: Frame) -> bytes:
         [
             "ply",
             "format binary_little_endian 1.0",
-            f"comment Stark, time {frame.time:.9g} s, bodies: {' '.join(b.name.replace(' ', '_') for b in frame.bodies)}",
+            f"comment Stark, time {frame.time:.9g} s",
+            *(f"comment body {i}: {' '.join(body.name.split())}" for i, body in enumerate(frame.bodies)),
             f"element vertex {len(vertices)}",
             *(f"property float {axis}" for axis in "xyz"),
             f"element face {len(triangles)}",
@@ -55,8 +58,8 @@ def obj_bytes(frame: Frame) -> bytes:
     lines, start = [f"# Stark, time {frame.time:.9g} s"], 1
     for body in frame.bodies:
         lines.append(f"o {body.name.replace(' ', '_')}")
-        lines.extend("v %.9g %.9g %.9g" % tuple(p) for p in body.positions.tolist())
-        lines.extend("f %d %d %d" % (a + start, b + start, c + start) for a, b, c in body.triangles.tolist())
+        lines.extend(f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in body.positions.tolist())
+        lines.extend(f"f {a + start} {b + start} {c + start}" for a, b, c in body.triangles.tolist())
         start += len(body.positions)
     return ("\n".join(lines) + "\n").encode()
 
@@ -65,9 +68,8 @@ def _data_array(array: np.ndarray, kind: str, name: str, components: int = 1) ->
     """Inline binary DataArray: base64 of a uint32 byte count followed by the little-endian values."""
     payload = array.tobytes()
     text = base64.b64encode(np.uint32(len(payload)).astype("<u4").tobytes() + payload).decode()
-    return (
-        f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="binary">{text}</DataArray>'
-    )
+    attributes = f'type="{kind}" Name="{name}" NumberOfComponents="{components}" format="binary"'
+    return f"<DataArray {attributes}>{text}</DataArray>"
 
 
 def vtu_bytes(frame: Frame) -> bytes:
@@ -93,15 +95,22 @@ def vtu_bytes(frame: Frame) -> bytes:
 
 def pvd_bytes(files: Iterable[tuple[float, str]]) -> bytes:
     """ParaView's index of a series of files by time [s]."""
-    lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>']
+    lines = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>',
+    ]
     lines += [f'<DataSet timestep="{time:.9g}" part="0" file={quoteattr(name)}/>' for time, name in files]
     return ("\n".join(lines) + "\n</Collection></VTKFile>\n").encode()
 
 
 def export(
-    recording: Recording, folder: str | PathLike[str], format: str = "vtu", *, frames: Iterable[int] | None = None
+    recording: Recording,
+    folder: str | PathLike[str],
+    format: str = "vtu",
+    *,
+    frames: Iterable[int] | None = None,
 ) -> list[Path]:
-    """Writes frames into ``folder`` and returns the files; for ``vtu`` the last one is the ``.pvd`` to open."""
+    """Writes frames into ``folder`` and returns the files; for ``vtu`` the last one is the ``.pvd``."""
     writers = {"vtu": vtu_bytes, "ply": ply_bytes, "obj": obj_bytes}
     if format not in writers:
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")

@@ -77,3 +77,11 @@ def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (n, 3) [m] and triangles (m, 3) of the drawn surface of a body; a solid leaves out its inner
+    vertices."""
+    if hasattr(body, "surface_positions"):
+        return np.asarray(body.surface_positions), np.asarray(body.surface_triangles)
+    return np.asarray(body.positions), np.asarray(body.triangles)

@@ -32,9 +32,13 @@ def _read_npz(path: Path) -> dict[str, np.ndarray]:
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except FileNotFoundError:
-        raise RecordingError(f"'{path}' is missing; copy the run folder again or run the scene anew") from None
+        raise RecordingError(
+            f"'{path}' is missing; copy the run folder again or run the scene anew"
+        ) from None
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
-        raise RecordingError(f"'{path}' is damaged or cut off ({error}); copy the run folder again") from error
+        raise RecordingError(
+            f"'{path}' is damaged or cut off ({error}); copy the run folder again"
+        ) from error
 
 
 class Recording:
@@ -59,7 +63,8 @@ class Recording:
         self.times: np.ndarray = np.concatenate(times) if times else np.zeros(0)
         if len(self.times) != frame_count:
             raise RecordingError(
-                f"'{self.folder}' holds {len(self.times)} frames, its manifest says {frame_count}; copy it again"
+                f"'{self.folder}' holds {len(self.times)} frames, its manifest says {frame_count}; "
+                "copy the run folder again"
             )
         if np.any(np.diff(self.times) < 0.0):
             raise RecordingError(f"'{self.folder}': times of frames decrease; the recording is damaged")
@@ -75,10 +80,12 @@ class Recording:
         except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
             raise RecordingError(f"'{path}' is damaged: {error}") from error
         if not isinstance(manifest, dict) or manifest.get("format") != FORMAT_NAME:
-            raise RecordingError(f"'{path}' is not the manifest of a Stark recording (format must be {FORMAT_NAME!r})")
+            raise RecordingError(
+                f"'{path}' is not the manifest of a Stark recording (format must be {FORMAT_NAME!r})"
+            )
         if manifest.get("version") != FORMAT_VERSION:
             raise RecordingError(
-                f"'{path}' has format version {manifest.get('version')}; this Stark reads version {FORMAT_VERSION}: "
+                f"'{path}' has format version {manifest.get('version')}; this Stark reads {FORMAT_VERSION}: "
                 "use the Stark that wrote it"
             )
         return manifest
@@ -90,9 +97,13 @@ class Recording:
         for i, body in enumerate(self.bodies):
             array = arrays.get(f"triangles_{i:04d}")
             if array is None or array.shape != (body.triangle_count, 3):
-                raise RecordingError(f"'{path}': triangles of body '{body.name}' are missing or have a wrong shape")
+                raise RecordingError(
+                    f"'{path}': triangles of body '{body.name}' are missing or have a wrong shape"
+                )
             if array.size and (array.min() < 0 or array.max() >= body.vertex_count):
-                raise RecordingError(f"'{path}': a triangle of body '{body.name}' names a vertex that it does not have")
+                raise RecordingError(
+                    f"'{path}': a triangle of body '{body.name}' names a vertex that it does not have"
+                )
             triangles.append(array.astype(np.int32))
         return triangles
 
@@ -106,11 +117,18 @@ class Recording:
             raise RecordingError(f"'{path}' has no valid times")
         for i, body in enumerate(self.bodies):
             positions = arrays.get(f"positions_{i:04d}")
-            if positions is None or positions.shape[1:] != (body.vertex_count, 3) or len(positions) not in (
-                1,
-                len(times),
+            if (
+                positions is None
+                or positions.shape[1:] != (body.vertex_count, 3)
+                or len(positions)
+                not in (
+                    1,
+                    len(times),
+                )
             ):
-                raise RecordingError(f"'{path}': positions of body '{body.name}' are missing or have a wrong shape")
+                raise RecordingError(
+                    f"'{path}': positions of body '{body.name}' are missing or have a wrong shape"
+                )
         if len(self._cache) >= 4:
             self._cache.pop(next(iter(self._cache)))
         self._cache[index] = arrays
@@ -185,10 +203,11 @@ class Recording:
         """Index of the frame nearest to ``time`` [s]."""
         if not len(self):
             raise RecordingError(f"'{self.folder}' has no frames")
-        return int(np.argmin(np.abs(self.times - time)))
+        return int(np.argmin(np.abs(self.times - np.clip(time, self.times[0], self.times[-1]))))
 
     def still(self, time: float, **options: Any) -> np.ndarray:
-        """Picture of the frame nearest to ``time`` [s]: (height, width, 3) uint8; options as ``stark.render.render``."""
+        """Picture of the frame nearest to ``time`` [s]: (height, width, 3) uint8; options as
+        ``stark.render.render``."""
         from ..render import render
 
         return render(self.frame(self.nearest(time)), **options)

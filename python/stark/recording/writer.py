@@ -24,6 +24,7 @@ from .format import (
     BodyEntry,
     RecordingError,
     chunk_path,
+    surface,
     write_atomically,
 )
 
@@ -44,8 +45,8 @@ def _word(value: Any) -> str:
 class Recorder:
     """Records the surfaces of all bodies of ``sim`` into ``folder``.
 
-    ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes the folder.
-    An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
+    ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
+    the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
     """
 
     def __init__(
@@ -86,7 +87,7 @@ class Recorder:
             "units": {"position": "m", **SERIES},
             "summary": {},
         }
-        triangles = {f"triangles_{i:04d}": np.asarray(b.triangles, dtype=np.int32) for i, b in enumerate(bodies)}
+        triangles = {f"triangles_{i:04d}": surface(b)[1].astype(np.int32) for i, b in enumerate(bodies)}
         write_atomically(self.folder / TOPOLOGY, lambda file: np.savez(file, **triangles))
         self._telemetry = TelemetryWriter(self.folder / TELEMETRY)
         self._write_manifest()
@@ -98,7 +99,7 @@ class Recorder:
             known = (self.folder / MANIFEST).exists()
             if any(self.folder.iterdir()) and not known:
                 raise RecordingError(
-                    f"folder '{self.folder}' is not empty and holds no recording; choose another folder or empty it"
+                    f"folder '{self.folder}' is not empty and holds no recording; choose another folder"
                 )
             if known:
                 (self.folder / MANIFEST).unlink()
@@ -109,14 +110,18 @@ class Recorder:
 
     @staticmethod
     def _entry(body: Any) -> BodyEntry:
-        positions, triangles = np.asarray(body.positions), np.asarray(body.triangles)
+        positions, triangles = surface(body)
         if positions.ndim != 2 or positions.shape[1] != 3:
-            raise RecordingError(f"body '{body.name}': positions have shape {positions.shape}; must be (n, 3)")
+            raise RecordingError(
+                f"body '{body.name}': positions have shape {positions.shape}; must be (n, 3)"
+            )
         if triangles.ndim != 2 or triangles.shape[1] != 3:
-            raise RecordingError(f"body '{body.name}': triangles have shape {triangles.shape}; must be (m, 3)")
+            raise RecordingError(
+                f"body '{body.name}': triangles have shape {triangles.shape}; must be (m, 3)"
+            )
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(positions)):
             raise RecordingError(
-                f"body '{body.name}': triangle index {triangles.max()} is outside its {len(positions)} vertices"
+                f"body '{body.name}': a triangle names vertex {triangles.max()}; it has {len(positions)}"
             )
         return BodyEntry(
             name=str(body.name),
@@ -128,23 +133,24 @@ class Recorder:
         )
 
     def record(self, sim: Any, time: float | None = None) -> None:
-        """Adds one frame: the surface positions of all bodies at ``time`` [s], ``sim.time`` when not given."""
+        """Adds one frame: the surfaces of all bodies at ``time`` [s], ``sim.time`` when not given."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; frames can no longer be added")
         bodies = list(sim.bodies)
         if len(bodies) != len(self._entries):
             raise RecordingError(
-                f"recording '{self.folder}' began with {len(self._entries)} bodies, now there are {len(bodies)}"
+                f"recording '{self.folder}' began with {len(self._entries)} bodies, now there are "
+                f"{len(bodies)}; begin a new recording"
             )
         frame = []
-        for body, entry in zip(bodies, self._entries):
-            positions = np.array(body.positions, dtype=np.float32)
+        for body, entry in zip(bodies, self._entries, strict=True):
+            positions = surface(body)[0].astype(np.float32)
             if positions.shape != (entry.vertex_count, 3):
                 raise RecordingError(
                     f"body '{entry.name}': {positions.shape} positions, recorded as {(entry.vertex_count, 3)}"
                 )
             frame.append(positions)
-        for buffer, positions in zip(self._buffers, frame):
+        for buffer, positions in zip(self._buffers, frame, strict=True):
             buffer.append(positions)
         self._times.append(float(sim.time if time is None else time))
         self.frame_count += 1

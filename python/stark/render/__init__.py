@@ -1,8 +1,9 @@
-"""Pictures and films without a graphics stack: our own software rasteriser, PNG by zlib, mp4 through an extra.
+"""Pictures and films without a graphics stack: our own software rasteriser, PNG by zlib, mp4 through an
+extra.
 
-    picture = stark.render.render(sim)                    # (720, 1280, 3) uint8
-    stark.render.write_png("now.png", picture)
-    stark.render.write_video(recording, "run.mp4")        # needs: pip install 'stark-sim[video]'
+picture = stark.render.render(sim)                    # (720, 1280, 3) uint8
+stark.render.write_png("now.png", picture)
+stark.render.write_video(recording, "run.mp4")        # needs: pip install 'stark-sim[video]'
 """
 
 from .camera import Camera, auto_camera, scene_bounds

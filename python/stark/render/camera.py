@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 
 #: Azimuth and elevation [rad] of the named views; the same as in the replay page.
-VIEWS = {"oblique": (-0.9, 0.42), "front": (-math.pi / 2, 0.08), "side": (0.0, 0.08), "top": (-math.pi / 2, 1.5)}
+VIEWS = {
+    "oblique": (-0.9, 0.42),
+    "front": (-math.pi / 2, 0.08),
+    "side": (0.0, 0.08),
+    "top": (-math.pi / 2, 1.5),
+}
 #: A fixed body this many times larger than what moves is scenery: a floor, a wall.
 _SCENERY = 2.5
 #: Share of the picture that the box around the scene may fill.
@@ -77,12 +82,15 @@ def _triple(values: Any) -> tuple[float, float, float]:
 
 
 def scene_bounds(*frames: Any) -> Bounds:
-    """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless much larger."""
+    """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless
+    much larger."""
     first = list(frames[0].bodies)
     fixed = [_word(getattr(b, "motion", "")) == "fixed" for b in first]
     filled = [i for i, b in enumerate(first) if len(b.positions)]
     if not filled:
-        return Bounds((0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first))
+        return Bounds(
+            (0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first)
+        )
     still = {i: _box(first[i].positions) for i in filled if fixed[i]}
     moving = [_box(list(f.bodies)[i].positions) for f in frames for i in filled if not fixed[i]]
     core = _join(moving or list(still.values()))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..palette import body_colors
+from ..recording.format import surface
 from .camera import Bounds, Camera, auto_camera, scene_bounds
 
 #: Samples of the key light, samples of the sky, samples per pixel and axis.
@@ -33,11 +34,11 @@ def render(
 ) -> np.ndarray:
     """Picture of ``source`` as a (height, width, 3) uint8 sRGB array.
 
-    ``source`` is a simulation, a frame of a recording, or anything with ``.bodies`` that have ``positions`` (n, 3) [m],
-    ``triangles`` (m, 3), ``kind``, ``motion`` and ``color``. ``camera`` is a ``Camera``, the name of a view (oblique,
-    front, side, top), or None for the oblique view of the whole scene. ``quality`` is draft, good or best. ``bounds``
-    keeps camera and light still over the frames of a film. ``threads`` = 0 uses all cores; the picture does not
-    depend on it.
+    ``source`` is a simulation, a frame of a recording, or anything with ``.bodies`` that have ``positions``
+    (n, 3) [m], ``triangles`` (m, 3), ``kind``, ``motion`` and ``color``. ``camera`` is a ``Camera``, the
+    name of a view (oblique, front, side, top), or None for the oblique view of the whole scene. ``quality``
+    is draft, good or best. ``bounds`` keeps camera and light still over the frames of a film. ``threads`` =
+    0 uses all cores; the picture does not depend on it.
     """
     from .._core import Canvas
 
@@ -57,11 +58,12 @@ def render(
     canvas.ground, canvas.ground_height = not bounds.has_floor, bounds.ground
     canvas.grid_spacing = grid_spacing(bounds.radius) if grid else 0.0
     canvas.edges = edges
-    for body, color, scenery in zip(bodies, body_colors(bodies), bounds.scenery):
+    for body, color, scenery in zip(bodies, body_colors(bodies), bounds.scenery, strict=True):
         cloth = str(getattr(body.kind, "name", body.kind)).lower() == "cloth"
+        positions, triangles = surface(body)
         canvas.add_mesh(
-            np.ascontiguousarray(body.positions, dtype=np.float64),
-            np.ascontiguousarray(body.triangles, dtype=np.int32),
+            positions.astype(np.float64),
+            triangles.astype(np.int32),
             color=color,
             crease_angle=math.pi if cloth else 0.65,
             pale_back=cloth,

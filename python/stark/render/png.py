@@ -22,7 +22,9 @@ def png_bytes(picture: np.ndarray) -> bytes:
     """A (height, width, 3) uint8 picture as PNG; each row is stored as differences to the row above."""
     picture = np.asarray(picture)
     if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
-        raise ValueError(f"picture has shape {picture.shape} and type {picture.dtype}; must be (h, w, 3) uint8")
+        raise ValueError(
+            f"picture has shape {picture.shape} and type {picture.dtype}; must be (h, w, 3) uint8"
+        )
     height, width = picture.shape[:2]
     rows = picture.reshape(height, -1)
     up = np.diff(rows, axis=0, prepend=np.zeros_like(rows[:1]))  # uint8 differences wrap, as filter 2 asks

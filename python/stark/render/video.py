@@ -32,8 +32,8 @@ def write_video(
 ) -> Path:
     """Writes an mp4 of the whole recording: ``fps`` pictures a second, ``speed`` simulated seconds a second.
 
-    Raises ``ImportError`` naming the extra to install when imageio or its ffmpeg is missing. ``progress(done, total)``
-    is called after each picture. ``options`` go to ``render``.
+    Raises ``ImportError`` naming the extra to install when imageio or its ffmpeg is missing.
+    ``progress(done, total)`` is called after each picture. ``options`` go to ``render``.
     """
     try:
         import imageio.v2 as imageio

@@ -6,10 +6,10 @@ Three kinds of bodies:
 * ``rigid``: vertices of the first frame as float32, then per frame a rotation (quaternion w, x, y, z) and a
   translation as float32, x = R X + t, found by the least-squares fit of [Kabsch 1976] and kept only when it
   reproduces every vertex within ``_RIGID_TOLERANCE`` of the body's size.
-* ``mesh``: positions on a grid of 65535 steps over the longest side of the body's bounding box, taken over a range of
-  ``RANGE_FRAMES`` frames. The first frame of a range holds differences to the previous vertex, the others differences
-  in time (second differences from the third frame on), all modulo 65536. Low and high bytes are stored apart, which
-  the deflate that follows likes better.
+* ``mesh``: positions on a grid of 65535 steps over the longest side of the body's bounding box, taken over
+  a range of ``RANGE_FRAMES`` frames. The first frame of a range holds differences to the previous vertex,
+  the others differences in time (second differences from the third frame on), all modulo 65536. Low and
+  high bytes are stored apart, which the deflate that follows likes better.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ PAGE_FORMAT = 1
 
 @dataclass
 class EncodedReplay:
-    """``header`` is JSON for the page; ``blocks`` are raw-deflate streams that the header refers to by index."""
+    """``header`` is JSON for the page; ``blocks`` are raw-deflate streams that the header refers to by
+    index."""
 
     header: dict[str, Any]
     blocks: list[bytes]
@@ -59,7 +60,8 @@ def choose_stride(recording: Recording, max_megabytes: float) -> int:
 
 
 def _fit_rigid(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Rotations (k, 3, 3) and translations (k, 3) that carry the first of ``positions`` (k, n, 3) to each, or None."""
+    """Rotations (k, 3, 3) and translations (k, 3) that carry the first of ``positions`` (k, n, 3) to each,
+    or None."""
     rest = positions[0]
     center = rest.mean(axis=0)
     arms = rest - center
@@ -77,9 +79,11 @@ def _fit_rigid(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _quaternions(rotations: np.ndarray) -> np.ndarray:
-    """Unit quaternions (k, 4) as w, x, y, z of rotations (k, 3, 3), neighbours in time on the same hemisphere.
+    """Unit quaternions (k, 4) as w, x, y, z of rotations (k, 3, 3), neighbours in time on the same
+    hemisphere.
 
-    Each is the eigenvector of the largest eigenvalue of Bar-Itzhack's symmetric 4x4 matrix, so no case is special.
+    Each is the eigenvector of the largest eigenvalue of Bar-Itzhack's symmetric 4x4 matrix, so no case is
+    special.
     """
     r = rotations
     m = np.zeros((len(r), 4, 4))
@@ -192,7 +196,9 @@ def _encode_body(recording: Recording, which: int, kept: list[int], add: Any) ->
     ranges = []
     for start in range(0, len(kept), RANGE_FRAMES):
         part = kept[start : start + RANGE_FRAMES]
-        low, step, data = _encode_range(np.stack([recording.positions(which, k) for k in part]).astype(np.float64))
+        low, step, data = _encode_range(
+            np.stack([recording.positions(which, k) for k in part]).astype(np.float64)
+        )
         ranges.append({"start": start, "count": len(part), "low": low, "step": step, "block": add(data)})
     return {"mode": "mesh", "ranges": ranges}
 
@@ -205,10 +211,18 @@ def decode(replay: EncodedReplay, body: int, frame: int) -> np.ndarray:
         part = next(r for r in entry["ranges"] if r["start"] <= frame < r["start"] + r["count"])
         q = _decode_range(replay.blocks[part["block"]], part["count"], count)[frame - part["start"]]
         return np.array(part["low"]) + part["step"] * q.astype(np.float64)
-    rest = np.frombuffer(_inflate(replay.blocks[entry["rest"]]), dtype="<f4").reshape(count, 3).astype(np.float64)
+    rest = (
+        np.frombuffer(_inflate(replay.blocks[entry["rest"]]), dtype="<f4")
+        .reshape(count, 3)
+        .astype(np.float64)
+    )
     if entry["mode"] == "fixed":
         return rest
-    pose = np.frombuffer(_inflate(replay.blocks[entry["poses"]]), dtype="<f4").reshape(-1, 7)[frame].astype(np.float64)
+    pose = (
+        np.frombuffer(_inflate(replay.blocks[entry["poses"]]), dtype="<f4")
+        .reshape(-1, 7)[frame]
+        .astype(np.float64)
+    )
     w, v = pose[0], pose[1:4]
     turned = rest + 2.0 * np.cross(v, np.cross(v, rest) + w * rest)
     return turned + pose[4:]

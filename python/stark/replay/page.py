@@ -38,7 +38,9 @@ def plots(telemetry: Telemetry) -> dict[str, Any]:
     if not len(telemetry) or "time" not in telemetry:
         return {"time": [], "plots": []}
     names = telemetry.names
-    energies = [(name, name.split(".", 1)[1].replace("_", " ")) for name in names if name.startswith("energy.")]
+    energies = [
+        (name, name.split(".", 1)[1].replace("_", " ")) for name in names if name.startswith("energy.")
+    ]
     charts = []
     for title, unit, scale, series in _PLOTS:
         wanted = energies if title == "Energy" else [entry for entry in series if entry[0] in names]

@@ -52,9 +52,9 @@ def status_of(report: Any) -> str:
     return str(getattr(report.status, "name", report.status)).lower()
 
 
-def reached(time: float, end: float) -> bool:
-    """Whether a sum of time steps [s] has come to ``end``, up to its rounding."""
-    return time >= end - 1e-9 * max(1.0, end)
+def reached(sim: Any, end: float) -> bool:
+    """Whether the time of a simulation, a sum of steps, has come to ``end`` [s], up to rounding."""
+    return sim.time >= end - 1e-6 * sim.time_step
 
 
 def run(
@@ -63,7 +63,6 @@ def run(
     out: str | PathLike[str] | None = None,
     until: float | None = None,
     settings: Mapping[str, Any] | None = None,
-    overrides: Callable[[Any], None] | None = None,
     fps: float = 60.0,
     replay: bool = True,
     picture: bool = True,
@@ -72,10 +71,10 @@ def run(
 ) -> RunResult:
     """Runs a scene file until its end and leaves recording, replay page and a picture in ``out``.
 
-    ``out`` defaults to ``out/<scene>``. ``settings`` go over those of the file. ``fps`` is the largest number of recorded
-    frames per simulated second; the last state is always recorded. ``on_step(sim, report)`` is called after each step.
-    The run stops cleanly on KeyboardInterrupt: the recording is complete up to the last accepted step. A check is
-    made only when the run went to the file's own end.
+    ``out`` defaults to ``out/<scene>``. ``settings`` go over those of the file. ``fps`` is the largest
+    number of recorded frames per simulated second; the last state is always recorded. ``on_step(sim,
+    report)`` is called after each step. The run stops cleanly on KeyboardInterrupt: the recording is
+    complete up to the last accepted step. A check is made only when the run went to the file's own end.
     """
     import stark
 
@@ -94,7 +93,7 @@ def run(
     last_frame = float(sim.time)
     try:
         recorder.record(sim)
-        while not reached(sim.time, end):
+        while not reached(sim, end):
             scene_file.drive(sim)
             before = clock.perf_counter()
             report = sim.step()
@@ -103,7 +102,7 @@ def run(
             if status_of(report) == "failed":
                 result.status, result.message = "failed", str(report.message)
                 break
-            if reached(sim.time, end) or sim.time - last_frame >= 1.0 / fps - 1e-9:
+            if reached(sim, end) or sim.time - last_frame >= 1.0 / fps - 1e-9:
                 recorder.record(sim)
                 last_frame = float(sim.time)
             if on_step:
@@ -125,7 +124,7 @@ def run(
         "observables": observables,
     }
     recorder.close(result.status, result.message, summary)
-    _finish(result, scene_file, replay, picture, check and reached(result.simulated, scene_file.until or end))
+    _finish(result, scene_file, replay, picture, check and end >= (scene_file.until or end))
     return result
 
 

@@ -27,7 +27,8 @@ class SceneFileError(InvalidArgument):
 
 @dataclass(frozen=True)
 class SceneFile:
-    """What a scene file defines. ``until`` is the simulated time [s], None when the file leaves it to the caller."""
+    """What a scene file defines. ``until`` is the simulated time [s], None when the file leaves it to the
+    caller."""
 
     name: str
     description: str
@@ -41,8 +42,8 @@ class SceneFile:
         if isinstance(built, tuple):
             if len(built) != 2:
                 raise SceneFileError(
-                    f"scene '{self.name}': build() returned {len(built)} values; must return a stark.Scene or "
-                    "(scene, settings)"
+                    f"scene '{self.name}': build() returned {len(built)} values; "
+                    "must return a stark.Scene or (scene, settings)"
                 )
             built, more = built
             settings.update(self._mapping("build()", more))
@@ -74,7 +75,9 @@ class SceneFile:
     def _mapping(self, source: str, value: Any) -> dict[str, Any]:
         if not hasattr(value, "keys"):
             kind = type(value).__name__
-            raise SceneFileError(f"scene '{self.name}': settings of {source} are a {kind}; must be a dictionary")
+            raise SceneFileError(
+                f"scene '{self.name}': settings of {source} are a {kind}; must be a dictionary"
+            )
         return dict(value)
 
 

@@ -1,7 +1,8 @@
 """Per-step telemetry: the numbers of every time step as JSON lines, with the unit of each series.
 
-One line of ``telemetry.jsonl`` is one call of ``sim.step()``. Numbers that are not finite (the minimum distance of a
-step without contacts, the residual of a failed solve) are written as ``null``, because JSON knows no NaN.
+One line of ``telemetry.jsonl`` is one call of ``sim.step()``. Numbers that are not finite (the minimum
+distance of a step without contacts, the residual of a failed solve) are written as ``null``, because JSON
+knows no NaN.
 """
 
 from __future__ import annotations
@@ -45,7 +46,8 @@ class TelemetryError(InvalidArgument):
 
 
 def unit_of(name: str) -> str:
-    """Unit of a series; ``energy.kinetic`` has the unit of its group ``energy``. Unknown names are dimensionless."""
+    """Unit of a series; ``energy.kinetic`` has the unit of its group ``energy``. Unknown names are
+    dimensionless."""
     return SERIES.get(name) or SERIES.get(name.split(".", 1)[0], "1")
 
 
@@ -92,11 +94,12 @@ def report_to_dict(report: Any) -> dict[str, Any]:
 
 
 class TelemetryWriter:
-    """Appends one line a step. Each line is handed to the system at once, so a killed run loses at most one line."""
+    """Appends one line a step. Each line is handed to the system at once, so a killed run loses at most one
+    line."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self._file = open(self.path, "w", encoding="utf-8", buffering=1)
+        self._file = self.path.open("w", encoding="utf-8", buffering=1)
         self._step = 0
 
     def write(self, report: Any, **extra: float) -> None:
@@ -118,7 +121,8 @@ class TelemetryWriter:
 
 
 class Telemetry:
-    """The steps of a run as columns: ``telemetry["newton_iterations"]`` is a float64 array with one value a step."""
+    """The steps of a run as columns: ``telemetry["newton_iterations"]`` is a float64 array with one value a
+    step."""
 
     def __init__(self, rows: list[dict[str, Any]]) -> None:
         self.rows = rows
@@ -126,7 +130,7 @@ class Telemetry:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], *, tolerate_cut_line: bool = False) -> Telemetry:
-        """Reads a JSONL file. With ``tolerate_cut_line`` an unfinished last line (a killed run) is left out."""
+        """Reads a JSONL file; with ``tolerate_cut_line`` an unfinished last line (a killed run) is left out."""
         path = Path(path)
         try:
             text = path.read_text(encoding="utf-8")
@@ -137,8 +141,7 @@ class Telemetry:
         complete, rest = lines[:-1], lines[-1]
         if rest and not tolerate_cut_line:
             raise TelemetryError(
-                f"telemetry '{path}' line {len(lines)} is cut off; the run was killed or the copy is incomplete: copy "
-                "the run folder again"
+                f"telemetry '{path}' line {len(lines)} is cut off; copy the run folder again"
             )
         for number, line in enumerate(complete, start=1):
             try:
@@ -155,7 +158,7 @@ class Telemetry:
 
     @property
     def names(self) -> list[str]:
-        """Names of all numeric series, in order of first appearance; groups are flattened to ``group.name``."""
+        """Names of all numeric series, in order of appearance; groups are flattened to ``group.name``."""
         names: dict[str, None] = {}
         for row in self.rows:
             for key, value in row.items():
@@ -194,4 +197,7 @@ class Telemetry:
             writer = csv.writer(file)
             writer.writerow([f"{name} [{self.unit(name)}]" for name in names])
             columns = [self[name] for name in names]
-            writer.writerows(["" if math.isnan(value) else repr(value) for value in row] for row in zip(*columns))
+            writer.writerows(
+                ["" if math.isnan(value) else repr(value) for value in row]
+                for row in zip(*columns, strict=True)
+            )

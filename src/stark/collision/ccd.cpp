@@ -36,15 +36,9 @@ Vec3 line_to_point(const Vec3& p, const Vec3& e0, const Vec3& e1) {
   return r - e * (dot(r, e) / length2);
 }
 
-// Normal of two directions, towards the side of w. The cross product of nearly parallel directions has a large relative
-// error, also along them where the primitives extend far; projecting it out leaves a harmless tilt.
-Vec3 common_normal(const Vec3& u, const Vec3& v, const Vec3& w) {
-  Vec3 normal = cross(u, v);
-  const double uu = squared_norm(u), vv = squared_norm(v);
-  if (squared_norm(normal) < 1e-4 * uu * vv) {
-    normal -= u * (dot(normal, u) / uu);
-    normal -= v * (dot(normal, v) / vv);
-  }
+// Normal of two directions, towards the side of w.
+Vec3 normal_towards(const Vec3& u, const Vec3& v, const Vec3& w) {
+  const Vec3 normal = common_normal(u, v);
   return dot(normal, w) < 0.0 ? -normal : normal;
 }
 
@@ -92,12 +86,12 @@ struct PointTriangle {
       case P_E2: return line_to_point(p, t2, t0);
       case P_T: break;
     }
-    return common_normal(t1 - t0, t2 - t0, p - t0);
+    return normal_towards(t1 - t0, t2 - t0, p - t0);
   }
   template <typename Body>
   static void for_each_direction(const std::array<Vec3, 4>& x, Body&& body) {
     const auto& [p, t0, t1, t2] = x;
-    const Vec3 normal = common_normal(t1 - t0, t2 - t0, p - t0);
+    const Vec3 normal = normal_towards(t1 - t0, t2 - t0, p - t0);
     body(normal);
     body(-normal);
     body(line_to_point(p, t0, t1));
@@ -125,12 +119,12 @@ struct EdgeEdge {
       case EA1_EB: return line_to_point(a1, b0, b1);
       case EA_EB: break;
     }
-    return common_normal(a1 - a0, b1 - b0, a0 - b0);
+    return normal_towards(a1 - a0, b1 - b0, a0 - b0);
   }
   template <typename Body>
   static void for_each_direction(const std::array<Vec3, 4>& x, Body&& body) {
     const auto& [a0, a1, b0, b1] = x;
-    const Vec3 normal = common_normal(a1 - a0, b1 - b0, a0 - b0);
+    const Vec3 normal = normal_towards(a1 - a0, b1 - b0, a0 - b0);
     body(normal);
     body(-normal);
     body(-edge_to_point(b0, a0, a1));

@@ -108,6 +108,18 @@ EdgeEdgeType edge_edge_type(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, c
   return s_side == 0 ? EA0_EB : (s_side == 1 ? EA1_EB : EA_EB);
 }
 
+Vec3 common_normal(const Vec3& u, const Vec3& v) {
+  Vec3 normal = cross(u, v);
+  const double uu = squared_norm(u), vv = squared_norm(v);
+  // The rounding error of the product is relative to |u| |v|; its part along u or v is the harmful one, because the
+  // primitives extend far in these directions. Projecting it out leaves a tilt that matters only in second order.
+  if (squared_norm(normal) < 1e-4 * uu * vv) {
+    normal -= u * (dot(normal, u) / uu);
+    normal -= v * (dot(normal, v) / vv);
+  }
+  return normal;
+}
+
 double point_point_squared_distance(const Vec3& p, const Vec3& q) { return squared_norm(p - q); }
 
 double point_line_squared_distance(const Vec3& p, const Vec3& e0, const Vec3& e1) {
@@ -118,13 +130,13 @@ double point_line_squared_distance(const Vec3& p, const Vec3& e0, const Vec3& e1
 }
 
 double point_plane_squared_distance(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2) {
-  const Vec3 normal = cross(t1 - t0, t2 - t0);
+  const Vec3 normal = common_normal(t1 - t0, t2 - t0);
   const double height = dot(p - t0, normal);
   return height * height / squared_norm(normal);
 }
 
 double line_line_squared_distance(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, const Vec3& eb1) {
-  const Vec3 normal = cross(ea1 - ea0, eb1 - eb0);
+  const Vec3 normal = common_normal(ea1 - ea0, eb1 - eb0);
   const double height = dot(ea0 - eb0, normal);
   return height * height / squared_norm(normal);
 }

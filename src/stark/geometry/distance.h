@@ -26,6 +26,10 @@ PointEdgeType point_edge_type(const Vec3& p, const Vec3& e0, const Vec3& e1);
 PointTriangleType point_triangle_type(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2);
 EdgeEdgeType edge_edge_type(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, const Vec3& eb1);
 
+/// Normal of the plane of two directions: their cross product, for nearly parallel ones corrected so that it stays
+/// perpendicular to both within rounding; zero if one of them is zero.
+Vec3 common_normal(const Vec3& u, const Vec3& v);
+
 // Squared distances between the features that the type names, points, infinite lines and planes [m^2].
 double point_point_squared_distance(const Vec3& p, const Vec3& q);
 double point_line_squared_distance(const Vec3& p, const Vec3& e0, const Vec3& e1);

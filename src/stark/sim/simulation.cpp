@@ -211,6 +211,14 @@ void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
   state_.pin_remaining = settings_.time.step;
 }
 
+std::vector<Vec3> Simulation::pin_targets(BodyId body) const {
+  scene_.name(body);
+  const ModelBody& b = model_->bodies()[body.index];
+  std::vector<Vec3> targets;
+  for (const int32_t pin : b.pins) targets.push_back(state_.pin_target[b.first_site + pin]);
+  return targets;
+}
+
 void Simulation::set_interrupt(std::function<bool()> interrupted) { newton_->set_interrupt(std::move(interrupted)); }
 
 const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }

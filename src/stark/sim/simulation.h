@@ -50,6 +50,8 @@ class Simulation {
   void set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
   /// Positions [m] of the pinned vertices, in the order of pinning, at the end of the next full time step.
   void set_pin_targets(BodyId body, std::span<const Vec3> targets);
+  /// Where the pinned vertices are or are going to [m], in the order of pinning.
+  std::vector<Vec3> pin_targets(BodyId body) const;
 
   /// Asked between Newton iterations; returning true ends the step with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);

@@ -1,0 +1,178 @@
+"""``stark bench``: measures a scene the way benchmarks/README.md defines, for comparison with other systems.
+
+Nothing is recorded and nothing is warmed up. The clock runs from the finished scene description to the last
+step, so the making of the model and of its kernels counts. A calibration job right before and right after
+tells how fast the machine was: compare ``cpu_s / calib_s`` rather than seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from typing import Any
+
+from .settings_arguments import add_setting_arguments, parse_settings
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scene", metavar="SCENE.py|NAME", help="a scene file, or the name of a packaged scene"
+    )
+    parser.add_argument(
+        "--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own"
+    )
+    parser.add_argument("--json", action="store_true", help="print one line of JSON and nothing else")
+    parser.add_argument("--no-check", action="store_true", help="do not check all states for intersections")
+    add_setting_arguments(parser)
+
+
+def calibrate() -> float:
+    """CPU seconds of the calibration job, best of three: 30 evaluations of sin(sqrt(a^2 + 1)) + a on 200,000
+    numbers."""
+    import numpy as np
+
+    a = np.linspace(0.1, 1.0, 200_000)
+    best = math.inf
+    for _ in range(3):
+        begin = time.process_time()
+        for _ in range(30):
+            np.sin(np.sqrt(a * a + 1.0)) + a
+        best = min(best, time.process_time() - begin)
+    return best
+
+
+def measure(
+    name: str, settings: dict[str, Any], until: float | None = None, check: bool = True
+) -> dict[str, Any]:
+    """Runs the scene once and returns the numbers of the JSON line."""
+    import numpy as np
+
+    import stark
+
+    from ..recording.format import surface
+    from ..scenes import load
+    from ..scenes.runner import end_time, reached, status_of
+    from ..telemetry import report_to_dict
+
+    scene_file = load(name)
+    end = end_time(scene_file, until)
+    scene, file_settings = scene_file.build()
+    settings = {**file_settings, **settings}
+    checker = _IntersectionCheck.make() if check else None
+    states: list[list[np.ndarray]] = []
+    totals = dict.fromkeys(("newton_iterations", "linear_iterations", "factorizations", "rejected_steps"), 0)
+    phases: dict[str, float] = {}
+    steps, largest_residual, smallest_distance, failure = 0, 0.0, math.inf, ""
+
+    calib_before = calibrate()
+    wall, cpu = time.perf_counter(), time.process_time()
+    sim = stark.Simulation(scene, **settings)
+    while not reached(sim, end):
+        scene_file.drive(sim)
+        report = sim.step()
+        steps += 1
+        values = report_to_dict(report)
+        for key in totals:
+            totals[key] += int(values.get(key) or 0)
+        for key, seconds in (values.get("phases") or {}).items():
+            phases[key] = phases.get(key, 0.0) + float(seconds or 0.0)
+        largest_residual = max(largest_residual, float(values.get("residual") or 0.0))
+        distance = values.get("min_distance")
+        smallest_distance = min(smallest_distance, math.inf if distance is None else float(distance))
+        if checker:
+            states.append([np.array(surface(body)[0], dtype=np.float64) for body in sim.bodies])
+        if status_of(report) == "failed":
+            failure = str(report.message)
+            break
+    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+    calib = 0.5 * (calib_before + calibrate())
+
+    return {
+        "scene": scene_file.name,
+        "threads": int(settings.get("threads", 1)),
+        "sim_s": round(float(sim.time), 9),
+        "wall_s": round(wall, 4),
+        "cpu_s": round(cpu, 4),
+        "calib_s": round(calib, 5),
+        "ratio": round(cpu / calib, 2),
+        "steps": steps,
+        **totals,
+        "dofs": _number_of(sim, "dof_count"),
+        "max_residual_n": largest_residual,
+        "min_distance_m": smallest_distance if math.isfinite(smallest_distance) else None,
+        "intersections": checker.count(sim, states) if checker else None,
+        "state_hash": _state_hash(sim),
+        "phases": {key: round(seconds, 4) for key, seconds in phases.items()},
+        "observables": scene_file.observables(sim),
+        "failure": failure or None,
+    }
+
+
+def _number_of(sim: Any, name: str) -> int | None:
+    value = getattr(sim, name, None)
+    return None if value is None else int(value() if callable(value) else value)
+
+
+def _state_hash(sim: Any) -> str:
+    """The simulator's own hash of its state; of the surface positions when it offers none."""
+    value = getattr(sim, "state_hash", None)
+    if value is not None:
+        value = value() if callable(value) else value
+        return f"{value:016x}" if isinstance(value, int) else str(value)
+    import hashlib
+
+    import numpy as np
+
+    digest = hashlib.sha256()
+    for body in sim.bodies:
+        digest.update(np.ascontiguousarray(body.positions, dtype=np.float64).tobytes())
+    return digest.hexdigest()[:16]
+
+
+class _IntersectionCheck:
+    """Counts the states in which surfaces intersect, with the independent package ipctk."""
+
+    def __init__(self, ipctk: Any) -> None:
+        self._ipctk = ipctk
+
+    @classmethod
+    def make(cls) -> _IntersectionCheck | None:
+        try:
+            import ipctk
+        except ImportError:
+            return None
+        return cls(ipctk)
+
+    def count(self, sim: Any, states: list[list[Any]]) -> int:
+        import numpy as np
+
+        from ..recording.format import surface
+
+        triangles, start = [], 0
+        for body in sim.bodies:
+            positions, faces = surface(body)
+            triangles.append(np.asarray(faces, dtype=np.int64) + start)
+            start += len(positions)
+        faces = np.concatenate(triangles).astype(np.int32)
+        edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+        if not states:
+            return 0
+        mesh = self._ipctk.CollisionMesh(np.concatenate(states[0]), edges, faces)
+        return sum(bool(self._ipctk.has_intersections(mesh, np.concatenate(state))) for state in states)
+
+
+def run(args: argparse.Namespace) -> int:
+    result = measure(args.scene, parse_settings(args), args.until, check=not args.no_check)
+    if args.json:
+        print(json.dumps(result, allow_nan=False))
+    else:
+        for key, value in result.items():
+            if isinstance(value, dict):
+                print(f"{key}:")
+                for inner, number in value.items():
+                    print(f"  {inner:24}{number:.6g}")
+            elif value is not None:
+                print(f"{key:20}{value:.6g}" if isinstance(value, float) else f"{key:20}{value}")
+    return 1 if result["failure"] else 0

@@ -1,0 +1,17 @@
+"""Comparison: a turning box under a cotton cloth of 128 x 128 cells."""
+
+import stark
+
+from ._common import bench_settings, spinning_box, spinning_box_observables, turn_box
+
+until = 0.25  # [s]
+drive = turn_box
+observables = spinning_box_observables
+
+
+def settings() -> dict[str, object]:
+    return bench_settings(contact_distance=0.000625)
+
+
+def build() -> stark.Scene:
+    return spinning_box(cells=128)
