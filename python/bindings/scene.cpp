@@ -5,6 +5,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <stark/geometry/shapes.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
@@ -287,10 +288,38 @@ void bind_scene_class(nb::module_& m) {
       }, "settings"_a);
 }
 
+nb::tuple to_tuple(TriangleMesh&& mesh) {
+  return nb::make_tuple(to_numpy<double>(std::move(mesh.vertices)), to_numpy<int32_t>(std::move(mesh.triangles)));
+}
+
+/// Generators as (vertices, elements); stark.mesh checks the arguments and makes meshes of them.
+void bind_shapes(nb::module_& m) {
+  m.def("make_grid", [](double width, double depth, int nx, int ny) { return to_tuple(make_grid(width, depth, nx, ny)); },
+        "width"_a, "depth"_a, "cells_x"_a, "cells_y"_a);
+  m.def("make_box", [](nb::handle size, int subdivisions) { return to_tuple(make_box(vector_of(size, "size"), subdivisions)); },
+        "size"_a, "subdivisions"_a);
+  m.def("make_icosphere", [](double radius, int subdivisions) { return to_tuple(make_icosphere(radius, subdivisions)); },
+        "radius"_a, "subdivisions"_a);
+  m.def("make_cylinder", [](double radius, double height, int segments, int stacks) {
+    return to_tuple(make_cylinder(radius, height, segments, stacks));
+  }, "radius"_a, "height"_a, "segments"_a, "stacks"_a);
+  m.def("make_capsule", [](double radius, double height, int segments, int rings) {
+    return to_tuple(make_capsule(radius, height, segments, rings));
+  }, "radius"_a, "height"_a, "segments"_a, "rings"_a);
+  m.def("make_torus", [](double major_radius, double minor_radius, int major_segments, int minor_segments) {
+    return to_tuple(make_torus(major_radius, minor_radius, major_segments, minor_segments));
+  }, "major_radius"_a, "minor_radius"_a, "major_segments"_a, "minor_segments"_a);
+  m.def("make_tet_box", [](nb::handle size, const std::vector<int32_t>& cells) {
+    TetMesh mesh = make_tet_box(vector_of(size, "size"), {cells.at(0), cells.at(1), cells.at(2)});
+    return nb::make_tuple(to_numpy<double>(std::move(mesh.vertices)), to_numpy<int32_t>(std::move(mesh.tets)));
+  }, "size"_a, "cells"_a);
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
   bind_settings(m);
+  bind_shapes(m);
   bind_described<ShellMaterial>(m, "ShellMaterial", "Parameters of cloth and thin shells.");
   bind_described<SolidMaterial>(m, "SolidMaterial", "Parameters of soft solids.");
   m.def("shell_presets", [] { return bind_presets(materials::shell_presets()); }, "(name, source, material) of each.");

@@ -125,7 +125,7 @@ class _Deformable(Body):
         return self._scene._core.pins(self._index)
 
     def pin(self, vertices: ArrayLike) -> None:
-        """Prescribes vertices, by index or by a mask: they stay, or follow ``pinned_positions``. Before the simulation is made."""
+        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the simulation is made."""
         indices = np.asarray(vertices)
         if indices.dtype == bool:
             if indices.shape != (len(self._mesh.vertices),):
@@ -136,25 +136,25 @@ class _Deformable(Body):
         self._scene._core.pin(self._index, np.atleast_1d(indices))
 
     @property
-    def pinned_positions(self) -> Points:
-        """Positions of the pinned vertices (k, 3) [m], in the order of ``pins``; what is assigned holds at the end of the
-        next step."""
-        return self.positions[self.pins]
+    def pin_targets(self) -> Points:
+        """Positions that the pinned vertices reach at the end of the next step (k, 3) [m], in the order of ``pins``;
+        assign to move them."""
+        return self._require_simulation("pin_targets")._core.pin_targets(self._index)
 
-    @pinned_positions.setter
-    def pinned_positions(self, targets: ArrayLike) -> None:
+    @pin_targets.setter
+    def pin_targets(self, targets: ArrayLike) -> None:
         array = np.asarray(targets, dtype=np.float64)
         count = len(self.pins)
         if array.shape != (count, 3):
             raise InvalidArgument(
-                f"'{self.name}': pinned_positions has the shape {array.shape}: must be ({count}, 3), a row for each pinned vertex"
+                f"'{self.name}': pin_targets has the shape {array.shape}: must be ({count}, 3), a row for each pinned vertex"
             )
         if not np.isfinite(array).all():
             row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
             raise InvalidArgument(
-                f"'{self.name}': pinned_positions[{row}] = {array[row].tolist()} m: must be finite; check where it is computed"
+                f"'{self.name}': pin_targets[{row}] = {array[row].tolist()} m: must be finite; check where it is computed"
             )
-        self._require_simulation("pinned_positions")._core.set_pin_targets(self._index, np.ascontiguousarray(array))
+        self._require_simulation("pin_targets")._core.set_pin_targets(self._index, np.ascontiguousarray(array))
 
 
 class Cloth(_Deformable):
@@ -276,7 +276,7 @@ class RigidBody(Body):
     def _set_velocity(self, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]) -> None:
         simulation = self._require_simulation("setting a velocity")
         self._require_scripted("velocity")
-        simulation._core.set_velocity(self._index, velocity, angular_velocity)
+        simulation._core.set_twist(self._index, velocity, angular_velocity)
         simulation._targets.pop(self._index, None)
 
     def _require_scripted(self, what: str) -> None:

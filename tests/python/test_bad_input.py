@@ -6,17 +6,19 @@ process of its own and looks at the exit code and at the files.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import stark
-from stark import InvalidArgument, InvalidMesh, InvalidSetting, mesh
+from stark import InitialIntersection, InvalidArgument, InvalidMesh, InvalidSetting, mesh
 
 NAN, INF = float("nan"), float("inf")
 
@@ -80,6 +82,31 @@ def friction(a: Any, b: Any, value: Any) -> None:
 
 def foreign_body() -> None:
     two_bodies().disable_contact(cloth(), "floor")
+
+
+def crossing() -> stark.Scene:
+    scene = lone_box()
+    scene.add_cloth(mesh.grid(2.0, 2.0, 4), name="sheet", position=(0, 0, 0.1))
+    return scene
+
+
+def pea_in_a_box() -> stark.Scene:
+    scene = stark.Scene()
+    scene.add_box(1.0, mass=1.0)
+    scene.add_sphere(0.1, mass=1.0, name="pea")
+    return scene
+
+
+def lone_box() -> stark.Scene:
+    scene = stark.Scene()
+    scene.add_box(1.0, mass=1.0)
+    return scene
+
+
+def pea_apart() -> stark.Scene:
+    scene = lone_box()
+    scene.add_sphere(0.1, mass=1.0, position=(2, 0, 0))
+    return scene
 
 
 def simulate(scene: Any = None, *args: Any, **settings: Any) -> Any:
@@ -273,6 +300,18 @@ CASES = [
          ("time.step = 'fast'", "must be > 0")),
     # Simulations.
     Case("empty scene", lambda: simulate(stark.Scene("nothing")), InvalidArgument, ("'nothing'", "0 bodies", "add_cloth")),
+    Case("crossing surfaces", lambda: simulate(crossing()), InitialIntersection,
+         ("'box' and 'sheet'", "intersect", "near (", "move them apart")),
+    Case("contained body", lambda: simulate(pea_in_a_box()), InitialIntersection,
+         ("'pea' is inside 'box'", "near (", "move it out")),
+    Case("body that is no part of the simulation", lambda: simulate(lone_box())["wall"], InvalidArgument, ("unknown body 'wall'",)),
+    Case("run to nan", lambda: simulate(lone_box()).run(NAN), InvalidArgument, ("until = nan s", ">= 0")),
+    Case("negative step", lambda: simulate(lone_box()).step(max_time_step=-1), InvalidArgument,
+         ("max_time_step = -1 s", "> 0")),
+    Case("pose of a dynamic body", lambda: assign(simulate(lone_box())["box"], "position", (0, 0, 1)), InvalidArgument,
+         ("'box' is dynamic", "motion='scripted'")),
+    Case("state of another simulation", lambda: assign(simulate(lone_box()), "state", simulate(pea_apart()).state),
+         InvalidArgument, ("state", "rigid bodies", "same scene")),
     Case("mesh as scene", lambda: simulate(BOX), InvalidArgument, ("TriangleMesh", "stark.Scene")),
     Case("number as settings", lambda: simulate(None, 0.1), InvalidArgument, ("settings = 0.1", "stark.Settings")),
     Case("pose without a simulation", lambda: assign(rigid(motion="scripted"), "position", (0, 0, 1)), InvalidArgument,
@@ -348,7 +387,10 @@ for action in (
         failures += 1
 print(failures, "refused")
 """
-    run = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    environment = {**os.environ, "PYTHONPATH": str(Path(stark.__file__).parents[1])}
+    run = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
     assert run.returncode == 0, run.stderr
     assert run.stdout.strip() == "7 refused"
     assert run.stderr == ""

@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from .._core import InvalidArgument
+from ..recording.format import surface
+
 #: Azimuth and elevation [rad] of the named views; the same as in the replay page.
 VIEWS = {
     "oblique": (-0.9, 0.42),
@@ -86,13 +89,13 @@ def scene_bounds(*frames: Any) -> Bounds:
     much larger."""
     first = list(frames[0].bodies)
     fixed = [_word(getattr(b, "motion", "")) == "fixed" for b in first]
-    filled = [i for i, b in enumerate(first) if len(b.positions)]
+    filled = [i for i, b in enumerate(first) if len(surface(b)[0])]
     if not filled:
         return Bounds(
             (0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first)
         )
-    still = {i: _box(first[i].positions) for i in filled if fixed[i]}
-    moving = [_box(list(f.bodies)[i].positions) for f in frames for i in filled if not fixed[i]]
+    still = {i: _box(surface(first[i])[0]) for i in filled if fixed[i]}
+    moving = [_box(surface(list(f.bodies)[i])[0]) for f in frames for i in filled if not fixed[i]]
     core = _join(moving or list(still.values()))
     scenery = {i for i, box in still.items() if moving and _size(box) >= _SCENERY * _size(core)}
     core = _join([core, *(box for i, box in still.items() if i not in scenery)])
@@ -113,7 +116,7 @@ def scene_bounds(*frames: Any) -> Bounds:
 def auto_camera(bounds: Bounds, view: str = "oblique", aspect: float = 16.0 / 9.0) -> Camera:
     """A camera that shows the whole box of ``bounds`` from a named view: oblique, front, side, top."""
     if view not in VIEWS:
-        raise ValueError(f"view '{view}' is unknown; choose one of {', '.join(VIEWS)}")
+        raise InvalidArgument(f"view '{view}' is unknown; choose one of {', '.join(VIEWS)}")
     azimuth, elevation = VIEWS[view]
     fov = Camera.vertical_fov
     back = np.array(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core import Canvas, InvalidArgument
 from ..palette import body_colors
 from ..recording.format import surface
 from .camera import Bounds, Camera, auto_camera, scene_bounds
@@ -40,15 +41,21 @@ def render(
     is draft, good or best. ``bounds`` keeps camera and light still over the frames of a film. ``threads`` =
     0 uses all cores; the picture does not depend on it.
     """
-    from .._core import Canvas
-
     if quality not in QUALITIES:
-        raise ValueError(f"quality '{quality}' is unknown; choose one of {', '.join(QUALITIES)}")
+        raise InvalidArgument(f"quality '{quality}' is unknown; choose one of {', '.join(QUALITIES)}")
+    if not (1 <= width <= 16384 and 1 <= height <= 16384):
+        raise InvalidArgument(f"size {width} x {height} px: each must be in [1, 16384]")
     bodies = list(source.bodies)
+    for body in bodies:
+        bad = np.flatnonzero(~np.isfinite(surface(body)[0]).all(axis=1))
+        if len(bad):
+            raise InvalidArgument(
+                f"body '{body.name}': vertex {bad[0]} is not finite; only finite positions can be drawn"
+            )
     if bounds is None:
         bounds = scene_bounds(source)
     if not isinstance(camera, Camera):
-        camera = auto_camera(bounds, camera or "oblique", width / max(1, height))
+        camera = auto_camera(bounds, camera or "oblique", width / height)
     canvas = Canvas()
     canvas.width, canvas.height, canvas.threads = int(width), int(height), int(threads)
     canvas.key_lights, canvas.sky_lights, canvas.samples = QUALITIES[quality]

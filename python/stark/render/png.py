@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .._core import InvalidArgument
 from ..recording.format import write_atomically
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -22,7 +23,7 @@ def png_bytes(picture: np.ndarray) -> bytes:
     """A (height, width, 3) uint8 picture as PNG; each row is stored as differences to the row above."""
     picture = np.asarray(picture)
     if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
-        raise ValueError(
+        raise InvalidArgument(
             f"picture has shape {picture.shape} and type {picture.dtype}; must be (h, w, 3) uint8"
         )
     height, width = picture.shape[:2]
@@ -48,21 +49,21 @@ def read_png(path: str | PathLike[str]) -> np.ndarray:
     """Reads a picture that ``write_png`` wrote; (height, width, 3) uint8."""
     data = Path(path).read_bytes()
     if data[:8] != _SIGNATURE:
-        raise ValueError(f"'{path}' is not a PNG file")
+        raise InvalidArgument(f"'{path}' is not a PNG file")
     at, body, width, height = 8, b"", 0, 0
     while at < len(data):
         (length,), kind = struct.unpack_from(">I", data, at), data[at + 4 : at + 8]
         content = data[at + 8 : at + 8 + length]
         if struct.unpack_from(">I", data, at + 8 + length)[0] != zlib.crc32(kind + content):
-            raise ValueError(f"'{path}': block {kind.decode('ascii', 'replace')} is damaged")
+            raise InvalidArgument(f"'{path}': block {kind.decode('ascii', 'replace')} is damaged")
         if kind == b"IHDR":
             width, height, depth, color = struct.unpack_from(">IIBB", content)
             if (depth, color) != (8, 2):
-                raise ValueError(f"'{path}': only 8-bit RGB pictures are read")
+                raise InvalidArgument(f"'{path}': only 8-bit RGB pictures are read")
         elif kind == b"IDAT":
             body += content
         at += 12 + length
     rows = np.frombuffer(zlib.decompress(body), dtype=np.uint8).reshape(height, 1 + 3 * width)
     if np.any(rows[:, 0] != 2):
-        raise ValueError(f"'{path}' was not written by Stark: it uses other row filters")
+        raise InvalidArgument(f"'{path}' was not written by Stark: it uses other row filters")
     return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)

@@ -130,7 +130,7 @@ class Telemetry:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], *, tolerate_cut_line: bool = False) -> Telemetry:
-        """Reads a JSONL file; with ``tolerate_cut_line`` an unfinished last line (a killed run) is left out."""
+        """Reads a JSONL file; ``tolerate_cut_line`` leaves out an unfinished last line (a killed run)."""
         path = Path(path)
         try:
             text = path.read_text(encoding="utf-8")

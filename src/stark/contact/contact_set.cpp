@@ -16,6 +16,21 @@ namespace {
 constexpr double kParallelFactor = 1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
 constexpr int64_t kCandidatesPerTask = 2048;
 
+struct Box {
+  Vec3 low, high;
+};
+
+Box box_of(const Vec3& a, const Vec3& b) {
+  return {{std::fmin(a.x, b.x), std::fmin(a.y, b.y), std::fmin(a.z, b.z)},
+          {std::fmax(a.x, b.x), std::fmax(a.y, b.y), std::fmax(a.z, b.z)}};
+}
+
+/// Whether two boxes are farther apart than d along an axis: most candidates are, and the test is cheap.
+bool boxes_apart(const Box& a, const Box& b, double d) {
+  return a.low.x - b.high.x > d || b.low.x - a.high.x > d || a.low.y - b.high.y > d || b.low.y - a.high.y > d ||
+         a.low.z - b.high.z > d || b.low.z - a.high.z > d;
+}
+
 /// Fills a contact from vertex ids; unused points are left out.
 void set_points(Contact& contact, StencilKind kind, int side_a_count, std::initializer_list<int32_t> sites,
                 std::initializer_list<double> weights) {
@@ -37,7 +52,10 @@ class Classifier {
   bool classify(const PointTriangleCandidate& c, Contact& contact) const {
     const int32_t p = c.point;
     const auto& t = mesh_.triangles[c.triangle];
-    if (!begin(contact, {0, c.point, c.triangle}, mesh_.vertex_group[p], mesh_.triangle_group[c.triangle])) return false;
+    begin(contact, {0, c.point, c.triangle}, mesh_.vertex_group[p], mesh_.triangle_group[c.triangle]);
+    const Box edge = box_of(x_[t[0]], x_[t[1]]);
+    const Box triangle{box_of(edge.low, x_[t[2]]).low, box_of(edge.high, x_[t[2]]).high};
+    if (boxes_apart({x_[p], x_[p]}, triangle, contact.contact_distance)) return false;
     const auto type = point_triangle_type(x_[p], x_[t[0]], x_[t[1]], x_[t[2]]);
     if (!within(contact, point_triangle_squared_distance(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type))) return false;
     const auto w = point_triangle_weights(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type);
@@ -55,7 +73,8 @@ class Classifier {
 
   bool classify(const EdgeEdgeCandidate& c, Contact& contact) const {
     Index2 a = mesh_.edges[c.edge_a], b = mesh_.edges[c.edge_b];
-    if (!begin(contact, {1, c.edge_a, c.edge_b}, mesh_.edge_group[c.edge_a], mesh_.edge_group[c.edge_b])) return false;
+    begin(contact, {1, c.edge_a, c.edge_b}, mesh_.edge_group[c.edge_a], mesh_.edge_group[c.edge_b]);
+    if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance)) return false;
     auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);
     if (!within(contact, edge_edge_squared_distance(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type))) return false;
     const auto w = edge_edge_weights(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type);
@@ -93,7 +112,7 @@ class Classifier {
 
   bool classify(const PointEdgeCandidate& c, Contact& contact) const {
     const auto& e = mesh_.edges[c.edge];
-    if (!begin(contact, {2, c.point, c.edge}, mesh_.vertex_group[c.point], mesh_.edge_group[c.edge])) return false;
+    begin(contact, {2, c.point, c.edge}, mesh_.vertex_group[c.point], mesh_.edge_group[c.edge]);
     const auto type = point_edge_type(x_[c.point], x_[e[0]], x_[e[1]]);
     if (!within(contact, point_edge_squared_distance(x_[c.point], x_[e[0]], x_[e[1]], type))) return false;
     if (type == PointEdgeType::P_E)
@@ -104,19 +123,18 @@ class Classifier {
   }
 
   bool classify(const PointPointCandidate& c, Contact& contact) const {
-    if (!begin(contact, {3, c.point_a, c.point_b}, mesh_.vertex_group[c.point_a], mesh_.vertex_group[c.point_b])) return false;
+    begin(contact, {3, c.point_a, c.point_b}, mesh_.vertex_group[c.point_a], mesh_.vertex_group[c.point_b]);
     if (!within(contact, squared_norm(x_[c.point_a] - x_[c.point_b]))) return false;
     set_points(contact, StencilKind::PointPoint, 1, {c.point_a, c.point_b}, {1.0, -1.0});
     return true;
   }
 
  private:
-  bool begin(Contact& contact, const PairKey& key, int32_t group_a, int32_t group_b) const {
+  void begin(Contact& contact, const PairKey& key, int32_t group_a, int32_t group_b) const {
     contact.key = key;
     contact.group_a = group_a;
     contact.group_b = group_b;
     contact.contact_distance = geometry_.group_distance[group_a] + geometry_.group_distance[group_b];
-    return true;
   }
 
   static bool within(Contact& contact, double squared_distance) {
@@ -153,6 +171,41 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
   classify_all(classifier, candidates.edge_edge, pool, out);
   classify_all(classifier, candidates.point_edge, pool, out);
   classify_all(classifier, candidates.point_point, pool, out);
+}
+
+namespace {
+
+/// Keeps the candidates for which is_near holds, in their order.
+template <typename Candidate, typename Predicate>
+void keep_near(std::vector<Candidate>& candidates, ThreadPool& pool, const Predicate& is_near) {
+  std::vector<uint8_t> keep(candidates.size());
+  pool.for_each_range(static_cast<int64_t>(candidates.size()), kCandidatesPerTask, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) keep[i] = is_near(candidates[i]);
+  });
+  size_t count = 0;
+  for (size_t i = 0; i < candidates.size(); ++i)
+    if (keep[i]) candidates[count++] = candidates[i];
+  candidates.resize(count);
+}
+
+}  // namespace
+
+void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach, std::span<const Vec3> x,
+                    ThreadPool& pool, CandidateList& candidates) {
+  const auto near = [&](int32_t group_a, int32_t group_b, double squared_distance) {
+    const double reach = group_reach[group_a] + group_reach[group_b];
+    return squared_distance <= reach * reach;
+  };
+  keep_near(candidates.point_triangle, pool, [&](const PointTriangleCandidate& c) {
+    const Index3& t = mesh.triangles[c.triangle];
+    return near(mesh.vertex_group[c.point], mesh.triangle_group[c.triangle],
+                point_triangle_squared_distance(x[c.point], x[t[0]], x[t[1]], x[t[2]]));
+  });
+  keep_near(candidates.edge_edge, pool, [&](const EdgeEdgeCandidate& c) {
+    const Index2 &a = mesh.edges[c.edge_a], &b = mesh.edges[c.edge_b];
+    return near(mesh.edge_group[c.edge_a], mesh.edge_group[c.edge_b],
+                edge_edge_squared_distance(x[a[0]], x[a[1]], x[b[0]], x[b[1]]));
+  });
 }
 
 ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers, ThreadPool& pool)

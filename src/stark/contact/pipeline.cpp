@@ -10,11 +10,9 @@ namespace stark {
 
 namespace {
 
-/// A list is built with this part of the contact distance as motion budget; motions beyond kSweptFactor times it are
-/// swept once instead of enlarging the list for all energy evaluations.
+/// A list is built with this part of the contact distance as motion budget. Longer motions are swept once instead of
+/// enlarging the list that all energy evaluations read.
 constexpr double kMarginFactor = 0.5;
-constexpr double kGrowFactor = 1.5;
-constexpr double kSweptFactor = 8.0;
 
 std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
   std::vector<int32_t> sites(mesh.points);
@@ -64,31 +62,23 @@ bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3>
   if (candidates.x.empty()) return false;
   const std::vector<int32_t>& group = mesh().vertex_group;
   for (const int32_t site : surface_sites_) {
-    const double margin = candidates.margin[group[site]];
+    const double margin = kMarginFactor * geometry_.group_distance[group[site]];
     if (squared_norm(x[site] - candidates.x[site]) > margin * margin) return false;
   }
   return true;
 }
 
-void ContactPipeline::build(std::span<const Vec3> x, std::vector<double> margin, Candidates& out) {
+void ContactPipeline::build(std::span<const Vec3> x, Candidates& out) {
   const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
   out.x.assign(x.begin(), x.end());
-  out.margin = std::move(margin);
-  std::vector<double> inflation(geometry_.group_distance);
-  for (size_t g = 0; g < inflation.size(); ++g) inflation[g] += out.margin[g];
-  broad_phase_.find(x, inflation, pool_, out.list);
+  std::vector<double> reach(geometry_.group_distance);
+  for (double& r : reach) r *= 1.0 + kMarginFactor;
+  broad_phase_.find(x, reach, pool_, out.list);
+  // Rounding of the distance must not drop a pair at the very rim.
+  for (double& r : reach) r *= 1.0 + 1e-9;
+  remove_distant(mesh(), reach, x, pool_, out.list);
   ++counters_.candidate_builds;
   counters_.candidates += out.list.size();
-}
-
-std::vector<double> ContactPipeline::group_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) const {
-  std::vector<double> motion(geometry_.group_distance.size(), 0.0);
-  for (const int32_t site : surface_sites_) {
-    double& largest = motion[mesh().vertex_group[site]];
-    largest = std::max(largest, squared_norm(x1[site] - x0[site]));
-  }
-  for (double& m : motion) m = std::sqrt(m);
-  return motion;
 }
 
 void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out) {
@@ -101,9 +91,9 @@ void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, C
 
 void ContactPipeline::update(std::span<const Vec3> x) {
   if (!covers(candidates_, x)) {
-    std::vector<double> margin(geometry_.group_distance);
-    for (double& m : margin) m *= kMarginFactor;
-    build(x, std::move(margin), candidates_);
+    // The accepted trial point left a list behind.
+    if (covers(trial_candidates_, x)) std::swap(candidates_, trial_candidates_);
+    else build(x, candidates_);
   }
   fill(candidates_.list, x, active_);
   friction_.remember(x);
@@ -118,20 +108,10 @@ std::vector<const PotentialBatch*> ContactPipeline::batches() const {
 double ContactPipeline::max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) {
   const CandidateList* list = &candidates_.list;
   if (!covers(candidates_, x1) || !covers(candidates_, x0)) {
-    std::vector<double> motion = group_motion(x0, x1);
-    bool is_far = false;
-    for (size_t g = 0; g < motion.size(); ++g) {
-      is_far = is_far || motion[g] > kSweptFactor * geometry_.group_distance[g];
-      motion[g] = std::max(kGrowFactor * motion[g], kMarginFactor * geometry_.group_distance[g]);
-    }
-    if (is_far) {
-      const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
-      broad_phase_.find_swept(x0, x1, geometry_.group_distance, pool_, swept_);
-      ++counters_.swept_builds;
-      list = &swept_;
-    } else {
-      build(x0, std::move(motion), candidates_);
-    }
+    const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
+    broad_phase_.find_swept(x0, x1, group_separation_, pool_, swept_);
+    ++counters_.swept_builds;
+    list = &swept_;
   }
   return max_safe_step(mesh(), *list, x0, x1, group_separation_, pool_, &ccd_report_);
 }
@@ -139,11 +119,7 @@ double ContactPipeline::max_step(std::span<const Vec3> x0, std::span<const Vec3>
 EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
   const CandidateList* list = &candidates_.list;
   if (!covers(candidates_, x)) {
-    if (!covers(trial_candidates_, x)) {
-      std::vector<double> margin(geometry_.group_distance);
-      for (double& m : margin) m *= kMarginFactor;
-      build(x, std::move(margin), trial_candidates_);
-    }
+    if (!covers(trial_candidates_, x)) build(x, trial_candidates_);
     list = &trial_candidates_.list;
   }
   fill(*list, x, trial_);

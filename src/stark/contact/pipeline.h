@@ -69,12 +69,10 @@ class ContactPipeline final : public ActiveSet {
   struct Candidates {
     CandidateList list;
     std::vector<Vec3> x;
-    std::vector<double> margin;  ///< per group [m]
   };
 
   bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
-  void build(std::span<const Vec3> x, std::vector<double> margin, Candidates& out);
-  std::vector<double> group_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) const;
+  void build(std::span<const Vec3> x, Candidates& out);
   void fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out);
 
   BroadPhase broad_phase_;

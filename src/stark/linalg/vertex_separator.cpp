@@ -1,33 +1,47 @@
-// Multilevel vertex separators.
+// Multilevel vertex separators: edge bisections on the coarse levels, where a vertex separator of heavy nodes says
+// little, and the vertex separator proper on the finest.
 #include <stark/linalg/vertex_separator.h>
 
 #include <algorithm>
 #include <numeric>
 #include <queue>
-#include <span>
 
 namespace stark {
 
 namespace {
 
-constexpr int32_t kCoarsestNodes = 100;
-constexpr double kLeastShrink = 0.95;   // give up coarsening when a level keeps more than this
-constexpr double kSideLimit = 0.6;      // of the total weight on one side
-constexpr int kGrowingTries = 8;
-constexpr int kRefinementPasses = 8;
-constexpr int kFruitlessMoves = 120;    // hill climbing: moves without a better separator until a pass ends
+constexpr int32_t kCoarsestNodes = 80;
+constexpr double kLeastShrink = 0.95;     // give up coarsening when a level keeps more than this
+constexpr double kBisectionLimit = 0.55;  // of the total weight on one side of a bisection,
+constexpr double kSideLimit = 0.6;        // and on one side of the separator
+constexpr int kStarts = 8;
+constexpr int32_t kDecisionNodes = 400;   // the level on which the best start is chosen
+constexpr int kBisectionPasses = 6;
+constexpr int kSeparatorPasses = 8;
+constexpr int kFruitlessMoves = 150;      // hill climbing: moves without improvement until a pass ends
 
 // A fixed sequence of pseudo-random numbers.
 class Sequence {
  public:
-  uint32_t next() {
+  int32_t below(int32_t limit) {
     state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
-    return static_cast<uint32_t>(state_ >> 33);
+    return static_cast<int32_t>((state_ >> 33) % static_cast<uint64_t>(limit));
   }
 
  private:
   uint64_t state_ = 0x853c49e6748fea9bull;
 };
+
+struct Candidate {
+  int32_t gain;
+  int32_t node;
+  bool operator<(const Candidate& other) const { return gain != other.gain ? gain < other.gain : node > other.node; }
+};
+using Queue = std::priority_queue<Candidate>;
+
+int64_t total_weight(const WeightedGraph& graph) {
+  return std::accumulate(graph.node_weight.begin(), graph.node_weight.end(), int64_t{0});
+}
 
 // Pairs of nodes joined by heavy edges; match[i] == i stays alone.
 void match_heavy_edges(const WeightedGraph& graph, int32_t weight_limit, Sequence& random,
@@ -36,7 +50,7 @@ void match_heavy_edges(const WeightedGraph& graph, int32_t weight_limit, Sequenc
   // Nodes with few neighbours choose first, in random order among equals, as they have the least choice.
   std::vector<int32_t> visit(n), order(n), bucket;
   std::iota(visit.begin(), visit.end(), 0);
-  for (int32_t i = n - 1; i > 0; --i) std::swap(visit[i], visit[random.next() % static_cast<uint32_t>(i + 1)]);
+  for (int32_t i = n - 1; i > 0; --i) std::swap(visit[i], visit[random.below(i + 1)]);
   const int32_t classes = 64;
   const auto class_of = [&](int32_t i) { return std::min(graph.start[i + 1] - graph.start[i], classes - 1); };
   bucket.assign(classes + 1, 0);
@@ -93,7 +107,7 @@ void contract(const WeightedGraph& fine, const std::vector<int32_t>& match, Weig
       for (int32_t k = fine.start[node]; k < fine.start[node + 1]; ++k) {
         const int32_t c = coarse_of[fine.neighbor[k]];
         if (c == self) continue;
-        if (place[c] >= begin && coarse.neighbor[place[c]] == c) {
+        if (place[c] >= begin) {
           coarse.edge_weight[place[c]] += fine.edge_weight[k];
         } else {
           place[c] = static_cast<int32_t>(coarse.neighbor.size());
@@ -109,42 +123,130 @@ void contract(const WeightedGraph& fine, const std::vector<int32_t>& match, Weig
   }
 }
 
-// A separator of one graph and its improvement by moves of separator nodes to a side.
+// Two sides and the weight of the edges between them, lowered by moves of border nodes to the other side.
+class Bisection {
+ public:
+  Bisection(const WeightedGraph& graph, std::vector<uint8_t>& part)
+      : graph_(graph), part_(part), gain_(graph.node_count()), moved_(graph.node_count()) {
+    limit_ = static_cast<int64_t>(kBisectionLimit * static_cast<double>(total_weight(graph)));
+    measure();
+  }
+
+  /// Weight cut, with a surcharge for what a side has above the limit.
+  int64_t cost() const { return cut_ + 4 * std::max<int64_t>(0, std::max(weight_[0], weight_[1]) - limit_); }
+  void refine() {
+    for (int k = 0; k < kBisectionPasses && pass(); ++k) {
+    }
+  }
+
+ private:
+  void measure();
+  void move(int32_t i);
+  bool top(int side, Candidate& out);
+  bool pass();
+
+  const WeightedGraph& graph_;
+  std::vector<uint8_t>& part_;
+  std::vector<int32_t> gain_;  // weight saved by a change of side; -2^31 / 2 or less: not on the border
+  std::vector<uint8_t> moved_;
+  int64_t weight_[2] = {0, 0}, cut_ = 0, limit_ = 0;
+  Queue queue_[2];             // of the nodes now on a side
+  std::vector<int32_t> log_;
+};
+
+void Bisection::measure() {
+  weight_[0] = weight_[1] = cut_ = 0;
+  for (int32_t i = 0; i < graph_.node_count(); ++i) {
+    weight_[part_[i]] += graph_.node_weight[i];
+    int32_t inner = 0, outer = 0;
+    for (int32_t k = graph_.start[i]; k < graph_.start[i + 1]; ++k)
+      (part_[graph_.neighbor[k]] == part_[i] ? inner : outer) += graph_.edge_weight[k];
+    gain_[i] = outer - inner;
+    cut_ += outer;
+    if (outer > 0) queue_[part_[i]].push({gain_[i], i});
+  }
+  cut_ /= 2;
+}
+
+void Bisection::move(int32_t i) {
+  const int from = part_[i];
+  weight_[from] -= graph_.node_weight[i];
+  weight_[1 - from] += graph_.node_weight[i];
+  cut_ -= gain_[i];
+  gain_[i] = -gain_[i];
+  part_[i] = static_cast<uint8_t>(1 - from);
+  for (int32_t k = graph_.start[i]; k < graph_.start[i + 1]; ++k) {
+    const int32_t j = graph_.neighbor[k];
+    gain_[j] += (part_[j] == from ? 2 : -2) * graph_.edge_weight[k];
+    if (!moved_[j]) queue_[part_[j]].push({gain_[j], j});
+  }
+}
+
+bool Bisection::top(int side, Candidate& out) {
+  Queue& queue = queue_[side];
+  while (!queue.empty()) {
+    out = queue.top();
+    if (!moved_[out.node] && part_[out.node] == side && gain_[out.node] == out.gain) return true;
+    queue.pop();
+  }
+  return false;
+}
+
+// One pass of moves, undone beyond the best bisection seen. True if that is an improvement.
+bool Bisection::pass() {
+  std::fill(moved_.begin(), moved_.end(), uint8_t{0});
+  queue_[0] = Queue();
+  queue_[1] = Queue();
+  measure();
+  log_.clear();
+  const int64_t start_cost = cost();
+  int64_t best_cost = start_cost;
+  size_t best_log = 0;
+  for (int fruitless = 0; fruitless < kFruitlessMoves; ++fruitless) {
+    Candidate candidate[2];
+    bool possible[2];
+    for (int from = 0; from < 2; ++from) {
+      possible[from] = top(from, candidate[from]);
+      if (possible[from] && weight_[from] < weight_[1 - from] &&
+          weight_[1 - from] + graph_.node_weight[candidate[from].node] > limit_)
+        possible[from] = false;
+    }
+    const int heavier = weight_[1] > weight_[0] ? 1 : 0;
+    if (!possible[0] && !possible[1]) break;
+    int from = possible[heavier] ? heavier : 1 - heavier;
+    if (weight_[heavier] <= limit_ && possible[1 - from] && candidate[1 - from].gain > candidate[from].gain)
+      from = 1 - from;
+    const int32_t node = candidate[from].node;
+    moved_[node] = 1;
+    move(node);
+    log_.push_back(node);
+    if (cost() < best_cost) {
+      best_cost = cost();
+      best_log = log_.size();
+      fruitless = 0;
+    }
+  }
+  for (; log_.size() > best_log; log_.pop_back()) move(log_.back());
+  return best_cost < start_cost;
+}
+
+// A vertex separator, lightened by moves of separator nodes to a side, which pull in their neighbours on the other.
 class Separator {
  public:
   Separator(const WeightedGraph& graph, std::vector<uint8_t>& part) : graph_(graph), part_(part) {
-    total_ = std::accumulate(graph.node_weight.begin(), graph.node_weight.end(), int64_t{0});
-    const int32_t n = graph.node_count();
-    outside_[0].assign(n, 0);
-    outside_[1].assign(n, 0);
-    moved_.assign(n, 0);
+    limit_ = static_cast<int64_t>(kSideLimit * static_cast<double>(total_weight(graph)));
+    outside_[0].assign(graph.node_count(), 0);
+    outside_[1].assign(graph.node_count(), 0);
+    moved_.assign(graph.node_count(), 0);
   }
-
-  void measure() {
-    weight_[0] = weight_[1] = weight_[2] = 0;
-    for (int32_t i = 0; i < graph_.node_count(); ++i) weight_[part_[i]] += graph_.node_weight[i];
+  void refine() {
+    for (int k = 0; k < kSeparatorPasses && pass(); ++k) {
+    }
   }
-  /// Separator weight, with a surcharge for what a side has above the limit.
-  double cost() const {
-    const double heavier = static_cast<double>(std::max(weight_[0], weight_[1]));
-    const double excess = std::max(0.0, heavier - kSideLimit * static_cast<double>(total_));
-    return static_cast<double>(weight_[2]) + 2.0 * excess;
-  }
-  int64_t imbalance() const { return std::abs(weight_[0] - weight_[1]); }
-
-  void grow_from(int32_t seed);
-  void refine();
 
  private:
-  struct Candidate {
-    int32_t gain;
-    int32_t node;
-    bool operator<(const Candidate& other) const {
-      return gain != other.gain ? gain < other.gain : node > other.node;
-    }
-  };
-  using Queue = std::priority_queue<Candidate>;
-
+  int64_t cost() const { return weight_[2] + 2 * std::max<int64_t>(0, std::max(weight_[0], weight_[1]) - limit_); }
+  int64_t imbalance() const { return std::abs(weight_[0] - weight_[1]); }
   // Separator weight saved by moving node i to `side`: its own, less what it pulls in from the other side.
   int32_t gain(int32_t i, int side) const { return graph_.node_weight[i] - outside_[1 - side][i]; }
   void enter_separator(int32_t i);
@@ -154,8 +256,7 @@ class Separator {
 
   const WeightedGraph& graph_;
   std::vector<uint8_t>& part_;
-  int64_t total_ = 0;
-  int64_t weight_[3] = {0, 0, 0};
+  int64_t weight_[3] = {0, 0, 0}, limit_ = 0;
   std::vector<int32_t> outside_[2];  // of a separator node: weight of its neighbours on a side
   std::vector<uint8_t> moved_;
   Queue queue_[2];
@@ -194,7 +295,7 @@ void Separator::move(int32_t i, int side) {
       weight_[kSeparator] += other;
       for (int32_t m = graph_.start[j]; m < graph_.start[j + 1]; ++m) {
         const int32_t x = graph_.neighbor[m];
-        if (part_[x] != kSeparator || x == j) continue;
+        if (part_[x] != kSeparator) continue;
         outside_[1 - side][x] -= other;
         if (!moved_[x]) queue_[side].push({gain(x, side), x});
       }
@@ -225,33 +326,32 @@ bool Separator::pass() {
   queue_[0] = Queue();
   queue_[1] = Queue();
   log_.clear();
-  for (int32_t i = 0; i < graph_.node_count(); ++i)
+  weight_[0] = weight_[1] = weight_[2] = 0;
+  for (int32_t i = 0; i < graph_.node_count(); ++i) {
+    weight_[part_[i]] += graph_.node_weight[i];
     if (part_[i] == kSeparator) enter_separator(i);
-  const double start_cost = cost();
-  const int64_t start_imbalance = imbalance();
-  double best_cost = start_cost;
-  int64_t best_imbalance = start_imbalance;
+  }
+  const int64_t start_cost = cost(), start_imbalance = imbalance();
+  int64_t best_cost = start_cost, best_imbalance = start_imbalance;
   size_t best_log = 0;
-  const auto limit = static_cast<int64_t>(kSideLimit * static_cast<double>(total_));
   for (int fruitless = 0; fruitless < kFruitlessMoves; ++fruitless) {
     Candidate candidate[2];
     bool possible[2];
     for (int side = 0; side < 2; ++side) {
       possible[side] = top(side, candidate[side]);
       // A side above the limit only gives.
-      if (possible[side] && weight_[side] + graph_.node_weight[candidate[side].node] > limit &&
+      if (possible[side] && weight_[side] + graph_.node_weight[candidate[side].node] > limit_ &&
           weight_[side] >= weight_[1 - side])
         possible[side] = false;
     }
     if (!possible[0] && !possible[1]) break;
     const int lighter = weight_[1] < weight_[0] ? 1 : 0;
     int side = possible[lighter] ? lighter : 1 - lighter;
-    if (possible[0] && possible[1] && candidate[1 - side].gain > candidate[side].gain) side = 1 - side;
-    if (weight_[1 - lighter] > limit && possible[lighter]) side = lighter;
+    if (weight_[1 - lighter] <= limit_ && possible[1 - side] && candidate[1 - side].gain > candidate[side].gain)
+      side = 1 - side;
     move(candidate[side].node, side);
-    const double now = cost();
-    if (now < best_cost || (now == best_cost && imbalance() < best_imbalance)) {
-      best_cost = now;
+    if (cost() < best_cost || (cost() == best_cost && imbalance() < best_imbalance)) {
+      best_cost = cost();
       best_imbalance = imbalance();
       best_log = log_.size();
       fruitless = 0;
@@ -264,61 +364,53 @@ bool Separator::pass() {
     for (int32_t k = 0; k < pulled; ++k, log_.pop_back()) part_[log_.back()] = static_cast<uint8_t>(1 - side);
     part_[node] = kSeparator;
   }
-  measure();
   return best_cost < start_cost || best_imbalance < start_imbalance;
 }
 
-void Separator::refine() {
-  measure();
-  for (int k = 0; k < kRefinementPasses; ++k)
-    if (!pass()) break;
-}
-
-// Side 0 grows from a seed, always by the separator node of the largest gain, until the sides are even.
-void Separator::grow_from(int32_t seed) {
-  std::fill(part_.begin(), part_.end(), uint8_t{1});
-  std::fill(moved_.begin(), moved_.end(), uint8_t{0});
-  queue_[0] = Queue();
-  queue_[1] = Queue();
-  log_.clear();
-  measure();
-  part_[seed] = kSeparator;
-  weight_[1] -= graph_.node_weight[seed];
-  weight_[kSeparator] += graph_.node_weight[seed];
-  enter_separator(seed);
-  while (weight_[0] < weight_[1]) {
-    Candidate candidate;
-    if (!top(0, candidate)) {  // the component is used up: go on in another one
-      int32_t other = -1;
-      for (int32_t i = 0; i < graph_.node_count() && other < 0; ++i)
-        if (part_[i] == 1) other = i;
-      if (other < 0) break;
-      part_[other] = kSeparator;
-      weight_[1] -= graph_.node_weight[other];
-      weight_[kSeparator] += graph_.node_weight[other];
-      enter_separator(other);
-      continue;
-    }
-    move(candidate.node, 0);
-  }
-}
-
-void separate_coarsest(const WeightedGraph& graph, Sequence& random, std::vector<uint8_t>& part) {
+// Side 0 grows from a seed, always by the node with the most edges into it and the fewest out, until the sides are even.
+void grow_side(const WeightedGraph& graph, int32_t seed, std::vector<uint8_t>& part) {
   const int32_t n = graph.node_count();
-  std::vector<uint8_t> trial(n);
-  double best_cost = 0.0;
-  int64_t best_imbalance = 0;
-  for (int k = 0; k < kGrowingTries; ++k) {
-    Separator separator(graph, trial);
-    separator.grow_from(static_cast<int32_t>(random.next() % static_cast<uint32_t>(n)));
-    separator.refine();
-    if (k == 0 || separator.cost() < best_cost ||
-        (separator.cost() == best_cost && separator.imbalance() < best_imbalance)) {
-      best_cost = separator.cost();
-      best_imbalance = separator.imbalance();
-      part = trial;
+  const int64_t total = total_weight(graph);
+  part.assign(n, 1);
+  std::vector<int32_t> gain(n, 0);
+  for (int32_t i = 0; i < n; ++i)
+    for (int32_t k = graph.start[i]; k < graph.start[i + 1]; ++k) gain[i] -= graph.edge_weight[k];
+  Queue queue;
+  queue.push({gain[seed], seed});
+  int32_t unseen = 0;
+  for (int64_t grown = 0; 2 * grown < total;) {
+    if (queue.empty()) {  // the component is used up: go on in another one
+      while (unseen < n && part[unseen] == 0) ++unseen;
+      if (unseen == n) break;
+      queue.push({gain[unseen], unseen});
+    }
+    const Candidate best = queue.top();
+    queue.pop();
+    const int32_t i = best.node;
+    if (part[i] == 0 || gain[i] != best.gain) continue;
+    part[i] = 0;
+    grown += graph.node_weight[i];
+    for (int32_t k = graph.start[i]; k < graph.start[i + 1]; ++k) {
+      const int32_t j = graph.neighbor[k];
+      if (part[j] == 0) continue;
+      gain[j] += 2 * graph.edge_weight[k];
+      queue.push({gain[j], j});
     }
   }
+}
+
+// The lighter of the two borders of a bisection becomes the separator.
+void separate_border(const WeightedGraph& graph, std::vector<uint8_t>& part) {
+  int64_t weight[2] = {0, 0};
+  std::vector<int32_t> border[2];
+  for (int32_t i = 0; i < graph.node_count(); ++i)
+    for (int32_t k = graph.start[i]; k < graph.start[i + 1]; ++k)
+      if (part[graph.neighbor[k]] != part[i]) {
+        border[part[i]].push_back(i);
+        weight[part[i]] += graph.node_weight[i];
+        break;
+      }
+  for (const int32_t i : border[weight[1] < weight[0] ? 1 : 0]) part[i] = kSeparator;
 }
 
 }  // namespace
@@ -327,11 +419,10 @@ void find_vertex_separator(const WeightedGraph& graph, std::vector<uint8_t>& out
   out_part.assign(graph.node_count(), 0);
   if (graph.node_count() < 2) return;
   Sequence random;
-  std::vector<WeightedGraph> coarse;            // coarse[k] is one level above graph (k = 0) or coarse[k - 1]
+  std::vector<WeightedGraph> coarse;  // coarse[k] is one level above graph (k = 0) or coarse[k - 1]
   std::vector<std::vector<int32_t>> coarse_of;
   std::vector<int32_t> match;
-  const int64_t total = std::accumulate(graph.node_weight.begin(), graph.node_weight.end(), int64_t{0});
-  const auto weight_limit = static_cast<int32_t>(std::max<int64_t>(2, 3 * total / (2 * kCoarsestNodes)));
+  const auto weight_limit = static_cast<int32_t>(std::max<int64_t>(2, 3 * total_weight(graph) / (2 * kCoarsestNodes)));
   const auto level = [&](size_t k) -> const WeightedGraph& { return k == 0 ? graph : coarse[k - 1]; };
   while (level(coarse.size()).node_count() > kCoarsestNodes) {
     const WeightedGraph& fine = level(coarse.size());
@@ -343,17 +434,33 @@ void find_vertex_separator(const WeightedGraph& graph, std::vector<uint8_t>& out
     coarse.push_back(std::move(next));
     coarse_of.push_back(std::move(map));
   }
-  std::vector<uint8_t> part;
-  separate_coarsest(level(coarse.size()), random, part);
-  for (size_t k = coarse.size(); k-- > 0;) {
-    const WeightedGraph& fine = level(k);
-    std::vector<uint8_t> fine_part(fine.node_count());
-    for (int32_t i = 0; i < fine.node_count(); ++i) fine_part[i] = part[coarse_of[k][i]];
-    Separator separator(fine, fine_part);
-    separator.refine();
-    part = std::move(fine_part);
+  // Carries a bisection of level `from` down to level `to`, improving it on the way; returns its cost.
+  const auto refine_down = [&](std::vector<uint8_t>& part, size_t from, size_t to) {
+    for (size_t k = from;; --k) {
+      Bisection bisection(level(k), part);
+      bisection.refine();
+      if (k == to) return bisection.cost();
+      std::vector<uint8_t> fine_part(level(k - 1).node_count());
+      for (size_t i = 0; i < fine_part.size(); ++i) fine_part[i] = part[coarse_of[k - 1][i]];
+      part = std::move(fine_part);
+    }
+  };
+  // Several starts compete up to a level of moderate size.
+  size_t decision = coarse.size();
+  while (decision > 0 && level(decision - 1).node_count() <= kDecisionNodes) --decision;
+  const WeightedGraph& coarsest = level(coarse.size());
+  std::vector<uint8_t> trial;
+  int64_t best_cost = 0;
+  for (int k = 0; k < kStarts; ++k) {
+    grow_side(coarsest, random.below(coarsest.node_count()), trial);
+    const int64_t cost = refine_down(trial, coarse.size(), decision);
+    if (k > 0 && cost >= best_cost) continue;
+    best_cost = cost;
+    out_part = trial;
   }
-  out_part = std::move(part);
+  refine_down(out_part, decision, 0);
+  separate_border(graph, out_part);
+  Separator(graph, out_part).refine();
 }
 
 }  // namespace stark

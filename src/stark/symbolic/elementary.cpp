@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <vector>
 
 namespace stark::symbolic {
 
@@ -43,6 +44,19 @@ constexpr double kLn2High = 0x1.62e42fefa3800p-1, kLn2Low = 0x1.ef35793c76730p-4
 struct Pair {
   LowId high, low;
 };
+
+Pair two_sum(ProgramBuilder& p, LowId a, LowId b) {
+  const LowId s = p.add(a, b), t = p.sub(s, a);
+  return {s, p.add(p.sub(a, p.sub(s, t)), p.sub(b, t))};
+}
+Pair fast_two_sum(ProgramBuilder& p, LowId a, LowId b) {
+  const LowId s = p.add(a, b);
+  return {s, p.sub(b, p.sub(s, a))};
+}
+Pair two_product(ProgramBuilder& p, LowId a, LowId b) {
+  const LowId h = p.mul(a, b);
+  return {h, p.mul_sub(a, b, h)};
+}
 
 LowId horner(ProgramBuilder& p, LowId x, std::span<const double> c) {
   LowId r = p.constant(c.back());
@@ -95,7 +109,8 @@ LowId clamp(ProgramBuilder& p, LowId x, double low, double high) {
 
 LowId exp_of_pair(ProgramBuilder& p, LowId x, LowId x_low) {
   const ExpReduction e = reduce_exp(p, clamp(p, x, -746.0, 710.0), x_low);
-  return scale(p, p.add(p.constant(1.0), p.add(e.r, e.tail)), e.n);
+  const Pair sum = fast_two_sum(p, p.constant(1.0), e.r);
+  return scale(p, p.add(sum.high, p.add(sum.low, e.tail)), e.n);
 }
 
 // x = 2^k m with m in [sqrt(1/2), sqrt(2)) for positive finite x, also subnormal.
@@ -121,19 +136,6 @@ LowId finish_log(ProgramBuilder& p, LowId x, LowId result) {
   const LowId special = p.select(p.emit(Code::LessEqual, zero, x), p.constant(-kInfinity),
                                  p.bits(0x7ff8000000000000ull));
   return p.select(p.emit(Code::Less, zero, x), p.select(finite, result, x), special);
-}
-
-Pair two_sum(ProgramBuilder& p, LowId a, LowId b) {
-  const LowId s = p.add(a, b), t = p.sub(s, a);
-  return {s, p.add(p.sub(a, p.sub(s, t)), p.sub(b, t))};
-}
-Pair fast_two_sum(ProgramBuilder& p, LowId a, LowId b) {
-  const LowId s = p.add(a, b);
-  return {s, p.sub(b, p.sub(s, a))};
-}
-Pair two_product(ProgramBuilder& p, LowId a, LowId b) {
-  const LowId h = p.mul(a, b);
-  return {h, p.mul_sub(a, b, h)};
 }
 
 // log x for positive finite x with about 65 correct bits: 2 s + 2/3 s^3 in pairs, the rest in one double.
@@ -166,8 +168,10 @@ struct Trigonometric {
 Trigonometric reduce_trigonometric(ProgramBuilder& p, LowId x) {
   const LowId n = p.emit(Code::Round, p.mul(x, p.constant(0x1.45f306dc9c883p-1)));
   const LowId r0 = p.neg_mul_add(n, p.constant(kHalfPi1), x);
-  const LowId r = p.neg_mul_add(n, p.constant(kHalfPi2), r0);
-  const LowId low = p.neg_mul_add(n, p.constant(kHalfPi3), p.neg_mul_add(n, p.constant(kHalfPi2), p.sub(r0, r)));
+  const Pair second = two_product(p, n, p.constant(kHalfPi2));
+  const LowId r = p.sub(r0, second.high);
+  const LowId rounding = p.sub(p.sub(p.sub(r0, r), second.high), second.low);
+  const LowId low = p.neg_mul_add(n, p.constant(kHalfPi3), rounding);
   const LowId z = p.mul(r, r), half = p.mul(p.constant(0.5), z), one = p.constant(1.0);
   const LowId s = p.mul_add(p.mul(r, z), polynomial(p, z, kSin), p.neg_mul_add(half, low, low));
   const LowId w = p.sub(one, half);

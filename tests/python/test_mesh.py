@@ -1,0 +1,191 @@
+"""Meshes: generators, repairs, files, volume meshing."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import stark
+from stark import InvalidMesh, mesh
+
+SHAPES = {
+    # closed form of the volume, relative tolerance: the faceted shape is smaller than the round one
+    "box": (mesh.box((1, 2, 3), 2), 6.0, 1e-13),
+    "sphere": (mesh.sphere(0.5, 5), np.pi / 6, 2e-3),
+    "cylinder": (mesh.cylinder(0.5, 2.0, 128), np.pi / 2, 1e-3),
+    "capsule": (mesh.capsule(0.5, 1.0, 64, 32), np.pi / 4 + np.pi / 6, 5e-3),
+    "torus": (mesh.torus(1.0, 0.25, 128, 64), 2 * np.pi**2 / 16, 4e-3),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_shapes_are_closed_and_enclose_their_volume(name: str) -> None:
+    shape, volume, tolerance = SHAPES[name]
+    assert shape.is_closed
+    assert shape.volume == pytest.approx(volume, rel=tolerance)
+    assert shape.volume <= volume * (1 + 1e-12)
+    np.testing.assert_allclose(shape.bounds.mean(axis=0), 0, atol=1e-3)
+
+
+def test_grids_and_tet_boxes_have_the_documented_counts() -> None:
+    grid = mesh.grid(0.4, 0.2, (4, 2))
+    assert grid.vertices.shape == (15, 3) and grid.triangles.shape == (16, 3)
+    assert grid.area == pytest.approx(0.08, rel=1e-14) and not grid.is_closed
+    np.testing.assert_allclose(grid.bounds, [[-0.2, -0.1, 0], [0.2, 0.1, 0]])
+    box = mesh.tet_box(0.2, 20)
+    assert len(box.vertices) == 17_261 and len(box.tets) == 96_000
+    assert (box.volumes > 0).all() and box.volume == pytest.approx(0.008, rel=1e-12)
+
+
+def test_the_surface_of_tets_agrees_with_the_core() -> None:
+    box = mesh.tet_box((1, 2, 3), (2, 3, 4))
+    surface = box.surface()
+    assert surface.is_closed and surface.volume == pytest.approx(6.0, rel=1e-13)
+    assert len(surface.vertices) == 3 * 4 * 5 - 1 * 2 * 3
+
+
+def test_transformations() -> None:
+    box = mesh.box(1.0)
+    assert box.scaled(1e-3).volume == pytest.approx(1e-9, rel=1e-13)
+    assert box.scaled((1, 2, 3)).volume == pytest.approx(6.0, rel=1e-13)
+    np.testing.assert_allclose(box.translated((1, 2, 3)).centered().vertices, box.vertices, atol=1e-15)
+    turned = box.rotated(stark.rotation(axis="z", angle=np.pi / 2))
+    np.testing.assert_allclose(turned.vertices[:, 0], -box.vertices[:, 1], atol=1e-15)
+    assert box.flipped().volume == pytest.approx(-1.0, rel=1e-13)
+
+
+def test_oriented_repairs_any_mixture() -> None:
+    sphere = mesh.sphere(1.0, 2)
+    generator = np.random.default_rng(5)
+    triangles = sphere.triangles.copy()
+    wrong = generator.random(len(triangles)) < 0.5
+    triangles[wrong] = triangles[wrong][:, ::-1]
+    two = mesh.TriangleMesh(
+        np.vstack([sphere.vertices, sphere.vertices + 5]), np.vstack([triangles, triangles[:, ::-1] + len(sphere.vertices)])
+    )
+    repaired = mesh.oriented(two)
+    assert repaired.volume == pytest.approx(2 * sphere.volume, rel=1e-12)
+    stark.Scene().add_rigid(repaired, density=1.0)
+    tets = mesh.tet_box(1.0, 2)
+    mixed = tets.tets.copy()
+    mixed[::3] = mixed[::3][:, [1, 0, 2, 3]]
+    assert (mesh.oriented(mesh.TetMesh(tets.vertices, mixed)).volumes > 0).all()
+
+
+def test_merged_and_compact() -> None:
+    box = mesh.box(1.0)
+    soup = mesh.TriangleMesh(box.vertices[box.triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3))
+    joined = mesh.merged(soup)
+    assert len(joined.vertices) == 8 and joined.is_closed and joined.volume == pytest.approx(1.0)
+    noisy = mesh.TriangleMesh(soup.vertices + 1e-9 * np.sin(np.arange(108)).reshape(-1, 3), soup.triangles)
+    assert len(mesh.merged(noisy, 1e-6).vertices) == 8
+    spare = mesh.TriangleMesh(np.vstack([[[9, 9, 9]], box.vertices]), box.triangles + 1)
+    assert len(mesh.compact(spare).vertices) == 8 and mesh.compact(spare).volume == pytest.approx(1.0)
+
+
+# --- files ------------------------------------------------------------------------------------------------------------
+
+OBJ = """# a box side and a quad, with all forms of indices
+v 0 0 0
+v 1 0 0 0.5 0.5 0.5
+v 1 1 0
+v 0 1 0
+vt 0 0
+vn 0 0 1
+f 1/1/1 2/1/1 3/1/1 4/1/1
+v 0 0 1
+f -1 1//1 2/1
+"""
+
+
+def test_obj(tmp_path: Path) -> None:
+    (tmp_path / "a.OBJ").write_text(OBJ)
+    loaded = mesh.load(tmp_path / "a.OBJ")
+    assert loaded.triangles.tolist() == [[0, 1, 2], [0, 2, 3], [4, 0, 1]]
+    assert loaded.vertices[1].tolist() == [1, 0, 0] and len(loaded.vertices) == 5
+
+
+def ply(layout: str) -> bytes:
+    header = (
+        f"ply\nformat {layout} 1.0\ncomment x\nelement vertex 4\nproperty double x\nproperty float y\nproperty float z\n"
+        "property uchar red\nelement edge 1\nproperty int a\nproperty int b\n"
+        "element face 1\nproperty uchar group\nproperty list uchar int vertex_indices\nend_header\n"
+    ).encode()
+    corners = [(0, 0, 0), (1, 0, 0), (1, 0.5, 0), (0, 0.5, 0.25)]
+    if layout == "ascii":
+        lines = [f"{x} {y} {z} 255" for x, y, z in corners] + ["0 1", "7 4 0 1 2 3"]
+        return header + "\n".join(lines).encode() + b"\n"
+    order = "<" if "little" in layout else ">"
+    body = b"".join(struct.pack(order + "dffB", *corner, 255) for corner in corners)
+    return header + body + struct.pack(order + "ii", 0, 1) + struct.pack(order + "BBiiii", 7, 4, 0, 1, 2, 3)
+
+
+@pytest.mark.parametrize("layout", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply(tmp_path: Path, layout: str) -> None:
+    (tmp_path / "a.ply").write_bytes(ply(layout))
+    loaded = mesh.load(tmp_path / "a.ply")
+    assert loaded.triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert loaded.vertices[3].tolist() == [0, 0.5, 0.25]
+
+
+@pytest.mark.parametrize("binary", [True, False])
+def test_stl(tmp_path: Path, binary: bool) -> None:
+    box = mesh.box(1.0)
+    corners = box.vertices[box.triangles]
+    if binary:
+        data = b"\0" * 80 + struct.pack("<I", 12)
+        data += b"".join(struct.pack("<12fH", 0, 0, 0, *t.ravel(), 0) for t in corners)
+    else:
+        facets = "".join(
+            "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in t) + "endloop\nendfacet\n"
+            for t in corners.tolist()
+        )
+        data = f"solid box\n{facets}endsolid box\n".encode()
+    (tmp_path / "a.stl").write_bytes(data)
+    loaded = mesh.load(tmp_path / "a.stl")
+    assert len(loaded.vertices) == 8 and loaded.is_closed and loaded.volume == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "part"),
+    [
+        ("a.obj", b"v 0 0\n", "line 1: a vertex needs three numbers"),
+        ("a.obj", b"v 0 0 zero\n", "not a valid OBJ file"),
+        ("a.obj", b"v 0 0 0\nf 1 1\n", "line 2: a face needs three vertices"),
+        ("a.obj", b"v 0 0 0\nf 0 1 2\n", "numbered from 1"),
+        ("a.obj", b"", "0 triangles"),
+        ("a.ply", b"solid", "does not start with a PLY header"),
+        ("a.ply", ply("binary_little_endian")[:-9], "ends too early"),
+        ("a.ply", ply("ascii")[:-9], "ends too early"),
+        ("a.stl", b"\0" * 90, "not a valid STL file|0 triangles"),
+    ],
+)
+def test_broken_files_are_refused_by_name(tmp_path: Path, name: str, data: bytes, part: str) -> None:
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InvalidMesh, match=part) as caught:
+        mesh.load(tmp_path / name)
+    assert name in str(caught.value)
+
+
+def test_formats_of_other_libraries_name_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
+    monkeypatch.setitem(__import__("sys").modules, "meshio", None)
+    monkeypatch.setitem(__import__("sys").modules, "pytetwild", None)
+    (tmp_path / "a.glb").write_bytes(b"glTF")
+    (tmp_path / "a.msh").write_bytes(b"$MeshFormat")
+    with pytest.raises(ImportError, match=r"stark-sim\[mesh\]"):
+        mesh.load(tmp_path / "a.glb")
+    with pytest.raises(ImportError, match="pip install meshio"):
+        mesh.load(tmp_path / "a.msh")
+    with pytest.raises(ImportError, match=r"stark-sim\[mesh\]"):
+        mesh.tetrahedralise(mesh.box(1.0))
+
+
+def test_tetrahedralise() -> None:
+    pytest.importorskip("pytetwild")
+    volume = mesh.tetrahedralise(mesh.sphere(0.1, 2), edge_length=0.05)
+    assert (volume.volumes > 0).all()
+    assert volume.volume == pytest.approx(mesh.sphere(0.1, 2).volume, rel=0.03)
+    stark.Scene().add_solid(volume)
