@@ -1,11 +1,11 @@
-// Bindings of settings, materials and the scene description. Settings and materials are bound generically through
-// their descriptor tables, so a new field needs no line here. The Python front end is stark/scene.py and its siblings.
+// Bindings of settings, materials and the scene description. Settings and materials are bound generically
+// through their descriptor tables, so a new field needs no line here. The Python front end is stark/scene.py
+// and its siblings.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <stark/geometry/shapes.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
@@ -27,8 +27,8 @@ nb::object to_python(const FieldValue& value) {
   return nb::str(std::get<std::string>(value).c_str());
 }
 
-/// Flags, integers, reals (NumPy scalars too), texts and rows of three; anything else becomes its text, which the
-/// descriptor then refuses by name.
+/// Flags, integers, reals (NumPy scalars too), texts and rows of three; anything else becomes its text, which
+/// the descriptor then refuses by name.
 FieldValue to_field_value(nb::handle object) {
   if (nb::isinstance<nb::str>(object)) return nb::cast<std::string>(object);
   if (nb::isinstance<nb::bool_>(object)) return nb::cast<bool>(object);
@@ -78,36 +78,55 @@ nb::list describe(const FieldTable& table) {
   return rows;
 }
 
-/// The methods that every described struct has: get, set, update, to_dict, changed, copy, fields, markdown, ==.
+/// The methods that every described struct has: get, set, update, to_dict, changed, copy, fields, markdown,
+/// ==.
 template <typename S>
 nb::class_<S> bind_described(nb::module_& m, const char* name, const char* doc) {
   return nb::class_<S>(m, name, doc)
       .def(nb::init<>())
-      .def("get", [](const S& s, const std::string& field) { return to_python(S::fields().get(&s, field)); }, "name"_a)
-      .def("set", [](S& s, const std::string& field, nb::handle value, const std::string& owner) {
-        S::fields().set(&s, field, to_field_value(value), owner);
-      }, "name"_a, "value"_a.none(), "owner"_a = "", "Checks the range, then assigns.")
-      .def("update", [](S& s, const nb::dict& values, const std::string& owner) {
-        S::fields().set_all(&s, to_field_map(values), owner);
-      }, "values"_a, "owner"_a = "", "Assigns all entries, or none when one is refused.")
+      .def(
+          "get", [](const S& s, const std::string& field) { return to_python(S::fields().get(&s, field)); },
+          "name"_a)
+      .def(
+          "set",
+          [](S& s, const std::string& field, nb::handle value, const std::string& owner) {
+            S::fields().set(&s, field, to_field_value(value), owner);
+          },
+          "name"_a, "value"_a.none(), "owner"_a = "", "Checks the range, then assigns.")
+      .def(
+          "update",
+          [](S& s, const nb::dict& values, const std::string& owner) {
+            S::fields().set_all(&s, to_field_map(values), owner);
+          },
+          "values"_a, "owner"_a = "", "Assigns all entries, or none when one is refused.")
       .def("to_dict", [](const S& s) { return to_dict(S::fields().to_map(&s)); })
       .def("changed", [](const S& s) { return to_dict(S::fields().changed_from_default(&s)); })
-      .def("listing", [](const S& s) { return S::fields().listing(&s); }, "One 'name = value unit' a line.")
+      .def(
+          "listing", [](const S& s) { return S::fields().listing(&s); }, "One 'name = value unit' a line.")
       .def("copy", [](const S& s) { return S(s); })
-      .def("__eq__", [](const S& s, const S& other) { return S::fields().to_map(&s) == S::fields().to_map(&other); })
+      .def("__eq__",
+           [](const S& s, const S& other) { return S::fields().to_map(&s) == S::fields().to_map(&other); })
       .def_static("fields", [] { return describe(S::fields()); })
       .def_static("markdown", [] { return S::fields().markdown(); });
 }
 
 void bind_settings(nb::module_& m) {
   bind_described<Settings>(m, "Settings", "All settings of a simulation by dotted name.")
-      .def("set_text", [](Settings& s, const std::string& name, const std::string& value) { set_from_text(s, name, value); },
-           "name"_a, "text"_a)
-      .def("assign", [](Settings& s, const std::string& name, nb::handle value) { set(s, name, to_field_value(value)); },
-           "name"_a, "value"_a.none(), "As set(), and knows time_step, contact_distance and threads.")
-      .def("read", [](const Settings& s, const std::string& name) { return to_python(get(s, name)); }, "name"_a,
-           "As get(), and knows the short names.")
-      .def("validate", [](const Settings& s) { validate(s); }, "Ranges, and the rules between settings.")
+      .def(
+          "set_text",
+          [](Settings& s, const std::string& name, const std::string& value) {
+            set_from_text(s, name, value);
+          },
+          "name"_a, "text"_a)
+      .def(
+          "assign",
+          [](Settings& s, const std::string& name, nb::handle value) { set(s, name, to_field_value(value)); },
+          "name"_a, "value"_a.none(), "As set(), and knows time_step, contact_distance and threads.")
+      .def(
+          "read", [](const Settings& s, const std::string& name) { return to_python(get(s, name)); },
+          "name"_a, "As get(), and knows the short names.")
+      .def(
+          "validate", [](const Settings& s) { validate(s); }, "Ranges, and the rules between settings.")
       .def("brief", [](const Settings& s) { return changed_from_default(s); });
 }
 
@@ -127,8 +146,9 @@ Vec3 vector_of(nb::handle object, const std::string& name) {
 
 Mat3 matrix_of(nb::handle object, const std::string& name) {
   const auto matrix = array<Rows<double, 3>>(object, name, "a 3 x 3 rotation matrix");
-  if (matrix.shape(0) != 3) throw InvalidArgument(name + ": got " + std::to_string(matrix.shape(0)) +
-                                                  " rows, need a 3 x 3 rotation matrix");
+  if (matrix.shape(0) != 3)
+    throw InvalidArgument(name + ": got " + std::to_string(matrix.shape(0)) +
+                          " rows, need a 3 x 3 rotation matrix");
   Mat3 result;
   std::copy_n(matrix.data(), 9, result.m.begin());
   return result;
@@ -157,7 +177,8 @@ E choice_of(const std::string& value, const std::string& name) {
     if (known[i] == value) return static_cast<E>(i);
     list += (i ? ", '" : "'") + known[i] + "'";
   }
-  throw InvalidArgument(name + " = '" + value + "': must be one of " + list + nearest_name_hint(value, known));
+  throw InvalidArgument(name + " = '" + value + "': must be one of " + list +
+                        nearest_name_hint(value, known));
 }
 
 std::optional<double> number_of(nb::handle object, const std::string& name) {
@@ -197,7 +218,8 @@ ClothDescription cloth_of(const nb::dict& given, const ShellMaterial& material) 
   if (!given["initial_positions"].is_none())
     body.initial_positions = points_of(given["initial_positions"], owner + ": initial_positions");
   body.self_contact = nb::cast<bool>(given["self_contact"]);
-  body.rest_angles = choice_of<RestAngles>(nb::cast<std::string>(given["rest_angles"]), owner + ": rest_angles");
+  body.rest_angles =
+      choice_of<RestAngles>(nb::cast<std::string>(given["rest_angles"]), owner + ": rest_angles");
   return body;
 }
 
@@ -243,86 +265,99 @@ nb::dict inertia_to_dict(const RigidInertia& inertia) {
 }
 
 void bind_scene_class(nb::module_& m) {
-  nb::class_<Scene>(m, "Scene", "Description of what is simulated; bodies are indices in the order of adding.")
+  nb::class_<Scene>(m, "Scene",
+                    "Description of what is simulated; bodies are indices in the order of adding.")
       .def(nb::init<>())
       .def("copy", [](const Scene& s) { return Scene(s); })
-      .def("add_cloth", [](Scene& s, const nb::dict& given, const ShellMaterial& material) {
-        return s.add_cloth(cloth_of(given, material)).index;
-      }, "description"_a, "material"_a)
-      .def("add_solid", [](Scene& s, const nb::dict& given, const SolidMaterial& material) {
-        return s.add_solid(solid_of(given, material)).index;
-      }, "description"_a, "material"_a)
-      .def("add_rigid", [](Scene& s, const nb::dict& given) { return s.add_rigid(rigid_of(given)).index; }, "description"_a)
-      .def("pin", [](Scene& s, int32_t body, nb::handle vertices) {
-        const auto indices = array<Column<int32_t>>(vertices, "'" + s.name({body}) + "': pinned vertices",
-                                                    "a row of vertex indices");
-        s.pin({body}, values(indices));
-      }, "body"_a, "vertices"_a)
-      .def("pins", [](const Scene& s, int32_t body) {
-        return to_numpy<int32_t>(std::vector<int32_t>(s.pins({body}).vertices));
-      }, "body"_a)
-      .def("set_friction", [](Scene& s, int32_t a, int32_t b, double mu) { s.set_friction({a}, {b}, mu); }, "a"_a, "b"_a,
-           "coefficient"_a)
-      .def("friction", [](const Scene& s, int32_t a, int32_t b) { return s.friction({a}, {b}); }, "a"_a, "b"_a)
+      .def(
+          "add_cloth",
+          [](Scene& s, const nb::dict& given, const ShellMaterial& material) {
+            return s.add_cloth(cloth_of(given, material)).index;
+          },
+          "description"_a, "material"_a)
+      .def(
+          "add_solid",
+          [](Scene& s, const nb::dict& given, const SolidMaterial& material) {
+            return s.add_solid(solid_of(given, material)).index;
+          },
+          "description"_a, "material"_a)
+      .def(
+          "add_rigid", [](Scene& s, const nb::dict& given) { return s.add_rigid(rigid_of(given)).index; },
+          "description"_a)
+      .def(
+          "pin",
+          [](Scene& s, int32_t body, nb::handle vertices) {
+            const auto indices = array<Column<int32_t>>(vertices, "'" + s.name({body}) + "': pinned vertices",
+                                                        "a row of vertex indices");
+            s.pin({body}, values(indices));
+          },
+          "body"_a, "vertices"_a)
+      .def(
+          "pins",
+          [](const Scene& s, int32_t body) {
+            return to_numpy<int32_t>(std::vector<int32_t>(s.pins({body}).vertices));
+          },
+          "body"_a)
+      .def(
+          "set_friction", [](Scene& s, int32_t a, int32_t b, double mu) { s.set_friction({a}, {b}, mu); },
+          "a"_a, "b"_a, "coefficient"_a)
+      .def(
+          "friction", [](const Scene& s, int32_t a, int32_t b) { return s.friction({a}, {b}); }, "a"_a, "b"_a)
       .def_prop_rw("default_friction", &Scene::default_friction, &Scene::set_default_friction)
-      .def("disable_contact", [](Scene& s, int32_t a, int32_t b) { s.disable_contact({a}, {b}); }, "a"_a, "b"_a)
-      .def("enable_contact", [](Scene& s, int32_t a, int32_t b) { s.enable_contact({a}, {b}); }, "a"_a, "b"_a)
-      .def("contact_enabled", [](const Scene& s, int32_t a, int32_t b) { return s.contact_enabled({a}, {b}); }, "a"_a, "b"_a)
+      .def(
+          "disable_contact", [](Scene& s, int32_t a, int32_t b) { s.disable_contact({a}, {b}); }, "a"_a,
+          "b"_a)
+      .def(
+          "enable_contact", [](Scene& s, int32_t a, int32_t b) { s.enable_contact({a}, {b}); }, "a"_a, "b"_a)
+      .def(
+          "contact_enabled", [](const Scene& s, int32_t a, int32_t b) { return s.contact_enabled({a}, {b}); },
+          "a"_a, "b"_a)
       .def_prop_ro("body_count", &Scene::body_count)
-      .def("find", [](const Scene& s, const std::string& name) { return s.find(name).index; }, "name"_a)
-      .def("name", [](const Scene& s, int32_t body) { return s.name({body}); }, "body"_a)
-      .def("kind", [](const Scene& s, int32_t body) { return to_string(s.kind({body})); }, "body"_a)
-      .def("motion", [](const Scene& s, int32_t body) { return to_string(s.motion({body})); }, "body"_a)
-      .def("contact_distance", [](const Scene& s, int32_t body) { return s.contact_distance({body}); }, "body"_a)
-      .def("initial_positions", [](const Scene& s, int32_t body) { return to_numpy<double>(s.initial_positions({body})); },
-           "body"_a)
-      .def("pose", [](const Scene& s, int32_t body) {
-        const RigidDescription& rigid = s.rigid({body});
-        return nb::make_tuple(to_numpy<double>(std::vector<double>{rigid.position.x, rigid.position.y, rigid.position.z}),
-                              matrix_to_numpy(rigid.rotation));
-      }, "body"_a, "(position, rotation) of the mesh frame of a rigid body at time 0.")
-      .def("inertia", [](const Scene& s, int32_t body) { return inertia_to_dict(s.rigid_inertia({body})); }, "body"_a)
+      .def(
+          "find", [](const Scene& s, const std::string& name) { return s.find(name).index; }, "name"_a)
+      .def(
+          "name", [](const Scene& s, int32_t body) { return s.name({body}); }, "body"_a)
+      .def(
+          "kind", [](const Scene& s, int32_t body) { return to_string(s.kind({body})); }, "body"_a)
+      .def(
+          "motion", [](const Scene& s, int32_t body) { return to_string(s.motion({body})); }, "body"_a)
+      .def(
+          "contact_distance", [](const Scene& s, int32_t body) { return s.contact_distance({body}); },
+          "body"_a)
+      .def(
+          "initial_positions",
+          [](const Scene& s, int32_t body) { return to_numpy<double>(s.initial_positions({body})); },
+          "body"_a)
+      .def(
+          "pose",
+          [](const Scene& s, int32_t body) {
+            const RigidDescription& rigid = s.rigid({body});
+            return nb::make_tuple(
+                to_numpy<double>(std::vector<double>{rigid.position.x, rigid.position.y, rigid.position.z}),
+                matrix_to_numpy(rigid.rotation));
+          },
+          "body"_a, "(position, rotation) of the mesh frame of a rigid body at time 0.")
+      .def(
+          "inertia", [](const Scene& s, int32_t body) { return inertia_to_dict(s.rigid_inertia({body})); },
+          "body"_a)
       .def_prop_ro("warnings", &Scene::warnings)
-      .def("check_contact_distances", [](const Scene& s, const Settings& settings) {
-        return check_contact_distances(s, settings);
-      }, "settings"_a);
-}
-
-nb::tuple to_tuple(TriangleMesh&& mesh) {
-  return nb::make_tuple(to_numpy<double>(std::move(mesh.vertices)), to_numpy<int32_t>(std::move(mesh.triangles)));
-}
-
-/// Generators as (vertices, elements); stark.mesh checks the arguments and makes meshes of them.
-void bind_shapes(nb::module_& m) {
-  m.def("make_grid", [](double width, double depth, int nx, int ny) { return to_tuple(make_grid(width, depth, nx, ny)); },
-        "width"_a, "depth"_a, "cells_x"_a, "cells_y"_a);
-  m.def("make_box", [](nb::handle size, int subdivisions) { return to_tuple(make_box(vector_of(size, "size"), subdivisions)); },
-        "size"_a, "subdivisions"_a);
-  m.def("make_icosphere", [](double radius, int subdivisions) { return to_tuple(make_icosphere(radius, subdivisions)); },
-        "radius"_a, "subdivisions"_a);
-  m.def("make_cylinder", [](double radius, double height, int segments, int stacks) {
-    return to_tuple(make_cylinder(radius, height, segments, stacks));
-  }, "radius"_a, "height"_a, "segments"_a, "stacks"_a);
-  m.def("make_capsule", [](double radius, double height, int segments, int rings) {
-    return to_tuple(make_capsule(radius, height, segments, rings));
-  }, "radius"_a, "height"_a, "segments"_a, "rings"_a);
-  m.def("make_torus", [](double major_radius, double minor_radius, int major_segments, int minor_segments) {
-    return to_tuple(make_torus(major_radius, minor_radius, major_segments, minor_segments));
-  }, "major_radius"_a, "minor_radius"_a, "major_segments"_a, "minor_segments"_a);
-  m.def("make_tet_box", [](nb::handle size, const std::vector<int32_t>& cells) {
-    TetMesh mesh = make_tet_box(vector_of(size, "size"), {cells.at(0), cells.at(1), cells.at(2)});
-    return nb::make_tuple(to_numpy<double>(std::move(mesh.vertices)), to_numpy<int32_t>(std::move(mesh.tets)));
-  }, "size"_a, "cells"_a);
+      .def(
+          "check_contact_distances",
+          [](const Scene& s, const Settings& settings) { return check_contact_distances(s, settings); },
+          "settings"_a);
 }
 
 }  // namespace
 
 void bind_scene(nb::module_& m) {
   bind_settings(m);
-  bind_shapes(m);
   bind_described<ShellMaterial>(m, "ShellMaterial", "Parameters of cloth and thin shells.");
   bind_described<SolidMaterial>(m, "SolidMaterial", "Parameters of soft solids.");
-  m.def("shell_presets", [] { return bind_presets(materials::shell_presets()); }, "(name, source, material) of each.");
-  m.def("solid_presets", [] { return bind_presets(materials::solid_presets()); }, "(name, source, material) of each.");
+  m.def(
+      "shell_presets", [] { return bind_presets(materials::shell_presets()); },
+      "(name, source, material) of each.");
+  m.def(
+      "solid_presets", [] { return bind_presets(materials::solid_presets()); },
+      "(name, source, material) of each.");
   bind_scene_class(m);
 }

@@ -9,8 +9,8 @@
     for step in sim.run(until=10.0):
         box.rotation = stark.rotation(axis="z", angle=90 * stark.deg * step.time)
 
-SI units throughout. Recording, pictures and the command line are in stark.recording, stark.render and stark.cli.
-"""
+SI units throughout. Recording, pictures and the command line are in stark.recording, stark.render and
+stark.cli."""
 
 from stark._cpu import require_supported_processor
 

@@ -1,8 +1,8 @@
 """Handles of bodies: what ``scene.add_*`` returns and what ``simulation.bodies`` holds.
 
-A handle names a body of a scene. The properties that change in time (positions, velocities, poses) belong to the
-simulation that was made last from the scene; ``simulation[body]`` is the same body in one particular simulation.
-"""
+A handle names a body of a scene. The properties that change in time (positions, velocities, poses) belong to
+the simulation that was made last from the scene; ``simulation[body]`` is the same body in one particular
+simulation."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ class Body:
         self._mesh = mesh
         self._color = None if color is None else tuple(float(c) for c in color)
         self._simulation: Callable[[], Simulation | None] = _no_simulation
+        self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
 
     @property
     def name(self) -> str:
@@ -40,7 +41,7 @@ class Body:
 
     @property
     def motion(self) -> str:
-        """"dynamic", "fixed" or "scripted"."""
+        """ "dynamic", "fixed" or "scripted"."""
         return self._scene._core.motion(self._index)
 
     @property
@@ -125,20 +126,22 @@ class _Deformable(Body):
         return self._scene._core.pins(self._index)
 
     def pin(self, vertices: ArrayLike) -> None:
-        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the simulation is made."""
+        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the
+        simulation is made."""
         indices = np.asarray(vertices)
         if indices.dtype == bool:
             if indices.shape != (len(self._mesh.vertices),):
                 raise InvalidArgument(
-                    f"'{self.name}': pin: the mask has the shape {indices.shape}: must be ({len(self._mesh.vertices)},)"
+                    f"'{self.name}': pin: the mask has the shape {indices.shape}: "
+                    f"must be ({len(self._mesh.vertices)},)"
                 )
             indices = np.flatnonzero(indices)
         self._scene._core.pin(self._index, np.atleast_1d(indices))
 
     @property
     def pin_targets(self) -> Points:
-        """Positions that the pinned vertices reach at the end of the next step (k, 3) [m], in the order of ``pins``;
-        assign to move them."""
+        """Positions that the pinned vertices reach at the end of the next step (k, 3) [m], in the order of
+        ``pins``; assign to move them."""
         return self._require_simulation("pin_targets")._core.pin_targets(self._index)
 
     @pin_targets.setter
@@ -147,14 +150,18 @@ class _Deformable(Body):
         count = len(self.pins)
         if array.shape != (count, 3):
             raise InvalidArgument(
-                f"'{self.name}': pin_targets has the shape {array.shape}: must be ({count}, 3), a row for each pinned vertex"
+                f"'{self.name}': pin_targets has the shape {array.shape}: "
+                f"must be ({count}, 3), a row for each pinned vertex"
             )
         if not np.isfinite(array).all():
             row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
             raise InvalidArgument(
-                f"'{self.name}': pin_targets[{row}] = {array[row].tolist()} m: must be finite; check where it is computed"
+                f"'{self.name}': pin_targets[{row}] = {array[row].tolist()} m: "
+                f"must be finite; check where it is computed"
             )
-        self._require_simulation("pin_targets")._core.set_pin_targets(self._index, np.ascontiguousarray(array))
+        self._require_simulation("pin_targets")._core.set_pin_targets(
+            self._index, np.ascontiguousarray(array)
+        )
 
 
 class Cloth(_Deformable):
@@ -170,12 +177,13 @@ class Solid(_Deformable):
 
     def _surface(self) -> tuple[Indices, Indices, Indices]:
         """Boundary triangles, the sorted vertices they use, the triangles renumbered to those."""
-        if "_surface_cache" not in self.__dict__:
+        if "surface" not in self._shared:
             assert isinstance(self._mesh, TetMesh)
             triangles = self._mesh.surface_triangles()
             used, renumbered = np.unique(triangles, return_inverse=True)
-            self._surface_cache = triangles, used, renumbered.reshape(triangles.shape).astype(np.int32)
-        return self._surface_cache
+            renumbered = renumbered.reshape(triangles.shape).astype(np.int32)
+            self._shared["surface"] = triangles, used, renumbered
+        return self._shared["surface"]
 
     @property
     def triangles(self) -> Indices:
@@ -191,8 +199,9 @@ class Solid(_Deformable):
 
 
 class RigidBody(Body):
-    """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its centre of
-    mass. Scripted bodies are moved by assigning to them: the pose that holds at the end of the next step."""
+    """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its
+    centre of mass. Scripted bodies are moved by assigning to them: the pose that holds at the end of the next
+    step."""
 
     kind = "rigid"
 
@@ -221,12 +230,14 @@ class RigidBody(Body):
 
     @pose.setter
     def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
-        self._set_pose(vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation"))
+        self._set_pose(
+            vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation")
+        )
 
     @property
     def velocity(self) -> NDArray[np.float64]:
-        """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies, which move at
-        it from the next step on when it is assigned."""
+        """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies,
+        which move at it from the next step on when it is assigned."""
         core = self._require_simulation("velocity")._core
         of_origin, angular = core.twist(self._index)
         return of_origin + np.cross(angular, core.pose(self._index)[1] @ self.center_of_mass)
@@ -261,7 +272,9 @@ class RigidBody(Body):
 
     def _pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         simulation = self._simulation()
-        return self._scene._core.pose(self._index) if simulation is None else simulation._core.pose(self._index)
+        return (
+            self._scene._core.pose(self._index) if simulation is None else simulation._core.pose(self._index)
+        )
 
     def _target(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         targets = self._require_simulation("setting a pose")._targets
@@ -282,5 +295,6 @@ class RigidBody(Body):
     def _require_scripted(self, what: str) -> None:
         if self.motion != "scripted":
             raise InvalidArgument(
-                f"'{self.name}' is {self.motion}: its {what} cannot be set; only bodies with motion='scripted' are moved so"
+                f"'{self.name}' is {self.motion}: its {what} cannot be set; "
+                f"only bodies with motion='scripted' are moved so"
             )

@@ -1,9 +1,8 @@
 """Materials: immutable parameter sets with units, and presets.
 
-``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``; every preset says where its numbers come from in
-``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The parameters, their units and ranges are
-declared once in the core; ``ShellMaterial.parameters()`` lists them.
-"""
+``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``; every preset says where its numbers come
+from in ``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The parameters, their
+units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them."""
 
 from __future__ import annotations
 
@@ -50,7 +49,8 @@ class _Material(Generic[_CoreMaterial]):
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(
-            f"{type(self).__name__} is immutable: cannot set {name} = {value!r}; use .replace({name}={value!r})"
+            f"{type(self).__name__} is immutable: cannot set {name} = {value!r}; "
+            f"use .replace({name}={value!r})"
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -71,6 +71,11 @@ class _Material(Generic[_CoreMaterial]):
     def parameters(cls) -> list[dict[str, Any]]:
         """Name, unit, default, rule and meaning of every parameter."""
         return cls._core_type.fields()
+
+    @classmethod
+    def markdown(cls) -> str:
+        """The reference table of all parameters."""
+        return cls._core_type.markdown()
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self._core == other._core

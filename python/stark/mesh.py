@@ -1,14 +1,12 @@
 """Meshes: triangle surfaces and tetrahedral volumes as NumPy arrays, generators, files.
 
-Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra have positive volume; ``oriented``
-repairs both.
-"""
+Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra have positive volume;
+``oriented`` repairs both."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -30,9 +28,13 @@ def _points(values: ArrayLike, name: str) -> Points:
             raise TypeError
         array = np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidMesh(f"{name}: got {type(values).__name__}, need an array of shape (n, 3) of real numbers [m]") from None
+        raise InvalidMesh(
+            f"{name}: got {type(values).__name__}, need an array of shape (n, 3) of real numbers [m]"
+        ) from None
     if array.ndim != 2 or array.shape[1] != 3:
-        raise InvalidMesh(f"{name}: got the shape {array.shape}, need (n, 3): one row of x, y, z [m] for each vertex")
+        raise InvalidMesh(
+            f"{name}: got the shape {array.shape}, need (n, 3): one row of x, y, z [m] for each vertex"
+        )
     return array
 
 
@@ -44,16 +46,25 @@ def _indices(values: ArrayLike, columns: int, name: str) -> Indices:
     if array.size == 0:
         return np.empty((0, columns), dtype=np.int32)
     if array.ndim != 2 or array.shape[1] != columns:
-        raise InvalidMesh(f"{name}: got the shape {array.shape}, need (m, {columns}): one row of vertex indices each")
+        raise InvalidMesh(
+            f"{name}: got the shape {array.shape}, need (m, {columns}): one row of vertex indices each"
+        )
     if array.dtype.kind not in "iu":
-        raise InvalidMesh(f"{name}: got numbers of type {array.dtype}, need integers; convert with .astype(numpy.int32)")
+        raise InvalidMesh(
+            f"{name}: got numbers of type {array.dtype}, need integers; convert with .astype(numpy.int32)"
+        )
     if array.max() > 2**31 - 1 or array.min() < -(2**31):
-        raise InvalidMesh(f"{name}: got the index {array.max()}, need indices that fit 32 bits; check the numbering")
+        raise InvalidMesh(
+            f"{name}: got the index {array.max()}, need indices that fit 32 bits; check the numbering"
+        )
     return np.ascontiguousarray(array, dtype=np.int32)
 
 
 class _MeshBase:
     vertices: Points
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable: make a new one instead of setting {name}")
 
     def _with(self: _Mesh, vertices: Points) -> _Mesh:
         raise NotImplementedError
@@ -64,7 +75,8 @@ class _MeshBase:
         return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
     def scaled(self: _Mesh, factor: float | ArrayLike) -> _Mesh:
-        """Copy with all coordinates times a factor, or times one for each axis: ``scaled(1e-3)`` for millimetres."""
+        """Copy with all coordinates times a factor, or times one for each axis: ``scaled(1e-3)`` for
+        millimetres."""
         factors = np.asarray(factor, dtype=np.float64)
         if factors.shape not in ((), (3,)) or not (np.isfinite(factors) & (factors > 0)).all():
             raise InvalidArgument(f"scaled: factor = {factor!r}: must be one positive number or three")
@@ -78,21 +90,26 @@ class _MeshBase:
         """Copy turned about the origin by a matrix or quaternion, as ``stark.rotation`` makes them."""
         return self._with(self.vertices @ as_matrix(rotation, "rotated: rotation").T)
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the arrays, with all digits, as a NumPy file that ``stark.mesh.load`` reads:
+        ``mesh.save("cup.npz")``."""
+        if not os.fspath(path).endswith(".npz"):
+            raise InvalidArgument(f"save: path = '{path}': must end in .npz")
+        np.savez_compressed(path, **self.__dict__)
+
     def centered(self: _Mesh) -> _Mesh:
         """Copy with the middle of its bounds at the origin."""
         return self._with(self.vertices - self.bounds.mean(axis=0))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TriangleMesh(_MeshBase):
     """Surface: ``vertices`` (n, 3) float64 [m], ``triangles`` (m, 3) int32."""
 
-    vertices: Points
     triangles: Indices
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", _points(self.vertices, "TriangleMesh: vertices"))
-        object.__setattr__(self, "triangles", _indices(self.triangles, 3, "TriangleMesh: triangles"))
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        self.__dict__["vertices"] = _points(vertices, "TriangleMesh: vertices")
+        self.__dict__["triangles"] = _indices(triangles, 3, "TriangleMesh: triangles")
 
     def _with(self, vertices: Points) -> TriangleMesh:
         return TriangleMesh(vertices, self.triangles)
@@ -121,16 +138,14 @@ class TriangleMesh(_MeshBase):
         return f"TriangleMesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TetMesh(_MeshBase):
     """Volume: ``vertices`` (n, 3) float64 [m], ``tets`` (m, 4) int32."""
 
-    vertices: Points
     tets: Indices
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", _points(self.vertices, "TetMesh: vertices"))
-        object.__setattr__(self, "tets", _indices(self.tets, 4, "TetMesh: tets"))
+    def __init__(self, vertices: ArrayLike, tets: ArrayLike) -> None:
+        self.__dict__["vertices"] = _points(vertices, "TetMesh: vertices")
+        self.__dict__["tets"] = _indices(tets, 4, "TetMesh: tets")
 
     def _with(self, vertices: Points) -> TetMesh:
         return TetMesh(vertices, self.tets)
@@ -162,11 +177,12 @@ class TetMesh(_MeshBase):
 Mesh: TypeAlias = TriangleMesh | TetMesh
 
 
-# --- Conversions and repairs ------------------------------------------------------------------------------------------
+# --- Conversions and repairs --------------------------------------------------------------------------------
 
 
 def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
-    """A TriangleMesh, a ``(vertices, triangles)`` pair or anything with ``vertices`` and ``faces`` (trimesh)."""
+    """A TriangleMesh, a ``(vertices, triangles)`` pair or anything with ``vertices`` and ``faces``
+    (trimesh)."""
     if isinstance(mesh, TriangleMesh):
         return mesh
     if isinstance(mesh, TetMesh):
@@ -187,7 +203,9 @@ def as_tet_mesh(mesh: Any, name: str) -> TetMesh:
     if isinstance(mesh, TetMesh):
         return mesh
     if isinstance(mesh, TriangleMesh):
-        raise InvalidMesh(f"{name}: got a TriangleMesh, need a TetMesh; use stark.mesh.tetrahedralise(mesh) or add_cloth")
+        raise InvalidMesh(
+            f"{name}: got a TriangleMesh, need a TetMesh; use stark.mesh.tetrahedralise(mesh) or add_cloth"
+        )
     if hasattr(mesh, "vertices") and hasattr(mesh, "tets"):
         return _named(name, TetMesh, mesh.vertices, mesh.tets)
     if isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2:
@@ -215,7 +233,8 @@ def compact(mesh: Any) -> Any:
 
 
 def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
-    """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed triangles go."""
+    """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed
+    triangles go."""
     keys = mesh.vertices if tolerance <= 0.0 else np.round(mesh.vertices / tolerance)
     _, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)  # keeps the order of the file
@@ -228,8 +247,8 @@ def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
 
 
 def oriented(mesh: Any) -> Any:
-    """Copy with tetrahedra of positive volume; or with triangles that agree with their neighbours and, where they
-    enclose a volume, face outwards."""
+    """Copy with tetrahedra of positive volume; or with triangles that agree with their neighbours and, where
+    they enclose a volume, face outwards."""
     if isinstance(mesh, TetMesh):
         tets = mesh.tets.copy()
         negative = mesh.volumes < 0.0
@@ -269,7 +288,7 @@ def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
     return TriangleMesh(mesh.vertices, triangles)
 
 
-# --- Generators -------------------------------------------------------------------------------------------------------
+# --- Generators ---------------------------------------------------------------------------------------------
 
 
 def _sizes(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
@@ -294,7 +313,8 @@ def _count(value: int, name: str, least: int = 1) -> int:
 
 
 def grid(width: float, depth: float, cells: int | tuple[int, int]) -> TriangleMesh:
-    """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m], two triangles a cell."""
+    """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m], two triangles
+    a cell."""
     nx, ny = (cells, cells) if isinstance(cells, (int, np.integer)) else cells
     return TriangleMesh(
         *_core.make_grid(
@@ -315,7 +335,9 @@ def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
     """Icosphere about the origin: an icosahedron split ``subdivisions`` times."""
     count = _count(subdivisions, "sphere: subdivisions", 0)
     if count > 8:
-        raise InvalidArgument(f"sphere: subdivisions = {count}: must be at most 8, which is 1,310,720 triangles")
+        raise InvalidArgument(
+            f"sphere: subdivisions = {count}: must be at most 8, which is 1,310,720 triangles"
+        )
     return TriangleMesh(*_core.make_icosphere(_positive(radius, "sphere: radius"), count))
 
 
@@ -343,10 +365,14 @@ def capsule(radius: float, height: float, segments: int = 32, rings: int = 8) ->
     )
 
 
-def torus(major_radius: float, minor_radius: float, major_segments: int = 48, minor_segments: int = 24) -> TriangleMesh:
+def torus(
+    major_radius: float, minor_radius: float, major_segments: int = 48, minor_segments: int = 24
+) -> TriangleMesh:
     """Torus about the z axis: a tube of ``minor_radius`` around a circle of ``major_radius``."""
     if _positive(minor_radius, "torus: minor_radius") >= _positive(major_radius, "torus: major_radius"):
-        raise InvalidArgument(f"torus: minor_radius = {minor_radius} m: must be below major_radius = {major_radius} m")
+        raise InvalidArgument(
+            f"torus: minor_radius = {minor_radius} m: must be below major_radius = {major_radius} m"
+        )
     return TriangleMesh(
         *_core.make_torus(
             float(major_radius),
@@ -362,15 +388,18 @@ def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMe
     counts = (cells,) * 3 if isinstance(cells, (int, np.integer)) else tuple(cells)
     if len(counts) != 3:
         raise InvalidArgument(f"tet_box: cells = {cells!r}: must be one whole number or three")
-    return TetMesh(*_core.make_tet_box(_sizes(size, "tet_box: size"), [_count(n, "tet_box: cells") for n in counts]))
+    return TetMesh(
+        *_core.make_tet_box(_sizes(size, "tet_box: size"), [_count(n, "tet_box: cells") for n in counts])
+    )
 
 
-# --- Files and volume meshing -----------------------------------------------------------------------------------------
+# --- Files and volume meshing -------------------------------------------------------------------------------
 
 
 def load(path: str | os.PathLike[str]) -> Mesh:
-    """Reads a mesh file. OBJ, PLY and STL surfaces need nothing; MSH and VTK volumes need ``meshio``, all other formats
-    ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates are taken as metres: use ``.scaled`` if they are not."""
+    """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
+    need ``meshio``, all other formats ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates are taken as
+    metres: use ``.scaled`` if they are not."""
     from stark import mesh_files
 
     return mesh_files.load(path)
@@ -379,18 +408,23 @@ def load(path: str | os.PathLike[str]) -> Mesh:
 def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: float = 1e-3) -> TetMesh:
     """Volume mesh of a closed surface, by fTetWild (``pip install stark-sim[mesh]``).
 
-    ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out. ``tolerance``: largest
-    distance between the given surface and the result, over that diagonal.
-    """
+    ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out.
+    ``tolerance``: largest distance between the given surface and the result, over that diagonal. fTetWild is
+    randomised: meshes of two calls differ a little; keep one with ``mesh.save("cup.npz")`` to repeat a
+    simulation bit by bit."""
     surface = as_triangle_mesh(mesh, "tetrahedralise")
     if len(surface.triangles) == 0:
         raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
     diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
-    fraction = 0.05 if edge_length is None else _positive(edge_length, "tetrahedralise: edge_length") / diagonal
+    fraction = (
+        0.05 if edge_length is None else _positive(edge_length, "tetrahedralise: edge_length") / diagonal
+    )
     try:
         import pytetwild
     except ImportError as error:
-        raise ImportError("stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'") from error
+        raise ImportError(
+            "stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'"
+        ) from error
     vertices, tets = pytetwild.tetrahedralize(
         surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
     )

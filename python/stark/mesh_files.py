@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import os
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,20 +24,22 @@ def load(path: str | os.PathLike[str]) -> Mesh:
         data = file.read_bytes()
     except OSError as error:
         raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
-    readers = {".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl}
+    readers: dict[str, Callable[[bytes], Mesh]] = {
+        ".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".npz": _read_npz
+    }  # fmt: skip
     suffix = file.suffix.lower()
     if suffix in readers:
         try:
             mesh = readers[suffix](data)
         except InvalidMesh as error:
             raise InvalidMesh(f"'{file}': {error}") from None
-        except (ValueError, IndexError, KeyError, UnicodeDecodeError, TypeError) as error:
+        except (ValueError, IndexError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
             raise InvalidMesh(f"'{file}' is not a valid {suffix[1:].upper()} file: {error}") from None
     elif suffix in _VOLUME_FORMATS:
         return _load_by_meshio(file)
     else:
         mesh = _load_by_trimesh(file)
-    if len(mesh.triangles) == 0:
+    if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
         raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
     return mesh
 
@@ -59,13 +64,16 @@ def _read_obj(data: bytes) -> TriangleMesh:
             indices = [int(w.partition("/")[0]) for w in words[1:]]
             polygon = [i - 1 if i > 0 else len(vertices) + i for i in indices]
             if len(polygon) < 3 or 0 in indices:
-                raise InvalidMesh(f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'")
+                raise InvalidMesh(
+                    f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'"
+                )
             triangles.extend(_fan(polygon))
     return TriangleMesh(np.array(vertices).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3))
 
 
 _PLY_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
+    "float": "f4", "double": "f8",
     "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
     "float32": "f4", "float64": "f8",
 }  # fmt: skip
@@ -77,7 +85,9 @@ def _read_ply(data: bytes) -> TriangleMesh:
         raise InvalidMesh("the file does not start with a PLY header")
     body = data[data.index(b"\n", end) + 1 :]
     layout = ""
-    elements: list[tuple[str, int, list[tuple[str, str, str]]]] = []  # name, count, (name, type, type of list length)
+    elements: list[
+        tuple[str, int, list[tuple[str, str, str]]]
+    ] = []  # name, count, (name, type, type of list length)
     for line in data[:end].decode("ascii").splitlines():
         words = line.split()
         if words[:1] == ["format"]:
@@ -88,7 +98,11 @@ def _read_ply(data: bytes) -> TriangleMesh:
             elements[-1][2].append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
         elif words[:1] == ["property"]:
             elements[-1][2].append((words[2], _PLY_TYPES[words[1]], ""))
-    reader = _PlyText(body) if layout == "ascii" else _PlyBinary(body, ">" if layout == "binary_big_endian" else "<")
+    reader = (
+        _PlyText(body)
+        if layout == "ascii"
+        else _PlyBinary(body, ">" if layout == "binary_big_endian" else "<")
+    )
     vertices: Any = np.empty((0, 3))
     triangles: list[tuple[int, int, int]] = []
     for name, count, properties in elements:
@@ -155,6 +169,13 @@ def _read_stl(data: bytes) -> TriangleMesh:
     return merged(TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
 
 
+def _read_npz(data: bytes) -> Mesh:
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        if "tets" in arrays:
+            return TetMesh(arrays["vertices"], arrays["tets"])
+        return TriangleMesh(arrays["vertices"], arrays["triangles"])
+
+
 def _load_by_trimesh(file: Path) -> TriangleMesh:
     try:
         import trimesh
@@ -181,4 +202,6 @@ def _load_by_meshio(file: Path) -> Mesh:
         return oriented(TetMesh(loaded.points, cells["tetra"]))
     if "triangle" in cells:
         return TriangleMesh(loaded.points, cells["triangle"])
-    raise InvalidMesh(f"'{file}' has cells of type {', '.join(cells) or 'none'}: must have 'tetra' or 'triangle' cells")
+    raise InvalidMesh(
+        f"'{file}' has cells of type {', '.join(cells) or 'none'}: must have 'tetra' or 'triangle' cells"
+    )

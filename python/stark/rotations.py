@@ -54,7 +54,9 @@ def rotation(
         rotation_vector = _vector(vector, "rotation: vector")
         return _from_axis(rotation_vector, float(np.linalg.norm(rotation_vector)))
     if axis is None or angle is None:
-        raise InvalidArgument("rotation: axis= and angle= belong together; angle is in radians, use 90 * stark.deg")
+        raise InvalidArgument(
+            "rotation: axis= and angle= belong together; angle is in radians, use 90 * stark.deg"
+        )
     if isinstance(axis, str):
         if axis not in _AXES:
             raise InvalidArgument(f"rotation: axis = {axis!r}: must be 'x', 'y', 'z' or three numbers")
@@ -62,7 +64,9 @@ def rotation(
     else:
         direction = _vector(axis, "rotation: axis")
         if not direction.any():
-            raise InvalidArgument("rotation: axis = (0, 0, 0): must have a direction; give 'x', 'y', 'z' or a vector")
+            raise InvalidArgument(
+                "rotation: axis = (0, 0, 0): must have a direction; give 'x', 'y', 'z' or a vector"
+            )
     angle = float(angle)
     if not math.isfinite(angle):
         raise InvalidArgument(f"rotation: angle = {angle} rad: must be finite; check where it is computed")
@@ -88,8 +92,8 @@ def as_matrix(value: ArrayLike | None, name: str) -> NDArray[np.float64]:
     determinant = np.linalg.det(array) if np.isfinite(array).all() else math.nan
     if not (error < 1e-6 and determinant > 0.0):
         raise InvalidArgument(
-            f"{name}: the matrix is off orthonormal by {error:.3g} and has determinant {determinant:.3g}: must be a "
-            f"rotation with determinant 1; build it with stark.rotation(axis=, angle=)"
+            f"{name}: the matrix is off orthonormal by {error:.3g} and has determinant {determinant:.3g}: "
+            f"must be a rotation with determinant 1; build it with stark.rotation(axis=, angle=)"
         )
     return array
 
@@ -126,7 +130,8 @@ def _from_quaternion(value: ArrayLike, name: str) -> NDArray[np.float64]:
 def to_quaternion(matrix: ArrayLike) -> NDArray[np.float64]:
     """Unit quaternion (w, x, y, z) with w >= 0 of a rotation matrix."""
     R = as_matrix(matrix, "matrix")
-    # The largest of the four components is computed by a root, the others from it: no division by small numbers.
+    # The largest of the four components is computed by a root, the others from it: no division by small
+    # numbers.
     t = np.array([np.trace(R), R[0, 0], R[1, 1], R[2, 2]])
     i = int(np.argmax(t))
     if i == 0:

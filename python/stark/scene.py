@@ -26,10 +26,9 @@ class StarkWarning(UserWarning):
 class FrictionTable:
     """Coefficients of friction of pairs of bodies: ``scene.friction[box, "floor"] = 0.3``.
 
-    Reading gives the coefficient that holds: the one set for the pair; else the geometric mean of the coefficients of
-    the two bodies, where ``scene.default_friction`` stands in for a body that was given none. A body with itself is its
-    self-contact.
-    """
+    Reading gives the coefficient that holds: the one set for the pair; else the geometric mean of the
+    coefficients of the two bodies, where ``scene.default_friction`` stands in for a body that was given none.
+    A body with itself is its self-contact."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -76,17 +75,26 @@ class Scene:
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Cloth:
-        """Adds a sheet. ``mesh`` is its rest shape; ``position`` [m] and ``rotation`` (matrix or quaternion) place it.
+        """Adds a sheet. ``mesh`` is its rest shape; ``position`` [m] and ``rotation`` (matrix or quaternion)
+        place it.
 
-        ``velocity`` [m/s] and ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame
-        of the mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of the
-        mesh are at rest). ``pins``: indices or mask of prescribed vertices. ``contact_distance`` [m]: half of the gap
-        that it keeps to bodies of the same value, ``contact.distance`` of the settings if left out.
-        """
+        ``velocity`` [m/s] and ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m],
+        in the frame of the mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or
+        "mesh" (the folds of the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
+        ``contact_distance`` [m]: half of the gap that it keeps to bodies of the same value,
+        ``contact.distance`` of the settings if left out."""
         _require(material, ShellMaterial, "cloth", "stark.materials.cotton")
         surface = meshes.as_triangle_mesh(mesh, _title("cloth", name))
         given = self._description(
-            name, surface.vertices, position, rotation, velocity, angular_velocity, contact_distance, friction, color
+            name,
+            surface.vertices,
+            position,
+            rotation,
+            velocity,
+            angular_velocity,
+            contact_distance,
+            friction,
+            color,
         )
         given |= {
             "triangles": surface.triangles,
@@ -123,9 +131,21 @@ class Scene:
         _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
         volume = meshes.as_tet_mesh(mesh, _title("solid", name))
         given = self._description(
-            name, volume.vertices, position, rotation, velocity, angular_velocity, contact_distance, friction, color
+            name,
+            volume.vertices,
+            position,
+            rotation,
+            velocity,
+            angular_velocity,
+            contact_distance,
+            friction,
+            color,
         )
-        given |= {"tets": volume.tets, "initial_positions": initial_positions, "self_contact": bool(self_contact)}
+        given |= {
+            "tets": volume.tets,
+            "initial_positions": initial_positions,
+            "self_contact": bool(self_contact),
+        }
         _check_pins(pins, len(volume.vertices), _title("solid", name))
         solid = Solid(self, self._core.add_solid(given, material._core), volume, color)
         self._append(solid)
@@ -156,19 +176,27 @@ class Scene:
     ) -> RigidBody:
         """Adds a rigid body with the surface ``mesh``.
 
-        A dynamic body needs one of ``mass`` [kg] (spread over the enclosed volume, or over the surface of open meshes),
-        ``density`` [kg/m^3] (closed meshes), ``inertia`` (mass [kg], centre of mass (3,) [m], tensor about it (3, 3)
-        [kg m^2], in the frame of the mesh). ``motion="fixed"`` never moves; ``motion="scripted"`` follows the poses that
-        are assigned to it, or its constant ``velocity`` [m/s] and ``angular_velocity`` [rad/s] until one is.
-        ``linear_damping`` and ``angular_damping`` in 1/s.
-        """
+        A dynamic body needs one of ``mass`` [kg] (spread over the enclosed volume, or over the surface of
+        open meshes), ``density`` [kg/m^3] (closed meshes), ``inertia`` (mass [kg], centre of mass (3,) [m],
+        tensor about it (3, 3) [kg m^2], in the frame of the mesh). ``motion="fixed"`` never moves;
+        ``motion="scripted"`` follows the poses that are assigned to it, or its constant ``velocity`` [m/s]
+        and ``angular_velocity`` [rad/s] until one is. ``linear_damping`` and ``angular_damping`` in 1/s."""
         surface = meshes.as_triangle_mesh(mesh, _title("rigid body", name))
         given = self._description(
-            name, surface.vertices, position, rotation, velocity, angular_velocity, contact_distance, friction, color
+            name,
+            surface.vertices,
+            position,
+            rotation,
+            velocity,
+            angular_velocity,
+            contact_distance,
+            friction,
+            color,
         )
         if inertia is not None and (not isinstance(inertia, tuple) or len(inertia) != 3):
             raise InvalidArgument(
-                f"{_title('rigid body', name)}: inertia = {inertia!r}: must be (mass, centre of mass, 3x3 tensor)"
+                f"{_title('rigid body', name)}: inertia = {inertia!r}: "
+                f"must be (mass, centre of mass, 3x3 tensor)"
             )
         given |= {
             "triangles": surface.triangles,
@@ -184,7 +212,8 @@ class Scene:
         return body
 
     def add_box(self, size: float | ArrayLike, *, subdivisions: int = 1, **options: Any) -> RigidBody:
-        """Rigid box about its origin; ``size`` is one edge length or three [m], options as in ``add_rigid``."""
+        """Rigid box about its origin; ``size`` is one edge length or three [m], options as in
+        ``add_rigid``."""
         return self._add_shape("box", meshes.box(size, subdivisions), options)
 
     def add_sphere(self, radius: float, *, subdivisions: int = 3, **options: Any) -> RigidBody:
@@ -196,7 +225,8 @@ class Scene:
         return self._add_shape("cylinder", meshes.cylinder(radius, height, segments), options)
 
     def add_capsule(self, radius: float, height: float, *, segments: int = 32, **options: Any) -> RigidBody:
-        """Rigid capsule about z, ``height`` between the centres of its half spheres; options as in ``add_rigid``."""
+        """Rigid capsule about z, ``height`` between the centres of its half spheres; options as in
+        ``add_rigid``."""
         return self._add_shape("capsule", meshes.capsule(radius, height, segments), options)
 
     def add_floor(self, size: float = 4.0, *, height: float = 0.0, **options: Any) -> RigidBody:
@@ -208,7 +238,8 @@ class Scene:
 
     @property
     def friction(self) -> FrictionTable:
-        """Coefficients of pairs: ``scene.friction[a, b] = 0.3``; see FrictionTable for pairs that are not set."""
+        """Coefficients of pairs: ``scene.friction[a, b] = 0.3``; see FrictionTable for pairs that are not
+        set."""
         return FrictionTable(self)
 
     @property
@@ -258,7 +289,8 @@ class Scene:
         return self._core.warnings
 
     def __repr__(self) -> str:
-        return f"<stark.Scene '{self.name}': {', '.join(f'{b.name} ({b.kind})' for b in self._bodies) or 'empty'}>"
+        bodies = ", ".join(f"{body.name} ({body.kind})" for body in self._bodies)
+        return f"<stark.Scene '{self.name}': {bodies or 'empty'}>"
 
     # --- details ---
 
@@ -306,7 +338,9 @@ class Scene:
     def _index(self, body: Body | str) -> int:
         if isinstance(body, Body):
             if body._scene is not self:
-                raise InvalidArgument(f"'{body.name}' belongs to another scene: must be a body of this one; add it here")
+                raise InvalidArgument(
+                    f"'{body.name}' belongs to another scene: must be a body of this one; add it here"
+                )
             return body._index
         if isinstance(body, str):
             return self._core.find(body)
@@ -314,7 +348,9 @@ class Scene:
 
     def _pair(self, pair: Any) -> tuple[int, int]:
         if not isinstance(pair, tuple) or len(pair) != 2:
-            raise InvalidArgument(f"pair = {pair!r}: must be two bodies or names, as in scene.friction[box, 'floor']")
+            raise InvalidArgument(
+                f"pair = {pair!r}: must be two bodies or names, as in scene.friction[box, 'floor']"
+            )
         return self._index(pair[0]), self._index(pair[1])
 
 
@@ -337,7 +373,9 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
     if array.dtype == bool and array.shape == (vertex_count,):
         return
     if array.size and array.dtype.kind not in "iu":
-        raise InvalidArgument(f"{owner}: pins of type {array.dtype}: must be vertex indices or a mask of ({vertex_count},)")
+        raise InvalidArgument(
+            f"{owner}: pins of type {array.dtype}: must be vertex indices or a mask of ({vertex_count},)"
+        )
     wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array
     if wrong.size:
         raise InvalidArgument(f"{owner}: pinned vertex {wrong.flat[0]}: must be in [0, {vertex_count})")

@@ -1,8 +1,7 @@
 """Settings with attribute access: ``settings.newton.step_tolerance = 1e-4``.
 
-Names, units, ranges and defaults are declared once in the core; every assignment is checked there. Rules between
-settings are checked when a simulation is made.
-"""
+Names, units, ranges and defaults are declared once in the core; every assignment is checked there. Rules
+between settings are checked when a simulation is made."""
 
 from __future__ import annotations
 
@@ -13,7 +12,7 @@ from stark import _core
 from stark._core import InvalidSetting
 
 
-class _UnknownSetting(InvalidSetting, AttributeError):
+class _UnknownSetting(InvalidSetting, AttributeError):  # noqa: N818
     """An unknown setting asked for as an attribute, so that hasattr() works."""
 
 
@@ -50,10 +49,9 @@ class SettingsGroup:
 class Settings:
     """All settings of a simulation.
 
-    ``Settings(time_step=1/30, contact_distance=2e-3, **{"newton.step_tolerance": 1e-4})``; short names exist for
-    ``time.step`` (time_step), ``contact.distance`` (contact_distance) and ``execution.threads`` (threads).
-    ``settings["newton.step_tolerance"]`` and ``settings.newton.step_tolerance`` are the same.
-    """
+    ``Settings(time_step=1/30, contact_distance=2e-3, **{"newton.step_tolerance": 1e-4})``; short names exist
+    for ``time.step`` (time_step), ``contact.distance`` (contact_distance) and ``execution.threads``
+    (threads). ``settings["newton.step_tolerance"]`` and ``settings.newton.step_tolerance`` are the same."""
 
     __slots__ = ("__weakref__", "_core")
 
@@ -100,6 +98,11 @@ class Settings:
         """Name, unit, default, rule, choices and meaning of every setting."""
         return _core.Settings.fields()
 
+    @staticmethod
+    def markdown() -> str:
+        """The reference table of all settings."""
+        return _core.Settings.markdown()
+
     def to_dict(self) -> dict[str, Any]:
         """All settings by dotted name; ``Settings(**d)`` restores them."""
         return self._core.to_dict()
@@ -133,7 +136,9 @@ class Settings:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if any(known.startswith(name + ".") for known in self.names()):
-            raise InvalidSetting(f"'{name}' is a group of settings, not a setting; assign to one of its fields")
+            raise InvalidSetting(
+                f"'{name}' is a group of settings, not a setting; assign to one of its fields"
+            )
         self._core.assign(name, value)
 
     def __dir__(self) -> list[str]:

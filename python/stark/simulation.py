@@ -1,4 +1,4 @@
-"""Running a scene: ``sim = stark.Simulation(scene, time_step=1/30)``, then ``for step in sim.run(until=1.0)``."""
+"""Running a scene: ``for step in stark.Simulation(scene, time_step=1/30).run(until=1.0)``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stark._core import State, StepReport
 
 
-class StepFailed(Error):
+class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
     """``Simulation.run`` met a step that failed even at the shortest time step; ``report`` is its report."""
 
     def __init__(self, report: StepReport) -> None:
@@ -30,23 +30,25 @@ class StepFailed(Error):
 class Simulation:
     """A scene being simulated.
 
-    ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3, **{"newton.step_tolerance":
-    1e-4})``: keyword arguments are settings by name, see ``stark.Settings``; both may be given, keywords win. The scene is
-    copied: later changes to it do not reach the simulation. Initial intersections raise ``InitialIntersection``.
-    """
+    ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3,
+    **{"newton.step_tolerance": 1e-4})``: keyword arguments are settings by name, see ``stark.Settings``; both
+    may be given, keywords win. The scene is copied: later changes to it do not reach the simulation. Initial
+    intersections raise ``InitialIntersection``."""
 
     def __init__(self, scene: Scene, settings: Settings | None = None, **options: Any) -> None:
         if not isinstance(scene, Scene):
             raise InvalidArgument(f"scene = {scene!r}: must be a stark.Scene")
         if settings is not None and not isinstance(settings, Settings):
-            raise InvalidArgument(f"settings = {settings!r}: must be a stark.Settings, or give settings as keywords")
+            raise InvalidArgument(
+                f"settings = {settings!r}: must be a stark.Settings, or give settings as keywords"
+            )
         self._settings = Settings() if settings is None else settings.copy()
         self._settings.update(options)
         self._settings.validate()
         if len(scene) == 0:
             raise InvalidArgument(
-                f"scene '{scene.name}' has 0 bodies: must have at least one to simulate; add one with scene.add_cloth, "
-                f"add_solid or add_rigid"
+                f"scene '{scene.name}' has 0 bodies: must have at least one to simulate; "
+                f"add one with scene.add_cloth, add_solid or add_rigid"
             )
         self._scene = scene
         for message in scene._core.check_contact_distances(self._settings._core):
@@ -59,8 +61,9 @@ class Simulation:
     # --- stepping ---
 
     def step(self, *, max_time_step: float | None = None) -> StepReport:
-        """One time step. A step that fails is a value: look at ``report.status``. Ctrl-C stops it between iterations and
-        leaves the state as it was. ``max_time_step`` [s] shortens this step, to end at a given time."""
+        """One time step. A step that fails is a value: look at ``report.status``. Ctrl-C stops it between
+        iterations and leaves the state as it was. ``max_time_step`` [s] shortens this step, to end at a given
+        time."""
         if max_time_step is None:
             return self._core.step()
         if not max_time_step > 0.0:
@@ -68,7 +71,8 @@ class Simulation:
         return self._core.step(float(max_time_step))
 
     def run(self, until: float) -> Iterator[StepReport]:
-        """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end there.
+        """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end
+        there.
 
         A failed step is yielded as well; going on after it raises StepFailed.
         """
@@ -87,8 +91,8 @@ class Simulation:
                 raise StepFailed(report)
 
     def run_until(self, until: float, stop: Callable[[], bool] | None = None) -> StepReport | None:
-        """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is asked after
-        each step and ends the run when true."""
+        """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is
+        asked after each step and ends the run when true."""
         report = None
         for report in self.run(until):
             if stop is not None and not report.failed and stop():
@@ -109,7 +113,8 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """Everything that changes in time, as a value: ``before = sim.state``; ``sim.state = before`` rewinds bitwise."""
+        """Everything that changes in time, as a value: ``before = sim.state``; ``sim.state = before`` rewinds
+        bitwise."""
         return self._core.state
 
     @state.setter

@@ -27,8 +27,9 @@ namespace {
 struct Inner {
   double stiffness = 2.0;
   static const FieldTable& fields() {
-    static const FieldTable table("inner", TableKind::Settings,
-                                  {field(&Inner::stiffness, "stiffness", "N/m", positive(), "stiffness of the spring")});
+    static const FieldTable table(
+        "inner", TableKind::Settings,
+        {field(&Inner::stiffness, "stiffness", "N/m", positive(), "stiffness of the spring")});
     return table;
   }
 };
@@ -43,12 +44,13 @@ struct Outer {
   Inner inner;
   static const FieldTable& fields() {
     static const FieldTable table = [] {
-      std::vector<Field> all = {field(&Outer::active, "active", "switch"),
-                                field(&Outer::count, "count", "1", at_least(1), "number of things"),
-                                field(&Outer::angle, "angle", "rad", half_open_interval(0.0, 1.5), "opening angle"),
-                                field(&Outer::shape, "shape", "form of the thing"),
-                                field(&Outer::label, "label", "title"),
-                                field(&Outer::direction, "direction", "m", any_number(), "direction of the thing")};
+      std::vector<Field> all = {
+          field(&Outer::active, "active", "switch"),
+          field(&Outer::count, "count", "1", at_least(1), "number of things"),
+          field(&Outer::angle, "angle", "rad", half_open_interval(0.0, 1.5), "opening angle"),
+          field(&Outer::shape, "shape", "form of the thing"),
+          field(&Outer::label, "label", "title"),
+          field(&Outer::direction, "direction", "m", any_number(), "direction of the thing")};
       for (const Field& f : group(&Outer::inner, "inner", Inner::fields())) all.push_back(f);
       return FieldTable("the test", TableKind::Settings, all);
     }();
@@ -65,7 +67,9 @@ std::string message_of(const std::function<void()>& action) {
   return "no exception";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 }  // namespace
 
@@ -164,7 +168,8 @@ TEST_CASE("unknown names are refused with the nearest one, or with all of them")
   const auto unknown = [&](const char* name) {
     return message_of([&] { Outer::fields().set(&object, name, 1.0); });
   };
-  CHECK(contains(unknown("inner.stifness"), "unknown setting 'inner.stifness' of the test (did you mean 'inner.stiffness'?)"));
+  CHECK(contains(unknown("inner.stifness"),
+                 "unknown setting 'inner.stifness' of the test (did you mean 'inner.stiffness'?)"));
   CHECK(contains(unknown("stiffness"), "did you mean 'inner.stiffness'?"));
   CHECK(contains(unknown("angel"), "did you mean 'angle'?"));
   CHECK(contains(unknown("something_else_entirely"), "known are 'active', 'count'"));
@@ -207,7 +212,8 @@ TEST_CASE("validate finds values that were written past the table") {
 TEST_CASE("the reference table has a row for each field") {
   const std::string markdown = Outer::fields().markdown();
   CHECK(contains(markdown, "| `inner.stiffness` | 2 | N/m | > 0 and finite | stiffness of the spring |"));
-  CHECK(static_cast<size_t>(std::count(markdown.begin(), markdown.end(), '\n')) == 2 + Outer::fields().fields().size());
+  CHECK(static_cast<size_t>(std::count(markdown.begin(), markdown.end(), '\n')) ==
+        2 + Outer::fields().fields().size());
 }
 
 TEST_CASE("edit distance of textbook pairs") {

@@ -1,5 +1,5 @@
-// Candidates against brute force: complete (no pair in reach is missing), exact (no pair whose boxes are apart), sorted,
-// unique, independent of threads and history.
+// Candidates against brute force: complete (no pair in reach is missing), exact (no pair whose boxes are
+// apart), sorted, unique, independent of threads and history.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ struct DoubleBox {
 };
 
 template <size_t N>
-DoubleBox box_of(const std::array<int32_t, N>& ids, std::span<const Vec3> x0, std::span<const Vec3> x1, double r) {
+DoubleBox box_of(const std::array<int32_t, N>& ids, std::span<const Vec3> x0, std::span<const Vec3> x1,
+                 double r) {
   DoubleBox box;
   for (const int32_t v : ids) {
     for (const Vec3& p : {x0[v], x1[v]}) {
@@ -63,7 +64,8 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
   for (const Index2& e : mesh.edges) with_edge.insert(e.begin(), e.end());
   for (const Index3& t : mesh.triangles) {
     with_edge.insert(t.begin(), t.end());
-    for (int k = 0; k < 3; ++k) triangle_edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    for (int k = 0; k < 3; ++k)
+      triangle_edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
   }
   used = with_edge;
   used.insert(mesh.points.begin(), mesh.points.end());
@@ -81,11 +83,15 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
     }
     if (with_edge.count(v)) continue;
     for (size_t e = 0; e < mesh.edges.size(); ++e) {
-      if (triangle_edges.count({std::min(mesh.edges[e][0], mesh.edges[e][1]), std::max(mesh.edges[e][0], mesh.edges[e][1])})) continue;
-      if (near(point, group, mesh.edges[e], mesh.edge_group[e])) list.point_edge.push_back({v, static_cast<int32_t>(e)});
+      if (triangle_edges.count(
+              {std::min(mesh.edges[e][0], mesh.edges[e][1]), std::max(mesh.edges[e][0], mesh.edges[e][1])}))
+        continue;
+      if (near(point, group, mesh.edges[e], mesh.edge_group[e]))
+        list.point_edge.push_back({v, static_cast<int32_t>(e)});
     }
     for (const int32_t w : used) {
-      if (w > v && !with_edge.count(w) && near(point, group, std::array<int32_t, 1>{w}, mesh.vertex_group[w])) {
+      if (w > v && !with_edge.count(w) &&
+          near(point, group, std::array<int32_t, 1>{w}, mesh.vertex_group[w])) {
         list.point_point.push_back({v, w});
       }
     }
@@ -123,7 +129,8 @@ SceneBuilder mixed_scene(RandomPoints& random) {
   for (int k = 0; k < 5; ++k) scene.add_mesh(make_box({0.2, 0.2, 0.2}, 1 + k % 3), random.point() * 0.5);
   scene.add_mesh(make_icosphere(0.2, 1), {0.1, 0.2, 0.3});
   std::vector<Vec3> rod, particles;
-  for (int k = 0; k < 30; ++k) rod.push_back({-0.5 + k / 29.0, 0.1 * random.uniform(), 0.1 * random.uniform()});
+  for (int k = 0; k < 30; ++k)
+    rod.push_back({-0.5 + k / 29.0, 0.1 * random.uniform(), 0.1 * random.uniform()});
   for (int k = 0; k < 40; ++k) particles.push_back(random.point() * 0.5);
   scene.add_rod(rod);
   scene.add_particles(particles);
@@ -200,7 +207,8 @@ TEST_CASE("a list built with a motion budget stays complete while vertices move 
         if (ids[0] == v || ids[1] == v || ids[2] == v) continue;
         if (point_triangle_squared_distance(x[v], x[ids[0]], x[ids[1]], x[ids[2]]) > reach * reach) continue;
         const PointTriangleCandidate pair{v, t};
-        count += std::find(list.point_triangle.begin(), list.point_triangle.end(), pair) == list.point_triangle.end();
+        count += std::find(list.point_triangle.begin(), list.point_triangle.end(), pair) ==
+                 list.point_triangle.end();
       }
     }
     return count;

@@ -34,7 +34,8 @@ TEST_CASE("edge-triangle intersections equal brute force") {
         bool shared = false;
         for (const int32_t v : i) shared = shared || v == j[0] || v == j[1] || v == j[2];
         if (shared || !filter.allowed(mesh.edge_group[e], mesh.triangle_group[t])) continue;
-        if (segment_intersects_triangle(scene.x[i[0]], scene.x[i[1]], scene.x[j[0]], scene.x[j[1]], scene.x[j[2]])) {
+        if (segment_intersects_triangle(scene.x[i[0]], scene.x[i[1]], scene.x[j[0]], scene.x[j[1]],
+                                        scene.x[j[2]])) {
           expected.push_back({static_cast<int32_t>(e), static_cast<int32_t>(t)});
         }
       }

@@ -1,5 +1,5 @@
-// Distances and types against an independent oracle: minimum over all features (clamped projections), evaluated in
-// extended precision.
+// Distances and types against an independent oracle: minimum over all features (clamped projections),
+// evaluated in extended precision.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -33,9 +33,11 @@ long double segment_distance2(const Vec3& p, const Vec3& e0, const Vec3& e1) {
   return dot(r, r);
 }
 
-// A triangle's interior counts only if the projection lies inside: barycentric coordinates by normal equations.
+// A triangle's interior counts only if the projection lies inside: barycentric coordinates by normal
+// equations.
 long double triangle_distance2(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2) {
-  long double best = std::min({segment_distance2(p, t0, t1), segment_distance2(p, t1, t2), segment_distance2(p, t2, t0)});
+  long double best =
+      std::min({segment_distance2(p, t0, t1), segment_distance2(p, t1, t2), segment_distance2(p, t2, t0)});
   const Long3 a = sub(t1, t0), b = sub(t2, t0), w = sub(p, t0);
   const long double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), wa = dot(w, a), wb = dot(w, b);
   const long double determinant = aa * bb - ab * ab;
@@ -66,12 +68,13 @@ long double edge_edge_distance2(const Vec3& a0, const Vec3& a1, const Vec3& b0, 
   return best;
 }
 
-double weighted_distance2(const std::array<double, 4>& w, const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
+double weighted_distance2(const std::array<double, 4>& w, const Vec3& a0, const Vec3& a1, const Vec3& b0,
+                          const Vec3& b1) {
   return squared_norm(a0 * w[0] + a1 * w[1] - b0 * w[2] - b1 * w[3]);
 }
 
-// Squared distances of configurations of size one carry an absolute rounding error of some eps |x| d + eps^2; near
-// degenerate normals amplify it, for which sqrt(1e-20) is the threshold of the degenerate branch.
+// Squared distances of configurations of size one carry an absolute rounding error of some eps |x| d + eps^2;
+// near degenerate normals amplify it, for which sqrt(1e-20) is the threshold of the degenerate branch.
 constexpr double kTolerance = 1e-13;
 
 }  // namespace
@@ -84,7 +87,8 @@ TEST_CASE("point-triangle: random and lattice configurations match the oracle") 
     for (Vec3& v : x) v = lattice ? random.lattice() : random.point();
     const double oracle = static_cast<double>(triangle_distance2(x[0], x[1], x[2], x[3]));
     const PointTriangleType type = point_triangle_type(x[0], x[1], x[2], x[3]);
-    REQUIRE(std::fabs(point_triangle_squared_distance(x[0], x[1], x[2], x[3]) - oracle) <= kTolerance * (1 + oracle));
+    REQUIRE(std::fabs(point_triangle_squared_distance(x[0], x[1], x[2], x[3]) - oracle) <=
+            kTolerance * (1 + oracle));
     const auto w = point_triangle_weights(x[0], x[1], x[2], x[3], type);
     REQUIRE(std::fabs(w[0] + w[1] + w[2] - 1.0) < 1e-15);
     REQUIRE(std::min({w[0], w[1], w[2]}) >= -1e-16);
@@ -110,13 +114,17 @@ TEST_CASE("edge-edge: random, lattice and nearly parallel configurations match t
     }
     const double oracle = static_cast<double>(edge_edge_distance2(x[0], x[1], x[2], x[3]));
     CAPTURE(round);
-    CAPTURE(squared_norm(cross(x[1] - x[0], x[3] - x[2])) / squared_norm(x[1] - x[0]) / squared_norm(x[3] - x[2]));
+    CAPTURE(squared_norm(cross(x[1] - x[0], x[3] - x[2])) / squared_norm(x[1] - x[0]) /
+            squared_norm(x[3] - x[2]));
     const EdgeEdgeType type = edge_edge_type(x[0], x[1], x[2], x[3]);
-    REQUIRE(std::fabs(edge_edge_squared_distance(x[0], x[1], x[2], x[3]) - oracle) <= tolerance * (1 + oracle));
+    REQUIRE(std::fabs(edge_edge_squared_distance(x[0], x[1], x[2], x[3]) - oracle) <=
+            tolerance * (1 + oracle));
     const auto w = edge_edge_weights(x[0], x[1], x[2], x[3], type);
-    REQUIRE(std::fabs(weighted_distance2(w, x[0], x[1], x[2], x[3]) - oracle) <= 10 * kTolerance * (1 + oracle));
+    REQUIRE(std::fabs(weighted_distance2(w, x[0], x[1], x[2], x[3]) - oracle) <=
+            10 * kTolerance * (1 + oracle));
     // Symmetric in the two edges.
-    REQUIRE(std::fabs(edge_edge_squared_distance(x[2], x[3], x[0], x[1]) - oracle) <= tolerance * (1 + oracle));
+    REQUIRE(std::fabs(edge_edge_squared_distance(x[2], x[3], x[0], x[1]) - oracle) <=
+            tolerance * (1 + oracle));
   }
 }
 

@@ -1,4 +1,5 @@
-// Exact predicates against integer arithmetic; segment-triangle tests against a rational oracle; point location.
+// Exact predicates against integer arithmetic; segment-triangle tests against a rational oracle; point
+// location.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -29,7 +30,8 @@ Int determinant(const IntPoint& a, const IntPoint& b, const IntPoint& c, const I
 }  // namespace
 
 TEST_CASE("orient3d and orient2d agree with integer arithmetic on nearly degenerate input") {
-  // Points a + i u + j v + small noise on a lattice of 2^-30: exact in double and, scaled, in 128-bit integers.
+  // Points a + i u + j v + small noise on a lattice of 2^-30: exact in double and, scaled, in 128-bit
+  // integers.
   RandomPoints random(21);
   int zeros = 0;
   for (int round = 0; round < 200000; ++round) {
@@ -42,7 +44,8 @@ TEST_CASE("orient3d and orient2d agree with integer arithmetic on nearly degener
     }
     for (int p = 1; p < 4; ++p) {
       const int i = random.integer(-16, 16), j = random.integer(-16, 16);
-      for (int k = 0; k < 3; ++k) x[p][k] = x[0][k] + i * u[k] + j * v[k] + (round % 2 ? random.integer(-1, 1) : 0);
+      for (int k = 0; k < 3; ++k)
+        x[p][k] = x[0][k] + i * u[k] + j * v[k] + (round % 2 ? random.integer(-1, 1) : 0);
     }
     Vec3 points[4];
     IntPoint exact[4];
@@ -56,7 +59,8 @@ TEST_CASE("orient3d and orient2d agree with integer arithmetic on nearly degener
     REQUIRE(orient3d(points[1], points[0], points[2], points[3]) == -expected);
     const Int flat = (exact[1].x - exact[0].x) * (exact[2].y - exact[0].y) -
                      (exact[1].y - exact[0].y) * (exact[2].x - exact[0].x);
-    REQUIRE(orient2d(points[0].x, points[0].y, points[1].x, points[1].y, points[2].x, points[2].y) == sign(flat));
+    REQUIRE(orient2d(points[0].x, points[0].y, points[1].x, points[1].y, points[2].x, points[2].y) ==
+            sign(flat));
   }
   CHECK(zeros > 90000);  // every other round is exactly coplanar
 }
@@ -75,7 +79,8 @@ TEST_CASE("segment-triangle: touching counts, near misses do not") {
   CHECK(segment_intersects_triangle({0.2, 0.2, 0}, {0.2, 0.2, 1}, a, b, c));
   CHECK_FALSE(segment_intersects_triangle({0.2, 0.2, 5e-324}, {0.2, 0.2, 1}, a, b, c) == true);
   CHECK(segment_intersects_triangle({0.5, 0.5, -1}, {0.5, 0.5, 1}, a, b, c));
-  CHECK_FALSE(segment_intersects_triangle({0.5, std::nextafter(0.5, 1), -1}, {0.5, std::nextafter(0.5, 1), 1}, a, b, c));
+  CHECK_FALSE(segment_intersects_triangle({0.5, std::nextafter(0.5, 1), -1}, {0.5, std::nextafter(0.5, 1), 1},
+                                          a, b, c));
   CHECK(segment_intersects_triangle({0, 0, -1}, {0, 0, 1}, a, b, c));
   CHECK_FALSE(segment_intersects_triangle({-1e-300, 0.5, -1}, {-1e-300, 0.5, 1}, a, b, c));
   // Coplanar.
@@ -87,7 +92,8 @@ TEST_CASE("segment-triangle: touching counts, near misses do not") {
 }
 
 TEST_CASE("segment-triangle equals the clipped-line oracle on lattice configurations") {
-  // Oracle in integers: intersection of the line with the plane at rational parameter, inside test by integer areas.
+  // Oracle in integers: intersection of the line with the plane at rational parameter, inside test by integer
+  // areas.
   RandomPoints random(22);
   int hits = 0;
   for (int round = 0; round < 200000; ++round) {
@@ -107,7 +113,8 @@ TEST_CASE("segment-triangle equals the clipped-line oracle on lattice configurat
       const auto scaled = [&](const IntPoint& p) { return IntPoint{p.x * w, p.y * w, p.z * w}; };
       const IntPoint a = scaled(e[2]), b = scaled(e[3]), c = scaled(e[4]);
       const auto area = [](const IntPoint& p, const IntPoint& q, const IntPoint& r) {
-        const Int ux = q.x - p.x, uy = q.y - p.y, uz = q.z - p.z, vx = r.x - p.x, vy = r.y - p.y, vz = r.z - p.z;
+        const Int ux = q.x - p.x, uy = q.y - p.y, uz = q.z - p.z, vx = r.x - p.x, vy = r.y - p.y,
+                  vz = r.z - p.z;
         return IntPoint{uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
       };
       const IntPoint n = area(a, b, c), n0 = area(a, b, m), n1 = area(b, c, m), n2 = area(c, a, m);
@@ -130,7 +137,8 @@ TEST_CASE("point location in a torus agrees with the analytic one away from the 
     const double r = std::hypot(std::hypot(p.x, p.y) - 1.0, p.z);
     if (std::fabs(r - 0.4) < 0.01) continue;
     inside += r < 0.4;
-    REQUIRE(locate_point(p, torus.vertices, torus.triangles) == (r < 0.4 ? PointLocation::Inside : PointLocation::Outside));
+    REQUIRE(locate_point(p, torus.vertices, torus.triangles) ==
+            (r < 0.4 ? PointLocation::Inside : PointLocation::Outside));
   }
   CHECK(inside > 300);
 }
@@ -141,7 +149,9 @@ TEST_CASE("point location on symmetric points of a box") {
   CHECK(locate_point({0.5, 0.5, 0.5}, box.vertices, box.triangles) == PointLocation::Inside);
   CHECK(locate_point({1, 0, 0}, box.vertices, box.triangles) == PointLocation::OnSurface);
   CHECK(locate_point({1, 1, 1}, box.vertices, box.triangles) == PointLocation::OnSurface);
-  CHECK(locate_point({std::nextafter(1.0, 0.0), 0.3, 0.2}, box.vertices, box.triangles) == PointLocation::Inside);
-  CHECK(locate_point({std::nextafter(1.0, 2.0), 0.3, 0.2}, box.vertices, box.triangles) == PointLocation::Outside);
+  CHECK(locate_point({std::nextafter(1.0, 0.0), 0.3, 0.2}, box.vertices, box.triangles) ==
+        PointLocation::Inside);
+  CHECK(locate_point({std::nextafter(1.0, 2.0), 0.3, 0.2}, box.vertices, box.triangles) ==
+        PointLocation::Outside);
   CHECK(locate_point({0, 0, 5}, box.vertices, box.triangles) == PointLocation::Outside);
 }

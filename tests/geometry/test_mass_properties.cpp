@@ -30,7 +30,8 @@ TEST_CASE("solid box, moved and turned far away") {
   std::mt19937 random(1);
   const Vec3 size{0.1, 0.2, 0.3};
   const double density = 700.0, mass = density * 0.006;
-  const Mat3 body = Mat3::diagonal({mass / 12 * (0.04 + 0.09), mass / 12 * (0.01 + 0.09), mass / 12 * (0.01 + 0.04)});
+  const Mat3 body =
+      Mat3::diagonal({mass / 12 * (0.04 + 0.09), mass / 12 * (0.01 + 0.09), mass / 12 * (0.01 + 0.04)});
   for (int round = 0; round < 20; ++round) {
     const Mat3 rotation = random_rotation(random);
     const Vec3 shift{100.0, -50.0, 20.0};
@@ -71,7 +72,8 @@ TEST_CASE("inward orientation shows as negative volume") {
 
 TEST_CASE("principal axes: residual, rotation, order; also for repeated and widely spread values") {
   std::mt19937 random(2);
-  const std::vector<Vec3> spectra = {{1, 2, 3}, {1, 1, 2}, {1, 2, 2}, {1, 1, 1}, {1e-9, 1, 1e9}, {-1, 0, 1}, {0, 0, 0}};
+  const std::vector<Vec3> spectra = {{1, 2, 3},      {1, 1, 2},  {1, 2, 2}, {1, 1, 1},
+                                     {1e-9, 1, 1e9}, {-1, 0, 1}, {0, 0, 0}};
   for (const Vec3& spectrum : spectra) {
     for (int round = 0; round < 50; ++round) {
       const Mat3 rotation = random_rotation(random);
@@ -88,7 +90,8 @@ TEST_CASE("principal axes: residual, rotation, order; also for repeated and wide
       CHECK(p.values.y <= p.values.z);
       CHECK(largest_difference(transpose(p.axes) * p.axes, Mat3::identity()) < 1e-14);
       CHECK(determinant(p.axes) == doctest::Approx(1.0).epsilon(1e-14));
-      CHECK(largest_difference(p.axes * Mat3::diagonal(p.values) * transpose(p.axes), a) < 1e-14 * scale * 10);
+      CHECK(largest_difference(p.axes * Mat3::diagonal(p.values) * transpose(p.axes), a) <
+            1e-14 * scale * 10);
     }
   }
 }

@@ -36,7 +36,8 @@ TEST_CASE("grid: counts, extent, +z normals, antisymmetric coordinates") {
   CHECK(grid.vertices.front() == Vec3{-0.2, -0.1, 0.0});
   CHECK(grid.vertices.back() == Vec3{0.2, 0.1, 0.0});
   for (const Index3& t : grid.triangles) {
-    const Vec3 n = cross(grid.vertices[t[1]] - grid.vertices[t[0]], grid.vertices[t[2]] - grid.vertices[t[0]]);
+    const Vec3 n =
+        cross(grid.vertices[t[1]] - grid.vertices[t[0]], grid.vertices[t[2]] - grid.vertices[t[0]]);
     CHECK(n.z == doctest::Approx(0.0125 * 0.02).epsilon(1e-12));
   }
   for (int k = 0; k < 33 * 11; ++k) CHECK(grid.vertices[k] == -grid.vertices[33 * 11 - 1 - k]);
@@ -57,7 +58,8 @@ TEST_CASE("volumes and sizes") {
   CHECK(make_box({1, 1, 1}).triangles.size() == 12);
   CHECK(volume(make_box({1, 2, 3}, 3)) == doctest::Approx(6.0).epsilon(1e-14));
   CHECK(make_icosphere(1.0, 3).vertices.size() == 642);
-  for (const Vec3& v : make_icosphere(0.25, 3).vertices) CHECK(norm(v) == doctest::Approx(0.25).epsilon(1e-15));
+  for (const Vec3& v : make_icosphere(0.25, 3).vertices)
+    CHECK(norm(v) == doctest::Approx(0.25).epsilon(1e-15));
   // Inscribed polyhedra converge from below with the square of the edge length.
   const double sphere = 4.0 / 3.0 * kPi;
   CHECK((sphere - volume(make_icosphere(1.0, 4))) / (sphere - volume(make_icosphere(1.0, 5))) ==

@@ -79,7 +79,8 @@ TEST_CASE("components, used vertices, areas") {
   const TriangleMesh grid = make_grid(2.0, 1.0, 4, 2);
   double vertex_sum = 0.0, edge_sum = 0.0;
   for (const double a : compute_vertex_areas(grid.vertices, grid.triangles)) vertex_sum += a;
-  for (const double a : compute_edge_areas(grid.vertices, grid.triangles, find_edges(grid.triangles))) edge_sum += a;
+  for (const double a : compute_edge_areas(grid.vertices, grid.triangles, find_edges(grid.triangles)))
+    edge_sum += a;
   CHECK(vertex_sum == doctest::Approx(2.0).epsilon(1e-14));
   CHECK(edge_sum == doctest::Approx(2.0).epsilon(1e-14));
 }
@@ -88,9 +89,10 @@ TEST_CASE("validation names the mesh and the element") {
   TriangleMesh mesh = make_grid(1.0, 1.0, 1, 1);
   CHECK_NOTHROW(validate(mesh, "cloth"));
   mesh.triangles.push_back({0, 1, 9});
-  CHECK_THROWS_WITH_AS(validate(mesh, "cloth"),
-                       "cloth: triangle 2 uses vertex 9, but there are 4 vertices (0-based); check the index array",
-                       InvalidMesh);
+  CHECK_THROWS_WITH_AS(
+      validate(mesh, "cloth"),
+      "cloth: triangle 2 uses vertex 9, but there are 4 vertices (0-based); check the index array",
+      InvalidMesh);
   mesh.triangles.back() = {0, 1, 1};
   CHECK_THROWS_AS(validate(mesh, "cloth"), InvalidMesh);
   mesh.triangles.pop_back();

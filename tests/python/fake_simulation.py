@@ -1,4 +1,5 @@
-"""A simulation without physics that speaks the protocol of recordings: a waving cloth, a turning box, a floor."""
+"""A simulation without physics that speaks the protocol of recordings: a waving cloth, a turning box, a
+floor."""
 
 from __future__ import annotations
 
@@ -60,11 +61,19 @@ class FakeSimulation:
         floor, floor_triangles = box((4.0, 4.0, 0.1))
         body = SimpleNamespace
         self.bodies = [
-            body(name="cloth", kind="cloth", motion="dynamic", triangles=cloth_triangles, color=(0.8, 0.3, 0.2)),
-            body(name="</script>box & 'Ω'", kind="rigid", motion="scripted", triangles=box_triangles, color=None),
+            body(
+                name="cloth", kind="cloth", motion="dynamic", triangles=cloth_triangles, color=(0.8, 0.3, 0.2)
+            ),
+            body(
+                name="</script>box & 'Ω'",
+                kind="rigid",
+                motion="scripted",
+                triangles=box_triangles,
+                color=None,
+            ),
             body(name="floor", kind="rigid", motion="fixed", triangles=floor_triangles, color=None),
         ]
-        self.bodies[2].positions = floor + [0.0, 0.0, -0.35]
+        self.bodies[2].positions = floor - np.array([0.0, 0.0, 0.35])
         self._place()
 
     def _place(self) -> None:

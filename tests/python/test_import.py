@@ -16,9 +16,9 @@ from stark import _cpu
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Bound for `import stark`, NumPy included, with files in the page cache. Best of several runs, since other
-# work on the machine can only make it slower.
-IMPORT_SECONDS = 0.15
+# `import stark` shall take 0.15 s with files in the page cache. NumPy takes 0.08 to 0.09 s of it on a quiet
+# machine, so the share of Stark is bounded. Processor time, best of several: a busy machine shall not fail it.
+OWN_IMPORT_SECONDS = 0.06
 
 
 def test_version_is_the_one_of_the_project() -> None:
@@ -53,16 +53,15 @@ def test_type_information_is_shipped() -> None:
 
 def test_import_is_fast_and_loads_nothing_optional() -> None:
     code = (
-        "import json, sys, time; start = time.perf_counter(); import stark; "
-        "print(json.dumps([time.perf_counter() - start, sorted({m.split('.')[0] for m in sys.modules})]))"
+        "import json, sys, time; import numpy; start = time.process_time(); import stark; "
+        "print(json.dumps([time.process_time() - start, sorted({m.split('.')[0] for m in sys.modules})]))"
     )
+    command = [sys.executable, "-c", code]
     runs = [
-        json.loads(
-            subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-        )
+        json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
         for _ in range(7)
     ]
-    assert min(seconds for seconds, _ in runs) < IMPORT_SECONDS
+    assert min(seconds for seconds, _ in runs) < OWN_IMPORT_SECONDS
     optional = {
         "ipctk",
         "scipy",

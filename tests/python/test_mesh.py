@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 import stark
 from stark import InvalidMesh, mesh
 
@@ -63,7 +64,8 @@ def test_oriented_repairs_any_mixture() -> None:
     wrong = generator.random(len(triangles)) < 0.5
     triangles[wrong] = triangles[wrong][:, ::-1]
     two = mesh.TriangleMesh(
-        np.vstack([sphere.vertices, sphere.vertices + 5]), np.vstack([triangles, triangles[:, ::-1] + len(sphere.vertices)])
+        np.vstack([sphere.vertices, sphere.vertices + 5]),
+        np.vstack([triangles, triangles[:, ::-1] + len(sphere.vertices)]),
     )
     repaired = mesh.oriented(two)
     assert repaired.volume == pytest.approx(2 * sphere.volume, rel=1e-12)
@@ -85,7 +87,7 @@ def test_merged_and_compact() -> None:
     assert len(mesh.compact(spare).vertices) == 8 and mesh.compact(spare).volume == pytest.approx(1.0)
 
 
-# --- files ------------------------------------------------------------------------------------------------------------
+# --- files --------------------------------------------------------------------------------------------------
 
 OBJ = """# a box side and a quad, with all forms of indices
 v 0 0 0
@@ -109,7 +111,8 @@ def test_obj(tmp_path: Path) -> None:
 
 def ply(layout: str) -> bytes:
     header = (
-        f"ply\nformat {layout} 1.0\ncomment x\nelement vertex 4\nproperty double x\nproperty float y\nproperty float z\n"
+        f"ply\nformat {layout} 1.0\ncomment x\nelement vertex 4\nproperty double x\n"
+        "property float y\nproperty float z\n"
         "property uchar red\nelement edge 1\nproperty int a\nproperty int b\n"
         "element face 1\nproperty uchar group\nproperty list uchar int vertex_indices\nend_header\n"
     ).encode()
@@ -139,13 +142,25 @@ def test_stl(tmp_path: Path, binary: bool) -> None:
         data += b"".join(struct.pack("<12fH", 0, 0, 0, *t.ravel(), 0) for t in corners)
     else:
         facets = "".join(
-            "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in t) + "endloop\nendfacet\n"
+            "facet normal 0 0 0\nouter loop\n"
+            + "".join(f"vertex {x} {y} {z}\n" for x, y, z in t)
+            + "endloop\nendfacet\n"
             for t in corners.tolist()
         )
         data = f"solid box\n{facets}endsolid box\n".encode()
     (tmp_path / "a.stl").write_bytes(data)
     loaded = mesh.load(tmp_path / "a.stl")
     assert len(loaded.vertices) == 8 and loaded.is_closed and loaded.volume == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("original", [mesh.sphere(0.1, 1), mesh.tet_box(0.3, 2)], ids=["surface", "volume"])
+def test_saved_meshes_come_back_bit_by_bit(tmp_path: Path, original: mesh.Mesh) -> None:
+    original.save(tmp_path / "a.npz")
+    loaded = mesh.load(tmp_path / "a.npz")
+    assert type(loaded) is type(original)
+    assert all(np.array_equal(getattr(loaded, name), array) for name, array in vars(original).items())
+    with pytest.raises(stark.InvalidArgument, match=r"must end in \.npz"):
+        original.save(tmp_path / "a.obj")
 
 
 @pytest.mark.parametrize(
@@ -159,6 +174,7 @@ def test_stl(tmp_path: Path, binary: bool) -> None:
         ("a.ply", b"solid", "does not start with a PLY header"),
         ("a.ply", ply("binary_little_endian")[:-9], "ends too early"),
         ("a.ply", ply("ascii")[:-9], "ends too early"),
+        ("a.npz", b"PK", "not a valid NPZ file"),
         ("a.stl", b"\0" * 90, "not a valid STL file|0 triangles"),
     ],
 )
@@ -169,7 +185,9 @@ def test_broken_files_are_refused_by_name(tmp_path: Path, name: str, data: bytes
     assert name in str(caught.value)
 
 
-def test_formats_of_other_libraries_name_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_formats_of_other_libraries_name_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
     monkeypatch.setitem(__import__("sys").modules, "meshio", None)
     monkeypatch.setitem(__import__("sys").modules, "pytetwild", None)

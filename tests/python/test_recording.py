@@ -1,4 +1,5 @@
-"""Recordings: what is written comes back, a killed run stays readable, damage is reported, exports are exact."""
+"""Recordings: what is written comes back, a killed run stays readable, damage is reported, exports are
+exact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Replay pages: the encoding loses less than a stated bound, and a browser decodes and draws what was recorded."""
+"""Replay pages: the encoding loses less than a stated bound, and a browser decodes and draws what was
+recorded."""
 
 from __future__ import annotations
 
@@ -186,7 +187,8 @@ def test_browser_decodes_the_same_numbers(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(_CHROMIUM is None, reason="needs chromium: apt-get install chromium")
 def test_browser_draws_the_bodies(tmp_path: Path) -> None:
-    """The picture must show much of the cloth's colour (0.8, 0.3, 0.2), which appears nowhere else in the page."""
+    """The picture must show much of the cloth's colour (0.8, 0.3, 0.2), which appears nowhere else in the
+    page."""
     page = write_page(record(tmp_path / "run", 5, cells=10))
     shot = tmp_path / "shot.png"
     options = (f"--screenshot={shot}", "--hide-scrollbars")

@@ -1,5 +1,6 @@
-// The scene description: what is accepted, what is computed from it, which pairs touch with which friction, and that a
-// refused body leaves the scene as it was. Messages are tested through Python (tests/python/test_bad_input.py).
+// The scene description: what is accepted, what is computed from it, which pairs touch with which friction,
+// and that a refused body leaves the scene as it was. Messages are tested through Python
+// (tests/python/test_bad_input.py).
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -76,7 +77,8 @@ TEST_CASE("mass properties of a box agree with the closed form, also away from t
   for (Vec3& v : body.mesh.vertices) v += Vec3{1.0, -2.0, 3.0};
   Scene scene;
   const RigidInertia inertia = scene.rigid_inertia(scene.add_rigid(body));
-  // m/12 (b^2 + c^2) and so on; rounding grows with the distance to the origin over the size, squared: 1e3 ulp here.
+  // m/12 (b^2 + c^2) and so on; rounding grows with the distance to the origin over the size, squared: 1e3
+  // ulp here.
   const Mat3 exact = Mat3::diagonal(Vec3{0.04 + 0.09, 0.01 + 0.09, 0.01 + 0.04} * (2.0 / 12.0));
   CHECK(inertia.mass == doctest::Approx(2.0).epsilon(1e-14));
   CHECK(norm(inertia.center_of_mass - Vec3{1.0, -2.0, 3.0}) < 1e-12);
@@ -147,7 +149,8 @@ TEST_CASE("pose and velocities give the state at time 0") {
   const std::vector<Vec3> x = scene.initial_positions(id), v = scene.initial_velocities(id);
   for (size_t i = 0; i < x.size(); ++i) {
     const Vec3 X = body.mesh.vertices[i];
-    const Vec3 turned{std::cos(0.5) * X.x - std::sin(0.5) * X.y, std::sin(0.5) * X.x + std::cos(0.5) * X.y, X.z};
+    const Vec3 turned{std::cos(0.5) * X.x - std::sin(0.5) * X.y, std::sin(0.5) * X.x + std::cos(0.5) * X.y,
+                      X.z};
     CHECK(norm(x[i] - turned - Vec3{1, 2, 3}) < 1e-15);
     CHECK(norm(v[i] - Vec3{-2 * turned.y, 2 * turned.x, -1}) < 1e-15);
   }
@@ -223,43 +226,4 @@ TEST_CASE("a contact distance that makes a mesh press on itself is warned about"
   CHECK(check_contact_distances(scene, settings).size() == 1);
   scene.disable_contact(c, c);
   CHECK(check_contact_distances(scene, settings).empty());
-}
-
-TEST_CASE("presets have the documented numbers") {
-  const ShellMaterial cotton = materials::cotton();
-  CHECK(cotton.density == 0.2);
-  CHECK(cotton.thickness == 1e-3);
-  CHECK(cotton.youngs_modulus == 5e3);
-  CHECK(cotton.poissons_ratio == 0.3);
-  CHECK(cotton.strain_limit == 0.1);
-  CHECK(cotton.strain_limit_stiffness == 1e6);
-  CHECK(cotton.bending_stiffness == 1e-6);
-  CHECK(cotton.mass_damping == 0.1);
-  CHECK(cotton.strain_damping == 0.5);
-  const SolidMaterial rubber = materials::soft_rubber();
-  CHECK(rubber.density == 1000.0);
-  CHECK(rubber.youngs_modulus == 1e4);
-  CHECK(rubber.poissons_ratio == 0.3);
-  CHECK(rubber.strain_limit == 1.0);
-  CHECK(rubber.mass_damping == 0.1);
-  CHECK(materials::towel().density * 1.75 * 0.75 == doctest::Approx(0.484).epsilon(1e-14));
-  for (const auto& preset : materials::shell_presets()) CHECK_NOTHROW(validate(preset.material, preset.name));
-  for (const auto& preset : materials::solid_presets()) CHECK_NOTHROW(validate(preset.material, preset.name));
-}
-
-TEST_CASE("rules between settings") {
-  Settings settings;
-  CHECK_NOTHROW(validate(settings));
-  settings.time.min_step = 1.0;
-  CHECK_THROWS_AS(validate(settings), InvalidSetting);
-  settings = {};
-  settings.newton.acceleration_tolerance = settings.newton.step_tolerance = settings.newton.residual_tolerance = 0.0;
-  CHECK_THROWS_AS(validate(settings), InvalidSetting);
-  settings.newton.residual_tolerance = 1e-6;
-  CHECK_NOTHROW(validate(settings));
-  set(settings, "time_step", 0.5);
-  set_from_text(settings, "threads", "0");
-  CHECK(settings.time.step == 0.5);
-  CHECK(settings.execution.threads == 0);
-  CHECK(changed_from_default(Settings{}) == "all defaults");
 }

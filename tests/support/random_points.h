@@ -18,7 +18,8 @@ class RandomPoints {
   Vec3 point() { return {uniform(), uniform(), uniform()}; }
   /// Small integer coordinates: many coincident, collinear, coplanar and parallel configurations.
   Vec3 lattice(int extent = 2) {
-    return {double(integer(-extent, extent)), double(integer(-extent, extent)), double(integer(-extent, extent))};
+    return {double(integer(-extent, extent)), double(integer(-extent, extent)),
+            double(integer(-extent, extent))};
   }
 
  private:

@@ -1,4 +1,4 @@
-"""``stark bench``: measures a scene the way benchmarks/README.md defines, for comparison with other systems.
+"""``stark bench``: measures a scene so that it can be compared with other systems.
 
 Nothing is recorded and nothing is warmed up. The clock runs from the finished scene description to the last
 step, so the making of the model and of its kernels counts. A calibration job right before and right after
@@ -38,7 +38,7 @@ def calibrate() -> float:
     for _ in range(3):
         begin = time.process_time()
         for _ in range(30):
-            np.sin(np.sqrt(a * a + 1.0)) + a
+            _ = np.sin(np.sqrt(a * a + 1.0)) + a
         best = min(best, time.process_time() - begin)
     return best
 
@@ -91,7 +91,7 @@ def measure(
 
     return {
         "scene": scene_file.name,
-        "threads": int(settings.get("threads", 1)),
+        "threads": int(sim.settings["execution.threads"]),
         "sim_s": round(float(sim.time), 9),
         "wall_s": round(wall, 4),
         "cpu_s": round(cpu, 4),
@@ -99,36 +99,19 @@ def measure(
         "ratio": round(cpu / calib, 2),
         "steps": steps,
         **totals,
-        "dofs": _number_of(sim, "dof_count"),
+        "dofs": _dof_count(sim),
         "max_residual_n": largest_residual,
         "min_distance_m": smallest_distance if math.isfinite(smallest_distance) else None,
         "intersections": checker.count(sim, states) if checker else None,
-        "state_hash": _state_hash(sim),
+        "state_hash": sim.state.hash,
         "phases": {key: round(seconds, 4) for key, seconds in phases.items()},
         "observables": scene_file.observables(sim),
         "failure": failure or None,
     }
 
 
-def _number_of(sim: Any, name: str) -> int | None:
-    value = getattr(sim, name, None)
-    return None if value is None else int(value() if callable(value) else value)
-
-
-def _state_hash(sim: Any) -> str:
-    """The simulator's own hash of its state; of the surface positions when it offers none."""
-    value = getattr(sim, "state_hash", None)
-    if value is not None:
-        value = value() if callable(value) else value
-        return f"{value:016x}" if isinstance(value, int) else str(value)
-    import hashlib
-
-    import numpy as np
-
-    digest = hashlib.sha256()
-    for body in sim.bodies:
-        digest.update(np.ascontiguousarray(body.positions, dtype=np.float64).tobytes())
-    return digest.hexdigest()[:16]
+def _dof_count(sim: Any) -> int:
+    return int(sim.dof_count if hasattr(sim, "dof_count") else sim._core.dof_count)
 
 
 class _IntersectionCheck:

@@ -93,9 +93,11 @@ std::string FieldRule::text() const {
   if (low == -kInfinity && high == kInfinity) {
     text += "finite";
   } else if (high == kInfinity) {
-    text += (low_open ? "> " : ">= ") + to_text(low) + (infinity_allowed ? " (infinity switches it off)" : " and finite");
+    text += (low_open ? "> " : ">= ") + to_text(low) +
+            (infinity_allowed ? " (infinity switches it off)" : " and finite");
   } else {
-    text += std::string("in ") + (low_open ? "(" : "[") + to_text(low) + ", " + to_text(high) + (high_open ? ")" : "]");
+    text += std::string("in ") + (low_open ? "(" : "[") + to_text(low) + ", " + to_text(high) +
+            (high_open ? ")" : "]");
   }
   return text;
 }
@@ -111,12 +113,18 @@ FieldRule half_open_interval(double low, double high) { return {low, high, false
 
 std::string Field::rule_text() const {
   switch (type) {
-    case FieldType::Flag: return "must be true or false";
-    case FieldType::Text: return "must be text";
-    case FieldType::Choice: return "must be one of " + joined(choices);
-    case FieldType::Vector: return "must be three numbers; each " + rule.text();
-    case FieldType::Integer: return rule.text() + ", a whole number";
-    case FieldType::Real: break;
+    case FieldType::Flag:
+      return "must be true or false";
+    case FieldType::Text:
+      return "must be text";
+    case FieldType::Choice:
+      return "must be one of " + joined(choices);
+    case FieldType::Vector:
+      return "must be three numbers; each " + rule.text();
+    case FieldType::Integer:
+      return rule.text() + ", a whole number";
+    case FieldType::Real:
+      break;
   }
   return rule.text();
 }
@@ -141,8 +149,8 @@ const Field& FieldTable::find(std::string_view name) const {
   std::vector<std::string> known;
   for (const Field& field : fields_) known.push_back(field.name);
   const std::string hint = nearest_name_hint(name, known);
-  fail("unknown " + std::string(kind_ == TableKind::Settings ? "setting '" : "parameter '") + std::string(name) +
-       "' of " + name_ + (hint.empty() ? "; known are " + joined(known) : hint));
+  fail("unknown " + std::string(kind_ == TableKind::Settings ? "setting '" : "parameter '") +
+       std::string(name) + "' of " + name_ + (hint.empty() ? "; known are " + joined(known) : hint));
 }
 
 FieldValue FieldTable::get(const void* object, std::string_view name) const { return find(name).get(object); }
@@ -177,7 +185,8 @@ FieldValue FieldTable::converted(const Field& field, const FieldValue& value, st
         if (const auto vector = parse_vector(word)) return *vector;
       break;
     case FieldType::Choice:
-      if (text && std::find(field.choices.begin(), field.choices.end(), word) != field.choices.end()) return word;
+      if (text && std::find(field.choices.begin(), field.choices.end(), word) != field.choices.end())
+        return word;
       break;
     case FieldType::Text:
       if (text) return value;
@@ -185,22 +194,25 @@ FieldValue FieldTable::converted(const Field& field, const FieldValue& value, st
   }
   const std::string hint = field.type == FieldType::Choice ? nearest_name_hint(word, field.choices) : "";
   fail((owner.empty() ? "" : std::string(owner) + ": ") + field.name + " = " +
-       (text ? "'" + *text + "'" : to_text(value)) + ": " + field.rule_text() + hint + ". It is the " + field.doc +
-       "; the default is " + field.value_text(field.default_value));
+       (text ? "'" + *text + "'" : to_text(value)) + ": " + field.rule_text() + hint + ". It is the " +
+       field.doc + "; the default is " + field.value_text(field.default_value));
 }
 
 void FieldTable::check(const Field& field, const FieldValue& value, std::string_view owner) const {
   bool holds = true;
   if (const auto* real = std::get_if<double>(&value)) holds = field.rule.holds(*real);
-  if (const auto* integer = std::get_if<int64_t>(&value)) holds = field.rule.holds(static_cast<double>(*integer));
+  if (const auto* integer = std::get_if<int64_t>(&value))
+    holds = field.rule.holds(static_cast<double>(*integer));
   if (const auto* v = std::get_if<Vec3>(&value))
     holds = field.rule.holds(v->x) && field.rule.holds(v->y) && field.rule.holds(v->z);
   if (holds) return;
-  fail((owner.empty() ? "" : std::string(owner) + ": ") + field.name + " = " + field.value_text(value) + ": " +
-       field.rule_text() + ". It is the " + field.doc + "; the default is " + field.value_text(field.default_value));
+  fail((owner.empty() ? "" : std::string(owner) + ": ") + field.name + " = " + field.value_text(value) +
+       ": " + field.rule_text() + ". It is the " + field.doc + "; the default is " +
+       field.value_text(field.default_value));
 }
 
-void FieldTable::set(void* object, std::string_view name, const FieldValue& value, std::string_view owner) const {
+void FieldTable::set(void* object, std::string_view name, const FieldValue& value,
+                     std::string_view owner) const {
   const Field& field = find(name);
   const FieldValue accepted = converted(field, value, owner);
   check(field, accepted, owner);
@@ -234,7 +246,8 @@ FieldMap FieldTable::to_map(const void* object) const {
 FieldMap FieldTable::changed_from_default(const void* object) const {
   FieldMap map;
   for (const Field& field : fields_)
-    if (FieldValue value = field.get(object); value != field.default_value) map.emplace_back(field.name, std::move(value));
+    if (FieldValue value = field.get(object); value != field.default_value)
+      map.emplace_back(field.name, std::move(value));
   return map;
 }
 

@@ -1,6 +1,7 @@
-// Descriptor tables: every setting and every material parameter is declared once, beside the plain struct that holds
-// it, with name, unit, rule and meaning. Validation, setting by name from text, maps for files, printing and the
-// reference tables of the documentation all derive from that one declaration. Used before a simulation, never inside.
+// Descriptor tables: every setting and every material parameter is declared once, beside the plain struct
+// that holds it, with name, unit, rule and meaning. Validation, setting by name from text, maps for files,
+// printing and the reference tables of the documentation all derive from that one declaration. Used before a
+// simulation, never inside.
 //
 //   struct NewtonSettings {
 //     double step_tolerance = 1e-3;
@@ -8,7 +9,8 @@
 //   };
 //   const FieldTable& NewtonSettings::fields() {
 //     static const FieldTable table = describe<NewtonSettings>("newton", {
-//         field(&NewtonSettings::step_tolerance, "step_tolerance", "m/s", non_negative(), "largest motion ...")});
+//         field(&NewtonSettings::step_tolerance, "step_tolerance", "m/s", non_negative(), "largest motion
+//         ...")});
 //     return table;
 //   }
 #pragma once
@@ -84,8 +86,8 @@ struct Field {
   std::string value_text(const FieldValue& value) const;  ///< with unit: "-1 m/s"
 };
 
-/// Whether a table is a set of settings (violations throw InvalidSetting) or of parameters of an object of the scene
-/// (InvalidArgument).
+/// Whether a table is a set of settings (violations throw InvalidSetting) or of parameters of an object of
+/// the scene (InvalidArgument).
 enum class TableKind : uint8_t { Settings, Parameters };
 
 class FieldTable {
@@ -164,19 +166,25 @@ T from_field_value(const FieldValue& value) {
 
 template <typename T>
 constexpr FieldType field_type() {
-  if constexpr (std::is_enum_v<T>) return FieldType::Choice;
-  else if constexpr (std::is_same_v<T, bool>) return FieldType::Flag;
-  else if constexpr (std::is_integral_v<T>) return FieldType::Integer;
-  else if constexpr (std::is_same_v<T, double>) return FieldType::Real;
-  else if constexpr (std::is_same_v<T, Vec3>) return FieldType::Vector;
-  else return FieldType::Text;
+  if constexpr (std::is_enum_v<T>)
+    return FieldType::Choice;
+  else if constexpr (std::is_same_v<T, bool>)
+    return FieldType::Flag;
+  else if constexpr (std::is_integral_v<T>)
+    return FieldType::Integer;
+  else if constexpr (std::is_same_v<T, double>)
+    return FieldType::Real;
+  else if constexpr (std::is_same_v<T, Vec3>)
+    return FieldType::Vector;
+  else
+    return FieldType::Text;
 }
 
 }  // namespace detail
 
 /// Declares a member: field(&S::mass, "mass", "kg", positive(), "mass of the body").
 template <typename S, typename T>
-Field field(T S::*member, std::string name, std::string unit, FieldRule rule, std::string doc) {
+Field field(T S::* member, std::string name, std::string unit, FieldRule rule, std::string doc) {
   Field f;
   f.name = std::move(name);
   f.unit = std::move(unit);
@@ -184,7 +192,9 @@ Field field(T S::*member, std::string name, std::string unit, FieldRule rule, st
   f.rule = rule;
   f.type = detail::field_type<T>();
   if constexpr (std::is_enum_v<T>) f.choices.assign(EnumNames<T>::kNames.begin(), EnumNames<T>::kNames.end());
-  f.get = [member](const void* object) { return detail::to_field_value(static_cast<const S*>(object)->*member); };
+  f.get = [member](const void* object) {
+    return detail::to_field_value(static_cast<const S*>(object)->*member);
+  };
   f.set = [member](void* object, const FieldValue& value) {
     static_cast<S*>(object)->*member = detail::from_field_value<T>(value);
   };
@@ -195,17 +205,20 @@ Field field(T S::*member, std::string name, std::string unit, FieldRule rule, st
 
 /// Declares a flag, a choice or a text, which have no range.
 template <typename S, typename T>
-Field field(T S::*member, std::string name, std::string doc) {
+Field field(T S::* member, std::string name, std::string doc) {
   return field(member, std::move(name), "", any_number(), std::move(doc));
 }
 
-/// The fields of a nested struct under "prefix.": group(&Settings::newton, "newton", NewtonSettings::fields()).
+/// The fields of a nested struct under "prefix.": group(&Settings::newton, "newton",
+/// NewtonSettings::fields()).
 template <typename S, typename T>
-std::vector<Field> group(T S::*member, const std::string& prefix, const FieldTable& table) {
+std::vector<Field> group(T S::* member, const std::string& prefix, const FieldTable& table) {
   std::vector<Field> fields = table.fields();
   for (Field& f : fields) {
     f.name = prefix + "." + f.name;
-    f.get = [member, get = f.get](const void* object) { return get(&(static_cast<const S*>(object)->*member)); };
+    f.get = [member, get = f.get](const void* object) {
+      return get(&(static_cast<const S*>(object)->*member));
+    };
     f.set = [member, set = f.set](void* object, const FieldValue& value) {
       set(&(static_cast<S*>(object)->*member), value);
     };

@@ -30,7 +30,7 @@ struct alignas(64) PairBuffer {
 };
 
 bool has_vertex(const Cell& cell, int32_t v) {
-  return cell.vertices[0] == v || cell.vertices[1] == v || cell.vertices[2] == v;
+  return (cell.vertices[0] == v) | (cell.vertices[1] == v) | (cell.vertices[2] == v);
 }
 
 // Owned points of `a` against the triangle of `b`.
@@ -44,14 +44,13 @@ void add_point_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::vecto
 }
 
 void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pair>& out) {
-  const std::vector<Index2>& edges = bvh.mesh().edges;
   for (int i = 0; i < a.edge_count; ++i) {
-    const Index2& ea = edges[a.edges[i]];
-    const Box box = bvh.edge_box(a.edges[i]);
+    const Index2& ea = a.edge_vertices[i];
+    const Box box = bvh.edge_box(ea);
     for (int j = 0; j < b.edge_count; ++j) {
-      const Index2& eb = edges[b.edges[j]];
-      if (ea[0] == eb[0] || ea[0] == eb[1] || ea[1] == eb[0] || ea[1] == eb[1]) continue;
-      if (!box.overlaps(bvh.edge_box(b.edges[j]))) continue;
+      const Index2& eb = b.edge_vertices[j];
+      if ((ea[0] == eb[0]) | (ea[0] == eb[1]) | (ea[1] == eb[0]) | (ea[1] == eb[1])) continue;
+      if (!box.overlaps(bvh.edge_box(eb))) continue;
       out.push_back({std::min(a.edges[i], b.edges[j]), std::max(a.edges[i], b.edges[j])});
     }
   }
@@ -71,27 +70,48 @@ void add_lone_point(const Bvh& bvh, const Cell& point, const Cell& other, PairBu
   }
 }
 
-// Moves the pairs of all buffers to `out`, sorted by both ids: a counting sort by the first id when there are many pairs,
-// then small sorts by the second.
 template <typename Candidate>
-void merge_sorted(std::vector<PairBuffer>& buffers, std::vector<Pair> PairBuffer::*member, int32_t id_count,
+bool less(const Candidate& a, const Candidate& b) {
+  const auto& [a0, a1] = a;
+  const auto& [b0, b1] = b;
+  return a0 != b0 ? a0 < b0 : a1 < b1;
+}
+
+// Sorts pairs of equal first id by the second; mostly a handful.
+template <typename Candidate>
+void sort_bucket(Candidate* begin, Candidate* end) {
+  constexpr int64_t kInsertionLimit = 24;
+  if (end - begin > kInsertionLimit) {
+    std::sort(begin, end, less<Candidate>);
+    return;
+  }
+  const auto second = [](const Candidate& c) {
+    const auto& [c0, c1] = c;
+    return c1;
+  };
+  for (Candidate* i = begin + 1; i < end; ++i) {
+    const Candidate value = *i;
+    Candidate* hole = i;
+    for (; hole > begin && second(hole[-1]) > second(value); --hole) *hole = hole[-1];
+    *hole = value;
+  }
+}
+
+// Moves the pairs of all buffers to `out`, sorted by both ids: a counting sort by the first id when there are
+// many pairs, then small sorts by the second.
+template <typename Candidate>
+void merge_sorted(std::vector<PairBuffer>& buffers, std::vector<Pair> PairBuffer::* member, int32_t id_count,
                   std::vector<int32_t>& offsets, std::vector<Candidate>& out) {
-  static_assert(sizeof(Candidate) == sizeof(Pair));
   size_t count = 0;
   for (const PairBuffer& buffer : buffers) count += (buffer.*member).size();
   out.resize(count);
   if (count == 0) return;
-  const auto less_second = [](const Candidate& a, const Candidate& b) {
-    const auto& [a0, a1] = a;
-    const auto& [b0, b1] = b;
-    return a0 != b0 ? a0 < b0 : a1 < b1;
-  };
   if (count < static_cast<size_t>(id_count) / 8) {
     size_t next = 0;
     for (const PairBuffer& buffer : buffers) {
       for (const Pair& pair : buffer.*member) out[next++] = {pair[0], pair[1]};
     }
-    std::sort(out.begin(), out.end(), less_second);
+    std::sort(out.begin(), out.end(), less<Candidate>);
     return;
   }
   offsets.assign(static_cast<size_t>(id_count) + 1, 0);
@@ -104,7 +124,7 @@ void merge_sorted(std::vector<PairBuffer>& buffers, std::vector<Pair> PairBuffer
   }
   // offsets[id] is now the end of the pairs of id.
   for (int32_t id = 0, begin = 0; id < id_count; begin = offsets[id++]) {
-    if (offsets[id] - begin > 1) std::sort(out.begin() + begin, out.begin() + offsets[id], less_second);
+    if (offsets[id] - begin > 1) sort_bucket(out.data() + begin, out.data() + offsets[id]);
   }
 }
 
@@ -144,8 +164,8 @@ void BroadPhase::find(std::span<const Vec3> x, std::span<const double> group_inf
   find_swept(x, x, group_inflation, pool, out);
 }
 
-void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-                            ThreadPool& pool, CandidateList& out) {
+void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                            std::span<const double> group_inflation, ThreadPool& pool, CandidateList& out) {
   Implementation& self = *implementation_;
   Bvh& bvh = self.bvh;
   bvh.refit(x0, x1, group_inflation, pool);
@@ -167,7 +187,8 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1, 
   });
   const SurfaceMesh& mesh = bvh.mesh();
   const int32_t edge_count = static_cast<int32_t>(mesh.edges.size());
-  merge_sorted(self.buffers, &PairBuffer::point_triangle, mesh.vertex_count, self.offsets, out.point_triangle);
+  merge_sorted(self.buffers, &PairBuffer::point_triangle, mesh.vertex_count, self.offsets,
+               out.point_triangle);
   merge_sorted(self.buffers, &PairBuffer::edge_edge, edge_count, self.offsets, out.edge_edge);
   merge_sorted(self.buffers, &PairBuffer::point_edge, mesh.vertex_count, self.offsets, out.point_edge);
   merge_sorted(self.buffers, &PairBuffer::point_point, mesh.vertex_count, self.offsets, out.point_point);

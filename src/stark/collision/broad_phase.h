@@ -1,6 +1,6 @@
-// Broad phase: all pairs of primitives whose boxes, inflated per group, overlap. One bounding volume hierarchy per group,
-// built once and refitted at every query; group pairs whose bounds overlap are traversed leaf against tree. Phase: when
-// the motion budget of the candidate list is used up.
+// Broad phase: all pairs of primitives whose boxes, inflated per group, overlap. One bounding volume
+// hierarchy per group, built once and refitted at every query; group pairs whose bounds overlap are traversed
+// leaf against tree. Phase: when the motion budget of the candidate list is used up.
 #pragma once
 
 #include <memory>
@@ -18,8 +18,8 @@ class BroadPhase {
   BroadPhase& operator=(BroadPhase&&) noexcept;
   ~BroadPhase();
 
-  /// Takes a new set of primitives. Throws InvalidMesh for ids out of range and inconsistent array sizes, and for
-  /// primitives whose vertices are of another group.
+  /// Takes a new set of primitives. Throws InvalidMesh for ids out of range and inconsistent array sizes, and
+  /// for primitives whose vertices are of another group.
   void reset(SurfaceMesh mesh, PairFilter filter);
 
   const SurfaceMesh& mesh() const;
@@ -28,10 +28,11 @@ class BroadPhase {
   /// A new table of allowed pairs for the same primitives.
   void set_filter(PairFilter filter);
 
-  /// All allowed pairs whose distance at positions x [m] can be <= group_inflation[a] + group_inflation[b] [m], except
-  /// those that share a vertex; a superset that depends on the primitives' boxes only, not on threads or history.
-  /// Positions must be finite. Reuses the capacity of `out`.
-  void find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool, CandidateList& out);
+  /// All allowed pairs whose distance at positions x [m] can be <= group_inflation[a] + group_inflation[b]
+  /// [m], except those that share a vertex; a superset that depends on the primitives' boxes only, not on
+  /// threads or history. Positions must be finite. Reuses the capacity of `out`.
+  void find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
+            CandidateList& out);
 
   /// As find, for primitives that move linearly from x0 to x1: boxes cover both ends, thus the whole paths.
   void find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,

@@ -1,4 +1,5 @@
-// Ownership of vertices and edges, tree order by median splits, refit, and pairs of groups by sweeping. See bvh.h.
+// Ownership of vertices and edges, tree order by median splits, refit, and pairs of groups by sweeping. See
+// bvh.h.
 #include <stark/collision/bvh.h>
 
 #include <algorithm>
@@ -13,14 +14,15 @@ namespace stark::detail {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr Box kEmptyBox = {{kInfinity, kInfinity, kInfinity, kInfinity},
-                           {-kInfinity, -kInfinity, -kInfinity, -kInfinity}};
+constexpr Box kEmptyBox = {{kInfinity, kInfinity, kInfinity, 0.0f},
+                           {-kInfinity, -kInfinity, -kInfinity, 0.0f}};
 // A tree is built anew when the sum of its leaves' extents has grown by this factor.
 constexpr double kRebuildGrowth = 2.0;
 // Leaf blocks per unit of parallel work.
 constexpr int32_t kLeavesPerTask = 64;
 
-// One unit in the last place further out; subtracting two roundings' worth keeps the bound after the conversion.
+// One unit in the last place further out; subtracting two roundings' worth keeps the bound after the
+// conversion.
 float round_down(double value) {
   const float rounded = static_cast<float>(value);
   return rounded - std::fabs(rounded) * 0x1p-23f - 1e-37f;
@@ -33,8 +35,8 @@ float round_up(double value) {
 [[noreturn]] void throw_mesh(const std::string& what) { throw InvalidMesh("collision mesh: " + what); }
 
 template <size_t N>
-void check_primitives(const std::vector<std::array<int32_t, N>>& primitives, const std::vector<int32_t>& groups,
-                      const SurfaceMesh& mesh, const char* kind) {
+void check_primitives(const std::vector<std::array<int32_t, N>>& primitives,
+                      const std::vector<int32_t>& groups, const SurfaceMesh& mesh, const char* kind) {
   if (groups.size() != primitives.size()) {
     throw_mesh(std::to_string(primitives.size()) + " " + kind + "s, but " + std::to_string(groups.size()) +
                " groups of them; give one group each");
@@ -53,8 +55,8 @@ void check_primitives(const std::vector<std::array<int32_t, N>>& primitives, con
     }
     for (size_t i = 0; i < N; ++i) {
       if (primitives[k][i] == primitives[k][(i + 1) % N]) {
-        throw_mesh(std::string(kind) + " " + std::to_string(k) + " uses vertex " + std::to_string(primitives[k][i]) +
-                   " twice; remove the degenerate primitive");
+        throw_mesh(std::string(kind) + " " + std::to_string(k) + " uses vertex " +
+                   std::to_string(primitives[k][i]) + " twice; remove the degenerate primitive");
       }
     }
   }
@@ -62,8 +64,8 @@ void check_primitives(const std::vector<std::array<int32_t, N>>& primitives, con
 
 void check_mesh(const SurfaceMesh& mesh, int32_t group_count) {
   if (mesh.vertex_group.size() != static_cast<size_t>(mesh.vertex_count)) {
-    throw_mesh(std::to_string(mesh.vertex_count) + " vertices, but " + std::to_string(mesh.vertex_group.size()) +
-               " groups of vertices; give one group each");
+    throw_mesh(std::to_string(mesh.vertex_count) + " vertices, but " +
+               std::to_string(mesh.vertex_group.size()) + " groups of vertices; give one group each");
   }
   const auto check_group = [&](int32_t group) {
     if (group < 0 || group >= group_count) {
@@ -106,10 +108,11 @@ struct Splitter {
     }
     const Vec3 extent = high - low;
     const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : (extent.y >= extent.z ? 1 : 2);
-    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](int32_t i, int32_t j) {
-      const double ci = centres[i][axis], cj = centres[j][axis];
-      return ci != cj ? ci < cj : i < j;
-    });
+    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end,
+                     [&](int32_t i, int32_t j) {
+                       const double ci = centres[i][axis], cj = centres[j][axis];
+                       return ci != cj ? ci < cj : i < j;
+                     });
     split(begin, middle);
     split(middle, end);
   }
@@ -134,7 +137,8 @@ void Bvh::make_cells(int32_t group_count) {
   for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
     const Index3& v = mesh_.triangles[t];
     for (int k = 0; k < 3; ++k) {
-      sides.push_back({std::min(v[k], v[(k + 1) % 3]), std::max(v[k], v[(k + 1) % 3]), static_cast<int32_t>(t), k});
+      sides.push_back(
+          {std::min(v[k], v[(k + 1) % 3]), std::max(v[k], v[(k + 1) % 3]), static_cast<int32_t>(t), k});
     }
   }
   const auto less = [](const Side& a, const Side& b) {
@@ -151,6 +155,10 @@ void Bvh::make_cells(int32_t group_count) {
     owned[v] = true;
     cell.points[cell.point_count++] = v;
   };
+  const auto own_edge = [&](Cell& cell, size_t e) {
+    cell.edge_vertices[cell.edge_count] = mesh_.edges[e];
+    cell.edges[cell.edge_count++] = static_cast<int32_t>(e);
+  };
   for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
     Cell cell;
     cell.vertices = mesh_.triangles[t];
@@ -164,17 +172,18 @@ void Bvh::make_cells(int32_t group_count) {
     const int32_t high = std::max(mesh_.edges[e][0], mesh_.edges[e][1]);
     auto side = std::lower_bound(sides.begin(), sides.end(), Side{low, high, -1, 0}, less);
     // A repeated edge may find its first triangle full; then the next one, or a cell of its own.
-    while (side != sides.end() && side->low == low && side->high == high && cells[side->triangle].edge_count == 3) {
+    while (side != sides.end() && side->low == low && side->high == high &&
+           cells[side->triangle].edge_count == 3) {
       ++side;
     }
     if (side != sides.end() && side->low == low && side->high == high) {
       Cell& cell = cells[side->triangle];
-      cell.edges[cell.edge_count++] = static_cast<int32_t>(e);
+      own_edge(cell, e);
       continue;
     }
     Cell cell;
     cell.vertices = {mesh_.edges[e][0], mesh_.edges[e][1], mesh_.edges[e][1]};
-    cell.edges[cell.edge_count++] = static_cast<int32_t>(e);
+    own_edge(cell, e);
     own_vertex(cell, low);
     own_vertex(cell, high);
     cells.push_back(cell);
@@ -204,7 +213,8 @@ void Bvh::make_cells(int32_t group_count) {
   std::vector<int32_t> next(group_count);
   for (int32_t g = 0; g < group_count; ++g) next[g] = trees_[g].cell_begin;
   for (size_t k = 0; k < cells.size(); ++k) cells_[next[groups[k]]++] = cells[k];
-  // Level 0 of all groups is contiguous, so that leaves are refitted in one parallel loop; upper levels follow.
+  // Level 0 of all groups is contiguous, so that leaves are refitted in one parallel loop; upper levels
+  // follow.
   leaf_count_ = padded / kWidth;
   int32_t node_count = static_cast<int32_t>(leaf_count_);
   for (Tree& tree : trees_) {
@@ -267,12 +277,10 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
       const double r = group_inflation[mesh_.vertex_group[v]] * (1.0 + 1e-12) + slack;
       const Vec3 p = x0[v] - origin, q = x1[v] - origin;
       Box& box = vertex_boxes_[v];
-      box.low[0] = round_down(std::min(p.x, q.x) - r);
-      box.low[1] = round_down(std::min(p.y, q.y) - r);
-      box.low[2] = round_down(std::min(p.z, q.z) - r);
-      box.high[0] = round_up(std::max(p.x, q.x) + r);
-      box.high[1] = round_up(std::max(p.y, q.y) + r);
-      box.high[2] = round_up(std::max(p.z, q.z) + r);
+      box.low = Float4{round_down(std::min(p.x, q.x) - r), round_down(std::min(p.y, q.y) - r),
+                       round_down(std::min(p.z, q.z) - r), 0.0f};
+      box.high = Float4{round_up(std::max(p.x, q.x) + r), round_up(std::max(p.y, q.y) + r),
+                        round_up(std::max(p.z, q.z) + r), 0.0f};
     }
   });
   for (Tree& tree : trees_) {
@@ -314,8 +322,8 @@ Box node_bounds(const BoxNode& node) {
   Box box = kEmptyBox;
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < kWidth; ++k) {
-      box.low[axis] = std::min(box.low[axis], node.low[axis][k]);
-      box.high[axis] = std::max(box.high[axis], node.high[axis][k]);
+      box.low[axis] = std::min<float>(box.low[axis], node.low[axis][k]);
+      box.high[axis] = std::max<float>(box.high[axis], node.high[axis][k]);
     }
   }
   return box;
@@ -356,8 +364,8 @@ void Bvh::find_tasks(const PairFilter& filter) {
   task_begin_.assign(1, 0);
   int32_t work = 0;
   const auto add = [&](int32_t a, int32_t b) {
-    // The smaller group's leaves are looked up in the larger group's tree; few leaves against a large tree (a floor of
-    // two triangles under a big cloth) are split by its subtrees instead, to keep all threads busy.
+    // The smaller group's leaves are looked up in the larger group's tree; few leaves against a large tree (a
+    // floor of two triangles under a big cloth) are split by its subtrees instead, to keep all threads busy.
     if (trees_[a].level_size[0] > trees_[b].level_size[0]) std::swap(a, b);
     const Tree &small = trees_[a], &large = trees_[b];
     const int32_t size = small.level_size[0];
@@ -394,7 +402,8 @@ void Bvh::find_tasks(const PairFilter& filter) {
   for (size_t i = 0; i < order_.size(); ++i) {
     const Box& box = trees_[order_[i]].bounds;
     for (size_t j = i + 1; j < order_.size() && trees_[order_[j]].bounds.low[axis] <= box.high[axis]; ++j) {
-      if (box.overlaps(trees_[order_[j]].bounds) && filter.allowed(order_[i], order_[j])) add(order_[i], order_[j]);
+      if (box.overlaps(trees_[order_[j]].bounds) && filter.allowed(order_[i], order_[j]))
+        add(order_[i], order_[j]);
     }
   }
   if (task_begin_.back() != static_cast<int32_t>(tasks_.size())) {

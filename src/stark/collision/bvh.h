@@ -1,9 +1,9 @@
-// Bounding volume hierarchies of all groups in flat arrays, for the broad phase and the intersection test; not part of the
-// public interface. A cell is a triangle, an edge without triangles or a point without edges; every vertex and edge is
-// owned by exactly one cell, so one tree serves all kinds of pairs and finds each pair once. Cells are ordered by
-// recursive median splits so that any 8^k consecutive ones are compact; the tree is then implicit and 8-wide: a node
-// holds the boxes of eight children, level 0 those of eight cells. Boxes are single precision about a common origin,
-// rounded outwards.
+// Bounding volume hierarchies of all groups in flat arrays, for the broad phase and the intersection test;
+// not part of the public interface. A cell is a triangle, an edge without triangles or a point without edges;
+// every vertex and edge is owned by exactly one cell, so one tree serves all kinds of pairs and finds each
+// pair once. Cells are ordered by recursive median splits so that any 8^k consecutive ones are compact; the
+// tree is then implicit and 8-wide: a node holds the boxes of eight children, level 0 those of eight cells.
+// Boxes are single precision about a common origin, rounded outwards.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +17,8 @@
 namespace stark::detail {
 
 inline constexpr int kWidth = 8;
+using Float4 = float __attribute__((vector_size(16)));
+using Int4 = int32_t __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32)));
 using Int8 = int32_t __attribute__((vector_size(32)));
 
@@ -25,21 +27,31 @@ struct alignas(64) BoxNode {
   Float8 low[3], high[3];
 };
 
-struct alignas(32) Box {
-  float low[4], high[4];
+/// One box; the fourth components are 0.
+struct Box {
+  Float4 low, high;
 
   bool overlaps(const Box& b) const {
-    return low[0] <= b.high[0] && b.low[0] <= high[0] && low[1] <= b.high[1] && b.low[1] <= high[1] &&
-           low[2] <= b.high[2] && b.low[2] <= high[2];
+    const Int4 inside = (low <= b.high) & (b.low <= high);
+#if defined(__SSE__)
+    return __builtin_ia32_movmskps(reinterpret_cast<Float4>(inside)) == 15;
+#else
+    return (inside[0] & inside[1] & inside[2]) != 0;
+#endif
   }
 };
 
+inline Box merge(const Box& a, const Box& b) {
+  return {a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+}
+
 struct Cell {
-  Index3 vertices;           // repeated for edges and points
-  int32_t triangle = -1;     // -1 for edges and points
+  Index3 vertices;        // repeated for edges and points
+  int32_t triangle = -1;  // -1 for edges and points
   int32_t point_count = 0, edge_count = 0;
-  Index3 points{};           // owned vertices
-  Index3 edges{};            // owned edges
+  Index3 points{};  // owned vertices
+  Index3 edges{};   // owned edges
+  Index2 edge_vertices[3]{};
   bool is_point() const { return vertices[0] == vertices[1]; }
 };
 
@@ -54,18 +66,18 @@ class Bvh {
   const SurfaceMesh& mesh() const { return mesh_; }
   int32_t group_count() const { return static_cast<int32_t>(trees_.size()); }
 
-  /// Boxes of all primitives for linear motion from x0 to x1, inflated by the group's value. Rebuilds the trees of groups
-  /// whose leaves have grown too much since they were built.
+  /// Boxes of all primitives for linear motion from x0 to x1, inflated by the group's value. Rebuilds the
+  /// trees of groups whose leaves have grown too much since they were built.
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
              ThreadPool& pool);
 
-  /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair once, in
-  /// groups that the filter allows. Order unspecified; on several threads.
+  /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair
+  /// once, in groups that the filter allows. Order unspecified; on several threads.
   template <typename Body>
   void for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body);
 
   const Box& vertex_box(int32_t vertex) const { return vertex_boxes_[vertex]; }
-  Box edge_box(int32_t edge) const;
+  Box edge_box(const Index2& edge) const { return merge(vertex_boxes_[edge[0]], vertex_boxes_[edge[1]]); }
   Box cell_box(const Cell& cell) const;
 
  private:
@@ -75,7 +87,7 @@ class Bvh {
     int32_t level_count = 0;                 // 0 for a group without primitives
     int32_t level_begin[kMaxLevels] = {};    // node numbers
     int32_t level_size[kMaxLevels] = {};
-    double built_size = -1.0;                // sum of leaf extents when built; < 0: not built yet
+    double built_size = -1.0;  // sum of leaf extents when built; < 0: not built yet
     Box bounds{};
   };
   // Leaf blocks [begin, end) of group a against the subtree of group b under a node.
@@ -103,19 +115,6 @@ class Bvh {
   std::vector<int32_t> order_;       // groups along the sweep axis
   int64_t leaf_count_ = 0;
 };
-
-inline Box merge(const Box& a, const Box& b) {
-  Box result;
-  for (int k = 0; k < 4; ++k) {
-    result.low[k] = a.low[k] < b.low[k] ? a.low[k] : b.low[k];
-    result.high[k] = a.high[k] > b.high[k] ? a.high[k] : b.high[k];
-  }
-  return result;
-}
-
-inline Box Bvh::edge_box(int32_t edge) const {
-  return merge(vertex_boxes_[mesh_.edges[edge][0]], vertex_boxes_[mesh_.edges[edge][1]]);
-}
 
 inline Box Bvh::cell_box(const Cell& cell) const {
   return merge(merge(vertex_boxes_[cell.vertices[0]], vertex_boxes_[cell.vertices[1]]),

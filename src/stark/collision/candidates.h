@@ -1,5 +1,5 @@
-// The collision primitives of a scene and the lists of primitive pairs that may touch. Pure data; the broad phase fills
-// the lists, continuous detection and contact read them in every iteration.
+// The collision primitives of a scene and the lists of primitive pairs that may touch. Pure data; the broad
+// phase fills the lists, continuous detection and contact read them in every iteration.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,9 @@
 
 namespace stark {
 
-/// All collision primitives of a scene; vertex ids index one position array. Every vertex of an edge or triangle is a
-/// collision point; `points` adds vertices that belong to neither (particles). Interior vertices are simply not named.
+/// All collision primitives of a scene; vertex ids index one position array. Every vertex of an edge or
+/// triangle is a collision point; `points` adds vertices that belong to neither (particles). Interior
+/// vertices are simply not named.
 struct SurfaceMesh {
   int32_t vertex_count = 0;
   std::vector<int32_t> points;  // vertices without edges or triangles; others may be listed, too
@@ -42,8 +43,8 @@ struct PointPointCandidate {
   bool operator==(const PointPointCandidate&) const = default;
 };
 
-/// Pairs that share no vertex, each once, sorted by first and second id. The last two lists hold what the first two
-/// cannot see: particles against rods and particles against particles.
+/// Pairs that share no vertex, each once, sorted by first and second id. The last two lists hold what the
+/// first two cannot see: particles against rods and particles against particles.
 struct CandidateList {
   std::vector<PointTriangleCandidate> point_triangle;
   std::vector<EdgeEdgeCandidate> edge_edge;

@@ -1,20 +1,17 @@
-// Conservative advancement along separating planes, and its minimum over a candidate list. See ccd.h.
+// Conservative advancement along separating planes and by the coplanarity cubic. See ccd.h.
 #include <stark/collision/ccd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
-#include <stark/base/error.h>
 #include <stark/geometry/distance.h>
 
 namespace stark {
 
 namespace {
 
-// Rounding errors of one gap n . (a - b), relative to the sizes of the position and motion differences: three roundings
-// per component of a - b and of its motion, three of the dot product, three of n; 32 is ample.
+// Rounding errors of one gap n . (a - b), relative to the sizes of the position and motion differences: three
+// roundings per component of a - b and of its motion, three of the dot product, three of n; 32 is ample.
 constexpr double kGapError = 32.0 * 0x1p-53;
 
 double norm1(const Vec3& a) { return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z); }
@@ -25,8 +22,8 @@ Vec3 unit_or_zero(const Vec3& a) {
   return length > 1e-150 ? a / length : Vec3{};
 }
 
-// Direction from the line (e0, e1) to p: perpendicular to the edge. The projection is repeated because the first one
-// leaves an error relative to |p - e0|, which can be much more than the distance.
+// Direction from the line (e0, e1) to p: perpendicular to the edge. The projection is repeated because the
+// first one leaves an error relative to |p - e0|, which can be much more than the distance.
 Vec3 line_to_point(const Vec3& p, const Vec3& e0, const Vec3& e1) {
   const Vec3 e = e1 - e0;
   const double length2 = squared_norm(e);
@@ -44,16 +41,27 @@ Vec3 normal_towards(const Vec3& u, const Vec3& v, const Vec3& w) {
 
 Vec3 edge_to_point(const Vec3& p, const Vec3& e0, const Vec3& e1) {
   switch (point_edge_type(p, e0, e1)) {
-    case PointEdgeType::P_E0: return p - e0;
-    case PointEdgeType::P_E1: return p - e1;
-    case PointEdgeType::P_E: break;
+    case PointEdgeType::P_E0:
+      return p - e0;
+    case PointEdgeType::P_E1:
+      return p - e1;
+    case PointEdgeType::P_E:
+      break;
   }
   return line_to_point(p, e0, e1);
 }
 
+// Spanning vectors u, v of the two primitives and a vector w between them: |w . (u x v)| / |u x v| is the
+// distance of the lines or of the point from the plane, which bounds the distance of the primitives from
+// below.
+struct Frame {
+  Vec3 w, u, v;
+};
+
 // The two primitives of each kind, A before B, and the direction from the closest point of B to that of A.
 struct PointPoint {
   static constexpr int kA = 1, kB = 1;
+  static constexpr bool kHasVolume = false;
   static Vec3 direction(const std::array<Vec3, 2>& x) { return x[0] - x[1]; }
   template <typename Body>
   static void for_each_direction(const std::array<Vec3, 2>& x, Body&& body) {
@@ -63,6 +71,7 @@ struct PointPoint {
 
 struct PointEdge {
   static constexpr int kA = 1, kB = 2;
+  static constexpr bool kHasVolume = false;
   static Vec3 direction(const std::array<Vec3, 3>& x) { return edge_to_point(x[0], x[1], x[2]); }
   template <typename Body>
   static void for_each_direction(const std::array<Vec3, 3>& x, Body&& body) {
@@ -74,17 +83,26 @@ struct PointEdge {
 
 struct PointTriangle {
   static constexpr int kA = 1, kB = 3;
+  static constexpr bool kHasVolume = true;
+  static Frame frame(const std::array<Vec3, 4>& x) { return {x[0] - x[1], x[2] - x[1], x[3] - x[1]}; }
   static Vec3 direction(const std::array<Vec3, 4>& x) {
     using enum PointTriangleType;
     const auto& [p, t0, t1, t2] = x;
     switch (point_triangle_type(p, t0, t1, t2)) {
-      case P_T0: return p - t0;
-      case P_T1: return p - t1;
-      case P_T2: return p - t2;
-      case P_E0: return line_to_point(p, t0, t1);
-      case P_E1: return line_to_point(p, t1, t2);
-      case P_E2: return line_to_point(p, t2, t0);
-      case P_T: break;
+      case P_T0:
+        return p - t0;
+      case P_T1:
+        return p - t1;
+      case P_T2:
+        return p - t2;
+      case P_E0:
+        return line_to_point(p, t0, t1);
+      case P_E1:
+        return line_to_point(p, t1, t2);
+      case P_E2:
+        return line_to_point(p, t2, t0);
+      case P_T:
+        break;
     }
     return normal_towards(t1 - t0, t2 - t0, p - t0);
   }
@@ -105,19 +123,30 @@ struct PointTriangle {
 
 struct EdgeEdge {
   static constexpr int kA = 2, kB = 2;
+  static constexpr bool kHasVolume = true;
+  static Frame frame(const std::array<Vec3, 4>& x) { return {x[0] - x[2], x[1] - x[0], x[3] - x[2]}; }
   static Vec3 direction(const std::array<Vec3, 4>& x) {
     using enum EdgeEdgeType;
     const auto& [a0, a1, b0, b1] = x;
     switch (edge_edge_type(a0, a1, b0, b1)) {
-      case EA0_EB0: return a0 - b0;
-      case EA0_EB1: return a0 - b1;
-      case EA1_EB0: return a1 - b0;
-      case EA1_EB1: return a1 - b1;
-      case EA_EB0: return -line_to_point(b0, a0, a1);
-      case EA_EB1: return -line_to_point(b1, a0, a1);
-      case EA0_EB: return line_to_point(a0, b0, b1);
-      case EA1_EB: return line_to_point(a1, b0, b1);
-      case EA_EB: break;
+      case EA0_EB0:
+        return a0 - b0;
+      case EA0_EB1:
+        return a0 - b1;
+      case EA1_EB0:
+        return a1 - b0;
+      case EA1_EB1:
+        return a1 - b1;
+      case EA_EB0:
+        return -line_to_point(b0, a0, a1);
+      case EA_EB1:
+        return -line_to_point(b1, a0, a1);
+      case EA0_EB:
+        return line_to_point(a0, b0, b1);
+      case EA1_EB:
+        return line_to_point(a1, b0, b1);
+      case EA_EB:
+        break;
     }
     return normal_towards(a1 - a0, b1 - b0, a0 - b0);
   }
@@ -138,16 +167,16 @@ struct EdgeEdge {
   }
 };
 
-// Differences of all vertex pairs: position at the start and motion, relative so that large coordinates and common
-// motion drop out.
+// Differences of all vertex pairs: position at the start and motion, relative so that large coordinates and
+// common motion drop out.
 template <typename Kind>
 struct Motion {
   static constexpr int kCount = Kind::kA + Kind::kB, kPairs = Kind::kA * Kind::kB;
   using Stencil = std::array<Vec3, kCount>;
 
-  Stencil start, motion;                      // relative to the last vertex
+  Stencil start, motion;  // relative to the last vertex
   std::array<Vec3, kPairs> pair_start, pair_motion;
-  double error = 0.0;                         // bound of the rounding error of a gap [m]
+  double error = 0.0;  // bound of the rounding error of a gap [m]
 
   Motion(const Stencil& x0, const Stencil& x1) {
     for (int k = 0; k < kCount; ++k) {
@@ -183,29 +212,36 @@ struct Motion {
   }
 };
 
-// The segments of motion stay apart by more than `separation` along a coordinate axis.
+// The cubic w . (u x v) keeps its sign and stays above `separation` times the area from frame `a` to frame
+// `b`, both moving linearly: its Bernstein coefficients, values of the blossom, bound it.
+bool volume_stays_positive(const Frame& a, const Frame& b, double separation, double error) {
+  const Vec3 aa = cross(a.u, a.v), ab = cross(a.u, b.v), ba = cross(b.u, a.v), bb = cross(b.u, b.v);
+  const Vec3 mixed = ab + ba;
+  const double c0 = dot(a.w, aa), c1 = (dot(b.w, aa) + dot(a.w, mixed)) / 3.0;
+  const double c2 = (dot(b.w, mixed) + dot(a.w, bb)) / 3.0, c3 = dot(b.w, bb);
+  const double smallest = c0 > 0.0 ? std::min({c0, c1, c2, c3}) : std::min({-c0, -c1, -c2, -c3});
+  const double u = std::sqrt(std::max(squared_norm(a.u), squared_norm(b.u)));
+  const double v = std::sqrt(std::max(squared_norm(a.v), squared_norm(b.v)));
+  const double w = std::sqrt(std::max(squared_norm(a.w), squared_norm(b.w)));
+  return smallest > (separation * u * v) * (1.0 + 1e-12) + 8.0 * error * (u * v + v * w + w * u);
+}
+
+// A time step from t longer than `step`, safe by the volume; or `step`. Long primitives at a small gap that
+// turn against each other leave a separating plane at once although they do not meet; the volume sees that.
 template <typename Kind>
-bool boxes_stay_apart(const std::array<Vec3, Kind::kA + Kind::kB>& x0, const std::array<Vec3, Kind::kA + Kind::kB>& x1,
-                      double separation) {
-  const auto extend = [](Vec3& low, Vec3& high, const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  };
-  constexpr int kCount = Kind::kA + Kind::kB;
-  Vec3 low_a = x0[0], high_a = x0[0], low_b = x0[Kind::kA], high_b = x0[Kind::kA];
-  for (int k = 1; k < Kind::kA; ++k) extend(low_a, high_a, x0[k]);
-  for (int k = Kind::kA + 1; k < kCount; ++k) extend(low_b, high_b, x0[k]);
-  for (int k = 0; k < Kind::kA; ++k) extend(low_a, high_a, x1[k]);
-  for (int k = Kind::kA; k < kCount; ++k) extend(low_b, high_b, x1[k]);
-  // A difference is rounded once; a zero separation still needs a strictly positive gap.
-  const double gap = std::max({low_a.x - high_b.x, low_b.x - high_a.x, low_a.y - high_b.y, low_b.y - high_a.y,
-                               low_a.z - high_b.z, low_b.z - high_a.z});
-  return gap > separation * (1.0 + 1e-14);
+double extend_by_volume(const Motion<Kind>& motion, double t, double step, double separation) {
+  const Frame now = Kind::frame(motion.at(t));
+  for (double longer = 1.0 - t; longer > 2.0 * step; longer *= 0.25) {
+    if (volume_stays_positive(now, Kind::frame(motion.at(t + longer)), separation, motion.error))
+      return longer;
+  }
+  return step;
 }
 
 template <typename Kind>
-double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0, const std::array<Vec3, Kind::kA + Kind::kB>& x1,
-               double min_separation, const CcdSettings& settings) {
+double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
+               const std::array<Vec3, Kind::kA + Kind::kB>& x1, double min_separation,
+               const CcdSettings& settings) {
   const Motion<Kind> motion(x0, x1);
   std::array<double, Motion<Kind>::kPairs> gaps;
   Vec3 n = unit_or_zero(Kind::direction(motion.start));
@@ -237,7 +273,11 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0, const std::array
       const double rate = dot(n, motion.pair_motion[k]);
       if (rate < 0.0) step = std::min(step, (gaps[k] - separation) / -rate);
     }
-    if (t + step >= 1.0) return 1.0;
+    if (t + step >= settings.horizon) return 1.0;
+    if constexpr (Kind::kHasVolume) {
+      step = extend_by_volume(motion, t, step, separation);
+      if (t + step >= settings.horizon) return 1.0;
+    }
     if (!(t + step > t)) return keep * t;
     t += step;
   }
@@ -264,152 +304,6 @@ double point_triangle_ccd(const std::array<Vec3, 4>& x0, const std::array<Vec3, 
 double edge_edge_ccd(const std::array<Vec3, 4>& x0, const std::array<Vec3, 4>& x1, double min_separation,
                      const CcdSettings& settings) {
   return advance<EdgeEdge>(x0, x1, min_separation, settings);
-}
-
-namespace {
-
-struct Limit {
-  double step = 1.0;
-  int64_t candidate = -1;
-  int64_t tested = 0;
-};
-
-// Candidates per unit of parallel work; fixed, so that the result does not depend on the threads.
-constexpr int64_t kGrain = 1024;
-
-// Smallest step over candidates [0, count): vertices(k) lists the stencil, separation(k) the pair's minimum.
-template <typename Kind, typename Vertices, typename Separation>
-Limit find_limit(int64_t count, std::span<const Vec3> x0, std::span<const Vec3> x1, Vertices&& vertices,
-                 Separation&& separation, const CcdSettings& settings, ThreadPool& pool, std::vector<Limit>& chunks) {
-  constexpr int kCount = Kind::kA + Kind::kB;
-  chunks.assign((count + kGrain - 1) / kGrain, Limit{});
-  pool.for_each_range(count, kGrain, [&](int64_t begin, int64_t end) {
-    Limit limit;
-    for (int64_t k = begin; k < end; ++k) {
-      const std::array<int32_t, kCount> ids = vertices(k);
-      std::array<Vec3, kCount> start, finish;
-      for (int i = 0; i < kCount; ++i) {
-        start[i] = x0[ids[i]];
-        finish[i] = x1[ids[i]];
-      }
-      const double minimum = separation(k);
-      if (boxes_stay_apart<Kind>(start, finish, minimum)) continue;
-      ++limit.tested;
-      const double step = advance<Kind>(start, finish, minimum, settings);
-      if (step < limit.step) {
-        limit.step = step;
-        limit.candidate = k;
-      }
-    }
-    chunks[begin / kGrain] = limit;
-  });
-  Limit total;
-  for (const Limit& limit : chunks) {
-    total.tested += limit.tested;
-    if (limit.step < total.step) {
-      total.step = limit.step;
-      total.candidate = limit.candidate;
-    }
-  }
-  return total;
-}
-
-// Separation by a functor of the two groups; see the public overloads.
-template <typename Separation>
-double find_step(const SurfaceMesh& mesh, const CandidateList& list, std::span<const Vec3> x0, std::span<const Vec3> x1,
-                 Separation&& separation, ThreadPool& pool, CcdReport* out_report, const CcdSettings& settings) {
-  if (x0.size() < static_cast<size_t>(mesh.vertex_count) || x1.size() < static_cast<size_t>(mesh.vertex_count)) {
-    throw InvalidArgument("max_safe_step: " + std::to_string(std::min(x0.size(), x1.size())) + " positions for " +
-                          std::to_string(mesh.vertex_count) + " vertices; give one each");
-  }
-  std::vector<Limit> chunks;
-  CcdReport report;
-  const auto consider = [&](CandidateKind kind, const Limit& limit, auto&& ids) {
-    report.tested += limit.tested;
-    if (limit.candidate < 0 || !(limit.step < report.step)) return;
-    report.step = limit.step;
-    report.kind = kind;
-    report.candidate = limit.candidate;
-    const auto& [first, second] = ids(limit.candidate);
-    report.first = first;
-    report.second = second;
-  };
-  const auto& edges = mesh.edges;
-  {
-    const auto& pairs = list.point_triangle;
-    consider(CandidateKind::PointTriangle,
-             find_limit<PointTriangle>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) {
-                   const Index3& t = mesh.triangles[pairs[k].triangle];
-                   return Index4{pairs[k].point, t[0], t[1], t[2]};
-                 },
-                 [&](int64_t k) {
-                   return separation(mesh.vertex_group[pairs[k].point], mesh.triangle_group[pairs[k].triangle]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  {
-    const auto& pairs = list.edge_edge;
-    consider(CandidateKind::EdgeEdge,
-             find_limit<EdgeEdge>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) {
-                   const Index2 &a = edges[pairs[k].edge_a], &b = edges[pairs[k].edge_b];
-                   return Index4{a[0], a[1], b[0], b[1]};
-                 },
-                 [&](int64_t k) {
-                   return separation(mesh.edge_group[pairs[k].edge_a], mesh.edge_group[pairs[k].edge_b]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  {
-    const auto& pairs = list.point_edge;
-    consider(CandidateKind::PointEdge,
-             find_limit<PointEdge>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) {
-                   return Index3{pairs[k].point, edges[pairs[k].edge][0], edges[pairs[k].edge][1]};
-                 },
-                 [&](int64_t k) {
-                   return separation(mesh.vertex_group[pairs[k].point], mesh.edge_group[pairs[k].edge]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  {
-    const auto& pairs = list.point_point;
-    consider(CandidateKind::PointPoint,
-             find_limit<PointPoint>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) { return Index2{pairs[k].point_a, pairs[k].point_b}; },
-                 [&](int64_t k) {
-                   return separation(mesh.vertex_group[pairs[k].point_a], mesh.vertex_group[pairs[k].point_b]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  if (out_report != nullptr) *out_report = report;
-  return report.step;
-}
-
-}  // namespace
-
-double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, double min_separation, ThreadPool& pool, CcdReport* out_report,
-                     const CcdSettings& settings) {
-  return find_step(mesh, candidates, x0, x1, [&](int32_t, int32_t) { return min_separation; }, pool, out_report,
-                   settings);
-}
-
-double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, std::span<const double> group_separation, ThreadPool& pool,
-                     CcdReport* out_report, const CcdSettings& settings) {
-  return find_step(mesh, candidates, x0, x1,
-                   [&](int32_t a, int32_t b) { return group_separation[a] + group_separation[b]; }, pool, out_report,
-                   settings);
 }
 
 }  // namespace stark

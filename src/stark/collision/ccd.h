@@ -1,8 +1,10 @@
-// Continuous collision detection for linear motion by conservative advancement along separating planes: at time t the
-// direction n between the closest points separates the primitives; each vertex pair keeps its gap along n linearly in
-// time, so the first time at which a gap falls to the target is a safe step (a directional form of additive CCD, Li et
-// al. 2021, "Codimensional incremental potential contact"). Gaps are lowered by a bound of their rounding errors, so
-// the result is conservative in floating point, whatever closest features were found. Phase: step-length bound.
+// Continuous collision detection for linear motion by conservative advancement along separating planes: at
+// time t the direction n between the closest points separates the primitives; each vertex pair keeps its gap
+// along n linearly in time, so the first time at which a gap falls to the target is a safe step (a
+// directional form of additive CCD, Li et al. 2021, "Codimensional incremental potential contact"). Where no
+// plane lasts, an interval in which the Bernstein coefficients of the coplanarity cubic keep their sign is
+// passed at once. Gaps and volumes are lowered by bounds of their rounding errors, so the result is
+// conservative in floating point, whatever closest features were found. Phase: step-length bound.
 #pragma once
 
 #include <array>
@@ -15,15 +17,17 @@ namespace stark {
 
 struct CcdSettings {
   double time_margin = 0.1;  // part of the time to the impact that is given back, so that a gap remains
-  double tolerance = 1e-4;   // an impact: the gap has come this near to the separation, relative to the initial gap
-  int max_iterations = 64;   // the time reached so far counts as the impact: safe, only smaller
+  double tolerance =
+      1e-4;  // an impact: the gap has come this near to the separation, relative to the initial gap
+  int max_iterations = 64;  // the time reached so far counts as the impact: safe, only smaller
+  double horizon = 1.0;     // impacts after this time are not looked for: the result is then 1
 };
 
 // Fraction t in [0, 1] such that the distance of the two primitives on [0, t] stays above the separation
-// min(min_separation, 0.1 d0), d0 the distance at the start. 1: the whole motion is safe. Otherwise 1 - time_margin
-// times the time at which the separation is reached; a head-on approach leaves that part of the gap, and passing
-// close by does not limit the step. Returns 0 when d0 is zero or below rounding.
-// x0 and x1 hold the vertices at the start and the end, point first, then edge or triangle; edge A, then edge B.
+// min(min_separation, 0.1 d0), d0 the distance at the start. 1: the whole motion is safe. Otherwise 1 -
+// time_margin times the time at which the separation is reached; a head-on approach leaves that part of the
+// gap, and passing close by does not limit the step. Returns 0 when d0 is zero or below rounding. x0 and x1
+// hold the vertices at the start and the end, point first, then edge or triangle; edge A, then edge B.
 double point_point_ccd(const std::array<Vec3, 2>& x0, const std::array<Vec3, 2>& x1, double min_separation,
                        const CcdSettings& settings = {});
 double point_edge_ccd(const std::array<Vec3, 3>& x0, const std::array<Vec3, 3>& x1, double min_separation,
@@ -44,12 +48,12 @@ struct CcdReport {
   int64_t tested = 0;                        // candidates that needed more than the box test
 };
 
-/// Smallest safe fraction over all candidates, for vertices that move linearly from x0 to x1. The list must hold every
-/// pair that can come within min_separation [m] on the way (BroadPhase::find_swept, or a list whose motion budget
-/// covers the motion).
+/// Smallest safe fraction over all candidates, for vertices that move linearly from x0 to x1. The list must
+/// hold every pair that can come within min_separation [m] on the way (BroadPhase::find_swept, or a list
+/// whose motion budget covers the motion).
 double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, double min_separation, ThreadPool& pool, CcdReport* out_report = nullptr,
-                     const CcdSettings& settings = {});
+                     std::span<const Vec3> x1, double min_separation, ThreadPool& pool,
+                     CcdReport* out_report = nullptr, const CcdSettings& settings = {});
 
 /// As above with one separation per group; a pair keeps the sum of its two groups' values.
 double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,

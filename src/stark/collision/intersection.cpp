@@ -1,5 +1,5 @@
-// Edge-triangle intersections through the hierarchy with exact predicates, containment by connected pieces. See
-// intersection.h.
+// Edge-triangle intersections through the hierarchy with exact predicates, containment by connected pieces.
+// See intersection.h.
 #include <stark/collision/intersection.h>
 
 #include <algorithm>
@@ -21,9 +21,10 @@ void add_edge_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::span<c
   const detail::Box box = bvh.cell_box(b);
   const Index3& t = b.vertices;
   for (int k = 0; k < a.edge_count; ++k) {
-    const Index2& e = bvh.mesh().edges[a.edges[k]];
-    if (e[0] == t[0] || e[0] == t[1] || e[0] == t[2] || e[1] == t[0] || e[1] == t[1] || e[1] == t[2]) continue;
-    if (!box.overlaps(bvh.edge_box(a.edges[k]))) continue;
+    const Index2& e = a.edge_vertices[k];
+    if (e[0] == t[0] || e[0] == t[1] || e[0] == t[2] || e[1] == t[0] || e[1] == t[1] || e[1] == t[2])
+      continue;
+    if (!box.overlaps(bvh.edge_box(e))) continue;
     if (segment_intersects_triangle(x[e[0]], x[e[1]], x[t[0]], x[t[1]], x[t[2]])) {
       out.push_back({a.edges[k], b.triangle});
     }
@@ -94,7 +95,8 @@ std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::
     std::vector<bool> reported(group_count, false);
     for (const int32_t v : pieces) {
       const int32_t inner = mesh.vertex_group[v];
-      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || !bounds[outer].contains(x[v])) continue;
+      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || !bounds[outer].contains(x[v]))
+        continue;
       if (locate_point(x[v], x, triangles[outer]) != PointLocation::Inside) continue;
       reported[inner] = true;
       found[outer].push_back({inner, outer, v});

@@ -1,5 +1,5 @@
-// Intersections at rest: edges through triangles (exact) and bodies inside others. Phase: check of the initial state and
-// of accepted steps in verify mode.
+// Intersections at rest: edges through triangles (exact) and bodies inside others. Phase: check of the
+// initial state and of accepted steps in verify mode.
 #pragma once
 
 #include <span>
@@ -19,14 +19,15 @@ struct EdgeTriangleIntersection {
 std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh, std::span<const Vec3> x,
                                                          const PairFilter& filter, ThreadPool& pool);
 
-/// `inner` has a connected piece, with first vertex `vertex`, that starts inside the closed surface of `outer`.
+/// `inner` has a connected piece, with first vertex `vertex`, that starts inside the closed surface of
+/// `outer`.
 struct ContainedGroup {
   int32_t inner, outer, vertex;
   bool operator==(const ContainedGroup&) const = default;
 };
 
-/// Allowed pairs of groups where a connected piece of one lies inside the other's surface, if that is closed. Exact
-/// where find_intersections reports nothing; sorted, at most one entry per pair of groups.
+/// Allowed pairs of groups where a connected piece of one lies inside the other's surface, if that is closed.
+/// Exact where find_intersections reports nothing; sorted, at most one entry per pair of groups.
 std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
                                                   const PairFilter& filter, ThreadPool& pool);
 

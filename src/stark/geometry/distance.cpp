@@ -8,7 +8,8 @@ namespace stark {
 
 namespace {
 
-// Squared sine below which two directions count as parallel: their cross product is then mostly rounding error.
+// Squared sine below which two directions count as parallel: their cross product is then mostly rounding
+// error.
 constexpr double kParallelSine2 = 1e-20;
 
 double clamp01(double t) { return t < 0.0 ? 0.0 : (t > 1.0 ? 1.0 : t); }
@@ -20,7 +21,8 @@ double line_parameter(const Vec3& p, const Vec3& e0, const Vec3& e1) {
 }
 
 // Triangle without area: the closest of its edges decides.
-PointTriangleType degenerate_point_triangle_type(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2) {
+PointTriangleType degenerate_point_triangle_type(const Vec3& p, const Vec3& t0, const Vec3& t1,
+                                                 const Vec3& t2) {
   const Vec3* corners[4] = {&t0, &t1, &t2, &t0};
   PointTriangleType best = PointTriangleType::P_T0;
   double best_distance = HUGE_VAL;
@@ -40,7 +42,7 @@ PointTriangleType degenerate_point_triangle_type(const Vec3& p, const Vec3& t0, 
 EdgeEdgeType parallel_edge_edge_type(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, const Vec3& eb1) {
   EdgeEdgeType best = EdgeEdgeType::EA0_EB0;
   double best_distance = HUGE_VAL;
-  const auto consider = [&](const Vec3& p, const Vec3& e0, const Vec3& e1, const EdgeEdgeType (&types)[3]) {
+  const auto consider = [&](const Vec3& p, const Vec3& e0, const Vec3& e1, const EdgeEdgeType(&types)[3]) {
     const PointEdgeType type = point_edge_type(p, e0, e1);
     const double distance = point_edge_squared_distance(p, e0, e1, type);
     if (distance < best_distance) {
@@ -93,7 +95,8 @@ EdgeEdgeType edge_edge_type(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, c
   const double uu = squared_norm(u), vv = squared_norm(v), nn = squared_norm(normal);
   if (!(nn > kParallelSine2 * uu * vv)) return parallel_edge_edge_type(ea0, ea1, eb0, eb1);
   const double uv = dot(u, v);
-  // Parameter s on line A of the point closest to line B, clamped; t on B follows, and clamping t moves s again.
+  // Parameter s on line A of the point closest to line B, clamped; t on B follows, and clamping t moves s
+  // again.
   const double s_numerator = dot(cross(v, w), normal);  // s = s_numerator / nn
   int s_side = s_numerator <= 0.0 ? 0 : (s_numerator >= nn ? 1 : 2);
   const double s = s_side == 0 ? 0.0 : (s_side == 1 ? 1.0 : s_numerator / nn);
@@ -111,8 +114,9 @@ EdgeEdgeType edge_edge_type(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, c
 Vec3 common_normal(const Vec3& u, const Vec3& v) {
   Vec3 normal = cross(u, v);
   const double uu = squared_norm(u), vv = squared_norm(v);
-  // The rounding error of the product is relative to |u| |v|; its part along u or v is the harmful one, because the
-  // primitives extend far in these directions. Projecting it out leaves a tilt that matters only in second order.
+  // The rounding error of the product is relative to |u| |v|; its part along u or v is the harmful one,
+  // because the primitives extend far in these directions. Projecting it out leaves a tilt that matters only
+  // in second order.
   if (squared_norm(normal) < 1e-4 * uu * vv) {
     normal -= u * (dot(normal, u) / uu);
     normal -= v * (dot(normal, v) / vv);
@@ -143,9 +147,12 @@ double line_line_squared_distance(const Vec3& ea0, const Vec3& ea1, const Vec3& 
 
 double point_edge_squared_distance(const Vec3& p, const Vec3& e0, const Vec3& e1, PointEdgeType type) {
   switch (type) {
-    case PointEdgeType::P_E0: return point_point_squared_distance(p, e0);
-    case PointEdgeType::P_E1: return point_point_squared_distance(p, e1);
-    case PointEdgeType::P_E: break;
+    case PointEdgeType::P_E0:
+      return point_point_squared_distance(p, e0);
+    case PointEdgeType::P_E1:
+      return point_point_squared_distance(p, e1);
+    case PointEdgeType::P_E:
+      break;
   }
   return point_line_squared_distance(p, e0, e1);
 }
@@ -154,13 +161,20 @@ double point_triangle_squared_distance(const Vec3& p, const Vec3& t0, const Vec3
                                        PointTriangleType type) {
   using enum PointTriangleType;
   switch (type) {
-    case P_T0: return point_point_squared_distance(p, t0);
-    case P_T1: return point_point_squared_distance(p, t1);
-    case P_T2: return point_point_squared_distance(p, t2);
-    case P_E0: return point_line_squared_distance(p, t0, t1);
-    case P_E1: return point_line_squared_distance(p, t1, t2);
-    case P_E2: return point_line_squared_distance(p, t2, t0);
-    case P_T: break;
+    case P_T0:
+      return point_point_squared_distance(p, t0);
+    case P_T1:
+      return point_point_squared_distance(p, t1);
+    case P_T2:
+      return point_point_squared_distance(p, t2);
+    case P_E0:
+      return point_line_squared_distance(p, t0, t1);
+    case P_E1:
+      return point_line_squared_distance(p, t1, t2);
+    case P_E2:
+      return point_line_squared_distance(p, t2, t0);
+    case P_T:
+      break;
   }
   return point_plane_squared_distance(p, t0, t1, t2);
 }
@@ -169,15 +183,24 @@ double edge_edge_squared_distance(const Vec3& ea0, const Vec3& ea1, const Vec3& 
                                   EdgeEdgeType type) {
   using enum EdgeEdgeType;
   switch (type) {
-    case EA0_EB0: return point_point_squared_distance(ea0, eb0);
-    case EA0_EB1: return point_point_squared_distance(ea0, eb1);
-    case EA1_EB0: return point_point_squared_distance(ea1, eb0);
-    case EA1_EB1: return point_point_squared_distance(ea1, eb1);
-    case EA_EB0: return point_line_squared_distance(eb0, ea0, ea1);
-    case EA_EB1: return point_line_squared_distance(eb1, ea0, ea1);
-    case EA0_EB: return point_line_squared_distance(ea0, eb0, eb1);
-    case EA1_EB: return point_line_squared_distance(ea1, eb0, eb1);
-    case EA_EB: break;
+    case EA0_EB0:
+      return point_point_squared_distance(ea0, eb0);
+    case EA0_EB1:
+      return point_point_squared_distance(ea0, eb1);
+    case EA1_EB0:
+      return point_point_squared_distance(ea1, eb0);
+    case EA1_EB1:
+      return point_point_squared_distance(ea1, eb1);
+    case EA_EB0:
+      return point_line_squared_distance(eb0, ea0, ea1);
+    case EA_EB1:
+      return point_line_squared_distance(eb1, ea0, ea1);
+    case EA0_EB:
+      return point_line_squared_distance(ea0, eb0, eb1);
+    case EA1_EB:
+      return point_line_squared_distance(ea1, eb0, eb1);
+    case EA_EB:
+      break;
   }
   return line_line_squared_distance(ea0, ea1, eb0, eb1);
 }
@@ -205,9 +228,12 @@ std::array<double, 3> point_triangle_weights(const Vec3& p, const Vec3& t0, cons
                                              PointTriangleType type) {
   using enum PointTriangleType;
   switch (type) {
-    case P_T0: return {1.0, 0.0, 0.0};
-    case P_T1: return {0.0, 1.0, 0.0};
-    case P_T2: return {0.0, 0.0, 1.0};
+    case P_T0:
+      return {1.0, 0.0, 0.0};
+    case P_T1:
+      return {0.0, 1.0, 0.0};
+    case P_T2:
+      return {0.0, 0.0, 1.0};
     case P_E0: {
       const double t = clamp01(line_parameter(p, t0, t1));
       return {1.0 - t, t, 0.0};
@@ -220,7 +246,8 @@ std::array<double, 3> point_triangle_weights(const Vec3& p, const Vec3& t0, cons
       const double t = clamp01(line_parameter(p, t2, t0));
       return {t, 0.0, 1.0 - t};
     }
-    case P_T: break;
+    case P_T:
+      break;
   }
   const Vec3 ab = t1 - t0, ac = t2 - t0, ap = p - t0;
   const Vec3 normal = cross(ab, ac);
@@ -235,14 +262,29 @@ std::array<double, 4> edge_edge_weights(const Vec3& ea0, const Vec3& ea1, const 
   using enum EdgeEdgeType;
   double s = 0.0, t = 0.0;
   switch (type) {
-    case EA0_EB0: break;
-    case EA0_EB1: t = 1.0; break;
-    case EA1_EB0: s = 1.0; break;
-    case EA1_EB1: s = t = 1.0; break;
-    case EA_EB0: s = line_parameter(eb0, ea0, ea1); break;
-    case EA_EB1: s = line_parameter(eb1, ea0, ea1), t = 1.0; break;
-    case EA0_EB: t = line_parameter(ea0, eb0, eb1); break;
-    case EA1_EB: t = line_parameter(ea1, eb0, eb1), s = 1.0; break;
+    case EA0_EB0:
+      break;
+    case EA0_EB1:
+      t = 1.0;
+      break;
+    case EA1_EB0:
+      s = 1.0;
+      break;
+    case EA1_EB1:
+      s = t = 1.0;
+      break;
+    case EA_EB0:
+      s = line_parameter(eb0, ea0, ea1);
+      break;
+    case EA_EB1:
+      s = line_parameter(eb1, ea0, ea1), t = 1.0;
+      break;
+    case EA0_EB:
+      t = line_parameter(ea0, eb0, eb1);
+      break;
+    case EA1_EB:
+      t = line_parameter(ea1, eb0, eb1), s = 1.0;
+      break;
     case EA_EB: {
       const Vec3 u = ea1 - ea0, v = eb1 - eb0, w = ea0 - eb0;
       const Vec3 normal = cross(u, v);

@@ -1,7 +1,7 @@
-// Closest features and distances between points, segments and triangles: the stencils of contact. The type names the
-// open feature that holds the closest point; formulas per type are then smooth. Regions after Ericson 2005, "Real-Time
-// Collision Detection", ch. 5.1; parallel and degenerate edges fall back to the best point-edge pair. Used by
-// collision detection and by contact in every iteration.
+// Closest features and distances between points, segments and triangles: the stencils of contact. The type
+// names the open feature that holds the closest point; formulas per type are then smooth. Regions after
+// Ericson 2005, "Real-Time Collision Detection", ch. 5.1; parallel and degenerate edges fall back to the best
+// point-edge pair. Used by collision detection and by contact in every iteration.
 #pragma once
 
 #include <array>
@@ -20,14 +20,24 @@ enum class PointEdgeType : uint8_t { P_E0, P_E1, P_E };
 enum class PointTriangleType : uint8_t { P_T0, P_T1, P_T2, P_E0, P_E1, P_E2, P_T };
 
 /// Features of the edges A = (ea0, ea1) and B = (eb0, eb1) that hold the closest points.
-enum class EdgeEdgeType : uint8_t { EA0_EB0, EA0_EB1, EA1_EB0, EA1_EB1, EA_EB0, EA_EB1, EA0_EB, EA1_EB, EA_EB };
+enum class EdgeEdgeType : uint8_t {
+  EA0_EB0,
+  EA0_EB1,
+  EA1_EB0,
+  EA1_EB1,
+  EA_EB0,
+  EA_EB1,
+  EA0_EB,
+  EA1_EB,
+  EA_EB
+};
 
 PointEdgeType point_edge_type(const Vec3& p, const Vec3& e0, const Vec3& e1);
 PointTriangleType point_triangle_type(const Vec3& p, const Vec3& t0, const Vec3& t1, const Vec3& t2);
 EdgeEdgeType edge_edge_type(const Vec3& ea0, const Vec3& ea1, const Vec3& eb0, const Vec3& eb1);
 
-/// Normal of the plane of two directions: their cross product, for nearly parallel ones corrected so that it stays
-/// perpendicular to both within rounding; zero if one of them is zero.
+/// Normal of the plane of two directions: their cross product, for nearly parallel ones corrected so that it
+/// stays perpendicular to both within rounding; zero if one of them is zero.
 Vec3 common_normal(const Vec3& u, const Vec3& v);
 
 // Squared distances between the features that the type names, points, infinite lines and planes [m^2].

@@ -9,8 +9,9 @@ namespace stark {
 
 namespace {
 
-// Sum of non-overlapping doubles of increasing magnitude: the exact value of a sum or product. Capacities below are the
-// worst cases of the determinants (orient3d: 6 products of three 2-term differences, 16 terms each, 96 in all).
+// Sum of non-overlapping doubles of increasing magnitude: the exact value of a sum or product. Capacities
+// below are the worst cases of the determinants (orient3d: 6 products of three 2-term differences, 16 terms
+// each, 96 in all).
 template <int Capacity>
 struct Expansion {
   std::array<double, Capacity> term;
@@ -97,7 +98,8 @@ int orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 int orient2d_exact(double ax, double ay, double bx, double by, double cx, double cy) {
-  return subtract(multiply(difference(bx, ax), difference(cy, ay)), multiply(difference(by, ay), difference(cx, ax)))
+  return subtract(multiply(difference(bx, ax), difference(cy, ay)),
+                  multiply(difference(by, ay), difference(cx, ax)))
       .sign();
 }
 
@@ -109,7 +111,9 @@ struct Point2 {
   double x, y;
 };
 
-int orient(const Point2& a, const Point2& b, const Point2& c) { return orient2d(a.x, a.y, b.x, b.y, c.x, c.y); }
+int orient(const Point2& a, const Point2& b, const Point2& c) {
+  return orient2d(a.x, a.y, b.x, b.y, c.x, c.y);
+}
 
 bool in_box(const Point2& p, const Point2& q, const Point2& r) {
   return std::min(p.x, q.x) <= r.x && r.x <= std::max(p.x, q.x) && std::min(p.y, q.y) <= r.y &&
@@ -125,12 +129,14 @@ bool segments_intersect(const Point2& p, const Point2& q, const Point2& a, const
 
 bool segment_intersects_triangle_2d(const Point2& p, const Point2& q, const Point2& a, const Point2& b,
                                     const Point2& c) {
-  if (segments_intersect(p, q, a, b) || segments_intersect(p, q, b, c) || segments_intersect(p, q, c, a)) return true;
+  if (segments_intersect(p, q, a, b) || segments_intersect(p, q, b, c) || segments_intersect(p, q, c, a))
+    return true;
   const int s0 = orient(a, b, p), s1 = orient(b, c, p), s2 = orient(c, a, p);
   return s0 != 0 && s0 == s1 && s1 == s2;
 }
 
-bool coplanar_segment_intersects_triangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+bool coplanar_segment_intersects_triangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b,
+                                          const Vec3& c) {
   // A plane maps one to one onto at least one coordinate plane, and an overlap shows in all three.
   const auto overlaps = [&](auto project) {
     return segment_intersects_triangle_2d(project(p), project(q), project(a), project(b), project(c));
@@ -145,7 +151,8 @@ bool coplanar_segment_intersects_triangle(const Vec3& p, const Vec3& q, const Ve
 int orient2d(double ax, double ay, double bx, double by, double cx, double cy) {
   const double left = (bx - ax) * (cy - ay), right = (by - ay) * (cx - ax);
   const double determinant = left - right;
-  if (std::fabs(determinant) > kOrient2dBound * (std::fabs(left) + std::fabs(right))) return determinant > 0.0 ? 1 : -1;
+  if (std::fabs(determinant) > kOrient2dBound * (std::fabs(left) + std::fabs(right)))
+    return determinant > 0.0 ? 1 : -1;
   return orient2d_exact(ax, ay, bx, by, cx, cy);
 }
 
@@ -183,8 +190,8 @@ PointLocation locate_point(const Vec3& p, std::span<const Vec3> vertices, std::s
   if (p.x < low.x || p.y < low.y || p.z < low.z || p.x > high.x || p.y > high.y || p.z > high.z) {
     return PointLocation::Outside;
   }
-  // Segments to far points in fixed directions of no particular symmetry; one that meets an edge or a vertex of the
-  // mesh is dropped for the next.
+  // Segments to far points in fixed directions of no particular symmetry; one that meets an edge or a vertex
+  // of the mesh is dropped for the next.
   const double reach = 4.0 * (norm(high - low) + max_abs(p) * 1e-12);
   constexpr int kMaxDirections = 64;
   for (int k = 0; k < kMaxDirections; ++k) {

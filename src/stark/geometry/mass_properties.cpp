@@ -40,8 +40,8 @@ Vec3 mean_vertex(std::span<const Vec3> vertices, std::span<const Index3> triangl
 
 }  // namespace
 
-MassProperties compute_solid_mass_properties(std::span<const Vec3> vertices, std::span<const Index3> triangles,
-                                             double density) {
+MassProperties compute_solid_mass_properties(std::span<const Vec3> vertices,
+                                             std::span<const Index3> triangles, double density) {
   const Vec3 reference = mean_vertex(vertices, triangles);
   Moments moments;
   for (const Index3& t : triangles) {
@@ -50,14 +50,15 @@ MassProperties compute_solid_mass_properties(std::span<const Vec3> vertices, std
     const Vec3 sum = a + b + c;
     moments.zeroth += six_volumes / 6.0;
     moments.first += sum * (six_volumes / 24.0);
-    // Tet with one vertex at the reference: integral of r r^T = 6V / 120 (sum of x x^T over vertices + s s^T).
+    // Tet with one vertex at the reference: integral of r r^T = 6V / 120 (sum of x x^T over vertices + s
+    // s^T).
     moments.second += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * (six_volumes / 120.0);
   }
   return from_moments(moments, reference, density);
 }
 
-MassProperties compute_shell_mass_properties(std::span<const Vec3> vertices, std::span<const Index3> triangles,
-                                             double area_density) {
+MassProperties compute_shell_mass_properties(std::span<const Vec3> vertices,
+                                             std::span<const Index3> triangles, double area_density) {
   const Vec3 reference = mean_vertex(vertices, triangles);
   Moments moments;
   for (const Index3& t : triangles) {

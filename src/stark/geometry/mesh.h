@@ -1,4 +1,5 @@
-// Plain triangle and tetrahedron meshes: positions in metres and index lists. Geometry layer; no phase, pure data.
+// Plain triangle and tetrahedron meshes: positions in metres and index lists. Geometry layer; no phase, pure
+// data.
 #pragma once
 
 #include <array>

@@ -30,7 +30,8 @@ void check_count(int value, int least, const char* shape, const char* parameter)
 // Coordinate of grid line i of n cells over `size`, exactly antisymmetric about the centre.
 double grid_coordinate(double size, int i, int n) { return size * ((2.0 * i - n) / (2.0 * n)); }
 
-// A profile (radius, z) from the bottom pole to the top pole, turned about z; first and last points are poles.
+// A profile (radius, z) from the bottom pole to the top pole, turned about z; first and last points are
+// poles.
 struct ProfilePoint {
   double radius, z;
 };
@@ -70,7 +71,8 @@ TriangleMesh make_grid(double size_x, double size_y, int cells_x, int cells_y) {
   TriangleMesh mesh;
   for (int j = 0; j <= cells_y; ++j) {
     for (int i = 0; i <= cells_x; ++i) {
-      mesh.vertices.push_back({grid_coordinate(size_x, i, cells_x), grid_coordinate(size_y, j, cells_y), 0.0});
+      mesh.vertices.push_back(
+          {grid_coordinate(size_x, i, cells_x), grid_coordinate(size_y, j, cells_y), 0.0});
     }
   }
   const auto id = [&](int i, int j) { return static_cast<int32_t>(j * (cells_x + 1) + i); };
@@ -131,11 +133,11 @@ TriangleMesh make_icosphere(double radius, int subdivisions) {
   check_count(subdivisions, 0, "icosphere", "subdivisions");
   const double phi = std::numbers::phi;
   TriangleMesh mesh;
-  mesh.vertices = {{-1, phi, 0}, {1, phi, 0}, {-1, -phi, 0}, {1, -phi, 0}, {0, -1, phi}, {0, 1, phi},
-                   {0, -1, -phi}, {0, 1, -phi}, {phi, 0, -1}, {phi, 0, 1}, {-phi, 0, -1}, {-phi, 0, 1}};
-  mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                    {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  mesh.vertices = {{-1, phi, 0},  {1, phi, 0},  {-1, -phi, 0}, {1, -phi, 0}, {0, -1, phi},  {0, 1, phi},
+                   {0, -1, -phi}, {0, 1, -phi}, {phi, 0, -1},  {phi, 0, 1},  {-phi, 0, -1}, {-phi, 0, 1}};
+  mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (Vec3& vertex : mesh.vertices) vertex = normalized(vertex);
   for (int level = 0; level < subdivisions; ++level) {
     std::map<Index2, int32_t> midpoints;
@@ -180,7 +182,8 @@ TriangleMesh make_capsule(double radius, double height, int segments, int rings)
   for (int half = 0; half < 2; ++half) {
     for (int k = 0; k < rings; ++k) {
       // The lower half runs from below the equator up to it, the upper half from the equator.
-      const double latitude = 0.5 * std::numbers::pi * (half == 0 ? (k + 1.0) / rings - 1.0 : double(k) / rings);
+      const double latitude =
+          0.5 * std::numbers::pi * (half == 0 ? (k + 1.0) / rings - 1.0 : double(k) / rings);
       profile.push_back({radius * std::cos(latitude), (half - 0.5) * height + radius * std::sin(latitude)});
     }
   }
@@ -241,7 +244,8 @@ TetMesh make_tet_box(const Vec3& size, const Index3& cells) {
     for (int j = 0; j < ny; ++j) {
       for (int i = 0; i < nx; ++i) {
         const int32_t centre = static_cast<int32_t>(mesh.vertices.size());
-        mesh.vertices.push_back({grid_coordinate(size.x, 2 * i + 1, 2 * nx), grid_coordinate(size.y, 2 * j + 1, 2 * ny),
+        mesh.vertices.push_back({grid_coordinate(size.x, 2 * i + 1, 2 * nx),
+                                 grid_coordinate(size.y, 2 * j + 1, 2 * ny),
                                  grid_coordinate(size.z, 2 * k + 1, 2 * nz)});
         for (int axis = 0; axis < 3; ++axis) {
           const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -253,14 +257,15 @@ TetMesh make_tet_box(const Vec3& size, const Index3& cells) {
               d[v] = dv;
               return corner_id(i + d[0], j + d[1], k + d[2]);
             };
-            // The diagonal joins corners of even parity in global lattice coordinates, so that neighbouring cells
-            // agree on the shared face.
+            // The diagonal joins corners of even parity in global lattice coordinates, so that neighbouring
+            // cells agree on the shared face.
             const int parity = (i + j + k + side) & 1;
             const int32_t c[4] = {corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
             const Index3 faces[2] = {{c[parity], c[parity + 1], c[(parity + 2) % 4]},
                                      {c[parity], c[(parity + 2) % 4], c[(parity + 3) % 4]}};
             for (const Index3& f : faces) {
-              // Seen from the centre the outward face is the base of a positively oriented tet with the centre first.
+              // Seen from the centre the outward face is the base of a positively oriented tet with the
+              // centre first.
               if (side == 1) {
                 mesh.tets.push_back({centre, f[0], f[1], f[2]});
               } else {

@@ -54,8 +54,8 @@ void sort_unique(std::vector<Index2>& edges) {
 }
 
 template <size_t N>
-void check_element(const std::array<int32_t, N>& element, size_t number, size_t vertex_count, const char* kind,
-                   const char* name) {
+void check_element(const std::array<int32_t, N>& element, size_t number, size_t vertex_count,
+                   const char* kind, const char* name) {
   for (size_t k = 0; k < N; ++k) {
     if (element[k] < 0 || static_cast<size_t>(element[k]) >= vertex_count) {
       throw InvalidMesh(std::string(name) + ": " + kind + " " + std::to_string(number) + " uses vertex " +
@@ -94,7 +94,8 @@ std::vector<Index2> find_edges(std::span<const Index3> triangles) {
   std::vector<Index2> edges;
   edges.reserve(3 * triangles.size());
   for (const Index3& t : triangles) {
-    for (int k = 0; k < 3; ++k) edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    for (int k = 0; k < 3; ++k)
+      edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
   }
   sort_unique(edges);
   return edges;
@@ -249,7 +250,8 @@ std::vector<double> compute_edge_areas(std::span<const Vec3> vertices, std::span
   return areas;
 }
 
-std::vector<double> compute_triangle_areas(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
+std::vector<double> compute_triangle_areas(std::span<const Vec3> vertices,
+                                           std::span<const Index3> triangles) {
   std::vector<double> areas;
   areas.reserve(triangles.size());
   for (const Index3& t : triangles) areas.push_back(triangle_area(vertices, t));
@@ -276,8 +278,9 @@ void validate(const TetMesh& mesh, const char* name) {
     check_element(mesh.tets[t], t, mesh.vertices.size(), "tet", name);
     const double volume = tet_volume(mesh.vertices, mesh.tets[t]);
     if (!(volume > 0.0)) {
-      throw InvalidMesh(std::string(name) + ": tet " + std::to_string(t) + " has volume " + std::to_string(volume) +
-                        " m^3; volumes must be positive, swap two vertices of inverted tets and remove flat ones");
+      throw InvalidMesh(
+          std::string(name) + ": tet " + std::to_string(t) + " has volume " + std::to_string(volume) +
+          " m^3; volumes must be positive, swap two vertices of inverted tets and remove flat ones");
     }
   }
 }

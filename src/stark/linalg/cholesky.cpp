@@ -1,25 +1,290 @@
-// Envelope Cholesky in reverse Cuthill-McKee order (George and Liu 1981).
+// Multifrontal Cholesky: a front gathers the blocks of A of its columns and the update matrices of its children, is
+// factorised densely, and leaves the Schur complement of its update rows to its parent. Subtrees run in parallel, the
+// fronts above them are shared strip by strip; in both cases every entry is computed by the same sequence of
+// operations on any number of threads.
 #include <stark/linalg/cholesky.h>
 
 #include <algorithm>
-#include <cmath>
+#include <atomic>
+#include <cstring>
 #include <vector>
 
+#include <stark/base/aligned.h>
 #include <stark/base/error.h>
+#include <stark/linalg/elimination.h>
+#include <stark/linalg/front_kernels.h>
+#include <stark/linalg/front_plan.h>
+#include <stark/linalg/ordering.h>
 
 namespace stark {
 
+namespace {
+
+using front::kColumnBlock;
+using front::kStrip;
+using front::kTile;
+using front::strips_of;
+using front::triangle_offset;
+
+constexpr double kReorderFactor = 1.3;      // fill tolerated, in flops, before a new ordering
+constexpr int64_t kStripGrain = 4;          // strips of one task in a shared front
+constexpr int64_t kAssemblyGrain = 16;      // child columns of one task when a shared front is assembled
+constexpr int32_t kNoFailure = INT32_MAX;
+
+// Storage that grows without copying and is not initialised.
+template <typename Real>
+class Buffer {
+ public:
+  Real* reserve(int64_t size) {
+    if (size > capacity_) {
+      capacity_ = size + size / 4 + 1024;
+      data_.reset();
+      data_.reset(AlignedAllocator<Real>().allocate(static_cast<size_t>(capacity_)));
+    }
+    return data_.get();
+  }
+  Real* data() const { return data_.get(); }
+
+ private:
+  struct Free {
+    void operator()(Real* p) const { AlignedAllocator<Real>().deallocate(p, 0); }
+  };
+  std::unique_ptr<Real[], Free> data_;
+  int64_t capacity_ = 0;
+};
+
+// Sizes and addresses of one front.
+template <typename Real>
+struct Front {
+  int columns, padded_columns, rows;  // scalars
+  int pivot_strips, border_strips;
+  Real* pivot;
+  Real* border;
+  Real* update;
+
+  Real* pivot_strip(int s) const { return pivot + triangle_offset<Real>(s); }
+  Real* border_strip(int s) const { return border + static_cast<int64_t>(s) * kStrip<Real> * padded_columns; }
+};
+
+// Where the rows of a child go in the front of its parent, as runs that are consecutive in both.
+struct Assembly {
+  std::vector<int64_t> panel_base, update_base;  // address of a block row, column zero
+  std::vector<int32_t> run_end;                  // first block row after the run that the row is in
+};
+
+// target[c][0 .. 3 blocks) += source[c][..] for the three columns of a block column.
+template <typename Real>
+inline void add_run(Real* target, const Real* source, int blocks) {
+  constexpr int kS = kStrip<Real>;
+  const auto add = [&](int count) {
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < count; ++r) target[c * kS + r] += source[c * kS + r];
+  };
+  switch (blocks) {  // constant lengths are unrolled and vectorised
+    case 1: return add(3);
+    case 2: return add(6);
+    case 3: return add(9);
+    case 4: return add(12);
+    default: return add(3 * blocks);
+  }
+}
+
+}  // namespace
+
 template <typename Real>
 struct Cholesky<Real>::Implementation {
-  BlockPattern pattern;
-  std::vector<int32_t> order, position;
-  std::vector<int64_t> start;   // of scalar row i: entries of columns first[i]..i
-  std::vector<int32_t> first;
-  AlignedVector<Real> values;
-  std::vector<Real> y;
-  double flops = 0.0;
+  std::vector<int32_t> order;
+  double flops_at_ordering = 0.0;
   int64_t orderings = 0, analyses = 0;
+  int64_t slot_count = -1;
+  SymbolicFactorization symbolic;
+  AssemblyTree tree;
+  FrontPlan plan;
+
+  Buffer<Real> factor_storage, shared_arena;
+  std::vector<Buffer<Real>> thread_arenas;
+  std::vector<Assembly> assemblies;       // per thread
+  AlignedVector<Real> y, w;               // permuted right-hand side; update rows of every front
+  std::vector<AlignedVector<Real>> local; // per thread: pivots and update rows of one front
+
+  Front<Real> front_of(int32_t s, int thread);
+  void load_matrix(const BlockMatrix& matrix, int32_t s, const Front<Real>& f);
+  void prepare_assembly(int32_t child, const Front<Real>& f, Assembly& assembly) const;
+  void assemble(const Front<Real>& f, const Real* source, const Assembly& assembly, int32_t child, int32_t begin,
+                int32_t end) const;
+  int32_t split_of(int32_t child, const Front<Real>& f) const;
+  int32_t failed_position(int32_t s, const Front<Real>& f, int column) const;
+  int32_t factor_front(const BlockMatrix& matrix, int32_t s, int thread);
+  int32_t factor_shared_front(const BlockMatrix& matrix, int32_t s, ThreadPool& pool);
+  void forward(int32_t s, Real* scratch);
+  void backward(int32_t s, Real* scratch);
 };
+
+template <typename Real>
+Front<Real> Cholesky<Real>::Implementation::front_of(int32_t s, int thread) {
+  Front<Real> f;
+  f.columns = 3 * tree.column_count(s);
+  f.rows = 3 * tree.row_count(s);
+  f.padded_columns = (f.columns + kTile - 1) / kTile * kTile;
+  f.pivot_strips = strips_of<Real>(f.padded_columns);
+  f.border_strips = strips_of<Real>(f.rows);
+  f.pivot = factor_storage.data() + plan.factor_offset[s];
+  f.border = f.pivot + triangle_offset<Real>(f.pivot_strips - 1) + kStrip<Real> * f.padded_columns;
+  f.update = (plan.update_shared[s] ? shared_arena.data() : thread_arenas[thread].data()) + plan.update_offset[s];
+  return f;
+}
+
+// Zeros, unit padding, and the blocks of A.
+template <typename Real>
+void Cholesky<Real>::Implementation::load_matrix(const BlockMatrix& matrix, int32_t s, const Front<Real>& f) {
+  constexpr int kS = kStrip<Real>;
+  std::memset(static_cast<void*>(f.pivot), 0,
+              static_cast<size_t>(plan.factor_offset[s + 1] - plan.factor_offset[s]) * sizeof(Real));
+  for (int p = f.columns; p < f.padded_columns; ++p) f.pivot_strip(p / kS)[p * kS + p % kS] = Real(1);
+  for (int64_t k = tree.entry_start[s]; k < tree.entry_start[s + 1]; ++k) {
+    const FrontEntry& entry = tree.entry[k];
+    const double* block = matrix.values.data() + 9 * static_cast<int64_t>(entry.slot);
+    const int row = 3 * entry.row < f.columns ? 3 * entry.row : 3 * entry.row - f.columns;
+    Real* target = (3 * entry.row < f.columns ? f.pivot_strip(row / kS) : f.border_strip(row / kS)) + row % kS +
+                   3 * entry.column * kS;
+    const int across = entry.transposed ? 3 : 1, down = 4 - across;
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) target[c * kS + r] = static_cast<Real>(block[down * r + across * c]);
+  }
+}
+
+template <typename Real>
+void Cholesky<Real>::Implementation::prepare_assembly(int32_t child, const Front<Real>& f, Assembly& assembly) const {
+  constexpr int kS = kStrip<Real>, kStripBlocks = kS / 3;
+  const int32_t rows = tree.row_count(child);
+  const int32_t* relative = tree.relative.data() + tree.row_start[child];
+  assembly.panel_base.resize(rows);
+  assembly.update_base.resize(rows);
+  assembly.run_end.resize(rows);
+  for (int32_t i = 0; i < rows; ++i) {
+    const int row = 3 * relative[i];
+    if (row < f.columns) {
+      assembly.panel_base[i] = triangle_offset<Real>(row / kS) + row % kS;
+      assembly.update_base[i] = -1;
+    } else {
+      const int strip = (row - f.columns) / kS, offset = (row - f.columns) % kS;
+      assembly.panel_base[i] = f.border_strip(strip) - f.pivot + offset;
+      assembly.update_base[i] = triangle_offset<Real>(strip) + offset;
+    }
+  }
+  // A run ends with a strip of the child, with a gap in the parent's rows, or with a strip there.
+  for (int32_t i = rows - 1; i >= 0; --i) {
+    const bool joins = i + 1 < rows && (i + 1) % kStripBlocks != 0 &&
+                       assembly.panel_base[i + 1] == assembly.panel_base[i] + 3 && relative[i + 1] == relative[i] + 1;
+    assembly.run_end[i] = joins ? assembly.run_end[i + 1] : i + 1;
+  }
+}
+
+// Adds the block columns [begin, end) of a child's update matrix; they lie all in the panel or all in the update matrix.
+template <typename Real>
+void Cholesky<Real>::Implementation::assemble(const Front<Real>& f, const Real* source, const Assembly& assembly,
+                                              int32_t child, int32_t begin, int32_t end) const {
+  constexpr int kS = kStrip<Real>;
+  const int32_t rows = tree.row_count(child);
+  const int32_t* relative = tree.relative.data() + tree.row_start[child];
+  for (int32_t j = begin; j < end; ++j) {
+    const int column = 3 * relative[j];
+    const bool in_panel = column < f.columns;
+    Real* const target = in_panel ? f.pivot + column * kS : f.update + static_cast<int64_t>(column - f.columns) * kS;
+    const int64_t* base = in_panel ? assembly.panel_base.data() : assembly.update_base.data();
+    for (int32_t i = j; i < rows; i = assembly.run_end[i]) {
+      const int row = 3 * i;
+      add_run(target + base[i], source + triangle_offset<Real>(row / kS) + row % kS + 3 * j * kS,
+              assembly.run_end[i] - i);
+    }
+  }
+}
+
+// Number of block columns of a child's update matrix that are pivots of the parent.
+template <typename Real>
+int32_t Cholesky<Real>::Implementation::split_of(int32_t child, const Front<Real>& f) const {
+  const int32_t* relative = tree.relative.data() + tree.row_start[child];
+  return static_cast<int32_t>(std::lower_bound(relative, relative + tree.row_count(child), f.columns / 3) - relative);
+}
+
+template <typename Real>
+int32_t Cholesky<Real>::Implementation::failed_position(int32_t s, const Front<Real>& f, int column) const {
+  return tree.first[s] + std::min(column, f.columns - 1) / 3;
+}
+
+// One front on one thread. Returns the position of the first pivot that is not positive, or kNoFailure.
+template <typename Real>
+int32_t Cholesky<Real>::Implementation::factor_front(const BlockMatrix& matrix, int32_t s, int thread) {
+  const Front<Real> f = front_of(s, thread);
+  load_matrix(matrix, s, f);
+  const int32_t begin = tree.child_start[s], end = tree.child_start[s + 1];
+  Assembly& assembly = assemblies[thread];
+  for (int32_t c = begin; c < end; ++c) {
+    const int32_t child = tree.child[c];
+    prepare_assembly(child, f, assembly);
+    assemble(f, front_of(child, thread).update, assembly, child, 0, split_of(child, f));
+  }
+  for (int block = 0; block < f.padded_columns; block += kColumnBlock) {
+    const int block_end = std::min(block + kColumnBlock, f.padded_columns);
+    front::update_diagonal(f.pivot, block, block_end);
+    const int failed = front::factor_diagonal(f.pivot, block, block_end);
+    if (failed >= 0) return failed_position(s, f, failed);
+    front::solve_strips(f.pivot, block, block_end, strips_of<Real>(block_end), f.pivot_strips,
+                        [&](int strip) { return f.pivot_strip(strip); });
+    front::solve_strips(f.pivot, block, block_end, 0, f.border_strips,
+                        [&](int strip) { return f.border_strip(strip); });
+  }
+  front::form_update(f.update, f.border, f.padded_columns, 0, f.border_strips);
+  for (int32_t c = begin; c < end; ++c) {
+    const int32_t child = tree.child[c];
+    if (end - begin > 1) prepare_assembly(child, f, assembly);
+    assemble(f, front_of(child, thread).update, assembly, child, split_of(child, f), tree.row_count(child));
+  }
+  return kNoFailure;
+}
+
+// The same operations on every entry, shared among threads by strips and by child columns.
+template <typename Real>
+int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& matrix, int32_t s, ThreadPool& pool) {
+  const Front<Real> f = front_of(s, 0);
+  load_matrix(matrix, s, f);
+  const auto assemble_shared = [&](int32_t child, int32_t begin, int32_t end) {
+    const Real* source = front_of(child, 0).update;
+    pool.for_each_range(end - begin, kAssemblyGrain, [&](int64_t from, int64_t to) {
+      assemble(f, source, assemblies[0], child, begin + static_cast<int32_t>(from), begin + static_cast<int32_t>(to));
+    });
+  };
+  const int32_t begin = tree.child_start[s], end = tree.child_start[s + 1];
+  for (int32_t c = begin; c < end; ++c) {
+    prepare_assembly(tree.child[c], f, assemblies[0]);
+    assemble_shared(tree.child[c], 0, split_of(tree.child[c], f));
+  }
+  for (int block = 0; block < f.padded_columns; block += kColumnBlock) {
+    const int block_end = std::min(block + kColumnBlock, f.padded_columns);
+    front::update_diagonal(f.pivot, block, block_end);
+    const int failed = front::factor_diagonal(f.pivot, block, block_end);
+    if (failed >= 0) return failed_position(s, f, failed);
+    const int first = strips_of<Real>(block_end), below = f.pivot_strips - first;
+    pool.for_each_range(std::max(below, 0) + f.border_strips, kStripGrain, [&](int64_t from, int64_t to) {
+      front::solve_strips(f.pivot, block, block_end, first + static_cast<int>(from), first + static_cast<int>(to),
+                          [&](int strip) {
+                            return strip < f.pivot_strips ? f.pivot_strip(strip) : f.border_strip(strip - f.pivot_strips);
+                          });
+    });
+  }
+  // The last strips are the longest: they go first.
+  const int64_t tasks = (f.border_strips + kStripGrain - 1) / kStripGrain;
+  pool.for_each_task(tasks, [&](int64_t task, int) {
+    const auto from = static_cast<int>((tasks - 1 - task) * kStripGrain);
+    front::form_update(f.update, f.border, f.padded_columns, from,
+                       std::min(from + static_cast<int>(kStripGrain), f.border_strips));
+  });
+  for (int32_t c = begin; c < end; ++c) {
+    prepare_assembly(tree.child[c], f, assemblies[0]);
+    assemble_shared(tree.child[c], split_of(tree.child[c], f), tree.row_count(tree.child[c]));
+  }
+  return kNoFailure;
+}
 
 template <typename Real>
 Cholesky<Real>::Cholesky() : implementation_(std::make_unique<Implementation>()) {}
@@ -33,106 +298,127 @@ Cholesky<Real>& Cholesky<Real>::operator=(Cholesky&&) noexcept = default;
 template <typename Real>
 void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>) {
   Implementation& s = *implementation_;
-  s.pattern = pattern;
-  ++s.analyses;
-  const int32_t n = pattern.block_count;
-  if (static_cast<int32_t>(s.order.size()) != n || n == 0) {
+  const bool keep = s.orderings > 0 && static_cast<int32_t>(s.order.size()) == pattern.block_count;
+  const auto reorder = [&] {
+    s.order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern));
     ++s.orderings;
-    std::vector<std::vector<int32_t>> neighbors(n);
-    for (int32_t i = 0; i < n; ++i)
-      for (int64_t k = pattern.row_start[i] + 1; k < pattern.row_start[i + 1]; ++k) {
-        neighbors[i].push_back(pattern.column[k]);
-        neighbors[pattern.column[k]].push_back(i);
-      }
-    s.order.clear();
-    std::vector<char> seen(n, 0);
-    for (int32_t root = 0; root < n; ++root) {
-      if (seen[root]) continue;
-      size_t head = s.order.size();
-      s.order.push_back(root);
-      seen[root] = 1;
-      for (; head < s.order.size(); ++head)
-        for (int32_t j : neighbors[s.order[head]])
-          if (!seen[j]) seen[j] = 1, s.order.push_back(j);
-    }
-    std::reverse(s.order.begin(), s.order.end());
+    s.symbolic.analyze(pattern, s.order, kStrip<Real>, s.tree);
+    s.flops_at_ordering = s.tree.flops;
+  };
+  if (keep) {
+    s.symbolic.analyze(pattern, s.order, kStrip<Real>, s.tree);
+    if (s.tree.flops > kReorderFactor * s.flops_at_ordering) reorder();
+  } else {
+    reorder();
   }
-  s.position.resize(n);
-  for (int32_t p = 0; p < n; ++p) s.position[s.order[p]] = p;
-  std::vector<int32_t> first(n);
-  for (int32_t p = 0; p < n; ++p) first[p] = p;
-  for (int32_t i = 0; i < n; ++i)
-    for (int64_t k = pattern.row_start[i]; k < pattern.row_start[i + 1]; ++k) {
-      const int32_t a = s.position[i], b = s.position[pattern.column[k]];
-      first[std::max(a, b)] = std::min(first[std::max(a, b)], std::min(a, b));
-    }
-  s.first.resize(3 * n);
-  s.start.assign(3 * n + 1, 0);
-  s.flops = 0.0;
-  for (int32_t i = 0; i < 3 * n; ++i) {
-    s.first[i] = 3 * first[i / 3];
-    const int64_t width = i - s.first[i] + 1;
-    s.start[i + 1] = s.start[i] + width;
-    s.flops += static_cast<double>(width) * static_cast<double>(width);
-  }
+  ++s.analyses;
+  s.slot_count = pattern.slot_count();
+  s.plan.build(s.tree, kStrip<Real>, kTile);
 }
 
 template <typename Real>
-FactorStatus Cholesky<Real>::factor(const BlockMatrix& matrix, ThreadPool&) {
+FactorStatus Cholesky<Real>::factor(const BlockMatrix& matrix, ThreadPool& pool) {
   Implementation& s = *implementation_;
-  STARK_CHECK(matrix.pattern.block_count == s.pattern.block_count &&
-              matrix.pattern.slot_count() == s.pattern.slot_count());
-  const int32_t n = s.pattern.block_count;
-  s.values.assign(s.start[3 * n], Real(0));
-  for (int32_t i = 0; i < n; ++i)
-    for (int64_t k = s.pattern.row_start[i]; k < s.pattern.row_start[i + 1]; ++k)
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-          const int32_t a = 3 * s.position[i] + r, b = 3 * s.position[s.pattern.column[k]] + c;
-          const int32_t row = std::max(a, b), col = std::min(a, b);
-          s.values[s.start[row] + col - s.first[row]] = static_cast<Real>(matrix.values[9 * k + 3 * r + c]);
-        }
-  for (int32_t i = 0; i < 3 * n; ++i) {
-    Real* row = s.values.data() + s.start[i] - s.first[i];
-    for (int32_t j = s.first[i]; j <= i; ++j) {
-      const Real* other = s.values.data() + s.start[j] - s.first[j];
-      Real sum = row[j];
-      for (int32_t k = std::max(s.first[i], s.first[j]); k < j; ++k) sum -= row[k] * other[k];
-      if (j < i) {
-        row[j] = sum / other[j];
+  STARK_CHECK(s.slot_count == matrix.pattern.slot_count() && s.tree.block_count == matrix.pattern.block_count);
+  STARK_CHECK(static_cast<int64_t>(matrix.values.size()) == 9 * s.slot_count);
+  const int threads = pool.thread_count();
+  if (static_cast<int>(s.assemblies.size()) < threads) {
+    s.assemblies.resize(threads);
+    s.thread_arenas.resize(threads);
+  }
+  s.factor_storage.reserve(s.plan.factor_offset.back());
+  s.shared_arena.reserve(s.plan.shared_arena_size);
+  s.thread_arenas[0].reserve(s.plan.thread_arena_size);
+  // Subtrees after one that has failed need not be tried: the first failure in elimination order is reported.
+  std::atomic<int32_t> first_failure{kNoFailure};
+  pool.for_each_task(static_cast<int64_t>(s.plan.subtrees.size()), [&](int64_t task, int thread) {
+    const FrontPlan::Subtree& subtree = s.plan.subtrees[task];
+    if (first_failure.load() < s.tree.first[subtree.begin]) return;
+    s.thread_arenas[thread].reserve(s.plan.thread_arena_size);
+    for (int32_t node = subtree.begin; node < subtree.end; ++node) {
+      const int32_t failed = s.factor_front(matrix, node, thread);
+      if (failed == kNoFailure) continue;
+      int32_t seen = first_failure.load();
+      while (failed < seen && !first_failure.compare_exchange_weak(seen, failed)) {
+      }
+      return;
+    }
+  });
+  int32_t failure = first_failure.load();
+  for (size_t k = 0; k < s.plan.top.size() && failure == kNoFailure; ++k)
+    failure = s.factor_shared_front(matrix, s.plan.top[k], pool);
+  if (failure == kNoFailure) return {};
+  return {false, s.tree.order[failure]};
+}
+
+// Solves with the pivots of supernode s; leaves in w what its update rows owe.
+template <typename Real>
+void Cholesky<Real>::Implementation::forward(int32_t s, Real* scratch) {
+  constexpr int kS = kStrip<Real>;
+  const Front<Real> f = front_of(s, 0);
+  Real* const x = scratch;
+  Real* const rows = scratch + f.pivot_strips * kS;
+  std::fill(x, rows + f.border_strips * kS, Real(0));
+  Real* const own = y.data() + 3 * static_cast<int64_t>(tree.first[s]);
+  std::copy(own, own + f.columns, x);
+  for (int32_t c = tree.child_start[s]; c < tree.child_start[s + 1]; ++c) {
+    const int32_t child = tree.child[c];
+    for (int64_t k = tree.row_start[child]; k < tree.row_start[child + 1]; ++k) {
+      const Real* from = w.data() + 3 * k;
+      const int row = 3 * tree.relative[k];
+      if (row < f.columns) {
+        for (int r = 0; r < 3; ++r) x[row + r] -= from[r];
       } else {
-        if (!(sum > Real(0))) return {false, s.order[i / 3]};
-        row[i] = std::sqrt(sum);
+        for (int r = 0; r < 3; ++r) rows[row - f.columns + r] += from[r];
       }
     }
   }
-  return {};
+  front::solve_lower(f.pivot, f.padded_columns, x);
+  for (int strip = 0; strip < f.border_strips; ++strip)
+    front::multiply_strip(f.border_strip(strip), x, f.padded_columns, rows + strip * kS);
+  std::copy(x, x + f.columns, own);
+  std::copy(rows, rows + f.rows, w.data() + 3 * tree.row_start[s]);
+}
+
+template <typename Real>
+void Cholesky<Real>::Implementation::backward(int32_t s, Real* scratch) {
+  constexpr int kS = kStrip<Real>;
+  const Front<Real> f = front_of(s, 0);
+  Real* const x = scratch;
+  Real* const rows = scratch + f.pivot_strips * kS;
+  std::fill(x, rows + f.border_strips * kS, Real(0));
+  Real* const own = y.data() + 3 * static_cast<int64_t>(tree.first[s]);
+  std::copy(own, own + f.columns, x);
+  const int32_t* row = tree.row.data() + tree.row_start[s];
+  for (int32_t k = 0; k < f.rows / 3; ++k)
+    for (int r = 0; r < 3; ++r) rows[3 * k + r] = y[3 * static_cast<int64_t>(row[k]) + r];
+  front::solve_upper(f.pivot, f.border, f.padded_columns, f.border_strips, x, rows);
+  std::copy(x, x + f.columns, own);
 }
 
 template <typename Real>
 void Cholesky<Real>::solve(const double* b, double* x) {
   Implementation& s = *implementation_;
-  const int32_t n = 3 * s.pattern.block_count;
-  s.y.resize(n);
-  for (int32_t i = 0; i < n; ++i) s.y[i] = static_cast<Real>(b[3 * s.order[i / 3] + i % 3]);
-  for (int32_t i = 0; i < n; ++i) {
-    const Real* row = s.values.data() + s.start[i] - s.first[i];
-    Real sum = s.y[i];
-    for (int32_t k = s.first[i]; k < i; ++k) sum -= row[k] * s.y[k];
-    s.y[i] = sum / row[i];
-  }
-  for (int32_t i = n - 1; i >= 0; --i) {
-    const Real* row = s.values.data() + s.start[i] - s.first[i];
-    s.y[i] /= row[i];
-    for (int32_t k = s.first[i]; k < i; ++k) s.y[k] -= row[k] * s.y[i];
-  }
-  for (int32_t i = 0; i < n; ++i) x[3 * s.order[i / 3] + i % 3] = static_cast<double>(s.y[i]);
+  const int32_t n = s.tree.block_count;
+  s.y.resize(3 * static_cast<size_t>(n));
+  s.w.resize(3 * s.tree.row.size());
+  if (s.local.empty()) s.local.resize(1);
+  s.local[0].resize(s.plan.max_rows);
+  for (int32_t p = 0; p < n; ++p)
+    for (int r = 0; r < 3; ++r)
+      s.y[3 * static_cast<size_t>(p) + r] = static_cast<Real>(b[3 * static_cast<int64_t>(s.tree.order[p]) + r]);
+  const int32_t count = s.tree.supernode_count();
+  for (int32_t node = 0; node < count; ++node) s.forward(node, s.local[0].data());
+  for (int32_t node = count - 1; node >= 0; --node) s.backward(node, s.local[0].data());
+  for (int32_t p = 0; p < n; ++p)
+    for (int r = 0; r < 3; ++r)
+      x[3 * static_cast<int64_t>(s.tree.order[p]) + r] = static_cast<double>(s.y[3 * static_cast<size_t>(p) + r]);
 }
 
 template <typename Real>
-double Cholesky<Real>::flops() const { return implementation_->flops; }
+double Cholesky<Real>::flops() const { return implementation_->tree.flops; }
 template <typename Real>
-int64_t Cholesky<Real>::factor_nonzeros() const { return implementation_->start.empty() ? 0 : implementation_->start.back(); }
+int64_t Cholesky<Real>::factor_nonzeros() const { return implementation_->tree.factor_nonzeros; }
 template <typename Real>
 int64_t Cholesky<Real>::ordering_count() const { return implementation_->orderings; }
 template <typename Real>

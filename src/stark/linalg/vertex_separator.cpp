@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <queue>
 
 namespace stark {
 
@@ -14,11 +13,11 @@ constexpr int32_t kCoarsestNodes = 80;
 constexpr double kLeastShrink = 0.95;     // give up coarsening when a level keeps more than this
 constexpr double kBisectionLimit = 0.55;  // of the total weight on one side of a bisection,
 constexpr double kSideLimit = 0.6;        // and on one side of the separator
-constexpr int kStarts = 8;
-constexpr int32_t kDecisionNodes = 400;   // the level on which the best start is chosen
-constexpr int kBisectionPasses = 6;
+constexpr int kStarts = 4;
+constexpr int32_t kDecisionNodes = 200;   // the level on which the best start is chosen
+constexpr int kBisectionPasses = 3;
 constexpr int kSeparatorPasses = 8;
-constexpr int kFruitlessMoves = 150;      // hill climbing: moves without improvement until a pass ends
+constexpr int kFruitlessMoves = 40;       // hill climbing: moves without improvement until a pass ends
 
 // A fixed sequence of pseudo-random numbers.
 class Sequence {
@@ -37,7 +36,27 @@ struct Candidate {
   int32_t node;
   bool operator<(const Candidate& other) const { return gain != other.gain ? gain < other.gain : node > other.node; }
 };
-using Queue = std::priority_queue<Candidate>;
+// A heap that keeps its storage when it is emptied.
+class Queue {
+ public:
+  bool empty() const { return heap_.empty(); }
+  const Candidate& top() const { return heap_.front(); }
+  void push(Candidate candidate) {
+    heap_.push_back(candidate);
+    std::push_heap(heap_.begin(), heap_.end());
+  }
+  void pop() {
+    std::pop_heap(heap_.begin(), heap_.end());
+    heap_.pop_back();
+  }
+  void clear() { heap_.clear(); }
+  // Fills without order; make() must follow.
+  void add(Candidate candidate) { heap_.push_back(candidate); }
+  void make() { std::make_heap(heap_.begin(), heap_.end()); }
+
+ private:
+  std::vector<Candidate> heap_;
+};
 
 int64_t total_weight(const WeightedGraph& graph) {
   return std::accumulate(graph.node_weight.begin(), graph.node_weight.end(), int64_t{0});
@@ -127,7 +146,7 @@ void contract(const WeightedGraph& fine, const std::vector<int32_t>& match, Weig
 class Bisection {
  public:
   Bisection(const WeightedGraph& graph, std::vector<uint8_t>& part)
-      : graph_(graph), part_(part), gain_(graph.node_count()), moved_(graph.node_count()) {
+      : graph_(graph), part_(part), outer_(graph.node_count()), total_(graph.node_count()), moved_(graph.node_count()) {
     limit_ = static_cast<int64_t>(kBisectionLimit * static_cast<double>(total_weight(graph)));
     measure();
   }
@@ -141,13 +160,15 @@ class Bisection {
 
  private:
   void measure();
+  // Weight saved by a change of side.
+  int32_t gain(int32_t i) const { return 2 * outer_[i] - total_[i]; }
   void move(int32_t i);
   bool top(int side, Candidate& out);
   bool pass();
 
   const WeightedGraph& graph_;
   std::vector<uint8_t>& part_;
-  std::vector<int32_t> gain_;  // weight saved by a change of side; -2^31 / 2 or less: not on the border
+  std::vector<int32_t> outer_, total_;  // weight of a node's edges to the other side, and of all its edges
   std::vector<uint8_t> moved_;
   int64_t weight_[2] = {0, 0}, cut_ = 0, limit_ = 0;
   Queue queue_[2];             // of the nodes now on a side
@@ -155,15 +176,16 @@ class Bisection {
 };
 
 void Bisection::measure() {
-  weight_[0] = weight_[1] = cut_ = 0;
   for (int32_t i = 0; i < graph_.node_count(); ++i) {
     weight_[part_[i]] += graph_.node_weight[i];
-    int32_t inner = 0, outer = 0;
-    for (int32_t k = graph_.start[i]; k < graph_.start[i + 1]; ++k)
-      (part_[graph_.neighbor[k]] == part_[i] ? inner : outer) += graph_.edge_weight[k];
-    gain_[i] = outer - inner;
+    int32_t outer = 0, total = 0;
+    for (int32_t k = graph_.start[i]; k < graph_.start[i + 1]; ++k) {
+      total += graph_.edge_weight[k];
+      outer += part_[graph_.neighbor[k]] != part_[i] ? graph_.edge_weight[k] : 0;
+    }
+    outer_[i] = outer;
+    total_[i] = total;
     cut_ += outer;
-    if (outer > 0) queue_[part_[i]].push({gain_[i], i});
   }
   cut_ /= 2;
 }
@@ -172,13 +194,13 @@ void Bisection::move(int32_t i) {
   const int from = part_[i];
   weight_[from] -= graph_.node_weight[i];
   weight_[1 - from] += graph_.node_weight[i];
-  cut_ -= gain_[i];
-  gain_[i] = -gain_[i];
+  cut_ -= gain(i);
+  outer_[i] = total_[i] - outer_[i];
   part_[i] = static_cast<uint8_t>(1 - from);
   for (int32_t k = graph_.start[i]; k < graph_.start[i + 1]; ++k) {
     const int32_t j = graph_.neighbor[k];
-    gain_[j] += (part_[j] == from ? 2 : -2) * graph_.edge_weight[k];
-    if (!moved_[j]) queue_[part_[j]].push({gain_[j], j});
+    outer_[j] += part_[j] == from ? graph_.edge_weight[k] : -graph_.edge_weight[k];
+    if (!moved_[j] && outer_[j] > 0) queue_[part_[j]].push({gain(j), j});
   }
 }
 
@@ -186,7 +208,7 @@ bool Bisection::top(int side, Candidate& out) {
   Queue& queue = queue_[side];
   while (!queue.empty()) {
     out = queue.top();
-    if (!moved_[out.node] && part_[out.node] == side && gain_[out.node] == out.gain) return true;
+    if (!moved_[out.node] && part_[out.node] == side && outer_[out.node] > 0 && gain(out.node) == out.gain) return true;
     queue.pop();
   }
   return false;
@@ -195,9 +217,12 @@ bool Bisection::top(int side, Candidate& out) {
 // One pass of moves, undone beyond the best bisection seen. True if that is an improvement.
 bool Bisection::pass() {
   std::fill(moved_.begin(), moved_.end(), uint8_t{0});
-  queue_[0] = Queue();
-  queue_[1] = Queue();
-  measure();
+  queue_[0].clear();
+  queue_[1].clear();
+  for (int32_t i = 0; i < graph_.node_count(); ++i)
+    if (outer_[i] > 0) queue_[part_[i]].add({gain(i), i});
+  queue_[0].make();
+  queue_[1].make();
   log_.clear();
   const int64_t start_cost = cost();
   int64_t best_cost = start_cost;
@@ -323,8 +348,8 @@ bool Separator::top(int side, Candidate& out) {
 // One pass of moves, undone beyond the best separator seen. True if that is an improvement.
 bool Separator::pass() {
   std::fill(moved_.begin(), moved_.end(), uint8_t{0});
-  queue_[0] = Queue();
-  queue_[1] = Queue();
+  queue_[0].clear();
+  queue_[1].clear();
   log_.clear();
   weight_[0] = weight_[1] = weight_[2] = 0;
   for (int32_t i = 0; i < graph_.node_count(); ++i) {

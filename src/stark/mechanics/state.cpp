@@ -32,6 +32,8 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 
 }  // namespace
 
+bool State::operator==(const State& other) const { return first_difference(*this, other).empty(); }
+
 uint64_t State::hash() const {
   Hash64 hash;
 #define STARK_STATE_FIELD(type, name, unit, meaning) append(hash, name);

@@ -15,7 +15,8 @@ struct State {
 #include <stark/mechanics/state_fields.inc>
 #undef STARK_STATE_FIELD
 
-  bool operator==(const State&) const = default;
+  /// Equal in every bit: 0 and -0 differ, as they do in the hash.
+  bool operator==(const State& other) const;
 
   /// 64-bit hash of all fields, bit for bit; equal states have equal hashes on every machine.
   uint64_t hash() const;

@@ -10,15 +10,19 @@ const FieldTable& ShellMaterial::fields() {
       {field(&S::density, "density", "kg/m^2", positive(), "mass of a unit of area"),
        field(&S::thickness, "thickness", "m", positive(), "thickness of the membrane"),
        field(&S::youngs_modulus, "youngs_modulus", "Pa", positive(), "Young's modulus of the membrane"),
-       field(&S::poissons_ratio, "poissons_ratio", "1", half_open_interval(0.0, 0.5), "Poisson's ratio of the membrane"),
+       field(&S::poissons_ratio, "poissons_ratio", "1", half_open_interval(0.0, 0.5),
+             "Poisson's ratio of the membrane"),
        field(&S::strain_limit, "strain_limit", "1", positive_or_infinity(),
              "principal Green strain above which the membrane stiffens"),
        field(&S::strain_limit_stiffness, "strain_limit_stiffness", "Pa", non_negative(),
              "stiffness above the strain limit"),
-       field(&S::bending_stiffness, "bending_stiffness", "J", non_negative(), "bending stiffness of the hinges"),
+       field(&S::bending_stiffness, "bending_stiffness", "J", non_negative(),
+             "bending stiffness of the hinges"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
-       field(&S::strain_damping, "strain_damping", "N s/m", non_negative(), "damping of the rate of Green strain"),
-       field(&S::bending_damping, "bending_damping", "J s", non_negative(), "damping of the rate of the hinge angles")});
+       field(&S::strain_damping, "strain_damping", "N s/m", non_negative(),
+             "damping of the rate of Green strain"),
+       field(&S::bending_damping, "bending_damping", "J s", non_negative(),
+             "damping of the rate of the hinge angles")});
   return table;
 }
 
@@ -34,7 +38,8 @@ const FieldTable& SolidMaterial::fields() {
        field(&S::strain_limit_stiffness, "strain_limit_stiffness", "Pa", non_negative(),
              "stiffness above the strain limit"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
-       field(&S::strain_damping, "strain_damping", "Pa s", non_negative(), "damping of the rate of Green strain")});
+       field(&S::strain_damping, "strain_damping", "Pa s", non_negative(),
+             "damping of the rate of Green strain")});
   return table;
 }
 
@@ -62,8 +67,8 @@ ShellMaterial cotton() {
 }
 
 ShellMaterial towel() {
-  // 0.484 kg on 1.75 m x 0.75 m; thickness 3.25 mm, mass damping 2/s and damping 0.1 of the stiffness as in the paper:
-  // strain damping 0.1 s * thickness * E, bending damping 0.1 s * bending stiffness.
+  // 0.484 kg on 1.75 m x 0.75 m; thickness 3.25 mm, mass damping 2/s and damping 0.1 of the stiffness as in
+  // the paper: strain damping 0.1 s * thickness * E, bending damping 0.1 s * bending stiffness.
   return {.density = 0.484 / (1.75 * 0.75),
           .thickness = 3.25e-3,
           .youngs_modulus = 1.5e4,
@@ -87,7 +92,8 @@ SolidMaterial soft_rubber() {
 }
 
 SolidMaterial silicone() {
-  // Data sheet: specific gravity 1.07, 100 % modulus 10 psi = 69 kPa, taken as Young's modulus; nearly incompressible.
+  // Data sheet: specific gravity 1.07, 100 % modulus 10 psi = 69 kPa, taken as Young's modulus; nearly
+  // incompressible.
   return {.density = 1070.0, .youngs_modulus = 6.9e4, .poissons_ratio = 0.47, .mass_damping = 0.1};
 }
 
@@ -101,7 +107,8 @@ const std::vector<Preset<ShellMaterial>>& shell_presets() {
 
 const std::vector<Preset<SolidMaterial>>& solid_presets() {
   static const std::vector<Preset<SolidMaterial>> presets = {
-      {"soft_rubber", "very soft rubber as in the public preset Soft_Rubber of the paper's authors", soft_rubber()},
+      {"soft_rubber", "very soft rubber as in the public preset Soft_Rubber of the paper's authors",
+       soft_rubber()},
       {"silicone", "soft platinum-cure silicone, Smooth-On Ecoflex 00-30 data sheet", silicone()},
   };
   return presets;

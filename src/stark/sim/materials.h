@@ -1,5 +1,5 @@
-// Materials of cloth and solids: plain parameters with units, a descriptor table each, and presets. They say nothing
-// about energies; sim/model picks the potentials.
+// Materials of cloth and solids: plain parameters with units, a descriptor table each, and presets. They say
+// nothing about energies; sim/model picks the potentials.
 #pragma once
 
 #include <limits>
@@ -11,12 +11,13 @@
 
 namespace stark {
 
-/// Cloth and thin shells. Membrane: Neo-Hookean with thickness h; bending: discrete hinges with a stiffness in joules
-/// [Bergou 2006]; above strain_limit a stiffening term acts; damping is relative to the strain and bending rates.
+/// Cloth and thin shells. Membrane: Neo-Hookean with thickness h; bending: discrete hinges with a stiffness
+/// in joules [Bergou 2006]; above strain_limit a stiffening term acts; damping is relative to the strain and
+/// bending rates.
 struct ShellMaterial {
-  double density = 0.2;             ///< [kg/m^2] mass of a unit of area
-  double thickness = 1e-3;          ///< [m] of the membrane energy only; contact has its own distance
-  double youngs_modulus = 5e3;      ///< [Pa]
+  double density = 0.2;         ///< [kg/m^2] mass of a unit of area
+  double thickness = 1e-3;      ///< [m] of the membrane energy only; contact has its own distance
+  double youngs_modulus = 5e3;  ///< [Pa]
   double poissons_ratio = 0.3;
   double strain_limit = std::numeric_limits<double>::infinity();  ///< Green strain; infinity: no limit
   double strain_limit_stiffness = 1e6;                            ///< [Pa]

@@ -28,14 +28,17 @@ void check_common(const std::string& owner, const Description& body) {
     check_number(owner, "contact_distance", *body.contact_distance, "m", positive(),
                  "leave it out to use contact.distance of the settings");
   if (body.friction)
-    check_number(owner, "friction", *body.friction, "1", non_negative(), "leave it out to use the scene's default");
+    check_number(owner, "friction", *body.friction, "1", non_negative(),
+                 "leave it out to use the scene's default");
   if (body.color)
     for (double channel : *body.color)
-      check_number(owner, "color channel", channel, "1", closed_interval(0.0, 1.0), "give red, green, blue in [0, 1]");
+      check_number(owner, "color channel", channel, "1", closed_interval(0.0, 1.0),
+                   "give red, green, blue in [0, 1]");
 }
 
 /// A mesh of a hundred metres is usually one in millimetres.
-void warn_about_size(const std::string& owner, std::span<const Vec3> vertices, std::vector<std::string>& warnings) {
+void warn_about_size(const std::string& owner, std::span<const Vec3> vertices,
+                     std::vector<std::string>& warnings) {
   Vec3 low = vertices[0], high = vertices[0];
   for (const Vec3& v : vertices)
     for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], v[i]), high[i] = std::max(high[i], v[i]);
@@ -55,44 +58,54 @@ RigidInertia checked_inertia(const std::string& owner, const RigidInertia& inert
       asymmetry = std::max(asymmetry, std::fabs(inertia.tensor(i, j) - inertia.tensor(j, i)));
     }
   if (!(asymmetry <= 1e-9 * size) || !std::isfinite(size))
-    throw InvalidArgument(owner + ": inertia tensor differs from its transpose by " + quantity_text(asymmetry, "kg m^2") +
-                          ": must be symmetric and finite; give it about the centre of mass in the axes of the mesh");
+    throw InvalidArgument(
+        owner + ": inertia tensor differs from its transpose by " + quantity_text(asymmetry, "kg m^2") +
+        ": must be symmetric and finite; give it about the centre of mass in the axes of the mesh");
   const Vec3 moments = compute_principal_axes(inertia.tensor).values;
   // Physical tensors obey I1 + I2 >= I3; flat bodies reach equality, so rounding needs a margin.
   if (!(moments.x > 0.0) || moments.x + moments.y < moments.z * (1.0 - 1e-9))
-    throw InvalidArgument(owner + ": inertia tensor has principal moments " + to_text(FieldValue(moments)) +
-                          " kg m^2: must be positive and no moment above the sum of the other two; check the point "
-                          "and the axes it refers to");
+    throw InvalidArgument(
+        owner + ": inertia tensor has principal moments " + to_text(FieldValue(moments)) +
+        " kg m^2: must be positive and no moment above the sum of the other two; check the point "
+        "and the axes it refers to");
   return inertia;
 }
 
-RigidInertia inertia_of_mesh(const std::string& owner, const RigidDescription& body, std::vector<std::string>& warnings) {
+RigidInertia inertia_of_mesh(const std::string& owner, const RigidDescription& body,
+                             std::vector<std::string>& warnings) {
   const TriangleMesh& mesh = body.mesh;
   const bool solid = is_closed(mesh.triangles) || body.density;
   if (solid) check_closed(owner, mesh, body.density ? "a mass by density" : "its mass properties");
   const MassProperties unit = solid ? compute_solid_mass_properties(mesh.vertices, mesh.triangles, 1.0)
                                     : compute_shell_mass_properties(mesh.vertices, mesh.triangles, 1.0);
   if (solid && !(unit.mass > 0.0))
-    throw InvalidMesh(owner + ": the mesh encloses a volume of " + quantity_text(unit.mass, "m^3") +
-                      ": triangles must be counter-clockwise seen from outside; use stark.mesh.oriented(mesh)");
+    throw InvalidMesh(
+        owner + ": the mesh encloses a volume of " + quantity_text(unit.mass, "m^3") +
+        ": triangles must be counter-clockwise seen from outside; use stark.mesh.oriented(mesh)");
   if (!solid)
-    warnings.push_back(owner + ": the mesh is open, so its mass is spread over the surface; give inertia= for another "
-                               "distribution");
+    warnings.push_back(
+        owner +
+        ": the mesh is open, so its mass is spread over the surface; give inertia= for another "
+        "distribution");
   const double factor = body.density ? *body.density : *body.mass / unit.mass;
   return {unit.mass * factor, unit.centre, unit.inertia * factor};
 }
 
-RigidInertia inertia_of(const std::string& owner, const RigidDescription& body, std::vector<std::string>& warnings) {
+RigidInertia inertia_of(const std::string& owner, const RigidDescription& body,
+                        std::vector<std::string>& warnings) {
   if (body.mass)
-    check_number(owner, "mass", *body.mass, "kg", positive(), "for a body that does not move use motion = fixed");
+    check_number(owner, "mass", *body.mass, "kg", positive(),
+                 "for a body that does not move use motion = fixed");
   if (body.density)
-    check_number(owner, "density", *body.density, "kg/m^3", positive(), "for a body that does not move use motion = fixed");
+    check_number(owner, "density", *body.density, "kg/m^3", positive(),
+                 "for a body that does not move use motion = fixed");
   if (body.motion != Motion::Dynamic) return {};
   const int given = (body.mass ? 1 : 0) + (body.density ? 1 : 0) + (body.inertia ? 1 : 0);
   if (given != 1)
-    throw InvalidArgument(owner + ": " + (given == 0 ? "none" : "more than one") +
-                          " of mass, density and inertia given: a dynamic body needs exactly one of them; add mass= [kg] "
-                          "or density= [kg/m^3], or make it motion = fixed or scripted");
+    throw InvalidArgument(
+        owner + ": " + (given == 0 ? "none" : "more than one") +
+        " of mass, density and inertia given: a dynamic body needs exactly one of them; add mass= [kg] "
+        "or density= [kg/m^3], or make it motion = fixed or scripted");
   return body.inertia ? checked_inertia(owner, *body.inertia) : inertia_of_mesh(owner, body, warnings);
 }
 
@@ -135,8 +148,8 @@ BodyId Scene::add_rigid(RigidDescription body) {
   check_number(owner, "linear_damping", body.linear_damping, "1/s", non_negative(), "use 0 for none");
   check_number(owner, "angular_damping", body.angular_damping, "1/s", non_negative(), "use 0 for none");
   if (body.motion == Motion::Fixed && (body.velocity != Vec3{} || body.angular_velocity != Vec3{}))
-    throw InvalidArgument(owner + ": velocity = " + to_text(FieldValue(body.velocity)) + " m/s, angular_velocity = " +
-                          to_text(FieldValue(body.angular_velocity)) +
+    throw InvalidArgument(owner + ": velocity = " + to_text(FieldValue(body.velocity)) +
+                          " m/s, angular_velocity = " + to_text(FieldValue(body.angular_velocity)) +
                           " rad/s: a fixed body must be at rest; use motion = scripted for a moving one");
   const RigidInertia inertia = inertia_of(owner, body, warnings);
   warn_about_size(owner, body.mesh.vertices, warnings);
@@ -154,7 +167,8 @@ BodyId Scene::append(std::string name, BodyKind kind, size_t index_in_kind) {
 
 std::string Scene::unique_name(const std::string& name, BodyKind kind) const {
   const auto taken = [&](const std::string& candidate) {
-    return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) { return body.name == candidate; });
+    return std::any_of(bodies_.begin(), bodies_.end(),
+                       [&](const Body& body) { return body.name == candidate; });
   };
   if (name.empty()) {
     std::string candidate = to_string(kind);
@@ -162,8 +176,9 @@ std::string Scene::unique_name(const std::string& name, BodyKind kind) const {
     return candidate;
   }
   if (taken(name))
-    throw InvalidArgument(owner_text(kind, name) + ": name = '" + name +
-                          "' is taken: names of bodies must be unique in a scene; choose another or leave it out");
+    throw InvalidArgument(
+        owner_text(kind, name) + ": name = '" + name +
+        "' is taken: names of bodies must be unique in a scene; choose another or leave it out");
   return name;
 }
 
@@ -171,13 +186,16 @@ void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
   const Body& target = at(body);
   const std::string owner = owner_text(target.kind, target.name);
   if (target.kind == BodyKind::Rigid)
-    throw InvalidArgument(owner + ": has no vertices of its own to pin: only cloth and solids do; use motion = fixed or "
-                                  "scripted for the whole body");
-  const size_t count = target.kind == BodyKind::Cloth ? cloth(body).mesh.vertices.size() : solid(body).mesh.vertices.size();
+    throw InvalidArgument(
+        owner +
+        ": has no vertices of its own to pin: only cloth and solids do; use motion = fixed or "
+        "scripted for the whole body");
+  const size_t count =
+      target.kind == BodyKind::Cloth ? cloth(body).mesh.vertices.size() : solid(body).mesh.vertices.size();
   for (int32_t v : vertices)
     if (v < 0 || static_cast<size_t>(v) >= count)
-      throw InvalidArgument(owner + ": pinned vertex " + std::to_string(v) + ": must be in [0, " + std::to_string(count) +
-                            "); give indices of vertices of the mesh");
+      throw InvalidArgument(owner + ": pinned vertex " + std::to_string(v) + ": must be in [0, " +
+                            std::to_string(count) + "); give indices of vertices of the mesh");
   std::vector<int32_t>& pinned = pins_[at_index(body)].vertices;
   std::vector<char> known(count, 0);
   for (int32_t v : pinned) known[v] = 1;
@@ -187,8 +205,8 @@ void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
 
 void Scene::set_friction(BodyId a, BodyId b, double coefficient) {
   const Pair pair = ordered(a, b);
-  check_number("friction of '" + name(a) + "' and '" + name(b) + "'", "coefficient", coefficient, "1", non_negative(),
-               "use 0 for none");
+  check_number("friction of '" + name(a) + "' and '" + name(b) + "'", "coefficient", coefficient, "1",
+               non_negative(), "use 0 for none");
   friction_[pair] = coefficient;
 }
 
@@ -199,7 +217,8 @@ void Scene::set_default_friction(double coefficient) {
 
 double Scene::friction(BodyId a, BodyId b) const {
   if (const auto entry = friction_.find(ordered(a, b)); entry != friction_.end()) return entry->second;
-  const double mu_a = body_friction(a).value_or(default_friction_), mu_b = body_friction(b).value_or(default_friction_);
+  const double mu_a = body_friction(a).value_or(default_friction_),
+               mu_b = body_friction(b).value_or(default_friction_);
   return mu_a == mu_b ? mu_a : std::sqrt(mu_a * mu_b);
 }
 
@@ -211,9 +230,12 @@ bool Scene::contact_enabled(BodyId a, BodyId b) const {
   if (motion(a) != Motion::Dynamic && motion(b) != Motion::Dynamic) return false;
   if (a != b) return true;
   switch (kind(a)) {
-    case BodyKind::Cloth: return cloth(a).self_contact;
-    case BodyKind::Solid: return solid(a).self_contact;
-    case BodyKind::Rigid: return false;
+    case BodyKind::Cloth:
+      return cloth(a).self_contact;
+    case BodyKind::Solid:
+      return solid(a).self_contact;
+    case BodyKind::Rigid:
+      return false;
   }
   return true;
 }
@@ -226,7 +248,8 @@ Scene::Pair Scene::ordered(BodyId a, BodyId b) const {
 
 size_t Scene::at_index(BodyId body) const {
   if (body.index < 0 || body.index >= body_count())
-    throw InvalidArgument("body id " + std::to_string(body.index) + ": must be in [0, " + std::to_string(body_count()) +
+    throw InvalidArgument("body id " + std::to_string(body.index) + ": must be in [0, " +
+                          std::to_string(body_count()) +
                           ") for this scene; use the ids that its add_* functions returned");
   return static_cast<size_t>(body.index);
 }
@@ -238,10 +261,13 @@ BodyId Scene::find(std::string_view name) const {
     known.push_back(bodies_[i].name);
   }
   throw InvalidArgument("unknown body '" + std::string(name) + "'" + nearest_name_hint(name, known) +
-                        ": must be the name of a body of the scene, which has " + std::to_string(body_count()));
+                        ": must be the name of a body of the scene, which has " +
+                        std::to_string(body_count()));
 }
 
-Motion Scene::motion(BodyId body) const { return kind(body) == BodyKind::Rigid ? rigid(body).motion : Motion::Dynamic; }
+Motion Scene::motion(BodyId body) const {
+  return kind(body) == BodyKind::Rigid ? rigid(body).motion : Motion::Dynamic;
+}
 
 namespace {
 
@@ -278,9 +304,12 @@ namespace {
 template <typename Function>
 auto visit_body(const Scene& scene, BodyId body, Function&& function) {
   switch (scene.kind(body)) {
-    case BodyKind::Cloth: return function(scene.cloth(body));
-    case BodyKind::Solid: return function(scene.solid(body));
-    case BodyKind::Rigid: break;
+    case BodyKind::Cloth:
+      return function(scene.cloth(body));
+    case BodyKind::Solid:
+      return function(scene.solid(body));
+    case BodyKind::Rigid:
+      break;
   }
   return function(scene.rigid(body));
 }
@@ -335,11 +364,12 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
             : find_smallest_height(scene.solid(body).mesh.vertices,
                                    find_boundary_triangles(scene.solid(body).mesh.tets));
     if (2.0 * distance <= smallest.height) continue;
-    warnings.push_back(owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
-                       quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
-                       quantity_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
-                       "), so the body touches itself at rest; use at most " + quantity_text(0.5 * smallest.height, "m") +
-                       ", a coarser mesh, or self_contact = false");
+    warnings.push_back(
+        owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
+        quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
+        quantity_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
+        "), so the body touches itself at rest; use at most " + quantity_text(0.5 * smallest.height, "m") +
+        ", a coarser mesh, or self_contact = false");
   }
   return warnings;
 }

@@ -1,6 +1,6 @@
-// Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction, pairs without
-// contact. Everything is validated when it is added, so a scene that exists is a scene that can be built; no numerics
-// happen here. sim/model turns it into stencils and parameter tables. SI units.
+// Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction,
+// pairs without contact. Everything is validated when it is added, so a scene that exists is a scene that can
+// be built; no numerics happen here. sim/model turns it into stencils and parameter tables. SI units.
 #pragma once
 
 #include <compare>
@@ -21,15 +21,16 @@
 
 namespace stark {
 
-/// Index of a body in its scene, in the order of the add_* calls. Valid in copies of the scene and in the simulation.
+/// Index of a body in its scene, in the order of the add_* calls. Valid in copies of the scene and in the
+/// simulation.
 struct BodyId {
   int32_t index = -1;
   auto operator<=>(const BodyId&) const = default;
 };
 
 enum class BodyKind : uint8_t { Cloth, Solid, Rigid };
-/// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or else their
-/// constant initial velocities; forces do not move them.
+/// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or
+/// else their constant initial velocities; forces do not move them.
 enum class Motion : uint8_t { Dynamic, Fixed, Scripted };
 /// Rest angles of cloth: flat everywhere, or those of the rest mesh.
 enum class RestAngles : uint8_t { Flat, Mesh };
@@ -51,71 +52,73 @@ struct EnumNames<RestAngles> {
 using Color = std::array<double, 3>;
 
 struct ClothDescription {
-  std::string name;                     ///< unique; empty: "cloth", "cloth_2", ...
-  TriangleMesh mesh;                    ///< [m] rest shape, in the frame of the body
-  ShellMaterial material;
-  Vec3 position;                        ///< [m] of the frame of the body at time 0
-  Mat3 rotation = Mat3::identity();     ///< of the frame of the body at time 0
-  std::vector<Vec3> initial_positions;  ///< [m] in the frame of the body; empty: the rest shape
-  Vec3 velocity;                        ///< [m/s] at time 0
-  Vec3 angular_velocity;                ///< [rad/s] at time 0, world axes, about `position`
-  std::optional<double> contact_distance;  ///< [m]; unset: settings.contact.distance
-  std::optional<double> friction;          ///< unset: Scene::default_friction
+  std::string name{};   ///< unique; empty: "cloth", "cloth_2", ...
+  TriangleMesh mesh{};  ///< [m] rest shape, in the frame of the body
+  ShellMaterial material{};
+  Vec3 position{};                           ///< [m] of the frame of the body at time 0
+  Mat3 rotation = Mat3::identity();          ///< of the frame of the body at time 0
+  std::vector<Vec3> initial_positions{};     ///< [m] in the frame of the body; empty: the rest shape
+  Vec3 velocity{};                           ///< [m/s] at time 0
+  Vec3 angular_velocity{};                   ///< [rad/s] at time 0, world axes, about `position`
+  std::optional<double> contact_distance{};  ///< [m]; unset: settings.contact.distance
+  std::optional<double> friction{};          ///< unset: Scene::default_friction
   bool self_contact = true;
   RestAngles rest_angles = RestAngles::Flat;
-  std::optional<Color> color;
+  std::optional<Color> color{};
 };
 
 struct SolidDescription {
-  std::string name;
-  TetMesh mesh;  ///< [m] rest shape; all tetrahedra of positive volume
-  SolidMaterial material;
-  Vec3 position;
+  std::string name{};
+  TetMesh mesh{};  ///< [m] rest shape; all tetrahedra of positive volume
+  SolidMaterial material{};
+  Vec3 position{};
   Mat3 rotation = Mat3::identity();
-  std::vector<Vec3> initial_positions;
-  Vec3 velocity;
-  Vec3 angular_velocity;
-  std::optional<double> contact_distance;
-  std::optional<double> friction;
+  std::vector<Vec3> initial_positions{};
+  Vec3 velocity{};
+  Vec3 angular_velocity{};
+  std::optional<double> contact_distance{};
+  std::optional<double> friction{};
   bool self_contact = true;
-  std::optional<Color> color;
+  std::optional<Color> color{};
 };
 
 /// Mass, centre and inertia of a rigid body in the frame of its mesh.
 struct RigidInertia {
-  double mass = 0.0;    ///< [kg]
-  Vec3 center_of_mass;  ///< [m]
-  Mat3 tensor;          ///< [kg m^2] about the centre of mass, axes of the mesh frame
+  double mass = 0.0;      ///< [kg]
+  Vec3 center_of_mass{};  ///< [m]
+  Mat3 tensor{};          ///< [kg m^2] about the centre of mass, axes of the mesh frame
 };
 
-/// A dynamic body needs a mass or a density (closed meshes), or all of `inertia`; fixed and scripted ones need none.
+/// A dynamic body needs a mass or a density (closed meshes), or all of `inertia`; fixed and scripted ones
+/// need none.
 struct RigidDescription {
-  std::string name;
-  TriangleMesh mesh;  ///< [m] surface for contact and pictures, in the frame of the body
+  std::string name{};
+  TriangleMesh mesh{};  ///< [m] surface for contact and pictures, in the frame of the body
   Motion motion = Motion::Dynamic;
-  std::optional<double> mass;           ///< [kg] spread evenly over the enclosed volume (surface of open meshes)
-  std::optional<double> density;        ///< [kg/m^3]
-  std::optional<RigidInertia> inertia;  ///< overrides what follows from the mesh
-  Vec3 position;                        ///< [m] of the origin of the mesh frame, not of the centre of mass
+  std::optional<double> mass{};     ///< [kg] spread evenly over the enclosed volume (surface of open meshes)
+  std::optional<double> density{};  ///< [kg/m^3]
+  std::optional<RigidInertia> inertia{};  ///< overrides what follows from the mesh
+  Vec3 position{};                        ///< [m] of the origin of the mesh frame, not of the centre of mass
   Mat3 rotation = Mat3::identity();
-  Vec3 velocity;                        ///< [m/s] of the centre of mass (of the origin of a scripted body)
-  Vec3 angular_velocity;                ///< [rad/s] world axes
-  double linear_damping = 0.0;          ///< [1/s]
-  double angular_damping = 0.0;         ///< [1/s]
-  std::optional<double> contact_distance;
-  std::optional<double> friction;
-  std::optional<Color> color;
+  Vec3 velocity{};               ///< [m/s] of the centre of mass (of the origin of a scripted body)
+  Vec3 angular_velocity{};       ///< [rad/s] world axes
+  double linear_damping = 0.0;   ///< [1/s]
+  double angular_damping = 0.0;  ///< [1/s]
+  std::optional<double> contact_distance{};
+  std::optional<double> friction{};
+  std::optional<Color> color{};
 };
 
-/// Vertices of a cloth or solid whose positions are prescribed: they keep their initial position, or follow the targets
-/// that Simulation::set_pin_targets gives in this order. They have no unknowns.
+/// Vertices of a cloth or solid whose positions are prescribed: they keep their initial position, or follow
+/// the targets that Simulation::set_pin_targets gives in this order. They have no unknowns.
 struct Pins {
-  std::vector<int32_t> vertices;  ///< in the order of pinning, no vertex twice
+  std::vector<int32_t> vertices{};  ///< in the order of pinning, no vertex twice
 };
 
 class Scene {
  public:
-  /// Each validates, takes a copy and returns the id. Throws InvalidArgument or InvalidMesh and leaves the scene as is.
+  /// Each validates, takes a copy and returns the id. Throws InvalidArgument or InvalidMesh and leaves the
+  /// scene as is.
   BodyId add_cloth(ClothDescription description);
   BodyId add_solid(SolidDescription description);
   BodyId add_rigid(RigidDescription description);
@@ -128,14 +131,15 @@ class Scene {
   /// Coefficient of bodies that were given none.
   void set_default_friction(double coefficient);
   double default_friction() const { return default_friction_; }
-  /// The pair's own coefficient when set_friction gave one, else the geometric mean of the two bodies' coefficients,
-  /// where default_friction() stands in for a body without one.
+  /// The pair's own coefficient when set_friction gave one, else the geometric mean of the two bodies'
+  /// coefficients, where default_friction() stands in for a body without one.
   double friction(BodyId a, BodyId b) const;
 
   /// Switches contact of a pair off and on; a == b is the self-contact of a deformable body.
   void disable_contact(BodyId a, BodyId b);
   void enable_contact(BodyId a, BodyId b);
-  /// False for disabled pairs, rigid bodies with themselves and pairs of bodies that are both fixed or scripted.
+  /// False for disabled pairs, rigid bodies with themselves and pairs of bodies that are both fixed or
+  /// scripted.
   bool contact_enabled(BodyId a, BodyId b) const;
 
   int32_t body_count() const { return static_cast<int32_t>(bodies_.size()); }
@@ -191,8 +195,8 @@ class Scene {
   std::vector<std::string> warnings_;
 };
 
-/// What a scene with these settings should be warned about: contact distances above half the smallest height of a
-/// triangle that can touch its own body, which makes a mesh press on itself at rest.
+/// What a scene with these settings should be warned about: contact distances above half the smallest height
+/// of a triangle that can touch its own body, which makes a mesh press on itself at rest.
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings);
 
 }  // namespace stark

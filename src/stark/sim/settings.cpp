@@ -16,8 +16,9 @@ const FieldTable& TimeSettings::fields() {
              "shortest step: a failing step is halved down to it, then reported as failed"),
        field(&S::growth, "growth", "1", at_least(1.0),
              "factor by which a halved step grows again after an accepted one"),
-       field(&S::integrator, "integrator",
-             "time integrator: implicit_euler, or quasistatic for a sequence of equilibria without inertia")});
+       field(
+           &S::integrator, "integrator",
+           "time integrator: implicit_euler, or quasistatic for a sequence of equilibria without inertia")});
   return table;
 }
 
@@ -38,9 +39,10 @@ const FieldTable& NewtonSettings::fields() {
        field(&S::armijo, "armijo", "1", open_interval(0.0, 0.5),
              "share of the predicted decrease of the energy that the line search demands"),
        field(&S::max_backtracks, "max_backtracks", "1", at_least(1), "number of halvings of one line search"),
-       field(&S::max_rotation, "max_rotation", "rad", open_interval(0.0, std::numbers::pi / 2),
-             "largest rotation of a rigid body in one Newton iteration; collision detection needs less than a "
-             "quarter turn")});
+       field(
+           &S::max_rotation, "max_rotation", "rad", open_interval(0.0, std::numbers::pi / 2),
+           "largest rotation of a rigid body in one Newton iteration; collision detection needs less than a "
+           "quarter turn")});
   return table;
 }
 
@@ -64,7 +66,8 @@ const FieldTable& ContactSettings::fields() {
        field(&S::self_contact, "self_contact", "switch of the contact of deformable bodies with themselves"),
        field(&S::friction, "friction", "switch of all friction"),
        field(&S::distance, "distance", "m", positive(),
-             "contact distance of bodies without their own; two bodies act on each other within the sum of theirs"),
+             "contact distance of bodies without their own; two bodies act on each other within the sum of "
+             "theirs"),
        field(&S::stiffness_factor, "stiffness_factor", "1", positive(),
              "stiffness of the contact barrier over the natural scale of mass and time step"),
        field(&S::min_separation_factor, "min_separation_factor", "1", open_interval(0.0, 0.5),
@@ -82,7 +85,8 @@ const FieldTable& ExecutionSettings::fields() {
       "execution", TableKind::Settings,
       {field(&S::threads, "threads", "1", closed_interval(0, 1024),
              "number of threads, 0 for one on each core; results have the same bits for any number"),
-       field(&S::backend, "backend", "way energies are evaluated: machine code or interpreter, with the same bits")});
+       field(&S::backend, "backend",
+             "way energies are evaluated: machine code or interpreter, with the same bits")});
   return table;
 }
 
@@ -122,14 +126,17 @@ void validate(const Settings& settings) {
                ": must not exceed time.step = " + quantity_text(settings.time.step, "s") +
                "; lower time.min_step or raise time.step");
   const NewtonSettings& newton = settings.newton;
-  if (newton.acceleration_tolerance == 0.0 && newton.residual_tolerance == 0.0 && newton.step_tolerance == 0.0)
+  if (newton.acceleration_tolerance == 0.0 && newton.residual_tolerance == 0.0 &&
+      newton.step_tolerance == 0.0)
     table.fail(
-        "newton.acceleration_tolerance, newton.residual_tolerance and newton.step_tolerance are all 0: no step could "
+        "newton.acceleration_tolerance, newton.residual_tolerance and newton.step_tolerance are all 0: no "
+        "step could "
         "converge; set at least one, for instance newton.acceleration_tolerance = 0.01 m/s^2");
   if (settings.time.integrator == Integrator::Quasistatic && newton.residual_tolerance == 0.0 &&
       newton.step_tolerance == 0.0)
-    table.fail("time.integrator = 'quasistatic' with only newton.acceleration_tolerance: accelerations mean nothing "
-               "without inertia; set newton.residual_tolerance [N] or newton.step_tolerance [m/s]");
+    table.fail(
+        "time.integrator = 'quasistatic' with only newton.acceleration_tolerance: accelerations mean nothing "
+        "without inertia; set newton.residual_tolerance [N] or newton.step_tolerance [m/s]");
 }
 
 void set(Settings& settings, std::string_view name, const FieldValue& value) {

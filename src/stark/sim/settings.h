@@ -1,5 +1,6 @@
-// All settings of a simulation: plain aggregates with a descriptor table each (base/settings.h), from which validation,
-// assignment by dotted name, files, printing and the reference table derive. Phase: before the first time step.
+// All settings of a simulation: plain aggregates with a descriptor table each (base/settings.h), from which
+// validation, assignment by dotted name, files, printing and the reference table derive. Phase: before the
+// first time step.
 #pragma once
 
 #include <string>
@@ -15,7 +16,8 @@ namespace stark {
 
 /// Implicit Euler, or a sequence of equilibria without inertia.
 enum class Integrator : uint8_t { ImplicitEuler, Quasistatic };
-/// How energies are evaluated; same order as symbolic::Backend. The interpreter gives the same bits as machine code.
+/// How energies are evaluated; same order as symbolic::Backend. The interpreter gives the same bits as
+/// machine code.
 enum class KernelBackend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
 
 template <>
@@ -32,9 +34,9 @@ struct EnumNames<LinearSolverKind> {
 };
 
 struct TimeSettings {
-  double step = 1.0 / 60.0;   ///< [s] length of a time step
-  double min_step = 1e-6;     ///< [s] a failing step is halved down to this, then reported as failed
-  double growth = 2.0;        ///< factor by which a halved step grows again after an accepted one
+  double step = 1.0 / 60.0;  ///< [s] length of a time step
+  double min_step = 1e-6;    ///< [s] a failing step is halved down to this, then reported as failed
+  double growth = 2.0;       ///< factor by which a halved step grows again after an accepted one
   Integrator integrator = Integrator::ImplicitEuler;
   static const FieldTable& fields();
 };
@@ -48,13 +50,14 @@ struct LinearSettings {
 
 struct ContactSettings {
   bool enabled = true;
-  bool self_contact = true;             ///< false switches the self-contact of all bodies off
+  bool self_contact = true;  ///< false switches the self-contact of all bodies off
   bool friction = true;
-  double distance = 1e-3;               ///< [m] of bodies without their own; a pair acts within the sum of the two
-  double stiffness_factor = 300.0;      ///< barrier stiffness over the natural scale m d_hat / h^2 of the pair
-  double min_separation_factor = 1e-3;  ///< distance kept by the collision detection, over the pair's contact distance
-  double stick_velocity = 1e-3;         ///< [m/s] below it friction is sticking, regularised
-  int friction_updates = 1;             ///< refreshes of normal forces and tangents of friction in a step
+  double distance = 1e-3;  ///< [m] of bodies without their own; a pair acts within the sum of the two
+  double stiffness_factor = 300.0;  ///< barrier stiffness over the natural scale m d_hat / h^2 of the pair
+  double min_separation_factor =
+      1e-3;  ///< distance kept by the collision detection, over the pair's contact distance
+  double stick_velocity = 1e-3;  ///< [m/s] below it friction is sticking, regularised
+  int friction_updates = 1;      ///< refreshes of normal forces and tangents of friction in a step
   static const FieldTable& fields();
 };
 
@@ -77,8 +80,9 @@ struct Settings {
 /// Ranges of all fields and the rules between them; throws InvalidSetting.
 void validate(const Settings& settings);
 
-/// Assigns by dotted name ("newton.step_tolerance"; also the short forms time_step, contact_distance, threads) and
-/// checks the range; throws InvalidSetting with the nearest known name. The rules between fields are left to validate().
+/// Assigns by dotted name ("newton.step_tolerance"; also the short forms time_step, contact_distance,
+/// threads) and checks the range; throws InvalidSetting with the nearest known name. The rules between fields
+/// are left to validate().
 void set(Settings& settings, std::string_view name, const FieldValue& value);
 void set_from_text(Settings& settings, std::string_view name, std::string_view text);
 FieldValue get(const Settings& settings, std::string_view name);

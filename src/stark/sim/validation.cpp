@@ -11,7 +11,8 @@ namespace stark {
 
 namespace {
 
-// Height of an element over its longest edge below which inverting its edge matrix loses more than half of the digits.
+// Height of an element over its longest edge below which inverting its edge matrix loses more than half of
+// the digits.
 constexpr double kThinnestElement = 1e-6;
 // Rigid surfaces only need a normal direction; below this ratio a triangle is a line within rounding.
 constexpr double kThinnestRigidTriangle = 1e-12;
@@ -30,24 +31,26 @@ void check_vertices(std::string_view owner, std::string_view what, std::span<con
 }
 
 template <size_t n>
-void check_indices(std::string_view owner, const char* element, std::span<const std::array<int32_t, n>> elements,
-                   size_t vertex_count) {
+void check_indices(std::string_view owner, const char* element,
+                   std::span<const std::array<int32_t, n>> elements, size_t vertex_count) {
   for (size_t e = 0; e < elements.size(); ++e)
     for (size_t i = 0; i < n; ++i) {
       const int32_t v = elements[e][i];
       if (v < 0 || static_cast<size_t>(v) >= vertex_count)
-        fail_mesh(owner, std::string(element) + " " + std::to_string(e) + " refers to vertex " + std::to_string(v) +
-                             ": indices must be in [0, " + std::to_string(vertex_count) +
+        fail_mesh(owner, std::string(element) + " " + std::to_string(e) + " refers to vertex " +
+                             std::to_string(v) + ": indices must be in [0, " + std::to_string(vertex_count) +
                              "); indices start at 0, check the numbering of the mesh");
       for (size_t j = 0; j < i; ++j)
         if (elements[e][j] == v)
-          fail_mesh(owner, std::string(element) + " " + std::to_string(e) + " uses vertex " + std::to_string(v) +
+          fail_mesh(owner, std::string(element) + " " + std::to_string(e) + " uses vertex " +
+                               std::to_string(v) +
                                " twice: its vertices must be different; remove the element");
     }
 }
 
 template <size_t n>
-int32_t find_first_unused(std::span<const std::array<int32_t, n>> elements, size_t vertex_count, size_t& out_count) {
+int32_t find_first_unused(std::span<const std::array<int32_t, n>> elements, size_t vertex_count,
+                          size_t& out_count) {
   std::vector<char> used(vertex_count, 0);
   for (const auto& element : elements)
     for (int32_t v : element) used[v] = 1;
@@ -60,12 +63,13 @@ std::string count_text(size_t count, const char* singular, const char* plural) {
 }
 
 template <size_t n>
-void check_all_used(std::string_view owner, const char* element, std::span<const std::array<int32_t, n>> elements,
-                    size_t vertex_count) {
+void check_all_used(std::string_view owner, const char* element,
+                    std::span<const std::array<int32_t, n>> elements, size_t vertex_count) {
   size_t count = 0;
   const int32_t first = find_first_unused(elements, vertex_count, count);
   if (count > 0)
-    fail_mesh(owner, count_text(count, "vertex", "vertices") + " (first: " + std::to_string(first) + ") in no " + element +
+    fail_mesh(owner, count_text(count, "vertex", "vertices") + " (first: " + std::to_string(first) +
+                         ") in no " + element +
                          ": every vertex must have mass; remove them with stark.mesh.compact(mesh)");
 }
 
@@ -83,8 +87,9 @@ void check_triangles(std::string_view owner, const TriangleMesh& mesh, double th
     const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
     const double area = 0.5 * norm(cross(b - a, c - a)), longest = longest_edge(a, b, c);
     if (!(2.0 * area > thinnest * longest * longest))
-      fail_mesh(owner, "triangle " + std::to_string(t) + " (vertices " + std::to_string(i) + ", " + std::to_string(j) +
-                           ", " + std::to_string(k) + ") has an area of " + quantity_text(area, "m^2") +
+      fail_mesh(owner, "triangle " + std::to_string(t) + " (vertices " + std::to_string(i) + ", " +
+                           std::to_string(j) + ", " + std::to_string(k) + ") has an area of " +
+                           quantity_text(area, "m^2") +
                            ": triangles must not be degenerate; remove it or merge its vertices");
   }
 }
@@ -97,8 +102,8 @@ void warn_about_edges(std::string_view owner, const TriangleMesh& mesh, std::vec
     if (adjacency.offsets[e + 1] - adjacency.offsets[e] > 2 && crowded++ == 0) first = adjacency.edges[e];
   if (crowded > 0)
     warnings.push_back(std::string(owner) + ": " + count_text(crowded, "edge", "edges") +
-                       " shared by more than two triangles (first: " +
-                       std::to_string(first[0]) + "-" + std::to_string(first[1]) +
+                       " shared by more than two triangles (first: " + std::to_string(first[0]) + "-" +
+                       std::to_string(first[1]) +
                        "); each pair of triangles there bends as a hinge of its own");
 }
 
@@ -107,25 +112,27 @@ void warn_about_edges(std::string_view owner, const TriangleMesh& mesh, std::vec
 void check_number(std::string_view owner, std::string_view name, double value, std::string_view unit,
                   const FieldRule& rule, std::string_view remedy) {
   if (rule.holds(value)) return;
-  throw InvalidArgument(std::string(owner) + ": " + std::string(name) + " = " + quantity_text(value, unit) + ": " +
-                        rule.text() + "; " + std::string(remedy));
+  throw InvalidArgument(std::string(owner) + ": " + std::string(name) + " = " + quantity_text(value, unit) +
+                        ": " + rule.text() + "; " + std::string(remedy));
 }
 
 void check_finite(std::string_view owner, std::string_view name, const Vec3& value, std::string_view unit) {
   if (is_finite(value)) return;
-  throw InvalidArgument(std::string(owner) + ": " + std::string(name) + " = " + text(value) + " " + std::string(unit) +
-                        ": must be three finite numbers; check where it is computed");
+  throw InvalidArgument(std::string(owner) + ": " + std::string(name) + " = " + text(value) + " " +
+                        std::string(unit) + ": must be three finite numbers; check where it is computed");
 }
 
 void check_rotation(std::string_view owner, const Mat3& rotation) {
   double deviation = 0.0;
   const Mat3 error = transpose(rotation) * rotation - Mat3::identity();
-  for (double value : error.m) deviation = std::isfinite(value) ? std::max(deviation, std::fabs(value)) : INFINITY;
+  for (double value : error.m)
+    deviation = std::isfinite(value) ? std::max(deviation, std::fabs(value)) : INFINITY;
   const double orientation = determinant(rotation);
   if (deviation <= 1e-6 && orientation > 0.0) return;
-  throw InvalidArgument(std::string(owner) + ": rotation has R^T R - 1 of size " + to_text(deviation) +
-                        " and determinant " + to_text(orientation) +
-                        ": must be orthonormal with determinant +1; build it with stark.rotation(axis=, angle=)");
+  throw InvalidArgument(
+      std::string(owner) + ": rotation has R^T R - 1 of size " + to_text(deviation) + " and determinant " +
+      to_text(orientation) +
+      ": must be orthonormal with determinant +1; build it with stark.rotation(axis=, angle=)");
 }
 
 void check_rigid_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings) {
@@ -133,7 +140,8 @@ void check_rigid_mesh(std::string_view owner, const TriangleMesh& mesh, std::vec
   size_t unused = 0;
   const int32_t first = find_first_unused<3>(mesh.triangles, mesh.vertices.size(), unused);
   if (unused > 0)
-    warnings.push_back(std::string(owner) + ": " + count_text(unused, "vertex", "vertices") + " (first: " + std::to_string(first) +
+    warnings.push_back(std::string(owner) + ": " + count_text(unused, "vertex", "vertices") +
+                       " (first: " + std::to_string(first) +
                        ") in no triangle, ignored in contact; remove them with stark.mesh.compact(mesh)");
 }
 
@@ -142,14 +150,16 @@ void check_cloth_mesh(std::string_view owner, const TriangleMesh& mesh, std::vec
   check_all_used<3>(owner, "triangle", mesh.triangles, mesh.vertices.size());
   warn_about_edges(owner, mesh, warnings);
   if (!is_orientation_consistent(mesh.triangles))
-    warnings.push_back(std::string(owner) +
-                       ": neighbouring triangles are oriented differently; forces are not affected, normals are");
+    warnings.push_back(
+        std::string(owner) +
+        ": neighbouring triangles are oriented differently; forces are not affected, normals are");
 }
 
 void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<std::string>&) {
   if (mesh.tets.empty())
-    fail_mesh(owner, "the mesh has 0 tetrahedra: it must have at least one; for surfaces use "
-                     "stark.mesh.tetrahedralise(mesh) or add_cloth");
+    fail_mesh(owner,
+              "the mesh has 0 tetrahedra: it must have at least one; for surfaces use "
+              "stark.mesh.tetrahedralise(mesh) or add_cloth");
   check_vertices(owner, "vertex", mesh.vertices);
   check_indices<4>(owner, "tetrahedron", mesh.tets, mesh.vertices.size());
   const std::vector<double> volumes = compute_tet_volumes(mesh.vertices, mesh.tets);
@@ -159,16 +169,19 @@ void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<s
   for (size_t e = 0; e < volumes.size(); ++e) {
     const auto& [i, j, k, l] = mesh.tets[e];
     const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k], &d = mesh.vertices[l];
-    const double longest = std::max({norm(b - a), norm(c - a), norm(d - a), norm(c - b), norm(d - b), norm(d - c)});
+    const double longest =
+        std::max({norm(b - a), norm(c - a), norm(d - a), norm(c - b), norm(d - b), norm(d - c)});
     // Six volumes over the cube of the longest edge bounds the smallest height over that edge from below.
     if (!(6.0 * std::fabs(volumes[e]) > kThinnestElement * longest * longest * longest))
-      fail_mesh(owner, "tetrahedron " + std::to_string(e) + " has a volume of " + quantity_text(volumes[e], "m^3") +
-                           " with edges of " + quantity_text(longest, "m") +
+      fail_mesh(owner, "tetrahedron " + std::to_string(e) + " has a volume of " +
+                           quantity_text(volumes[e], "m^3") + " with edges of " +
+                           quantity_text(longest, "m") +
                            ": tetrahedra must not be degenerate; remove it or remesh");
   }
   if (inverted > 0)
-    fail_mesh(owner, "tetrahedron " + std::to_string(first) + " has a volume of " + quantity_text(volumes[first], "m^3") +
-                         " (" + std::to_string(inverted) + " of " + std::to_string(volumes.size()) +
+    fail_mesh(owner, "tetrahedron " + std::to_string(first) + " has a volume of " +
+                         quantity_text(volumes[first], "m^3") + " (" + std::to_string(inverted) + " of " +
+                         std::to_string(volumes.size()) +
                          " are inverted): volumes must be positive; reorder their vertices with "
                          "stark.mesh.oriented(mesh)");
   check_all_used<4>(owner, "tetrahedron", mesh.tets, mesh.vertices.size());
@@ -177,23 +190,29 @@ void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<s
 void check_initial_positions(std::string_view owner, std::span<const Vec3> positions, size_t vertex_count) {
   if (positions.empty()) return;
   if (positions.size() != vertex_count)
-    fail_mesh(owner, "initial_positions has " + std::to_string(positions.size()) + " rows: must have one for each of the " +
-                         std::to_string(vertex_count) + " vertices of the rest mesh; leave it out to start at rest");
+    fail_mesh(owner, "initial_positions has " + std::to_string(positions.size()) +
+                         " rows: must have one for each of the " + std::to_string(vertex_count) +
+                         " vertices of the rest mesh; leave it out to start at rest");
   check_vertices(owner, "initial position", positions);
 }
 
 void check_closed(std::string_view owner, const TriangleMesh& mesh, std::string_view purpose) {
   if (!is_closed(mesh.triangles)) {
     const std::vector<Index2> open = find_boundary_edges(mesh.triangles);
-    const std::string where = open.empty() ? "an edge belongs to more than two triangles"
-                                           : count_text(open.size(), "edge", "edges") + " of one triangle only (first: " +
-                                                 std::to_string(open[0][0]) + "-" + std::to_string(open[0][1]) + ")";
-    fail_mesh(owner, "the mesh is not watertight, " + where + ": it must enclose a volume for " + std::string(purpose) +
-                         "; close the mesh, or give inertia= explicitly");
+    const std::string where = open.empty()
+                                  ? "an edge belongs to more than two triangles"
+                                  : count_text(open.size(), "edge", "edges") +
+                                        " of one triangle only (first: " + std::to_string(open[0][0]) + "-" +
+                                        std::to_string(open[0][1]) + ")";
+    fail_mesh(owner, "the mesh is not watertight, " + where + ": it must enclose a volume for " +
+                         std::string(purpose) + "; close the mesh, or give inertia= explicitly");
   }
   if (!is_orientation_consistent(mesh.triangles))
-    fail_mesh(owner, "neighbouring triangles are oriented differently: all must be counter-clockwise seen from outside "
-                     "for " + std::string(purpose) + "; use stark.mesh.oriented(mesh)");
+    fail_mesh(
+        owner,
+        "neighbouring triangles are oriented differently: all must be counter-clockwise seen from outside "
+        "for " +
+            std::string(purpose) + "; use stark.mesh.oriented(mesh)");
 }
 
 SmallestHeight find_smallest_height(std::span<const Vec3> vertices, std::span<const Index3> triangles) {

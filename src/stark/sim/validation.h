@@ -1,5 +1,6 @@
-// Checks of what users hand to a Scene: meshes, poses, numbers. Every failure throws with the name of the object, the
-// value with its unit, the rule and a remedy; what can be simulated but is suspicious is appended to `warnings`.
+// Checks of what users hand to a Scene: meshes, poses, numbers. Every failure throws with the name of the
+// object, the value with its unit, the rule and a remedy; what can be simulated but is suspicious is appended
+// to `warnings`.
 #pragma once
 
 #include <span>
@@ -20,7 +21,8 @@ void check_finite(std::string_view owner, std::string_view name, const Vec3& val
 /// A proper rotation: orthonormal to 1e-6 with determinant +1.
 void check_rotation(std::string_view owner, const Mat3& rotation);
 
-/// Surface of a rigid body: not empty, finite, indices in range, no repeated vertex or zero area in a triangle.
+/// Surface of a rigid body: not empty, finite, indices in range, no repeated vertex or zero area in a
+/// triangle.
 void check_rigid_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings);
 /// As above; also every vertex used (it would have no mass) and no triangle too thin to compute with.
 void check_cloth_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings);
@@ -30,7 +32,8 @@ void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<s
 /// As many finite positions as the rest mesh has vertices.
 void check_initial_positions(std::string_view owner, std::span<const Vec3> positions, size_t vertex_count);
 
-/// The surface encloses a volume: closed, consistently oriented, outwards. Throws InvalidMesh with the first open edge.
+/// The surface encloses a volume: closed, consistently oriented, outwards. Throws InvalidMesh with the first
+/// open edge.
 void check_closed(std::string_view owner, const TriangleMesh& mesh, std::string_view purpose);
 
 /// Smallest height of the triangles [m] and which triangle has it.

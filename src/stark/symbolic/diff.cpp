@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace stark::symbolic {
 
@@ -24,9 +25,11 @@ size_t upper_index(size_t n, size_t i, size_t j) { return i * n - i * (i + 1) / 
 
 // Nodes needed for the outputs.
 std::vector<char> reachable(const Graph& graph, std::span<const NodeId> outputs) {
-  std::vector<char> seen(graph.size(), 0);
+  NodeId size = 0;
+  for (const NodeId id : outputs) size = std::max(size, id + 1);
+  std::vector<char> seen(size, 0);
   for (const NodeId id : outputs) seen[id] = 1;
-  for (NodeId id = graph.size() - 1; id >= 0; --id) {
+  for (NodeId id = size - 1; id >= 0; --id) {
     if (!seen[id]) continue;
     const Node& n = graph.node(id);
     for (int k = 0; k < operand_count(n.op); ++k) seen[n.operands[k]] = 1;
@@ -128,13 +131,19 @@ struct Stage {
   std::vector<std::vector<NodeId>> H;  // full symmetric, -1 is zero
 };
 
-Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inner) {
+// Stages of `inner` that the outer variables use only inside arms of selects go to out_conditional, and nothing else is
+// done then: behind such a stage the Jacobian may be infinite where the stage is not used.
+Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inner, std::vector<NodeId>& out_conditional) {
   const size_t p = outer.variables.size(), q = inner.size();
   std::vector<Seed> seeds;
   for (size_t k = 0; k < p; ++k) {
     if (outer.g[k] >= 0) seeds.push_back({outer.variables[k], outer.g[k]});
   }
   const EdgePushing curvature(graph, inner, seeds, true);
+  for (size_t k = 0; k < q; ++k) {
+    if (graph.node(inner[k]).op != Op::Unknown && curvature.is_conditional(static_cast<int>(k))) out_conditional.push_back(inner[k]);
+  }
+  if (!out_conditional.empty()) return {};
   std::vector<std::vector<NodeId>> J(p);
   for (size_t k = 0; k < p; ++k) {
     const Seed seed[] = {{outer.variables[k], graph.constant(1.0)}};
@@ -147,9 +156,7 @@ Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inn
   std::vector<std::vector<NodeId>> HJ(p, std::vector<NodeId>(q, -1));
   for (size_t k = 0; k < p; ++k) {
     for (size_t j = 0; j < q; ++j) {
-      for (size_t l = 0; l < p; ++l) {
-        HJ[k][j] = add_term(graph, HJ[k][j], multiply_term(graph, outer.H[k][l], J[l][j]));
-      }
+      for (size_t l = 0; l < p; ++l) HJ[k][j] = add_term(graph, HJ[k][j], multiply_term(graph, outer.H[k][l], J[l][j]));
     }
   }
   for (size_t i = 0; i < q; ++i) {
@@ -163,71 +170,65 @@ Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inn
   return result;
 }
 
-// Keeps the targets that the seeds reach outside of selects, and all inputs: behind a conditional stage the Jacobian
-// may be infinite where the stage is not used.
+// The variables that occur, so that products stay small.
+Stage packed(const Stage& stage) {
+  Stage result;
+  std::vector<size_t> place;
+  for (size_t k = 0; k < stage.variables.size(); ++k) {
+    if (stage.g[k] >= 0) place.push_back(k);
+  }
+  for (const size_t k : place) {
+    result.variables.push_back(stage.variables[k]);
+    result.g.push_back(stage.g[k]);
+    result.H.emplace_back();
+    for (const size_t l : place) result.H.back().push_back(stage.H[k][l]);
+  }
+  return result;
+}
+
 bool staged(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm, Derivatives& d) {
   const NodeId root[] = {energy};
   const auto needed = reachable(graph, root);
   std::vector<NodeId> used;
   for (const NodeId s : stages) {
-    if (s != energy && needed[s] && std::find(used.begin(), used.end(), s) == used.end()) used.push_back(s);
-  }
-  const std::vector<NodeId> inputs = unknowns_of(graph);
-  {
-    std::vector<NodeId> targets = used;
-    targets.insert(targets.end(), inputs.begin(), inputs.end());
-    // A stage behind another stage is reached only through it: test each one alone.
-    std::vector<NodeId> kept;
-    for (const NodeId s : used) {
-      const NodeId alone[] = {s};
-      const Seed seed[] = {{energy, graph.constant(1.0)}};
-      const EdgePushing probe(graph, alone, seed, false);
-      if (probe.gradient()[0] >= 0 && probe.is_unconditional(0)) kept.push_back(s);
-    }
-    used = kept;
+    if (s < energy && needed[s] && std::find(used.begin(), used.end(), s) == used.end()) used.push_back(s);
   }
   if (used.empty()) return false;
-  const std::vector<int> levels = stage_levels(graph, energy, used);
+  std::vector<int> levels = stage_levels(graph, energy, used);
   const int deepest = *std::max_element(levels.begin(), levels.end());
   if (algorithm != Algorithm::StagedOuter && deepest == 1) return false;  // all variants are the same
 
-  // The sequence of cuts, from the energy to the inputs.
-  std::vector<std::vector<NodeId>> cuts;
-  const auto cut = [&](auto keep) {
-    std::vector<NodeId> c;
-    for (size_t k = 0; k < used.size(); ++k) {
-      if (keep(levels[k])) c.push_back(used[k]);
-    }
-    c.insert(c.end(), inputs.begin(), inputs.end());
-    cuts.push_back(std::move(c));
-  };
-  if (algorithm == Algorithm::StagedInner) {
-    cut([](int level) { return level == 1; });
-  } else if (algorithm == Algorithm::StagedOuter) {
-    cut([](int) { return true; });
-  } else {
-    for (int top = deepest; top >= 1; --top) cut([top](int level) { return level <= top; });
+  // The cuts from the energy to the inputs: the highest and the lowest level of stages that each keeps.
+  std::vector<std::pair<int, int>> cuts;
+  if (algorithm == Algorithm::StagedInner) cuts = {{1, 1}};
+  if (algorithm == Algorithm::StagedOuter) cuts = {{deepest, 1}};
+  if (algorithm == Algorithm::StagedAll) {
+    for (int top = deepest; top >= 1; --top) cuts.push_back({top, 1});
   }
-  cuts.push_back(inputs);
-
+  const std::vector<NodeId> inputs = unknowns_of(graph);
   Stage stage{{energy}, {graph.constant(1.0)}, {{-1}}};
-  for (const auto& next : cuts) {
-    stage = eliminate(graph, stage, next);
-    // Drop variables that do not occur, so that the products stay small.
-    if (&next == &cuts.back()) break;
-    Stage packed;
-    std::vector<size_t> place;
-    for (size_t k = 0; k < next.size(); ++k) {
-      if (stage.g[k] >= 0) place.push_back(k);
+  for (const auto& [high, low] : cuts) {
+    for (;;) {
+      std::vector<NodeId> next, conditional;
+      for (size_t k = 0; k < used.size(); ++k) {
+        if (levels[k] <= high && levels[k] >= low) next.push_back(used[k]);
+      }
+      next.insert(next.end(), inputs.begin(), inputs.end());
+      Stage result = eliminate(graph, stage, next, conditional);
+      if (conditional.empty()) {
+        stage = packed(result);
+        break;
+      }
+      for (size_t k = used.size(); k-- > 0;) {
+        if (std::find(conditional.begin(), conditional.end(), used[k]) == conditional.end()) continue;
+        used.erase(used.begin() + static_cast<std::ptrdiff_t>(k));
+        levels.erase(levels.begin() + static_cast<std::ptrdiff_t>(k));
+      }
     }
-    for (const size_t k : place) {
-      packed.variables.push_back(stage.variables[k]);
-      packed.g.push_back(stage.g[k]);
-      packed.H.emplace_back();
-      for (const size_t l : place) packed.H.back().push_back(stage.H[k][l]);
-    }
-    stage = std::move(packed);
   }
+  if (used.empty()) return false;
+  std::vector<NodeId> none;
+  stage = eliminate(graph, stage, inputs, none);
   d.gradient = stage.g;
   for (size_t i = 0; i < inputs.size(); ++i) {
     for (size_t j = i; j < inputs.size(); ++j) d.hessian.push_back(stage.H[i][j]);

@@ -35,7 +35,11 @@ EdgePushing::EdgePushing(Graph& graph, std::span<const NodeId> targets, std::spa
 // Finds the nodes that lie between the seeds and the targets.
 void EdgePushing::collect(std::span<const Seed> seeds) {
   enum : signed char { kUnseen, kOpen, kPassive, kActive };
-  std::vector<signed char> state(graph_.size(), kUnseen);
+  // Operands precede their users, so nothing beyond the last seed or target is touched.
+  NodeId size = 0;
+  for (const Seed& s : seeds) size = std::max(size, s.node + 1);
+  for (int i = 0; i < target_count_; ++i) size = std::max(size, global_[i] + 1);
+  std::vector<signed char> state(size, kUnseen);
   for (int i = 0; i < target_count_; ++i) state[global_[i]] = kActive;
   std::vector<NodeId> stack;
   for (const Seed& s : seeds) stack.push_back(s.node);
@@ -57,12 +61,11 @@ void EdgePushing::collect(std::span<const Seed> seeds) {
       if (state[n.operands[k]] == kActive) state[id] = kActive;
     }
   }
-  local_.assign(graph_.size(), -1);
+  local_.assign(size, -1);
   for (int i = 0; i < target_count_; ++i) {
     local_[global_[i]] = i;
     state[global_[i]] = kPassive;
   }
-  const int size = graph_.size();
   for (NodeId id = 0; id < size; ++id) {
     if (state[id] != kActive) continue;
     local_[id] = static_cast<int>(global_.size());
@@ -227,7 +230,7 @@ void EdgePushing::push_choice(int i, NodeId adjoint, bool second_order) {
   }
   for (const bool taken : {true, false}) {
     const NodeId arm = taken ? arms.taken : arms.other;
-    if (local(arm) < 0) continue;
+    if (local(arm) < 0) continue;  // an arm is an operand, so it has a place
     const int a = local(arm);
     const GuardId validity = guards_.conjunction(guard_[i], arms.condition, taken);
     add_adjoint(a, adjoint, validity);

@@ -30,8 +30,8 @@ class EdgePushing {
   const std::vector<NodeId>& gradient() const { return gradient_; }
   /// Lower triangle by rows, entries in no particular order; absent entries are zero.
   const std::vector<std::vector<Entry>>& hessian() const { return hessian_; }
-  /// Whether the target is used outside of all arms of selects.
-  bool is_unconditional(int target) const { return target_guard_[target] == kAlways; }
+  /// Whether the target is used, but only inside arms of selects.
+  bool is_conditional(int target) const { return target_guard_[target] != kAlways && target_guard_[target] != kNever; }
 
  private:
   struct Conditional {

@@ -1,0 +1,95 @@
+// Overlapping cells against brute force; ownership of vertices and edges.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <set>
+
+#include <stark/collision/bvh.h>
+#include <stark/geometry/shapes.h>
+
+#include "support/collision_scenes.h"
+#include "support/random_points.h"
+
+using namespace stark;
+using detail::Bvh;
+using detail::Cell;
+using test::RandomPoints;
+using test::SceneBuilder;
+
+TEST_CASE("every pair of overlapping triangles is visited exactly once") {
+  RandomPoints random(61);
+  // Sizes around the powers of eight at which the tree gets another level.
+  for (const int cells : {1, 2, 3, 5, 6, 16, 18}) {
+    SceneBuilder scene;
+    scene.add_mesh(make_grid(1.0, 1.0, cells, cells));
+    scene.add_mesh(make_grid(1.0, 1.0, 4, 4), {0, 0, 0.01});
+    for (Vec3& v : scene.x) v += random.point() * 0.02;
+    const std::vector<double> inflation = {0.003, 0.001};
+    ThreadPool pool(1);
+    Bvh bvh;
+    bvh.reset(scene.surface, 2);
+    for (int round = 0; round < 2; ++round) {
+      bvh.refit(scene.x, scene.x, inflation, pool);
+      std::set<Index2> visited;
+      bool twice = false;
+      bvh.for_each_pair(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool same_group) {
+        const Index2 pair{std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle)};
+        twice = twice || !visited.insert(pair).second;
+        CHECK(same_group ==
+              (scene.surface.triangle_group[a.triangle] == scene.surface.triangle_group[b.triangle]));
+      });
+      CHECK_FALSE(twice);
+      size_t expected = 0;
+      const auto& triangles = scene.surface.triangles;
+      for (int32_t a = 0; a < static_cast<int32_t>(triangles.size()); ++a) {
+        for (int32_t b = a + 1; b < static_cast<int32_t>(triangles.size()); ++b) {
+          bool overlap = true;
+          for (int axis = 0; axis < 3; ++axis) {
+            double low[2], high[2];
+            for (int k = 0; k < 2; ++k) {
+              const Index3& t = triangles[k == 0 ? a : b];
+              const double r = inflation[scene.surface.triangle_group[k == 0 ? a : b]];
+              low[k] = std::min({scene.x[t[0]][axis], scene.x[t[1]][axis], scene.x[t[2]][axis]}) - r;
+              high[k] = std::max({scene.x[t[0]][axis], scene.x[t[1]][axis], scene.x[t[2]][axis]}) + r;
+            }
+            overlap = overlap && low[0] <= high[1] && low[1] <= high[0];
+          }
+          if (!overlap) continue;
+          ++expected;
+          CHECK(visited.count({a, b}) == 1);
+        }
+      }
+      // Boxes rounded outwards by 1e-7 may add a pair, but hardly ever do.
+      CHECK(visited.size() <= expected + 2);
+      for (Vec3& v : scene.x) v += random.point() * 0.05;
+    }
+  }
+}
+
+TEST_CASE("boxes in single precision contain the points far from the origin") {
+  RandomPoints random(62);
+  SceneBuilder scene;
+  std::vector<Vec3> particles;
+  const Vec3 shift{1.23456789e6, -9.87654321e5, 3.3e3};
+  for (int k = 0; k < 500; ++k)
+    particles.push_back(random.point() * std::pow(10.0, random.uniform(-6, 2)) + shift);
+  scene.add_particles(particles);
+  ThreadPool pool(1);
+  Bvh bvh;
+  bvh.reset(scene.surface, 1);
+  bvh.refit(scene.x, scene.x, std::vector<double>{0.0}, pool);
+  Vec3 low = scene.x[0], high = low;
+  for (const Vec3& p : scene.x) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 origin = (low + high) * 0.5;
+  for (int32_t v = 0; v < 500; ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const long double p = static_cast<long double>(scene.x[v][axis]) - origin[axis];
+      CHECK(bvh.vertex_box(v).low[axis] < p);
+      CHECK(bvh.vertex_box(v).high[axis] > p);
+      CHECK(bvh.vertex_box(v).high[axis] - bvh.vertex_box(v).low[axis] < 1e-4);
+    }
+  }
+}

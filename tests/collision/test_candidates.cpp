@@ -1,0 +1,35 @@
+// The table of allowed pairs and the list of candidates.
+#include <doctest/doctest.h>
+
+#include <stark/base/error.h>
+#include <stark/collision/candidates.h>
+
+using namespace stark;
+
+TEST_CASE("pair filter: symmetric, with and without self, bounds checked") {
+  PairFilter filter(4, true, false);
+  for (int32_t a = 0; a < 4; ++a) {
+    for (int32_t b = 0; b < 4; ++b) CHECK(filter.allowed(a, b) == (a != b));
+  }
+  filter.set(3, 1, false);
+  filter.set(2, 2, true);
+  CHECK_FALSE(filter.allowed(1, 3));
+  CHECK_FALSE(filter.allowed(3, 1));
+  CHECK(filter.allowed(2, 2));
+  CHECK(filter.allowed(0, 3));
+  CHECK_THROWS_AS(filter.set(0, 4, true), InvalidArgument);
+  CHECK_THROWS_AS(filter.set(-1, 0, true), InvalidArgument);
+  CHECK_THROWS_AS(PairFilter(-1), InvalidArgument);
+}
+
+TEST_CASE("candidate list: size and clear") {
+  CandidateList list;
+  list.point_triangle = {{0, 1}};
+  list.edge_edge = {{0, 1}, {0, 2}};
+  list.point_edge = {{3, 1}};
+  list.point_point = {{3, 4}};
+  CHECK(list.size() == 5);
+  list.clear();
+  CHECK(list.size() == 0);
+  CHECK(list == CandidateList{});
+}

@@ -1,0 +1,117 @@
+// Batches: what is set is read back and reaches the right element; padding lanes repeat the last element; bad names throw.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <stark/base/error.h>
+#include <support/mixed_scene.h>
+
+using namespace stark;
+using namespace stark::test;
+using symbolic::kLanes;
+using symbolic::Order;
+
+namespace {
+
+/// log(size) |x - X|^2 / h + weight . (x - x_prev): NaN for zero size, every source of input.
+PotentialDefinition probe() {
+  PotentialDefinition definition = define_potential("probe", 1, "", [](PotentialBuilder& b) {
+    return symbolic::log(b.data("size", "1", "")) * symbolic::squared_norm(b.x(0) - b.X(0)) / b.time_step() +
+           b.parameter("scale", "1", "") * symbolic::dot(b.data3("weight", "1", ""), b.x(0) - b.x_prev(0));
+  });
+  definition.translation_invariant = definition.rotation_invariant = false;
+  return definition;
+}
+
+}  // namespace
+
+TEST_CASE("values set are read back, for every element and component") {
+  PotentialBatch batch = make_batch(probe(), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
+  REQUIRE(batch.size() == 11);
+  REQUIRE(batch.block_count() == 2);
+  const int weight = batch.field_index("weight"), size = batch.field_index("size");
+  CHECK(batch.get(weight, 10, 2) == 0.0);
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    const double v = static_cast<double>(e);
+    batch.set(weight, e, std::vector<double>{v, 10.0 * v, 100.0 * v});
+    batch.set("size", e, v + 1.0);
+  }
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    for (int c = 0; c < 3; ++c) CHECK(batch.get(weight, e, c) == static_cast<double>(e) * std::pow(10.0, c));
+    CHECK(batch.get(size, e) == static_cast<double>(e) + 1.0);
+    CHECK(batch.stencil(e)[0] == e);
+  }
+}
+
+TEST_CASE("names and widths that do not exist throw") {
+  PotentialBatch batch = make_batch(probe(), {0});
+  CHECK_THROWS_AS(batch.set_uniform("scales", 1.0), InternalError);
+  CHECK_THROWS_AS(batch.set_uniform("size", 1.0), InternalError);  // element data, not a parameter
+  CHECK_THROWS_AS(batch.field_index("scale"), InternalError);
+  CHECK_THROWS(batch.set("weight", 0, 1.0));
+  const std::vector<double> two{1.0, 2.0};
+  CHECK_THROWS(batch.set_uniform("scale", two));
+}
+
+TEST_CASE("energies follow the inputs of their element; padding lanes repeat the last one") {
+  RandomPoints random(1);
+  for (const int count : {1, 7, 8, 9, 16, 70}) {
+    CAPTURE(count);
+    std::vector<int32_t> stencils;
+    std::vector<Vec3> x, X, x_prev;
+    for (int e = 0; e < count + 5; ++e) {
+      x.push_back(random.point());
+      X.push_back(random.point());
+      x_prev.push_back(random.point());
+    }
+    for (int e = 0; e < count; ++e) stencils.push_back((e * 3 + 2) % (count + 5));
+    PotentialBatch batch = make_batch(probe(), stencils);
+    batch.set_rest(X);
+    batch.set_previous(x_prev);
+    batch.set_time_step(0.25);
+    batch.set_uniform("scale", 3.0);
+    std::vector<Vec3> weight;
+    for (int e = 0; e < count; ++e) {
+      weight.push_back(random.point());
+      batch.set("size", e, 1.5 + e);
+      batch.set(batch.field_index("weight"), e, {&weight[e].x, 3});
+    }
+    AlignedVector<double> out(batch.block_count() * kLanes, 1e30);
+    batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
+    for (int e = 0; e < count; ++e) {
+      const int s = stencils[e];
+      const double expected =
+          std::log(1.5 + e) * squared_norm(x[s] - X[s]) / 0.25 + 3.0 * dot(weight[e], x[s] - x_prev[s]);
+      CHECK(out[e] == doctest::Approx(expected).epsilon(1e-12));
+    }
+    for (size_t l = count; l < out.size(); ++l) CHECK(out[l] == out[count - 1]);
+    // A part of the blocks gives the same numbers as all of them.
+    AlignedVector<double> last(kLanes);
+    batch.evaluate(Order::Energy, x, batch.block_count() - 1, batch.block_count(), last.data());
+    for (int l = 0; l < kLanes; ++l) CHECK(last[l] == out[(batch.block_count() - 1) * kLanes + l]);
+  }
+}
+
+TEST_CASE("new elements start from zero and empty batches do nothing") {
+  PotentialBatch batch = make_batch(probe(), {0, 1});
+  batch.set("size", 1, 5.0);
+  batch.resize(std::vector<int32_t>{1, 0, 1});
+  CHECK(batch.get(batch.field_index("size"), 1) == 0.0);
+  CHECK(batch.size() == 3);
+  batch.resize({});
+  CHECK(batch.size() == 0);
+  CHECK(batch.block_count() == 0);
+  batch.set_rest({});
+  batch.set_previous({});
+  batch.evaluate(Order::Hessian, {}, 0, 0, nullptr);
+}
+
+TEST_CASE("potentials without a time step ignore it") {
+  PotentialBatch batch = make_batch(spring(), {0, 1});
+  batch.set_uniform("stiffness", 2.0);
+  batch.set_time_step(0.1);
+  AlignedVector<double> out(kLanes);
+  batch.evaluate(Order::Energy, std::vector<Vec3>{{0, 0, 0}, {3, 0, 0}}, 0, 1, out.data());
+  CHECK(out[0] == doctest::Approx(9.0).epsilon(1e-15));
+}

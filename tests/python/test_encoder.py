@@ -1,0 +1,288 @@
+"""Machine code of the symbolic engine against capstone: every instruction form, and whole kernels executed
+instruction by instruction from the disassembly. This also covers AVX-512 on machines that do not have it."""
+
+import ctypes
+import ctypes.util
+import json
+import math
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+capstone = pytest.importorskip("capstone")
+np = pytest.importorskip("numpy")
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def find_program():
+    named = os.environ.get("STARK_TEST_SYMBOLIC")
+    if named:
+        return pathlib.Path(named)
+    found = sorted(ROOT.glob("build/**/tests/test_symbolic"), key=lambda p: p.stat().st_mtime)
+    return found[-1] if found else None
+
+
+@pytest.fixture(scope="module")
+def dump(tmp_path_factory):
+    program = find_program()
+    if program is None:
+        pytest.skip("the C++ tests are not built")
+    path = tmp_path_factory.mktemp("code") / "dump.json"
+    subprocess.run([program, "--test-case=instruction forms*"], check=True, capture_output=True,
+                   env={**os.environ, "STARK_MACHINE_CODE_DUMP": str(path)})
+    return json.loads(path.read_text())
+
+
+def disassembler():
+    md = capstone.Cs(capstone.CS_ARCH_X86, capstone.CS_MODE_64)
+    md.detail = True
+    return md
+
+
+PREDICATES = {"vcmplt_oqpd": 0x11, "vcmple_oqpd": 0x12}
+
+
+def plain(instruction, operands):
+    """Mnemonic, operands and comparison predicate, with the predicate taken out of the mnemonic."""
+    name = instruction.mnemonic
+    if name in PREDICATES:
+        return "vcmppd", operands, PREDICATES[name]
+    if name == "vcmppd":  # predicates without a name of their own stay as a number
+        return name, operands, {"lt_oq": 0x11, "le_oq": 0x12}.get(name, None)
+    return name, operands, None
+
+
+def test_every_instruction_form(dump):
+    md = disassembler()
+    from capstone import x86
+
+    assert len(dump["forms"]) > 5000
+    for form in dump["forms"]:
+        code = bytes.fromhex(form["hex"])
+        decoded = list(md.disasm(code, 0))
+        assert len(decoded) == 1 and decoded[0].size == len(code), form
+        i = decoded[0]
+        name, operands, predicate = plain(i, list(i.operands))
+        expected_name, store = form["name"].split()[0], form["name"].endswith("store")
+        assert name == expected_name, (form, i.mnemonic, i.op_str)
+        prefix = "zmm" if form["wide"] else "ymm"
+        registers = [i.reg_name(o.reg) for o in operands if o.type == x86.X86_OP_REG]
+        want = [f"{prefix}{r}" for r in form["regs"]]
+        if name in ("vpsllq", "vpsrlq"):
+            want = want[1:]
+        if name == "vcmppd" and form["wide"]:
+            want[0] = "k1"
+        if name == "vblendvpd":
+            registers, mask = registers[:-1], registers[-1]
+            assert mask == f"ymm{form['immediate'] >> 4}"
+        last = form["last"]
+        if "reg" in last:
+            want.append("k1" if name == "vpmovm2q" else f"{prefix}{last['reg']}")
+        else:
+            memory = [o for o in operands if o.type == x86.X86_OP_MEM]
+            assert len(memory) == 1, (form, i.op_str)
+            m = memory[0]
+            assert i.reg_name(m.mem.base) == last["base"] and m.mem.index == 0, (form, i.op_str)
+            assert m.mem.disp == last["displacement"], (form, i.op_str)
+            assert ("{1to8}" in i.op_str) == last["broadcast"], (form, i.op_str)
+            assert (operands[0].type == x86.X86_OP_MEM) == store, (form, i.op_str)
+        assert registers == want, (form, i.op_str)
+        immediates = [o.imm & 0xFF for o in operands if o.type == x86.X86_OP_IMM]
+        if name == "vcmppd":
+            assert predicate == form["immediate"], (form, i.mnemonic, i.op_str)
+        elif name != "vblendvpd" and form["immediate"] >= 0:
+            assert immediates == [form["immediate"]], (form, i.op_str)
+        else:
+            assert not immediates, (form, i.op_str)
+
+
+libm = ctypes.CDLL(ctypes.util.find_library("m"))
+libm.fma.restype = ctypes.c_double
+libm.fma.argtypes = [ctypes.c_double] * 3
+
+
+def fma(a, b, c):
+    return np.array([libm.fma(x, y, z) for x, y, z in zip(a, b, c)])
+
+
+class Machine:
+    """Executes the few instructions that kernels use, on vectors of 64-bit lanes."""
+
+    def __init__(self, kernel):
+        self.lanes = 8 if kernel["wide"] else 4
+        self.code = bytes.fromhex(kernel["hex"])
+        self.blocks = kernel["blocks"]
+        self.base = {}
+        self.memory = {}
+        uniforms = np.repeat(np.array(kernel["uniforms"], dtype=np.uint64), 1 if kernel["wide"] else 4)
+        self.place("rdi", 0x10000000, np.array(kernel["unknowns"], dtype=np.uint64))
+        self.place("rsi", 0x20000000, np.array(kernel["elements"], dtype=np.uint64))
+        self.place("rdx", 0x30000000, uniforms)
+        self.place("rcx", 0x40000000, np.zeros(len(kernel["expected"]), dtype=np.uint64))
+        self.place("r9", 0x50000000, np.zeros(max(1, kernel["spills"]) * self.lanes, dtype=np.uint64))
+        padded = self.code + bytes(-len(self.code) % 8)
+        self.memory[0] = np.frombuffer(padded, dtype=np.uint64)
+        self.gpr = {**self.base, "r8": self.blocks, "rax": None, "r10": None}
+        self.vector = {}
+        self.mask = None
+        self.zero = False
+
+    def place(self, register, address, words):
+        self.base[register] = address
+        self.memory[address] = words
+
+    def locate(self, address, count):
+        start = address & 0x70000000
+        words = self.memory[start]
+        offset = address - start
+        assert offset % 8 == 0 and 0 <= offset and offset // 8 + count <= len(words), hex(address)
+        return words, offset // 8
+
+    def read(self, address, count):
+        words, k = self.locate(address, count)
+        return words[k:k + count].copy()
+
+    def value(self, i, o):
+        if o.type == capstone.x86.X86_OP_REG:
+            return self.vector[self.number(i.reg_name(o.reg))]
+        address = self.address(i, o)
+        if "{1to8}" in i.op_str or i.mnemonic == "vbroadcastsd":
+            return np.repeat(self.read(address, 1), self.lanes)
+        return self.read(address, self.lanes)
+
+    def address(self, i, o):
+        base = i.reg_name(o.mem.base)
+        start = i.address + i.size if base == "rip" else self.gpr[base]
+        return start + o.mem.disp
+
+    @staticmethod
+    def number(name):
+        assert name[:3] in ("ymm", "zmm"), name
+        return int(name[3:])
+
+    def run(self):
+        by_address = {i.address: i for i in disassembler().disasm(self.code, 0)}
+        address, steps = 0, 0
+        while address is not None:
+            address = self.step(by_address[address])
+            steps += 1
+        return steps
+
+    def step(self, i):
+        from capstone import x86
+
+        name, o = i.mnemonic, i.operands
+        following = i.address + i.size
+        if name == "ret":
+            return None
+        if name in ("nop", "vzeroupper"):
+            return following
+        if name == "test":
+            self.sign = self.gpr["r8"] <= 0
+            return following
+        if name == "jle":
+            return o[0].imm if self.sign else following
+        if name == "jne":
+            return following if self.zero else o[0].imm
+        if name == "lea":
+            self.gpr[i.reg_name(o[0].reg)] = self.address(i, o[1])
+            return following
+        if name == "add":
+            self.gpr[i.reg_name(o[0].reg)] += o[1].imm
+            return following
+        if name == "dec":
+            self.gpr[i.reg_name(o[0].reg)] -= 1
+            self.zero = self.gpr[i.reg_name(o[0].reg)] == 0
+            return following
+        if name == "xor":
+            assert i.reg_name(o[0].reg) == "r10d"
+            self.gpr["r10"] = 0 if o[1].type == x86.X86_OP_REG else self.gpr["r10"] ^ o[1].imm
+            self.zero = self.gpr["r10"] == 0
+            return following
+        self.operate(i, name, o)
+        return following
+
+    def operate(self, i, name, o):
+        from capstone import x86
+
+        if name == "vmovupd" and o[0].type == x86.X86_OP_MEM:
+            words, k = self.locate(self.address(i, o[0]), self.lanes)
+            words[k:k + self.lanes] = self.value(i, o[1])
+            return
+        name, o, predicate = plain(i, list(o))
+        if name == "vcmppd":
+            a, b = (self.value(i, x).view(np.float64) for x in o[1:3])
+            chosen = a < b if predicate == 0x11 else a <= b
+            if i.reg_name(o[0].reg) == "k1":
+                self.mask = chosen
+                return
+            result = np.where(chosen, np.uint64(0xFFFFFFFFFFFFFFFF), np.uint64(0))
+        elif name == "vpmovm2q":
+            result = np.where(self.mask, np.uint64(0xFFFFFFFFFFFFFFFF), np.uint64(0))
+        elif name == "vpternlogq":
+            a, b, c = (self.value(i, x) for x in o[:3])
+            table, result = o[3].imm & 0xFF, np.zeros_like(a)
+            for row in range(8):
+                if table >> row & 1:
+                    result |= (a if row & 4 else ~a) & (b if row & 2 else ~b) & (c if row & 1 else ~c)
+        elif name == "vblendvpd":
+            a, b, m = (self.value(i, x) for x in o[1:4])
+            result = np.where(m >> np.uint64(63) != 0, b, a)
+        elif name in ("vpsllq", "vpsrlq"):
+            shift = np.uint64(o[2].imm)
+            a = self.value(i, o[1])
+            result = a << shift if name == "vpsllq" else a >> shift
+        elif name.startswith("vf"):
+            form = name[-5:-2]
+            x1, x2, x3 = (self.value(i, x).view(np.float64) for x in o[:3])
+            a, b, c = {"132": (x1, x3, x2), "213": (x2, x1, x3), "231": (x2, x3, x1)}[form]
+            if name.startswith("vfnmadd"):
+                a = -a
+            if name.startswith("vfmsub"):
+                c = -c
+            result = fma(a, b, c).view(np.uint64)
+        else:
+            sources = [self.value(i, x) for x in o[1:] if x.type != x86.X86_OP_IMM]
+            floats = [s.view(np.float64) for s in sources]
+            binary = {"vaddpd": np.add, "vsubpd": np.subtract, "vmulpd": np.multiply, "vdivpd": np.divide}
+            bitwise = {"vandpd": np.bitwise_and, "vorpd": np.bitwise_or, "vxorpd": np.bitwise_xor,
+                       "vpaddq": np.add, "vpsubq": np.subtract}
+            if name in binary:
+                result = binary[name](*floats).view(np.uint64)
+            elif name in bitwise:
+                result = bitwise[name](*sources)
+            elif name == "vandnpd":
+                result = ~sources[0] & sources[1]
+            elif name == "vminpd":
+                result = np.where(floats[0] < floats[1], sources[0], sources[1])
+            elif name == "vmaxpd":
+                result = np.where(floats[0] > floats[1], sources[0], sources[1])
+            elif name == "vsqrtpd":
+                result = np.sqrt(floats[0]).view(np.uint64)
+            elif name in ("vrndscalepd", "vroundpd"):
+                assert o[-1].imm & 0xFF == 8
+                result = np.rint(floats[0]).view(np.uint64)
+            elif name in ("vmovupd", "vmovapd", "vbroadcastsd"):
+                result = sources[0]
+            else:
+                raise AssertionError(f"unexpected instruction {name} {i.op_str}")
+        self.vector[self.number(i.reg_name(o[0].reg))] = result.astype(np.uint64)
+
+
+@pytest.mark.parametrize("wide", [False, True], ids=["avx2", "avx512"])
+def test_kernels_give_the_bits_of_the_interpreter(dump, wide):
+    kernels = [k for k in dump["kernels"] if k["wide"] == wide]
+    assert len(kernels) >= 10
+    for kernel in kernels:
+        machine = Machine(kernel)
+        with np.errstate(all="ignore"):
+            machine.run()
+        result = machine.memory[0x40000000]
+        expected = np.array(kernel["expected"], dtype=np.uint64)
+        nan = np.isnan(expected.view(np.float64)) & np.isnan(result.view(np.float64))
+        different = (result != expected) & ~nan
+        assert not different.any(), (kernel["name"], int(different.sum()))
+        assert math.isfinite(float(np.nansum(result.view(np.float64)))) or nan.any()
