@@ -1,6 +1,6 @@
-// The energies of the kernel benchmark, 12 unknowns each: four points, or two rigid bodies with linear and angular
-// increments. The unknowns are velocities, x = x0 + dt v, except in tet_nh; rest shapes are inverted in the kernel.
-// Every energy comes with inputs that make sense, one random element at a time.
+// The energies of the kernel benchmark, 12 unknowns each: four points, or two rigid bodies with linear and
+// angular increments. The unknowns are velocities, x = x0 + dt v, except in tet_nh; rest shapes are inverted
+// in the kernel. Every energy comes with inputs that make sense, one random element at a time.
 #pragma once
 
 #include <stark/symbolic/tensor.h>
@@ -14,7 +14,9 @@
 namespace stark::symbolic::bench {
 
 using Random = std::mt19937_64;
-inline double uniform(Random& r, double a, double b) { return std::uniform_real_distribution<double>(a, b)(r); }
+inline double uniform(Random& r, double a, double b) {
+  return std::uniform_real_distribution<double>(a, b)(r);
+}
 
 struct Energy {
   std::string name;
@@ -54,7 +56,8 @@ inline Scalar tet_nh(Graph& g) {
 
 /// Stable Neo-Hookean [Smith et al. 2018]; with_all adds strain-rate damping and a strain limit (a branch).
 inline Scalar tet_stable(Graph& g, bool with_all) {
-  const Scalar dt = g.input(InputKind::Uniform), E = g.input(InputKind::Uniform), nu = g.input(InputKind::Uniform);
+  const Scalar dt = g.input(InputKind::Uniform), E = g.input(InputKind::Uniform),
+               nu = g.input(InputKind::Uniform);
   const Points p = moving_points(g, dt);
   Vec3 X[4];
   for (auto& q : X) q = input_vector<3>(g, InputKind::Element);
@@ -64,11 +67,14 @@ inline Scalar tet_stable(Graph& g, bool with_all) {
   mark_stage(g, F);
   const Scalar mu = E / (2.0 * (1.0 + nu)), lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) + mu;
   const Scalar Ic = squared_norm(F), alpha = 1.0 + 0.75 * mu / lambda;
-  Scalar psi = 0.5 * mu * (Ic - 3.0) + 0.5 * lambda * square(determinant(F) - alpha) - 0.5 * mu * log(Ic + 1.0);
+  Scalar psi =
+      0.5 * mu * (Ic - 3.0) + 0.5 * lambda * square(determinant(F) - alpha) - 0.5 * mu * log(Ic + 1.0);
   if (with_all) {
-    const Scalar damping = g.input(InputKind::Uniform), limit = g.input(InputKind::Uniform), stiffness = g.input(InputKind::Uniform);
+    const Scalar damping = g.input(InputKind::Uniform), limit = g.input(InputKind::Uniform),
+                 stiffness = g.input(InputKind::Uniform);
     const Mat3 F0 = input_matrix<3, 3>(g, InputKind::Element);
-    const Mat3 strain = 0.5 * (transpose(F) * F - Mat3::identity()), strain0 = 0.5 * (transpose(F0) * F0 - Mat3::identity());
+    const Mat3 strain = 0.5 * (transpose(F) * F - Mat3::identity()),
+               strain0 = 0.5 * (transpose(F0) * F0 - Mat3::identity());
     psi += 0.5 * damping * squared_norm((strain - strain0) / dt);
     const Scalar excess = sqrt(squared_norm(strain) + 1e-12) - limit;
     psi += select(excess > 0.0, stiffness * excess * excess * excess / 3.0, 0.0);
@@ -76,11 +82,14 @@ inline Scalar tet_stable(Graph& g, bool with_all) {
   return psi * determinant(Dm) / 6.0;
 }
 
-/// Discrete shell bending [Bergou et al. 2006]: stiffness (theta - rest)^2 with the dihedral angle by atan2, and damping.
+/// Discrete shell bending [Bergou et al. 2006]: stiffness (theta - rest)^2 with the dihedral angle by atan2,
+/// and damping.
 inline Scalar shell(Graph& g) {
-  const Scalar dt = g.input(InputKind::Uniform), stiffness = g.input(InputKind::Uniform), damping = g.input(InputKind::Uniform);
+  const Scalar dt = g.input(InputKind::Uniform), stiffness = g.input(InputKind::Uniform),
+               damping = g.input(InputKind::Uniform);
   const Points p = moving_points(g, dt);
-  const Scalar rest = g.input(InputKind::Element), previous = g.input(InputKind::Element), weight = g.input(InputKind::Element);
+  const Scalar rest = g.input(InputKind::Element), previous = g.input(InputKind::Element),
+               weight = g.input(InputKind::Element);
   const Vec3 e = p.x[1] - p.x[0];
   const Vec3 n0 = cross(e, p.x[2] - p.x[0]), n1 = cross(p.x[3] - p.x[0], e);
   const Scalar theta = atan2(dot(cross(n0, n1), e) / norm(e), dot(n0, n1));
@@ -92,7 +101,8 @@ inline Scalar barrier(const Scalar& d, const Scalar& d_hat, const Scalar& stiffn
   return -stiffness * square(d - d_hat) * log(d / d_hat);
 }
 
-/// Log barrier of the distance between two lines, mollified where they become parallel (a branch) [Li et al. 2020].
+/// Log barrier of the distance between two lines, mollified where they become parallel (a branch) [Li et al.
+/// 2020].
 inline Scalar edge_edge(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1, const Scalar& scale,
                         const Scalar& d_hat, const Scalar& stiffness) {
   const Vec3 u = a1 - a0, n = cross(u, b1 - b0);
@@ -103,14 +113,16 @@ inline Scalar edge_edge(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Ve
 }
 
 inline Scalar ee(Graph& g) {
-  const Scalar dt = g.input(InputKind::Uniform), d_hat = g.input(InputKind::Uniform), stiffness = g.input(InputKind::Uniform);
+  const Scalar dt = g.input(InputKind::Uniform), d_hat = g.input(InputKind::Uniform),
+               stiffness = g.input(InputKind::Uniform);
   const Points p = moving_points(g, dt);
   const Scalar scale = g.input(InputKind::Element);
   return edge_edge(p.x[0], p.x[1], p.x[2], p.x[3], scale, d_hat, stiffness);
 }
 
 inline Scalar pt(Graph& g) {
-  const Scalar dt = g.input(InputKind::Uniform), d_hat = g.input(InputKind::Uniform), stiffness = g.input(InputKind::Uniform);
+  const Scalar dt = g.input(InputKind::Uniform), d_hat = g.input(InputKind::Uniform),
+               stiffness = g.input(InputKind::Uniform);
   const Points p = moving_points(g, dt);
   const Vec3 n = cross(p.x[2] - p.x[1], p.x[3] - p.x[1]);
   return barrier(sqrt(square(dot(p.x[0] - p.x[1], n)) / squared_norm(n)), d_hat, stiffness);
@@ -149,10 +161,12 @@ inline Scalar hinge(Graph& g) {
 
 /// Edges of two bodies.
 inline Scalar rbee(Graph& g) {
-  const Scalar dt = g.input(InputKind::Uniform), d_hat = g.input(InputKind::Uniform), stiffness = g.input(InputKind::Uniform);
+  const Scalar dt = g.input(InputKind::Uniform), d_hat = g.input(InputKind::Uniform),
+               stiffness = g.input(InputKind::Uniform);
   const Body a = moving_body(g, dt), b = moving_body(g, dt);
   const auto local = [&] { return input_vector<3>(g, InputKind::Element); };
-  const Vec3 a0 = a.t + a.R * local(), a1 = a.t + a.R * local(), b0 = b.t + b.R * local(), b1 = b.t + b.R * local();
+  const Vec3 a0 = a.t + a.R * local(), a1 = a.t + a.R * local(), b0 = b.t + b.R * local(),
+             b1 = b.t + b.R * local();
   for (const Vec3& s : {a0, a1, b0, b1}) mark_stage(g, s);
   return edge_edge(a0, a1, b0, b1, g.input(InputKind::Element), d_hat, stiffness);
 }
@@ -183,58 +197,84 @@ inline std::vector<Energy> all_energies() {
   for (int i = 0; i < 12; ++i) tet_rest[i] = tet[i];
 
   std::vector<Energy> all;
-  all.push_back({"tet_nh", tet_nh, [=](Random& r, Values& u, Values& e) {
-    near(r, u, tet_rest, 0.1);
-    for (int i = 0; i < 9; ++i) e.push_back((i % 4 == 0 ? 1.0 : 0.0) + uniform(r, -0.1, 0.1));
-    e.push_back(uniform(r, 0.1, 0.2));
-  }, {3.0e4, 8.0e4}});
-  all.push_back({"tet_snh", [](Graph& g) { return tet_stable(g, false); }, [=](Random& r, Values& u, Values& e) {
-    velocities(r, u, 1.0);
-    near(r, e, tet_rest, 0.1);
-    near(r, e, tet_rest, 0.01);
-  }, {dt, 1.0e5, 0.4}});
-  all.push_back({"tet_full", [](Graph& g) { return tet_stable(g, true); }, [=](Random& r, Values& u, Values& e) {
-    velocities(r, u, 1.0);
-    near(r, e, tet_rest, 0.1);
-    near(r, e, tet_rest, 0.01);
-    for (int i = 0; i < 9; ++i) e.push_back((i % 4 == 0 ? 1.0 : 0.0) + uniform(r, -0.1, 0.1));
-  }, {dt, 1.0e5, 0.4, 10.0, 0.1, 1.0e6}});
-  all.push_back({"shell", shell, [=](Random& r, Values& u, Values& e) {
-    velocities(r, u, 1.0);
-    near(r, e, quad, 0.1);
-    e.push_back(uniform(r, -0.5, 0.5));
-    e.push_back(uniform(r, -0.5, 0.5));
-    e.push_back(uniform(r, 0.5, 2.0));
-  }, {dt, 0.1, 0.01}});
-  all.push_back({"ee", ee, [=](Random& r, Values& u, Values& e) {
-    velocities(r, u, 1.0);
-    near(r, e, edges, 0.1);
-    e.push_back(uniform(r, 0.0, 1.0) < 0.3 ? 30.0 : 0.01);
-  }, {dt, 0.6, 1.0e4}});
-  all.push_back({"pt", pt, [=](Random& r, Values& u, Values& e) {
-    velocities(r, u, 1.0);
-    near(r, e, over, 0.1);
-  }, {dt, 0.6, 1.0e4}});
-  all.push_back({"hinge", hinge, [=](Random& r, Values& u, Values& e) {
-    bodies(r, u, e, {0.0, 0.0, 0.0, 1.0, 0.0, 0.0});
-    // Element inputs come in the order of creation: after the bodies two points and two directions.
-    for (const double sign : {1.0, -1.0}) {
-      e.push_back(0.5 * sign);
-      e.push_back(uniform(r, -0.1, 0.1));
-      e.push_back(uniform(r, -0.1, 0.1));
-    }
-    for (int k = 0; k < 2; ++k) {
-      e.push_back(0.0);
-      e.push_back(0.0);
-      e.push_back(1.0);
-    }
-  }, {dt, 1.0e6}});
-  all.push_back({"rbee", rbee, [=](Random& r, Values& u, Values& e) {
-    bodies(r, u, e, {0.0, 0.0, 0.0, 0.0, 0.0, 0.3});
-    const double local[12] = {-1.0, 0.0, 0.05, 1.0, 0.0, 0.05, 0.0, -1.0, -0.05, 0.0, 1.0, -0.05};
-    near(r, e, local, 0.02);
-    e.push_back(uniform(r, 0.0, 1.0) < 0.3 ? 30.0 : 0.01);
-  }, {dt, 0.8, 1.0e4}});
+  all.push_back({"tet_nh",
+                 tet_nh,
+                 [=](Random& r, Values& u, Values& e) {
+                   near(r, u, tet_rest, 0.1);
+                   for (int i = 0; i < 9; ++i) e.push_back((i % 4 == 0 ? 1.0 : 0.0) + uniform(r, -0.1, 0.1));
+                   e.push_back(uniform(r, 0.1, 0.2));
+                 },
+                 {3.0e4, 8.0e4}});
+  all.push_back({"tet_snh",
+                 [](Graph& g) { return tet_stable(g, false); },
+                 [=](Random& r, Values& u, Values& e) {
+                   velocities(r, u, 1.0);
+                   near(r, e, tet_rest, 0.1);
+                   near(r, e, tet_rest, 0.01);
+                 },
+                 {dt, 1.0e5, 0.4}});
+  all.push_back({"tet_full",
+                 [](Graph& g) { return tet_stable(g, true); },
+                 [=](Random& r, Values& u, Values& e) {
+                   velocities(r, u, 1.0);
+                   near(r, e, tet_rest, 0.1);
+                   near(r, e, tet_rest, 0.01);
+                   for (int i = 0; i < 9; ++i) e.push_back((i % 4 == 0 ? 1.0 : 0.0) + uniform(r, -0.1, 0.1));
+                 },
+                 {dt, 1.0e5, 0.4, 10.0, 0.1, 1.0e6}});
+  all.push_back({"shell",
+                 shell,
+                 [=](Random& r, Values& u, Values& e) {
+                   velocities(r, u, 1.0);
+                   near(r, e, quad, 0.1);
+                   e.push_back(uniform(r, -0.5, 0.5));
+                   e.push_back(uniform(r, -0.5, 0.5));
+                   e.push_back(uniform(r, 0.5, 2.0));
+                 },
+                 {dt, 0.1, 0.01}});
+  all.push_back({"ee",
+                 ee,
+                 [=](Random& r, Values& u, Values& e) {
+                   velocities(r, u, 1.0);
+                   near(r, e, edges, 0.1);
+                   e.push_back(uniform(r, 0.0, 1.0) < 0.3 ? 30.0 : 0.01);
+                 },
+                 {dt, 0.6, 1.0e4}});
+  all.push_back({"pt",
+                 pt,
+                 [=](Random& r, Values& u, Values& e) {
+                   velocities(r, u, 1.0);
+                   near(r, e, over, 0.1);
+                 },
+                 {dt, 0.6, 1.0e4}});
+  all.push_back({"hinge",
+                 hinge,
+                 [=](Random& r, Values& u, Values& e) {
+                   bodies(r, u, e, {0.0, 0.0, 0.0, 1.0, 0.0, 0.0});
+                   // Element inputs come in the order of creation: after the bodies two points and two
+                   // directions.
+                   for (const double sign : {1.0, -1.0}) {
+                     e.push_back(0.5 * sign);
+                     e.push_back(uniform(r, -0.1, 0.1));
+                     e.push_back(uniform(r, -0.1, 0.1));
+                   }
+                   for (int k = 0; k < 2; ++k) {
+                     e.push_back(0.0);
+                     e.push_back(0.0);
+                     e.push_back(1.0);
+                   }
+                 },
+                 {dt, 1.0e6}});
+  all.push_back({"rbee",
+                 rbee,
+                 [=](Random& r, Values& u, Values& e) {
+                   bodies(r, u, e, {0.0, 0.0, 0.0, 0.0, 0.0, 0.3});
+                   const double local[12] = {-1.0, 0.0,  0.05,  1.0, 0.0, 0.05,
+                                             0.0,  -1.0, -0.05, 0.0, 1.0, -0.05};
+                   near(r, e, local, 0.02);
+                   e.push_back(uniform(r, 0.0, 1.0) < 0.3 ? 30.0 : 0.01);
+                 },
+                 {dt, 0.8, 1.0e4}});
   return all;
 }
 

@@ -11,7 +11,6 @@
 namespace nb = nanobind;
 
 void bind_geometry(nb::module_& m);
-void bind_symbolic(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
@@ -92,19 +91,8 @@ NB_MODULE(_core, m) {
   m.doc() = "Compiled core of Stark; the public interface is the package stark.";
   m.attr("__version__") = STARK_VERSION;
   bind_exceptions(m);
-#ifdef STARK_BIND_GEOMETRY
   bind_geometry(m);
-#endif
-#ifdef STARK_BIND_SYMBOLIC
-  bind_symbolic(m);
-#endif
-#ifdef STARK_BIND_SCENE
   bind_scene(m);
-#endif
-#ifdef STARK_BIND_SIM
   bind_simulation(m);
-#endif
-#ifdef STARK_BIND_IO
   bind_io(m);
-#endif
 }

@@ -217,3 +217,18 @@ TEST_CASE("settings: margin, horizon, iteration limit") {
   settings.max_iterations = 1;
   CHECK(point_point_ccd(a, b, 0.0, settings) <= 0.5);
 }
+
+TEST_CASE("positions that are not finite give no step") {
+  const std::array<Vec3, 4> a = {Vec3{0.2, 0.2, 1.0}, Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+  for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY)}) {
+    for (int vertex = 0; vertex < 4; ++vertex) {
+      for (int axis = 0; axis < 3; ++axis) {
+        std::array<Vec3, 4> b = a;
+        b[vertex][axis] = bad;
+        CHECK(point_triangle_ccd(a, b, 0.0) == 0.0);
+        CHECK(point_triangle_ccd(b, a, 0.0) == 0.0);
+        CHECK(edge_edge_ccd(a, b, 0.0) == 0.0);
+      }
+    }
+  }
+}

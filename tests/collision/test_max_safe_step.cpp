@@ -180,3 +180,22 @@ TEST_CASE("batch of four lanes: every number of candidates, every kind, agrees w
   }
   CHECK(cut > 100);
 }
+
+TEST_CASE("one position that is not finite stops the whole step") {
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(1.0, 1.0, 3, 3));
+  scene.add_mesh(make_grid(1.0, 1.0, 3, 3), {0, 0, 0.5});
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, PairFilter(2, true, false));
+  ThreadPool pool(1);
+  CandidateList list;
+  broad_phase.find(scene.x, std::vector<double>(2, 0.3), pool, list);
+  CHECK(max_safe_step(scene.surface, list, scene.x, scene.x, 0.0, pool) == 1.0);
+  for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY)}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<Vec3> x1 = scene.x;
+      x1[20][axis] = bad;
+      CHECK(max_safe_step(scene.surface, list, scene.x, x1, 0.0, pool) == 0.0);
+    }
+  }
+}

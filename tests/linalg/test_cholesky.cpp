@@ -103,6 +103,9 @@ TEST_CASE("cholesky: residual on meshes, and the same bits on 1, 2 and 5 threads
       std::vector<double> x(b.size());
       cholesky.solve(b.data(), x.data());
       CHECK(test::relative_residual(matrix, b, x) < 1e-12);
+      std::vector<double> shared(b.size());
+      cholesky.solve(b.data(), shared.data(), pool);
+      CHECK(shared == x);
       Cholesky<float> single;
       single.analyze(matrix.pattern);
       REQUIRE(single.factor(matrix, pool).positive_definite);

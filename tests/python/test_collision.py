@@ -1,17 +1,18 @@
-"""Continuous detection against Tight Inclusion, candidates against brute force, intersections against ipctk."""
+"""Continuous detection against Tight Inclusion, candidates against brute force, intersections."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from stark import _core as core
+
 from stark import InvalidMesh
+from stark import _core as core
 
 ipctk = pytest.importorskip("ipctk")
 
 
 def random_motions(rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Stencils of size one and motions of 1e-2 to 10 in all directions, a third of them with a large common part."""
+    """Stencils of size one, motions of 1e-2 to 10, a third of them with a large common part."""
     x0 = rng.uniform(-1, 1, (n, 4, 3))
     motion = rng.uniform(-1, 1, (n, 4, 3)) * 10.0 ** rng.uniform(-2, 1, (n, 1, 1))
     motion[::3] += rng.uniform(-5, 5, (len(motion[::3]), 1, 3))
@@ -21,7 +22,7 @@ def random_motions(rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.nda
 def tight_inclusion(
     kind: str, x0: np.ndarray, x1: np.ndarray, separation: float, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Whether and when Tight Inclusion sees an impact. Its separation is that of boxes, up to sqrt(3) times larger."""
+    """Whether and when Tight Inclusion sees an impact; its separation is that of boxes, sqrt(3) larger."""
     ccd = ipctk.TightInclusionCCD(tolerance, 10_000_000, conservative_rescaling=1.0)
     results = [getattr(ccd, kind + "_ccd")(*a, *b, separation) for a, b in zip(x0, x1, strict=True)]
     return np.array([r[0] for r in results]), np.array([r[1] for r in results])
@@ -77,7 +78,7 @@ def test_small_gaps_and_large_motions_against_tight_inclusion(kind: str) -> None
 def two_bodies(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     grid, grid_triangles = core.make_grid(1.0, 1.0, 9, 9)
     ball, ball_triangles = core.make_icosphere(0.3, 2)
-    vertices = np.concatenate([grid, ball + [0.0, 0.0, 0.32]]) + rng.uniform(
+    vertices = np.concatenate([grid, ball + np.array([0.0, 0.0, 0.32])]) + rng.uniform(
         -0.01, 0.01, (len(grid) + len(ball), 3)
     )
     triangles = np.concatenate([grid_triangles, ball_triangles + len(grid)])

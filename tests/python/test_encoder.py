@@ -31,8 +31,12 @@ def dump(tmp_path_factory):
     if program is None:
         pytest.skip("the C++ tests are not built")
     path = tmp_path_factory.mktemp("code") / "dump.json"
-    subprocess.run([program, "--test-case=instruction forms*"], check=True, capture_output=True,
-                   env={**os.environ, "STARK_MACHINE_CODE_DUMP": str(path)})
+    subprocess.run(
+        [program, "--test-case=instruction forms*"],
+        check=True,
+        capture_output=True,
+        env={**os.environ, "STARK_MACHINE_CODE_DUMP": str(path)},
+    )
     return json.loads(path.read_text())
 
 
@@ -143,7 +147,7 @@ class Machine:
 
     def read(self, address, count):
         words, k = self.locate(address, count)
-        return words[k:k + count].copy()
+        return words[k : k + count].copy()
 
     def value(self, i, o):
         if o.type == capstone.x86.X86_OP_REG:
@@ -210,7 +214,7 @@ class Machine:
 
         if name == "vmovupd" and o[0].type == x86.X86_OP_MEM:
             words, k = self.locate(self.address(i, o[0]), self.lanes)
-            words[k:k + self.lanes] = self.value(i, o[1])
+            words[k : k + self.lanes] = self.value(i, o[1])
             return
         name, o, predicate = plain(i, list(o))
         if name == "vcmppd":
@@ -248,8 +252,13 @@ class Machine:
             sources = [self.value(i, x) for x in o[1:] if x.type != x86.X86_OP_IMM]
             floats = [s.view(np.float64) for s in sources]
             binary = {"vaddpd": np.add, "vsubpd": np.subtract, "vmulpd": np.multiply, "vdivpd": np.divide}
-            bitwise = {"vandpd": np.bitwise_and, "vorpd": np.bitwise_or, "vxorpd": np.bitwise_xor,
-                       "vpaddq": np.add, "vpsubq": np.subtract}
+            bitwise = {
+                "vandpd": np.bitwise_and,
+                "vorpd": np.bitwise_or,
+                "vxorpd": np.bitwise_xor,
+                "vpaddq": np.add,
+                "vpsubq": np.subtract,
+            }
             if name in binary:
                 result = binary[name](*floats).view(np.uint64)
             elif name in bitwise:

@@ -1,4 +1,4 @@
-"""Geometry against independent implementations: ipctk (closest features, distances), NumPy (mass, topology)."""
+"""Geometry against independent implementations: ipctk (closest features, distances) and NumPy."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from stark import _core as core
+
 from stark import InvalidArgument, InvalidMesh
+from stark import _core as core
 
 ipctk = pytest.importorskip("ipctk")
 
@@ -27,7 +28,7 @@ def compare_distances(
     valid = np.isfinite(expected)
     assert valid.mean() > 0.9
     error = np.abs(squared - expected)[valid]
-    # Squared distances of configurations of size one: a few roundings, amplified by thin triangles and small angles.
+    # Configurations of size one: a few roundings, amplified by thin triangles and small angles.
     assert np.quantile(error, 0.999) < 1e-13
     assert error.max() < 1e-9
     expected_types = np.array([int(type_of(*s)) for s in x[:generic]])

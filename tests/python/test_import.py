@@ -17,7 +17,7 @@ from stark import _cpu
 ROOT = Path(__file__).resolve().parents[2]
 
 # `import stark` shall take 0.15 s with files in the page cache. NumPy takes 0.08 to 0.09 s of it on a quiet
-# machine, so the share of Stark is bounded. Processor time, best of several: a busy machine shall not fail it.
+# machine, so the share of Stark is bounded: processor time, best of several: a busy machine must not fail it.
 OWN_IMPORT_SECONDS = 0.06
 
 

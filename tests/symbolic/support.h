@@ -17,7 +17,9 @@ namespace stark::symbolic::test {
 
 using Random = std::mt19937_64;
 
-inline double uniform(Random& r, double a, double b) { return std::uniform_real_distribution<double>(a, b)(r); }
+inline double uniform(Random& r, double a, double b) {
+  return std::uniform_real_distribution<double>(a, b)(r);
+}
 
 /// 64-byte aligned array.
 class Lanes {
@@ -63,7 +65,8 @@ inline std::vector<std::vector<double>> run(const Kernel& kernel, Order order, c
   elements.resize(count);
   const Lanes e = pack(kernel.element_count(), elements);
   Lanes out(blocks * outputs * kLanes);
-  kernel.evaluate(order, u.data(), e.data(), samples.uniforms.data(), out.data(), static_cast<int64_t>(blocks));
+  kernel.evaluate(order, u.data(), e.data(), samples.uniforms.data(), out.data(),
+                  static_cast<int64_t>(blocks));
   std::vector<std::vector<double>> result(count, std::vector<double>(outputs));
   for (size_t k = 0; k < count; ++k) {
     for (size_t i = 0; i < outputs; ++i) result[k][i] = out[(k / kLanes * outputs + i) * kLanes + k % kLanes];
@@ -83,7 +86,9 @@ struct Jet {
   Real v = 0;
   std::vector<Real> g, h;  // h is n x n
 
-  static Jet constant(Real value, size_t n) { return {value, std::vector<Real>(n, 0), std::vector<Real>(n * n, 0)}; }
+  static Jet constant(Real value, size_t n) {
+    return {value, std::vector<Real>(n, 0), std::vector<Real>(n * n, 0)};
+  }
 };
 
 /// f(a) with f' and f'' given.
@@ -103,8 +108,8 @@ inline Jet chain(const Jet& a, const Jet& b, Real f, Real da, Real db, Real daa,
   for (size_t i = 0; i < n; ++i) {
     r.g[i] = da * a.g[i] + db * b.g[i];
     for (size_t j = 0; j < n; ++j) {
-      r.h[i * n + j] = da * a.h[i * n + j] + db * b.h[i * n + j] + daa * a.g[i] * a.g[j] + dbb * b.g[i] * b.g[j] +
-                       dab * (a.g[i] * b.g[j] + a.g[j] * b.g[i]);
+      r.h[i * n + j] = da * a.h[i * n + j] + db * b.h[i * n + j] + daa * a.g[i] * a.g[j] +
+                       dbb * b.g[i] * b.g[j] + dab * (a.g[i] * b.g[j] + a.g[j] * b.g[i]);
     }
   }
   return r;
@@ -113,7 +118,8 @@ inline Jet chain(const Jet& a, const Jet& b, Real f, Real da, Real db, Real daa,
 /// Jet of an expression with respect to all unknowns of its graph.
 Jet evaluate_jet(const Scalar& expression, const InputValues& values);
 
-/// Random smooth-almost-everywhere expression of `size` operations with choices in it; bounded for inputs in [-1, 1].
+/// Random smooth-almost-everywhere expression of `size` operations with choices in it; bounded for inputs in
+/// [-1, 1].
 Scalar random_expression(Graph& graph, Random& random, int unknowns, int elements, int uniforms, int size);
 
 }  // namespace stark::symbolic::test

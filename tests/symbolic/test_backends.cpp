@@ -1,5 +1,5 @@
-// All back ends of this machine give the same bits: random expressions, benchmark energies, every elementary function,
-// special values; also kernels that are larger than the register file by far.
+// All back ends of this machine give the same bits: random expressions, benchmark energies, every elementary
+// function, special values; also kernels that are larger than the register file by far.
 #include <doctest/doctest.h>
 
 #include <stark/base/error.h>
@@ -78,17 +78,59 @@ TEST_CASE("benchmark energies have the same bits on every back end") {
 
 TEST_CASE("functions have the same bits at special values") {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-  const double special[] = {0.0, -0.0, 1.0, -1.0, 0.5, -0.5, inf, -inf, nan, 5e-324, -5e-324, 1e-310, 1e308, -1e308, 1e-16,
-                            1.5707963267948966, -3.141592653589793, 709.9, -745.2, 22.5, 1e9, 0.9999999999999999, 2.5, -3.5};
+  const double special[] = {0.0,
+                            -0.0,
+                            1.0,
+                            -1.0,
+                            0.5,
+                            -0.5,
+                            inf,
+                            -inf,
+                            nan,
+                            5e-324,
+                            -5e-324,
+                            1e-310,
+                            1e308,
+                            -1e308,
+                            1e-16,
+                            1.5707963267948966,
+                            -3.141592653589793,
+                            709.9,
+                            -745.2,
+                            22.5,
+                            1e9,
+                            0.9999999999999999,
+                            2.5,
+                            -3.5};
   Graph graph;
   const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown);
   Samples s;
   for (const double a : special) {
     for (const double b : special) s.unknowns.push_back({a, b});
   }
-  const Scalar functions[] = {exp(x), log(x), sin(x), cos(x), tan(x), asin(x), acos(x), atan(x), tanh(x), sqrt(x), abs(x),
-                              atan2(x, y), pow(x, y), min(x, y), max(x, y), x / y, fma(x, y, x), x * y - x, y - x * y,
-                              select(x < y, x, y), select(x <= y, 0.0, x), select(!(x > y), y, 0.0), select(x < 1.0 || y >= 2.0, x - y, 3.0)};
+  const Scalar functions[] = {exp(x),
+                              log(x),
+                              sin(x),
+                              cos(x),
+                              tan(x),
+                              asin(x),
+                              acos(x),
+                              atan(x),
+                              tanh(x),
+                              sqrt(x),
+                              abs(x),
+                              atan2(x, y),
+                              pow(x, y),
+                              min(x, y),
+                              max(x, y),
+                              x / y,
+                              fma(x, y, x),
+                              x * y - x,
+                              y - x * y,
+                              select(x < y, x, y),
+                              select(x <= y, 0.0, x),
+                              select(!(x > y), y, 0.0),
+                              select(x < 1.0 || y >= 2.0, x - y, 3.0)};
   for (const Scalar& f : functions) {
     CAPTURE(to_string(f));
     CHECK(differences(f, s) == 0);

@@ -1,5 +1,5 @@
-// Derivatives of random expressions and of the benchmark energies against second-order jets in extended precision;
-// agreement of all algorithms; no NaN from branches that are not taken.
+// Derivatives of random expressions and of the benchmark energies against second-order jets in extended
+// precision; agreement of all algorithms; no NaN from branches that are not taken.
 #include <doctest/doctest.h>
 
 #include <stark/symbolic/diff.h>
@@ -44,7 +44,7 @@ std::vector<double> concatenated(const Derivatives& d, Graph& graph, const Input
 }
 
 constexpr Algorithm kAll[] = {Algorithm::ForwardForward, Algorithm::ReverseForward, Algorithm::EdgePushing,
-                              Algorithm::StagedOuter, Algorithm::StagedInner, Algorithm::StagedAll};
+                              Algorithm::StagedOuter,    Algorithm::StagedInner,    Algorithm::StagedAll};
 
 }  // namespace
 
@@ -62,11 +62,13 @@ TEST_CASE("random expressions agree with jets, kernel by kernel") {
       for (int i = 0; i < 5; ++i) s.unknowns.back().push_back(uniform(random, -1.0, 1.0));
       for (int i = 0; i < 3; ++i) s.elements.back().push_back(uniform(random, -1.0, 1.0));
     }
-    const auto energies = run(kernel, Order::Energy, s), gradients = run(kernel, Order::Gradient, s), hessians = run(kernel, Order::Hessian, s);
+    const auto energies = run(kernel, Order::Energy, s), gradients = run(kernel, Order::Gradient, s),
+               hessians = run(kernel, Order::Hessian, s);
     for (size_t e = 0; e < s.unknowns.size(); ++e) {
       CAPTURE(trial);
       CAPTURE(e);
-      const Errors error = compare(hessians[e], evaluate_jet(energy, {s.unknowns[e], s.elements[e], s.uniforms}));
+      const Errors error =
+          compare(hessians[e], evaluate_jet(energy, {s.unknowns[e], s.elements[e], s.uniforms}));
       // Round-off of some hundred operations with mild cancellation.
       CHECK(error.value < 1e-11);
       CHECK(error.gradient < 1e-11);

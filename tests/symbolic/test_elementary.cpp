@@ -1,5 +1,5 @@
-// Elementary functions in units in the last place, against the standard library in extended precision, over wide
-// ranges and at special values.
+// Elementary functions in units in the last place, against the standard library in extended precision, over
+// wide ranges and at special values.
 #include <doctest/doctest.h>
 
 #include "symbolic/support.h"
@@ -25,7 +25,8 @@ double ulp_error(double value, long double exact) {
   return static_cast<double>(std::fabs(static_cast<long double>(value) - exact)) / ulp;
 }
 
-std::vector<double> apply(const std::function<Scalar(Scalar, Scalar)>& f, const std::vector<double>& x, const std::vector<double>& y) {
+std::vector<double> apply(const std::function<Scalar(Scalar, Scalar)>& f, const std::vector<double>& x,
+                          const std::vector<double>& y) {
   Graph graph;
   const Scalar a = graph.input(InputKind::Unknown), b = graph.input(InputKind::Unknown);
   const Scalar outputs[] = {f(a, b)};
@@ -41,7 +42,8 @@ std::vector<double> apply(const std::function<Scalar(Scalar, Scalar)>& f, const 
   return result;
 }
 
-double worst(const std::function<Scalar(Scalar)>& f, const std::function<long double(long double)>& exact, const std::vector<double>& x) {
+double worst(const std::function<Scalar(Scalar)>& f, const std::function<long double(long double)>& exact,
+             const std::vector<double>& x) {
   const auto values = apply([&](Scalar a, Scalar) { return f(a); }, x, {});
   double error = 0.0;
   for (size_t k = 0; k < x.size(); ++k) {
@@ -85,7 +87,8 @@ TEST_CASE("exp") {
   // Subnormal results are rounded a second time.
   CHECK(worst(e, exact, spread(-745.1, -708.0, 2000)) < 1.01);
   CHECK(worst(e, exact, magnitudes(1e-300, 1.0, kCount, true)) < 1.0);
-  const auto v = apply([](Scalar x, Scalar) { return exp(x); }, {0.0, -0.0, kInf, -kInf, kNan, 710.0, -746.0, 1e300, -1e300}, {});
+  const auto v = apply([](Scalar x, Scalar) { return exp(x); },
+                       {0.0, -0.0, kInf, -kInf, kNan, 710.0, -746.0, 1e300, -1e300}, {});
   CHECK(v[0] == 1.0);
   CHECK(v[1] == 1.0);
   CHECK(v[2] == kInf);
@@ -104,7 +107,8 @@ TEST_CASE("log") {
   CHECK(worst(f, exact, spread(1.0 - 1e-6, 1.0 + 1e-6, kCount)) < 1.0);
   CHECK(worst(f, exact, magnitudes(1e-307, 1e308, kCount, false)) < 1.0);
   CHECK(worst(f, exact, magnitudes(5e-324, 1e-307, 2000, false)) < 1.0);
-  const auto v = apply([](Scalar x, Scalar) { return log(x); }, {1.0, 0.0, -0.0, -1.0, kInf, -kInf, kNan}, {});
+  const auto v =
+      apply([](Scalar x, Scalar) { return log(x); }, {1.0, 0.0, -0.0, -1.0, kInf, -kInf, kNan}, {});
   CHECK(v[0] == 0.0);
   CHECK(v[1] == -kInf);
   CHECK(v[2] == -kInf);
@@ -115,8 +119,8 @@ TEST_CASE("log") {
 }
 
 TEST_CASE("sin, cos, tan") {
-  for (const auto& x : {spread(-0.8, 0.8, kCount), spread(-100.0, 100.0, kCount), magnitudes(1e-300, 1.0, 2000, true),
-                        magnitudes(1.0, 1e9, kCount, true)}) {
+  for (const auto& x : {spread(-0.8, 0.8, kCount), spread(-100.0, 100.0, kCount),
+                        magnitudes(1e-300, 1.0, 2000, true), magnitudes(1.0, 1e9, kCount, true)}) {
     // The reference needs its own reduction beyond extended precision only above 1e9.
     CHECK(worst([](Scalar a) { return sin(a); }, [](long double a) { return std::sin(a); }, x) < 1.0);
     CHECK(worst([](Scalar a) { return cos(a); }, [](long double a) { return std::cos(a); }, x) < 1.0);
@@ -179,7 +183,8 @@ TEST_CASE("atan, atan2") {
   for (size_t k = 0; k < y.size(); ++k) {
     CAPTURE(y[k]);
     CAPTURE(x[k]);
-    const double e = ulp_error(v[k], std::atan2(static_cast<long double>(y[k]), static_cast<long double>(x[k])));
+    const double e =
+        ulp_error(v[k], std::atan2(static_cast<long double>(y[k]), static_cast<long double>(x[k])));
     error = std::max(error, e);
     CHECK(e < 1.5);
     CHECK(std::signbit(v[k]) == std::signbit(y[k]));
@@ -188,7 +193,8 @@ TEST_CASE("atan, atan2") {
 }
 
 TEST_CASE("tanh") {
-  for (const auto& x : {spread(-1.0, 1.0, kCount), spread(-25.0, 25.0, kCount), magnitudes(1e-300, 1.0, kCount, true)}) {
+  for (const auto& x :
+       {spread(-1.0, 1.0, kCount), spread(-25.0, 25.0, kCount), magnitudes(1e-300, 1.0, kCount, true)}) {
     CHECK(worst([](Scalar a) { return tanh(a); }, [](long double a) { return std::tanh(a); }, x) < 2.5);
   }
   const auto v = apply([](Scalar x, Scalar) { return tanh(x); }, {kInf, -kInf, 0.0, 400.0, kNan}, {});
@@ -213,12 +219,15 @@ TEST_CASE("pow") {
   const auto v = apply([](Scalar s, Scalar t) { return pow(s, t); }, x, y);
   double error = 0.0;
   for (size_t k = 0; k < x.size(); ++k) {
-    error = std::max(error, ulp_error(v[k], std::pow(static_cast<long double>(x[k]), static_cast<long double>(y[k]))));
+    error = std::max(
+        error, ulp_error(v[k], std::pow(static_cast<long double>(x[k]), static_cast<long double>(y[k]))));
   }
   CHECK(error < 1.0);
   const std::vector<double> a{0.0, 0.0, 0.0, 1.0, 1.0, kInf, kInf, 2.0, 2.0, -1.5, kNan, 2.0, 5e-324, 0.5};
-  const std::vector<double> b{1.5, -1.5, 0.0, 1e300, -3.0, 1.0, -1.0, 2000.0, -2000.0, 0.3, 1.0, kNan, 0.5, kInf};
-  const std::vector<double> expected{0.0, kInf, 1.0, 1.0, 1.0, kInf, 0.0, kInf, 0.0, kNan, kNan, kNan, std::sqrt(5e-324), 0.0};
+  const std::vector<double> b{1.5,    -1.5,    0.0, 1e300, -3.0, 1.0, -1.0,
+                              2000.0, -2000.0, 0.3, 1.0,   kNan, 0.5, kInf};
+  const std::vector<double> expected{
+      0.0, kInf, 1.0, 1.0, 1.0, kInf, 0.0, kInf, 0.0, kNan, kNan, kNan, std::sqrt(5e-324), 0.0};
   const auto w = apply([](Scalar s, Scalar t) { return pow(s, t); }, a, b);
   for (size_t k = 0; k < a.size(); ++k) {
     CAPTURE(a[k]);

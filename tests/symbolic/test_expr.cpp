@@ -72,7 +72,8 @@ TEST_CASE("tiny and nearly-one constants are kept exactly") {
 
 TEST_CASE("evaluation and printing") {
   Graph g;
-  const Scalar x = g.input(InputKind::Unknown), e = g.input(InputKind::Element), p = g.input(InputKind::Uniform);
+  const Scalar x = g.input(InputKind::Unknown), e = g.input(InputKind::Element),
+               p = g.input(InputKind::Uniform);
   const Scalar f = select(x < e, sqrt(x) + 0.1, -p);
   CHECK(to_string(f) == "select((u0 < e0), (sqrt(u0) + 0.1), -p0)");
   const double u[] = {4.0}, el[] = {5.0}, un[] = {7.0};

@@ -13,7 +13,8 @@ using namespace stark::symbolic::test;
 TEST_CASE("outputs are energy, gradient and upper triangle, lane by lane") {
   for (const Backend backend : {Backend::Interpreter, Backend::Automatic}) {
     Graph graph;
-    const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown), unused = graph.input(InputKind::Unknown);
+    const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown),
+                 unused = graph.input(InputKind::Unknown);
     const Scalar e = graph.input(InputKind::Element), p = graph.input(InputKind::Uniform);
     const Kernel kernel = compile(p * x * x * y + e * log(x), backend);
     CHECK(kernel.unknown_count() == 3);
@@ -31,8 +32,16 @@ TEST_CASE("outputs are energy, gradient and upper triangle, lane by lane") {
     const auto out = run(kernel, Order::Hessian, s);
     for (size_t k = 0; k < 24; ++k) {
       const double X = s.unknowns[k][0], Y = s.unknowns[k][1], E = s.elements[k][0], P = 0.5;
-      const double expected[] = {P * X * X * Y + E * std::log(X), 2 * P * X * Y + E / X, P * X * X, 0.0,
-                                 2 * P * Y - E / (X * X), 2 * P * X, 0.0, 0.0, 0.0, 0.0};
+      const double expected[] = {P * X * X * Y + E * std::log(X),
+                                 2 * P * X * Y + E / X,
+                                 P * X * X,
+                                 0.0,
+                                 2 * P * Y - E / (X * X),
+                                 2 * P * X,
+                                 0.0,
+                                 0.0,
+                                 0.0,
+                                 0.0};
       for (size_t i = 0; i < 10; ++i) CHECK(out[k][i] == doctest::Approx(expected[i]).epsilon(1e-14));
     }
     static_cast<void>(unused);
@@ -50,14 +59,17 @@ TEST_CASE("constants and linear energies") {
     CHECK(linear[1] == std::vector<double>{12.0, 4.0, 0.0});
     const auto only_input = run(compile(x, backend), Order::Hessian, s);
     CHECK(only_input[1] == std::vector<double>{3.0, 1.0, 0.0});
-    const auto constant = run(compile(x * 0.0 + Scalar(&graph, graph.constant(5.0)), backend), Order::Hessian, s);
+    const auto constant =
+        run(compile(x * 0.0 + Scalar(&graph, graph.constant(5.0)), backend), Order::Hessian, s);
     CHECK(constant[0] == std::vector<double>{5.0, 0.0, 0.0});
     const Kernel literal = compile(Scalar(2.5), backend);
     CHECK(literal.unknown_count() == 0);
     Lanes out(kLanes);
     literal.evaluate(Order::Hessian, nullptr, nullptr, nullptr, out.data(), 1);
     CHECK(out[7] == 2.5);
-    compile(p * x, backend).evaluate(Order::Energy, nullptr, nullptr, s.uniforms.data(), nullptr, 0);  // no blocks: nothing happens
+    compile(p * x, backend)
+        .evaluate(Order::Energy, nullptr, nullptr, s.uniforms.data(), nullptr,
+                  0);  // no blocks: nothing happens
   }
 }
 

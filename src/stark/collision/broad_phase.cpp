@@ -100,8 +100,8 @@ void sort_bucket(Candidate* begin, Candidate* end) {
 // Moves the pairs of all buffers to `out`, sorted by both ids: a counting sort by the first id when there are
 // many pairs, then small sorts by the second.
 template <typename Candidate>
-void merge_sorted(std::vector<PairBuffer>& buffers, std::vector<Pair> PairBuffer::* member, int32_t id_count,
-                  std::vector<int32_t>& offsets, std::vector<Candidate>& out) {
+void merge_sorted(const std::vector<PairBuffer>& buffers, std::vector<Pair> PairBuffer::* member,
+                  int32_t id_count, std::vector<int32_t>& offsets, std::vector<Candidate>& out) {
   size_t count = 0;
   for (const PairBuffer& buffer : buffers) count += (buffer.*member).size();
   out.resize(count);
@@ -134,7 +134,7 @@ struct BroadPhase::Implementation {
   Bvh bvh;
   PairFilter filter;
   std::vector<PairBuffer> buffers;  // one per thread
-  std::vector<int32_t> offsets;
+  std::vector<int32_t> offsets[2];  // of points and of edges
 };
 
 BroadPhase::BroadPhase() : implementation_(std::make_unique<Implementation>()) {}
@@ -187,11 +187,26 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
   });
   const SurfaceMesh& mesh = bvh.mesh();
   const int32_t edge_count = static_cast<int32_t>(mesh.edges.size());
-  merge_sorted(self.buffers, &PairBuffer::point_triangle, mesh.vertex_count, self.offsets,
-               out.point_triangle);
-  merge_sorted(self.buffers, &PairBuffer::edge_edge, edge_count, self.offsets, out.edge_edge);
-  merge_sorted(self.buffers, &PairBuffer::point_edge, mesh.vertex_count, self.offsets, out.point_edge);
-  merge_sorted(self.buffers, &PairBuffer::point_point, mesh.vertex_count, self.offsets, out.point_point);
+  const auto merge_list = [&](int64_t list, int) {
+    std::vector<int32_t>& offsets = self.offsets[list];
+    const std::vector<PairBuffer>& buffers = self.buffers;
+    if (list == 0) {
+      merge_sorted(buffers, &PairBuffer::point_triangle, mesh.vertex_count, offsets, out.point_triangle);
+      merge_sorted(buffers, &PairBuffer::point_edge, mesh.vertex_count, offsets, out.point_edge);
+      merge_sorted(buffers, &PairBuffer::point_point, mesh.vertex_count, offsets, out.point_point);
+    } else {
+      merge_sorted(buffers, &PairBuffer::edge_edge, edge_count, offsets, out.edge_edge);
+    }
+  };
+  size_t found = 0;
+  for (const PairBuffer& buffer : self.buffers) found += buffer.edge_edge.size();
+  constexpr size_t kParallelMerge = 10000;  // fewer are sorted before the other threads wake up
+  if (found > kParallelMerge) {
+    pool.for_each_task(2, merge_list);
+  } else {
+    merge_list(0, 0);
+    merge_list(1, 0);
+  }
 }
 
 }  // namespace stark

@@ -20,6 +20,10 @@ struct SurfaceMesh {
   std::vector<int32_t> vertex_group, edge_group, triangle_group;  // collision group (body) of each primitive
 };
 
+/// Throws InvalidMesh for indices out of range, array sizes that do not match, repeated vertices, groups
+/// outside [0, group_count) and primitives whose vertices are of another group.
+void validate(const SurfaceMesh& mesh, int32_t group_count);
+
 struct PointTriangleCandidate {
   int32_t point, triangle;
   bool operator==(const PointTriangleCandidate&) const = default;

@@ -183,16 +183,19 @@ struct Motion {
       start[k] = x0[k] - x0[kCount - 1];
       motion[k] = (x1[k] - x0[k]) - (x1[kCount - 1] - x0[kCount - 1]);
     }
-    double size = 0.0;
+    double size = 0.0, total = 0.0;
     for (int i = 0; i < Kind::kA; ++i) {
       for (int j = 0; j < Kind::kB; ++j) {
         const int a = i, b = Kind::kA + j, k = i * Kind::kB + j;
         pair_start[k] = x0[a] - x0[b];
         pair_motion[k] = (x1[a] - x0[a]) - (x1[b] - x0[b]);
-        size = std::max(size, norm1(pair_start[k]) + norm1(x1[a] - x0[a]) + norm1(x1[b] - x0[b]));
+        const double pair_size = norm1(pair_start[k]) + norm1(x1[a] - x0[a]) + norm1(x1[b] - x0[b]);
+        size = std::max(size, pair_size);
+        total += pair_size;
       }
     }
-    error = kGapError * size;
+    // Comparisons drop numbers that are not finite, the sum does not; no gap exceeds an infinite error.
+    error = std::isfinite(total) ? kGapError * size : HUGE_VAL;
   }
 
   Stencil at(double t) const {

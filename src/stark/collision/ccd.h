@@ -26,8 +26,9 @@ struct CcdSettings {
 // Fraction t in [0, 1] such that the distance of the two primitives on [0, t] stays above the separation
 // min(min_separation, 0.1 d0), d0 the distance at the start. 1: the whole motion is safe. Otherwise 1 -
 // time_margin times the time at which the separation is reached; a head-on approach leaves that part of the
-// gap, and passing close by does not limit the step. Returns 0 when d0 is zero or below rounding. x0 and x1
-// hold the vertices at the start and the end, point first, then edge or triangle; edge A, then edge B.
+// gap, and passing close by does not limit the step. Returns 0 when d0 is zero or below rounding, and for
+// positions that are not finite. x0 and x1 hold the vertices at the start and the end, point first, then edge
+// or triangle; edge A, then edge B.
 double point_point_ccd(const std::array<Vec3, 2>& x0, const std::array<Vec3, 2>& x1, double min_separation,
                        const CcdSettings& settings = {});
 double point_edge_ccd(const std::array<Vec3, 3>& x0, const std::array<Vec3, 3>& x1, double min_separation,

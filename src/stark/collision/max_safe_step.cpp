@@ -99,6 +99,11 @@ int find_separated(const Vec3x4 (&x0)[Kind::kA + Kind::kB], const Vec3x4 (&x1)[K
   const Double4 margin = separation + 2.0 * kGapError * size;
   Long4 separated = (low.x > margin) | (low.y > margin) | (low.z > margin) | (-high.x > margin) |
                     (-high.y > margin) | (-high.z > margin);
+  // Comparisons drop numbers that are not finite; the sum of all gaps does not.
+  Vec3x4 centre = gaps[0];
+  for (int k = 1; k < kGaps; ++k) centre = centre + gaps[k];
+  const Long4 finite = 0.0 * centre.x + 0.0 * centre.y + 0.0 * centre.z == 0.0;
+  separated &= finite;
   if (lane_mask(separated) == (1 << kLanes) - 1) return lane_mask(separated);
   // An axis n of any length: the squares of gap and margin are compared.
   const Double4 margin2 = margin * margin * (1.0 + 1e-12);
@@ -115,11 +120,9 @@ int find_separated(const Vec3x4 (&x0)[Kind::kA + Kind::kB], const Vec3x4 (&x1)[K
   };
   Vec3x4 middle[kCount];
   for (int k = 0; k < kCount; ++k) middle[k] = x0[k] + x1[k];
-  Vec3x4 centre = gaps[0];
-  for (int k = 1; k < kGaps; ++k) centre = centre + gaps[k];
   test(centre);
   Kind::for_each_axis(middle, test);
-  return lane_mask(separated);
+  return lane_mask(separated & finite);
 }
 
 Vec3x4 gather(std::span<const Vec3> x, const int32_t (&ids)[kLanes]) {

@@ -8,6 +8,13 @@ namespace stark {
 using symbolic::kLanes;
 using symbolic::Order;
 
+namespace {
+
+/// Relative change of the strengths below which friction counts as up to date.
+constexpr double kStrengthTolerance = 1e-3;
+
+}  // namespace
+
 FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity) {
   for (const auto& potential : potentials) {
     batches_.emplace_back(potential);
@@ -43,15 +50,16 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
       for (int p = 0; p < k + 2; ++p) batch.set("weight" + std::to_string(p), e, contacts[c].weights[p]);
     }
   }
-  double change = 0.0;
+  double change = 0.0, largest = 0.0;
   for (const auto& [key, strength] : strengths) {
+    largest = std::max(largest, strength);
     const auto old = strengths_.find(key);
     change = std::max(change, std::fabs(strength - (old == strengths_.end() ? 0.0 : old->second)));
   }
   for (const auto& [key, strength] : strengths_)
     if (!strengths.contains(key)) change = std::max(change, strength);
   strengths_ = std::move(strengths);
-  return change;
+  return change > kStrengthTolerance * largest ? change : 0.0;
 }
 
 std::vector<const PotentialBatch*> FrictionSet::batches() const {

@@ -54,7 +54,6 @@ void ContactPipeline::begin_step(const Configuration& configuration, std::span<c
     const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
     stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor);
   }
-  update(x);
   refresh_lagged(x);
 }
 

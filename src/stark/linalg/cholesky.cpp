@@ -397,22 +397,36 @@ void Cholesky<Real>::Implementation::backward(int32_t s, Real* scratch) {
 }
 
 template <typename Real>
-void Cholesky<Real>::solve(const double* b, double* x) {
+void Cholesky<Real>::solve(const double* b, double* x, ThreadPool& pool) {
   Implementation& s = *implementation_;
   const int32_t n = s.tree.block_count;
   s.y.resize(3 * static_cast<size_t>(n));
   s.w.resize(3 * s.tree.row.size());
-  if (s.local.empty()) s.local.resize(1);
-  s.local[0].resize(s.plan.max_rows);
+  if (static_cast<int>(s.local.size()) < pool.thread_count()) s.local.resize(pool.thread_count());
+  for (auto& scratch : s.local) scratch.resize(s.plan.max_rows);
   for (int32_t p = 0; p < n; ++p)
     for (int r = 0; r < 3; ++r)
       s.y[3 * static_cast<size_t>(p) + r] = static_cast<Real>(b[3 * static_cast<int64_t>(s.tree.order[p]) + r]);
-  const int32_t count = s.tree.supernode_count();
-  for (int32_t node = 0; node < count; ++node) s.forward(node, s.local[0].data());
-  for (int32_t node = count - 1; node >= 0; --node) s.backward(node, s.local[0].data());
+  const auto subtrees = static_cast<int64_t>(s.plan.subtrees.size());
+  pool.for_each_task(subtrees, [&](int64_t task, int thread) {
+    for (int32_t node = s.plan.subtrees[task].begin; node < s.plan.subtrees[task].end; ++node)
+      s.forward(node, s.local[thread].data());
+  });
+  for (const int32_t node : s.plan.top) s.forward(node, s.local[0].data());
+  for (size_t k = s.plan.top.size(); k-- > 0;) s.backward(s.plan.top[k], s.local[0].data());
+  pool.for_each_task(subtrees, [&](int64_t task, int thread) {
+    for (int32_t node = s.plan.subtrees[task].end; node-- > s.plan.subtrees[task].begin;)
+      s.backward(node, s.local[thread].data());
+  });
   for (int32_t p = 0; p < n; ++p)
     for (int r = 0; r < 3; ++r)
       x[3 * static_cast<int64_t>(s.tree.order[p]) + r] = static_cast<double>(s.y[3 * static_cast<size_t>(p) + r]);
+}
+
+template <typename Real>
+void Cholesky<Real>::solve(const double* b, double* x) {
+  ThreadPool alone(1);
+  solve(b, x, alone);
 }
 
 template <typename Real>

@@ -37,6 +37,8 @@ class Cholesky {
 
   /// Solves A x = b with the last factor, which must have been positive definite. b and x may be the same array.
   void solve(const double* b, double* x);
+  /// The same bits, with the independent subtrees shared among the threads of `pool`.
+  void solve(const double* b, double* x, ThreadPool& pool);
 
   double flops() const;             // of one factorisation, multiplications and additions, without padding
   int64_t factor_nonzeros() const;  // scalar entries of L, including explicit zeros of merged supernodes

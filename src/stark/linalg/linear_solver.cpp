@@ -177,12 +177,12 @@ bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t h
     report.failed_block = status.failed_block;
     return false;
   }
-  factor.cholesky.solve(b.data(), x.data());
+  factor.cholesky.solve(b.data(), x.data(), pool);
   report.relative_residual = residual(A, b, x);
   for (int k = 0; k < kDoubleRefinements && report.relative_residual > kRefinementTolerance; ++k) {
     z.resize(b.size());
     p.assign(x.begin(), x.end());
-    factor.cholesky.solve(r.data(), z.data());
+    factor.cholesky.solve(r.data(), z.data(), pool);
     for (size_t i = 0; i < z.size(); ++i) x[i] += z[i];
     const double improved = residual(A, b, x);
     if (!(improved < report.relative_residual)) {
@@ -216,7 +216,7 @@ bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t ha
   double rz = 0.0;
   for (int k = 0; k < kFloatRefinements; ++k) {
     if (norm(r) <= 0.5 * kRefinementTolerance * b_norm) break;
-    factor_float.cholesky.solve(r.data(), z.data());
+    factor_float.cholesky.solve(r.data(), z.data(), pool);
     const double rz_next = dot(r, z);
     if (!(rz_next > 0.0)) return false;
     const double beta = k == 0 ? 0.0 : rz_next / rz;

@@ -15,9 +15,9 @@ constexpr double kBisectionLimit = 0.55;  // of the total weight on one side of 
 constexpr double kSideLimit = 0.6;        // and on one side of the separator
 constexpr int kStarts = 4;
 constexpr int32_t kDecisionNodes = 200;   // the level on which the best start is chosen
-constexpr int kBisectionPasses = 3;
+constexpr int kBisectionPasses = 4;
 constexpr int kSeparatorPasses = 8;
-constexpr int kFruitlessMoves = 40;       // hill climbing: moves without improvement until a pass ends
+constexpr int kFruitlessMoves = 60;       // hill climbing: moves without improvement until a pass ends
 
 // A fixed sequence of pseudo-random numbers.
 class Sequence {

@@ -66,6 +66,7 @@ void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches) {
     if (block != kNoBlock) pairs.emplace_back(block, block + 1);
   for (const PotentialBatch* batch : batches) append_pairs(*batch, pairs);
   static_pattern_ = BlockPattern::from_pairs(map_.layout().block_count, std::move(pairs));
+  pattern_ = {};
   static_plans_.clear();
   for (const PotentialBatch* batch : batches) static_plans_.push_back(plan(*batch));
   set_dynamic_batches({});
@@ -118,12 +119,14 @@ void Assembler::set_dynamic_batches(std::vector<const PotentialBatch*> batches) 
   dynamic_batches_ = std::move(batches);
   std::vector<std::pair<int32_t, int32_t>> pairs;
   for (const PotentialBatch* batch : dynamic_batches_) append_pairs(*batch, pairs);
+  if (pairs == dynamic_pairs_ && pattern_.block_count == static_pattern_.block_count) return;
   pattern_ = static_pattern_.merged_with(pairs, slot_of_static_);
+  dynamic_pairs_ = std::move(pairs);
 }
 
 void Assembler::assemble(const Configuration& configuration, std::span<const Vec3> x, const AssemblyOptions& options,
                          std::span<double> out_gradient, BlockMatrix& out_hessian) {
-  out_hessian.pattern = pattern_;
+  if (out_hessian.pattern != pattern_) out_hessian.pattern = pattern_;
   out_hessian.set_zero();
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
   std::fill(body_moment_.begin(), body_moment_.end(), Mat3{});

@@ -77,6 +77,7 @@ class Assembler {
   std::vector<StaticPlan> static_plans_;
   std::vector<const PotentialBatch*> dynamic_batches_;
   BlockPattern static_pattern_, pattern_;
+  std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with
   std::vector<int64_t> slot_of_static_;  ///< slot in pattern_ of each slot of static_pattern_
   AlignedVector<double> buffer_;
   std::vector<Mat3> body_moment_;        ///< sum of g r^T per body

@@ -17,7 +17,8 @@ using Seed = EdgePushing::Seed;
 
 std::vector<NodeId> unknowns_of(Graph& graph) {
   std::vector<NodeId> ids;
-  for (int i = 0; i < graph.input_count(InputKind::Unknown); ++i) ids.push_back(graph.input_node(InputKind::Unknown, i));
+  for (int i = 0; i < graph.input_count(InputKind::Unknown); ++i)
+    ids.push_back(graph.input_node(InputKind::Unknown, i));
   return ids;
 }
 
@@ -38,7 +39,8 @@ std::vector<char> reachable(const Graph& graph, std::span<const NodeId> outputs)
 }
 
 // Forward derivative of `outputs` with respect to one input; -1 is zero.
-std::vector<NodeId> forward(Graph& graph, std::span<const NodeId> outputs, const std::vector<char>& needed, NodeId input) {
+std::vector<NodeId> forward(Graph& graph, std::span<const NodeId> outputs, const std::vector<char>& needed,
+                            NodeId input) {
   std::vector<NodeId> tangent(needed.size(), -1);
   for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
     if (!needed[id]) continue;
@@ -110,7 +112,8 @@ void edge_pushing(Graph& graph, NodeId energy, Derivatives& d) {
   }
 }
 
-// Level of every stage: 1 if it depends on no other stage, else one more than the deepest stage it depends on.
+// Level of every stage: 1 if it depends on no other stage, else one more than the deepest stage it depends
+// on.
 std::vector<int> stage_levels(const Graph& graph, NodeId energy, std::span<const NodeId> stages) {
   std::vector<char> is_stage(graph.size(), 0);
   for (const NodeId s : stages) is_stage[s] = 1;
@@ -125,15 +128,17 @@ std::vector<int> stage_levels(const Graph& graph, NodeId energy, std::span<const
   return result;
 }
 
-// One elimination step: from g, H over `outer` variables to g, H over `inner` ones, H <- J^T H J + Hess <g, outer>.
+// One elimination step: from g, H over `outer` variables to g, H over `inner` ones, H <- J^T H J + Hess <g,
+// outer>.
 struct Stage {
   std::vector<NodeId> variables, g;
   std::vector<std::vector<NodeId>> H;  // full symmetric, -1 is zero
 };
 
-// Stages of `inner` that the outer variables use only inside arms of selects go to out_conditional, and nothing else is
-// done then: behind such a stage the Jacobian may be infinite where the stage is not used.
-Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inner, std::vector<NodeId>& out_conditional) {
+// Stages of `inner` that the outer variables use only inside arms of selects go to out_conditional, and
+// nothing else is done then: behind such a stage the Jacobian may be infinite where the stage is not used.
+Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inner,
+                std::vector<NodeId>& out_conditional) {
   const size_t p = outer.variables.size(), q = inner.size();
   std::vector<Seed> seeds;
   for (size_t k = 0; k < p; ++k) {
@@ -141,7 +146,8 @@ Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inn
   }
   const EdgePushing curvature(graph, inner, seeds, true);
   for (size_t k = 0; k < q; ++k) {
-    if (graph.node(inner[k]).op != Op::Unknown && curvature.is_conditional(static_cast<int>(k))) out_conditional.push_back(inner[k]);
+    if (graph.node(inner[k]).op != Op::Unknown && curvature.is_conditional(static_cast<int>(k)))
+      out_conditional.push_back(inner[k]);
   }
   if (!out_conditional.empty()) return {};
   std::vector<std::vector<NodeId>> J(p);
@@ -156,7 +162,8 @@ Stage eliminate(Graph& graph, const Stage& outer, const std::vector<NodeId>& inn
   std::vector<std::vector<NodeId>> HJ(p, std::vector<NodeId>(q, -1));
   for (size_t k = 0; k < p; ++k) {
     for (size_t j = 0; j < q; ++j) {
-      for (size_t l = 0; l < p; ++l) HJ[k][j] = add_term(graph, HJ[k][j], multiply_term(graph, outer.H[k][l], J[l][j]));
+      for (size_t l = 0; l < p; ++l)
+        HJ[k][j] = add_term(graph, HJ[k][j], multiply_term(graph, outer.H[k][l], J[l][j]));
     }
   }
   for (size_t i = 0; i < q; ++i) {
@@ -186,7 +193,8 @@ Stage packed(const Stage& stage) {
   return result;
 }
 
-bool staged(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm, Derivatives& d) {
+bool staged(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm,
+            Derivatives& d) {
   const NodeId root[] = {energy};
   const auto needed = reachable(graph, root);
   std::vector<NodeId> used;
@@ -246,18 +254,36 @@ std::vector<NodeId> all_outputs(const Derivatives& d) {
 // Relative throughput cost of one operation on a wide vector unit.
 double weight(Op op) {
   switch (op) {
-    case Op::Constant: case Op::Unknown: case Op::Element: case Op::Uniform: return 0.0;
-    case Op::Div: return 7.0;
-    case Op::Sqrt: return 9.0;
-    case Op::Exp: return 25.0;
-    case Op::Log: return 35.0;
-    case Op::Sin: case Op::Cos: return 35.0;
-    case Op::Tan: return 60.0;
-    case Op::Asin: case Op::Acos: return 40.0;
-    case Op::Atan: case Op::Atan2: return 50.0;
-    case Op::Tanh: return 50.0;
-    case Op::Pow: return 100.0;
-    default: return 1.0;
+    case Op::Constant:
+    case Op::Unknown:
+    case Op::Element:
+    case Op::Uniform:
+      return 0.0;
+    case Op::Div:
+      return 7.0;
+    case Op::Sqrt:
+      return 9.0;
+    case Op::Exp:
+      return 25.0;
+    case Op::Log:
+      return 35.0;
+    case Op::Sin:
+    case Op::Cos:
+      return 35.0;
+    case Op::Tan:
+      return 60.0;
+    case Op::Asin:
+    case Op::Acos:
+      return 40.0;
+    case Op::Atan:
+    case Op::Atan2:
+      return 50.0;
+    case Op::Tanh:
+      return 50.0;
+    case Op::Pow:
+      return 100.0;
+    default:
+      return 1.0;
   }
 }
 
@@ -265,12 +291,18 @@ double weight(Op op) {
 
 std::string to_string(Algorithm algorithm) {
   switch (algorithm) {
-    case Algorithm::ForwardForward: return "forward-forward";
-    case Algorithm::ReverseForward: return "reverse-forward";
-    case Algorithm::EdgePushing: return "edge pushing";
-    case Algorithm::StagedOuter: return "staged (outer)";
-    case Algorithm::StagedInner: return "staged (inner)";
-    case Algorithm::StagedAll: return "staged (all)";
+    case Algorithm::ForwardForward:
+      return "forward-forward";
+    case Algorithm::ReverseForward:
+      return "reverse-forward";
+    case Algorithm::EdgePushing:
+      return "edge pushing";
+    case Algorithm::StagedOuter:
+      return "staged (outer)";
+    case Algorithm::StagedInner:
+      return "staged (inner)";
+    case Algorithm::StagedAll:
+      return "staged (all)";
   }
   return "unknown";
 }
@@ -285,14 +317,21 @@ Derivatives gradient(Graph& graph, NodeId energy) {
   return d;
 }
 
-bool hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm, Derivatives& out_result) {
+bool hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm,
+             Derivatives& out_result) {
   Derivatives d;
   d.value = energy;
   d.algorithm = algorithm;
   switch (algorithm) {
-    case Algorithm::ForwardForward: forward_forward(graph, energy, d); break;
-    case Algorithm::ReverseForward: reverse_forward(graph, energy, d); break;
-    case Algorithm::EdgePushing: edge_pushing(graph, energy, d); break;
+    case Algorithm::ForwardForward:
+      forward_forward(graph, energy, d);
+      break;
+    case Algorithm::ReverseForward:
+      reverse_forward(graph, energy, d);
+      break;
+    case Algorithm::EdgePushing:
+      edge_pushing(graph, energy, d);
+      break;
     default:
       if (!staged(graph, energy, stages, algorithm, d)) return false;
   }

@@ -1,12 +1,12 @@
-// Symbolic differentiation on the expression graph. Gradient: reverse sweep. Hessian, by several algorithms whose cost
-// depends on the shape of the graph:
+// Symbolic differentiation on the expression graph. Gradient: reverse sweep. Hessian, by several algorithms
+// whose cost depends on the shape of the graph:
 //   ForwardForward  A  every entry by two forward sweeps
 //   ReverseForward  B  forward sweep over the reverse gradient, columns j >= i
 //   EdgePushing     C  one reverse sweep carrying adjoints and a sparse matrix of second adjoints
 //                      [Gower & Mello 2012, "A new framework for the computation of Hessians"]
-//   StagedOuter     D  edge pushing down to the marked stages nearest to the energy, H = J^T H_p J + Hess <g_p, p>
-//   StagedInner     D  the same with the stages nearest to the inputs
-//   StagedAll       D  one product per level of stages
+//   StagedOuter     D  edge pushing down to the marked stages nearest to the energy, H = J^T H_p J + Hess
+//   <g_p, p> StagedInner     D  the same with the stages nearest to the inputs StagedAll       D  one product
+//   per level of stages
 // The engine counts the operations of each result and keeps the cheapest.
 // Phase: kernel building.
 #pragma once
@@ -20,7 +20,14 @@
 
 namespace stark::symbolic {
 
-enum class Algorithm : uint8_t { ForwardForward, ReverseForward, EdgePushing, StagedOuter, StagedInner, StagedAll };
+enum class Algorithm : uint8_t {
+  ForwardForward,
+  ReverseForward,
+  EdgePushing,
+  StagedOuter,
+  StagedInner,
+  StagedAll
+};
 std::string to_string(Algorithm algorithm);
 
 struct Derivatives {
@@ -32,9 +39,10 @@ struct Derivatives {
 
 /// Gradient with respect to the Unknown inputs 0 .. input_count - 1 of the graph.
 Derivatives gradient(Graph& graph, NodeId energy);
-/// Gradient and Hessian by one algorithm. `stages` are the marked cuts (ids of this graph); false if the algorithm does
-/// not apply (no usable stage).
-bool hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm, Derivatives& out_result);
+/// Gradient and Hessian by one algorithm. `stages` are the marked cuts (ids of this graph); false if the
+/// algorithm does not apply (no usable stage).
+bool hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algorithm algorithm,
+             Derivatives& out_result);
 /// Gradient and Hessian by the cheapest of the algorithms B, C, D.
 Derivatives cheapest_hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages);
 

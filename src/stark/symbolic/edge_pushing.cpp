@@ -1,7 +1,7 @@
-// Edge pushing [Gower & Mello 2012] on the expression graph. Every node is eliminated once, users before operands:
-// its adjoint and its row of second adjoints move to its operands. Contributions that are valid only under a condition
-// (guards.h) are kept apart by condition and masked when the sum is used.
-// Phase: kernel building.
+// Edge pushing [Gower & Mello 2012] on the expression graph. Every node is eliminated once, users before
+// operands: its adjoint and its row of second adjoints move to its operands. Contributions that are valid
+// only under a condition (guards.h) are kept apart by condition and masked when the sum is used. Phase:
+// kernel building.
 #include <stark/symbolic/edge_pushing.h>
 
 #include <stark/base/error.h>
@@ -10,8 +10,12 @@
 
 namespace stark::symbolic {
 
-EdgePushing::EdgePushing(Graph& graph, std::span<const NodeId> targets, std::span<const Seed> seeds, bool second_order)
-    : graph_(graph), guards_(graph), global_(targets.begin(), targets.end()), target_count_(static_cast<int>(targets.size())) {
+EdgePushing::EdgePushing(Graph& graph, std::span<const NodeId> targets, std::span<const Seed> seeds,
+                         bool second_order)
+    : graph_(graph),
+      guards_(graph),
+      global_(targets.begin(), targets.end()),
+      target_count_(static_cast<int>(targets.size())) {
   collect(seeds);
   find_guards(seeds);
   adjoint_.assign(global_.size(), -1);
@@ -126,8 +130,10 @@ void EdgePushing::add_second(int i, int j, NodeId value, GuardId validity) {
   auto& row = rows_[i];
   auto entry = std::find_if(row.begin(), row.end(), [&](const Entry& e) { return e.column == j; });
   if (!any_choice_ || validity == guards_.conjunction(guard_[i], guard_[j])) {
-    if (entry == row.end()) row.push_back({j, value});
-    else entry->value = add_term(graph_, entry->value, value);
+    if (entry == row.end())
+      row.push_back({j, value});
+    else
+      entry->value = add_term(graph_, entry->value, value);
     return;
   }
   if (validity == kNever) return;
@@ -183,7 +189,8 @@ void EdgePushing::push(int i, bool second_order) {
   if (adjoint < 0 && rows_[i].empty()) return;
   const Partials p = local_partials(graph_, id, second_order && adjoint >= 0);
   int operand[3];
-  for (int a = 0; a < p.count; ++a) operand[a] = p.operand[a] < static_cast<NodeId>(local_.size()) ? local(p.operand[a]) : -1;
+  for (int a = 0; a < p.count; ++a)
+    operand[a] = p.operand[a] < static_cast<NodeId>(local_.size()) ? local(p.operand[a]) : -1;
   if (second_order) {
     const std::vector<Entry> row = std::move(rows_[i]);
     NodeId diagonal = -1;
@@ -224,7 +231,8 @@ void EdgePushing::push_choice(int i, NodeId adjoint, bool second_order) {
   std::vector<std::pair<int, NodeId>> values;
   if (second_order) {
     for (const Entry& e : row) {
-      const NodeId value = resolve(key(i, e.column), e.value, guards_.conjunction(guard_[i], guard_[e.column]));
+      const NodeId value =
+          resolve(key(i, e.column), e.value, guards_.conjunction(guard_[i], guard_[e.column]));
       if (value >= 0) values.push_back({e.column, value});
     }
   }

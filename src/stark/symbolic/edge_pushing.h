@@ -12,8 +12,8 @@
 
 namespace stark::symbolic {
 
-/// Sweeps sum_k adjoint_k * seed_k, where adjoints count as constants, with respect to `targets`. A target is a
-/// variable: what lies behind it is not looked at.
+/// Sweeps sum_k adjoint_k * seed_k, where adjoints count as constants, with respect to `targets`. A target is
+/// a variable: what lies behind it is not looked at.
 class EdgePushing {
  public:
   struct Seed {
@@ -31,7 +31,9 @@ class EdgePushing {
   /// Lower triangle by rows, entries in no particular order; absent entries are zero.
   const std::vector<std::vector<Entry>>& hessian() const { return hessian_; }
   /// Whether the target is used, but only inside arms of selects.
-  bool is_conditional(int target) const { return target_guard_[target] != kAlways && target_guard_[target] != kNever; }
+  bool is_conditional(int target) const {
+    return target_guard_[target] != kAlways && target_guard_[target] != kNever;
+  }
 
  private:
   struct Conditional {
@@ -46,7 +48,9 @@ class EdgePushing {
   void add_second(int i, int j, NodeId value, GuardId validity);
   NodeId resolve(uint64_t key, NodeId plain, GuardId known);
   int local(NodeId id) const { return local_[id]; }
-  static uint64_t key(int i, int j) { return static_cast<uint64_t>(static_cast<uint32_t>(i)) << 32 | static_cast<uint32_t>(j); }
+  static uint64_t key(int i, int j) {
+    return static_cast<uint64_t>(static_cast<uint32_t>(i)) << 32 | static_cast<uint32_t>(j);
+  }
 
   Graph& graph_;
   Guards guards_;

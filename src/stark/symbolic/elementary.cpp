@@ -1,7 +1,6 @@
-// Argument reductions are classical [Muller 2016, "Elementary Functions", ch. 11; Cody & Waite 1980]. The polynomials
-// are minimax fits made for this file by the Remez algorithm in 60 digits; the error quoted beside each is that of the
-// exact polynomial, relative to the function.
-// Phase: kernel building.
+// Argument reductions are classical [Muller 2016, "Elementary Functions", ch. 11; Cody & Waite 1980]. The
+// polynomials are minimax fits made for this file by the Remez algorithm in 60 digits; the error quoted
+// beside each is that of the exact polynomial, relative to the function. Phase: kernel building.
 #include <stark/symbolic/elementary.h>
 
 #include <cmath>
@@ -16,27 +15,33 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint64_t kSignBit = 0x8000000000000000ull;
 
-constexpr double kExp[] = {0x1.000000000000cp-1, 0x1.5555555555561p-3, 0x1.555555554ff92p-5, 0x1.111111110d5d6p-7,
-                           0x1.6c16c185cadccp-10, 0x1.a01a01bb0494ep-13, 0x1.a0199630aa6eap-16, 0x1.71dddf7dcbdc9p-19,
-                           0x1.28b0a716ec81fp-22, 0x1.af860595d8bbfp-26};  // 2^-58.0
-constexpr double kLog[] = {0x1.5555555555593p-1, 0x1.999999997fb34p-2, 0x1.249249421787dp-2, 0x1.c71c51e80442cp-3,
-                           0x1.7466462b0f919p-3, 0x1.39a0f5130ff64p-3, 0x1.2f0d8e947b4f2p-3};  // 2^-59.4
-constexpr double kPow[] = {0x1.9999999999996p-2, 0x1.2492492493049p-2, 0x1.c71c71c57dff3p-3, 0x1.745d18337acd8p-3,
-                           0x1.3b13626715856p-3, 0x1.1120c18198ed9p-3, 0x1.de318e2a6c7c2p-4, 0x1.eb20d75ea9a7fp-4};  // 2^-73
-constexpr double kSin[] = {-0x1.5555555555549p-3, 0x1.111111110f841p-7, -0x1.a01a019c0a27ap-13, 0x1.71de3570fcd83p-19,
-                           -0x1.ae5e60c458434p-26, 0x1.5d915e0e0d0c8p-33};  // 2^-58.0
-constexpr double kCos[] = {0x1.555555555554cp-5, -0x1.6c16c16c15140p-10, 0x1.a01a019cab760p-16, -0x1.27e4f805351a7p-22,
-                           0x1.1ee9e891a8e28p-29, -0x1.8facd1d43a60cp-37};  // 2^-64
-constexpr double kAtan[] = {-0x1.555555555553dp-2, 0x1.9999999995864p-3, -0x1.24924922ad9cap-3, 0x1.c71c70e632ce3p-4,
-                            -0x1.745cf8e03a8f5p-4, 0x1.3b11195029738p-4, -0x1.10ebb9916209fp-4, 0x1.df0f4cd3768d4p-5,
-                            -0x1.9cd270ce51f23p-5, 0x1.37d407d3bed50p-5, -0x1.2564eb60481c0p-6};  // 2^-59.5
-constexpr double kAsin[] = {0x1.5555555555578p-3, 0x1.333333332de8ap-4, 0x1.6db6db723206dp-5, 0x1.f1c71a890feddp-6,
-                            0x1.6e8be030683cfp-6, 0x1.1c49d8af7e720p-6, 0x1.ca21c736ea564p-7, 0x1.757342eb73c20p-7,
-                            0x1.61a35adf57fe8p-7, 0x1.dfde88c94024ap-9, 0x1.657864760e5b0p-6, -0x1.5aa1ad88ef090p-6,
+constexpr double kExp[] = {0x1.000000000000cp-1,  0x1.5555555555561p-3,  0x1.555555554ff92p-5,
+                           0x1.111111110d5d6p-7,  0x1.6c16c185cadccp-10, 0x1.a01a01bb0494ep-13,
+                           0x1.a0199630aa6eap-16, 0x1.71dddf7dcbdc9p-19, 0x1.28b0a716ec81fp-22,
+                           0x1.af860595d8bbfp-26};  // 2^-58.0
+constexpr double kLog[] = {0x1.5555555555593p-1, 0x1.999999997fb34p-2, 0x1.249249421787dp-2,
+                           0x1.c71c51e80442cp-3, 0x1.7466462b0f919p-3, 0x1.39a0f5130ff64p-3,
+                           0x1.2f0d8e947b4f2p-3};  // 2^-59.4
+constexpr double kPow[] = {0x1.9999999999996p-2, 0x1.2492492493049p-2, 0x1.c71c71c57dff3p-3,
+                           0x1.745d18337acd8p-3, 0x1.3b13626715856p-3, 0x1.1120c18198ed9p-3,
+                           0x1.de318e2a6c7c2p-4, 0x1.eb20d75ea9a7fp-4};  // 2^-73
+constexpr double kSin[] = {-0x1.5555555555549p-3, 0x1.111111110f841p-7,   -0x1.a01a019c0a27ap-13,
+                           0x1.71de3570fcd83p-19, -0x1.ae5e60c458434p-26, 0x1.5d915e0e0d0c8p-33};  // 2^-58.0
+constexpr double kCos[] = {0x1.555555555554cp-5,   -0x1.6c16c16c15140p-10, 0x1.a01a019cab760p-16,
+                           -0x1.27e4f805351a7p-22, 0x1.1ee9e891a8e28p-29,  -0x1.8facd1d43a60cp-37};  // 2^-64
+constexpr double kAtan[] = {-0x1.555555555553dp-2, 0x1.9999999995864p-3,  -0x1.24924922ad9cap-3,
+                            0x1.c71c70e632ce3p-4,  -0x1.745cf8e03a8f5p-4, 0x1.3b11195029738p-4,
+                            -0x1.10ebb9916209fp-4, 0x1.df0f4cd3768d4p-5,  -0x1.9cd270ce51f23p-5,
+                            0x1.37d407d3bed50p-5,  -0x1.2564eb60481c0p-6};  // 2^-59.5
+constexpr double kAsin[] = {0x1.5555555555578p-3, 0x1.333333332de8ap-4, 0x1.6db6db723206dp-5,
+                            0x1.f1c71a890feddp-6, 0x1.6e8be030683cfp-6, 0x1.1c49d8af7e720p-6,
+                            0x1.ca21c736ea564p-7, 0x1.757342eb73c20p-7, 0x1.61a35adf57fe8p-7,
+                            0x1.dfde88c94024ap-9, 0x1.657864760e5b0p-6, -0x1.5aa1ad88ef090p-6,
                             0x1.0c1b0ad0bb528p-5};  // 2^-59.8
 
 // pi/2 = kHalfPi1 + kHalfPi2 + kHalfPi3, each part with 53 bits.
-constexpr double kHalfPi1 = 0x1.921fb54442d18p+0, kHalfPi2 = 0x1.1a62633145c07p-54, kHalfPi3 = -0x1.f1976b7ed8fbcp-110;
+constexpr double kHalfPi1 = 0x1.921fb54442d18p+0, kHalfPi2 = 0x1.1a62633145c07p-54,
+                 kHalfPi3 = -0x1.f1976b7ed8fbcp-110;
 // ln 2 = kLn2High + kLn2Low; the 11 low bits of the high part are zero, so that k kLn2High is exact.
 constexpr double kLn2High = 0x1.62e42fefa3800p-1, kLn2Low = 0x1.ef35793c76730p-45;
 
@@ -76,7 +81,8 @@ LowId sign_of(ProgramBuilder& p, LowId x) { return p.emit(Code::And, x, p.bits(k
 LowId absolute(ProgramBuilder& p, LowId x) { return p.emit(Code::And, x, p.bits(~kSignBit)); }
 LowId with_sign(ProgramBuilder& p, LowId x, LowId sign) { return p.emit(Code::Xor, x, sign); }
 
-// 2^n for an integral double n in [-1022, 1023]: n + 1023 lands in the low mantissa bits and moves to the exponent.
+// 2^n for an integral double n in [-1022, 1023]: n + 1023 lands in the low mantissa bits and moves to the
+// exponent.
 LowId power_of_two(ProgramBuilder& p, LowId n) {
   return p.emit(Code::ShiftLeft, p.add(n, p.constant(0x1p52 + 1023.0)), -1, -1, 52);
 }
@@ -133,8 +139,8 @@ LogReduction reduce_log(ProgramBuilder& p, LowId x) {
 LowId finish_log(ProgramBuilder& p, LowId x, LowId result) {
   const LowId zero = p.constant(0.0);
   const LowId finite = p.emit(Code::Less, x, p.constant(kInfinity));
-  const LowId special = p.select(p.emit(Code::LessEqual, zero, x), p.constant(-kInfinity),
-                                 p.bits(0x7ff8000000000000ull));
+  const LowId special =
+      p.select(p.emit(Code::LessEqual, zero, x), p.constant(-kInfinity), p.bits(0x7ff8000000000000ull));
   return p.select(p.emit(Code::Less, zero, x), p.select(finite, result, x), special);
 }
 
@@ -161,7 +167,8 @@ Pair log_pair(ProgramBuilder& p, LowId x) {
   return fast_two_sum(p, b.high, low);
 }
 
-// x = n pi/2 + r + r_low; sine and cosine of the reduced angle and the integer n in the low bits of `quadrant`.
+// x = n pi/2 + r + r_low; sine and cosine of the reduced angle and the integer n in the low bits of
+// `quadrant`.
 struct Trigonometric {
   LowId sine, cosine, quadrant;
 };
@@ -175,7 +182,8 @@ Trigonometric reduce_trigonometric(ProgramBuilder& p, LowId x) {
   const LowId z = p.mul(r, r), half = p.mul(p.constant(0.5), z), one = p.constant(1.0);
   const LowId s = p.mul_add(p.mul(r, z), polynomial(p, z, kSin), p.neg_mul_add(half, low, low));
   const LowId w = p.sub(one, half);
-  const LowId c = p.mul_add(p.mul(z, z), polynomial(p, z, kCos), p.neg_mul_add(r, low, p.sub(p.sub(one, w), half)));
+  const LowId c =
+      p.mul_add(p.mul(z, z), polynomial(p, z, kCos), p.neg_mul_add(r, low, p.sub(p.sub(one, w), half)));
   return {p.add(r, s), p.add(w, c), p.add(n, p.constant(0x1.8p52))};
 }
 LowId odd_mask(ProgramBuilder& p, LowId quadrant) {
@@ -197,7 +205,8 @@ ArcReduction reduce_arc(ProgramBuilder& p, LowId x) {
   return {small, s, p.mul(p.mul(s, z), polynomial(p, z, kAsin))};
 }
 
-// Angle of (x, y) in [0, pi/2] for x, y >= 0, as high + low: the point is turned by 0, 45 or 90 degrees first.
+// Angle of (x, y) in [0, pi/2] for x, y >= 0, as high + low: the point is turned by 0, 45 or 90 degrees
+// first.
 Pair first_quadrant_angle(ProgramBuilder& p, LowId y, LowId x) {
   const LowId steep = p.emit(Code::Less, p.mul(p.constant(0x1.3504f333f9de6p+1), x), y);
   const LowId flat = p.emit(Code::LessEqual, y, p.mul(p.constant(0x1.a827999fcef32p-2), x));
@@ -253,7 +262,8 @@ LowId expand_tan(ProgramBuilder& p, LowId x) {
 LowId expand_asin(ProgramBuilder& p, LowId x) {
   const auto [small, s, tail] = reduce_arc(p, x);
   const LowId two = p.constant(2.0);
-  const LowId large = p.add(p.neg_mul_add(two, s, p.constant(kHalfPi1)), p.neg_mul_add(two, tail, p.constant(kHalfPi2)));
+  const LowId large =
+      p.add(p.neg_mul_add(two, s, p.constant(kHalfPi1)), p.neg_mul_add(two, tail, p.constant(kHalfPi2)));
   return with_sign(p, p.select(small, p.add(s, tail), large), sign_of(p, x));
 }
 
@@ -261,9 +271,11 @@ LowId expand_acos(ProgramBuilder& p, LowId x) {
   const auto [small, s, tail] = reduce_arc(p, x);
   const LowId sign = sign_of(p, x), two = p.constant(2.0);
   // |x| <= 1/2: pi/2 - asin x. Else: x > 0: 2 (s + tail); x < 0: pi - 2 (s + tail).
-  const LowId middle = p.sub(p.constant(kHalfPi1), p.sub(with_sign(p, p.add(s, tail), sign), p.constant(kHalfPi2)));
+  const LowId middle =
+      p.sub(p.constant(kHalfPi1), p.sub(with_sign(p, p.add(s, tail), sign), p.constant(kHalfPi2)));
   const LowId twice = p.mul(two, p.add(s, tail));
-  const LowId turned = p.add(p.neg_mul_add(two, s, p.constant(2.0 * kHalfPi1)), p.neg_mul_add(two, tail, p.constant(2.0 * kHalfPi2)));
+  const LowId turned = p.add(p.neg_mul_add(two, s, p.constant(2.0 * kHalfPi1)),
+                             p.neg_mul_add(two, tail, p.constant(2.0 * kHalfPi2)));
   const LowId negative = p.emit(Code::Less, x, p.constant(0.0));
   return p.select(small, middle, p.select(negative, turned, twice));
 }

@@ -1,6 +1,6 @@
-// Elementary functions as straight-line code: polynomials on top of rounding, exponent and scaling primitives. About
-// one unit in the last place, the same bits on every back end, no library calls.
-// Phase: kernel building.
+// Elementary functions as straight-line code: polynomials on top of rounding, exponent and scaling
+// primitives. About one unit in the last place, the same bits on every back end, no library calls. Phase:
+// kernel building.
 #pragma once
 
 #include <stark/symbolic/program.h>

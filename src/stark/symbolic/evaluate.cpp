@@ -15,45 +15,77 @@ namespace {
 
 double input_value(std::span<const double> values, NodeId index, const char* kind) {
   if (index >= static_cast<NodeId>(values.size())) {
-    throw InvalidArgument("evaluate: the expression uses " + std::string(kind) + " input " + std::to_string(index) +
-                          ", but only " + std::to_string(values.size()) + " values were given.");
+    throw InvalidArgument("evaluate: the expression uses " + std::string(kind) + " input " +
+                          std::to_string(index) + ", but only " + std::to_string(values.size()) +
+                          " values were given.");
   }
   return values[index];
 }
 
 double evaluate_node(const Node& n, const double* x, const InputValues& in) {
   switch (n.op) {
-    case Op::Constant: return n.value;
-    case Op::Unknown: return input_value(in.unknowns, n.operands[0], "unknown");
-    case Op::Element: return input_value(in.elements, n.operands[0], "element");
-    case Op::Uniform: return input_value(in.uniforms, n.operands[0], "uniform");
-    case Op::Neg: return -x[0];
-    case Op::Abs: return std::fabs(x[0]);
-    case Op::Sqrt: return std::sqrt(x[0]);
-    case Op::Exp: return std::exp(x[0]);
-    case Op::Log: return std::log(x[0]);
-    case Op::Sin: return std::sin(x[0]);
-    case Op::Cos: return std::cos(x[0]);
-    case Op::Tan: return std::tan(x[0]);
-    case Op::Asin: return std::asin(x[0]);
-    case Op::Acos: return std::acos(x[0]);
-    case Op::Atan: return std::atan(x[0]);
-    case Op::Tanh: return std::tanh(x[0]);
-    case Op::Add: return x[0] + x[1];
-    case Op::Sub: return x[0] - x[1];
-    case Op::Mul: return x[0] * x[1];
-    case Op::Div: return x[0] / x[1];
-    case Op::Min: return x[0] < x[1] ? x[0] : x[1];
-    case Op::Max: return x[0] > x[1] ? x[0] : x[1];
-    case Op::Pow: return std::pow(x[0], x[1]);
-    case Op::Atan2: return std::atan2(x[0], x[1]);
-    case Op::Fma: return std::fma(x[0], x[1], x[2]);
-    case Op::Select: return x[0] != 0.0 ? x[1] : x[2];
-    case Op::Less: return x[0] < x[1];
-    case Op::LessEqual: return x[0] <= x[1];
-    case Op::And: return x[0] != 0.0 && x[1] != 0.0;
-    case Op::Or: return x[0] != 0.0 || x[1] != 0.0;
-    case Op::Not: return x[0] == 0.0;
+    case Op::Constant:
+      return n.value;
+    case Op::Unknown:
+      return input_value(in.unknowns, n.operands[0], "unknown");
+    case Op::Element:
+      return input_value(in.elements, n.operands[0], "element");
+    case Op::Uniform:
+      return input_value(in.uniforms, n.operands[0], "uniform");
+    case Op::Neg:
+      return -x[0];
+    case Op::Abs:
+      return std::fabs(x[0]);
+    case Op::Sqrt:
+      return std::sqrt(x[0]);
+    case Op::Exp:
+      return std::exp(x[0]);
+    case Op::Log:
+      return std::log(x[0]);
+    case Op::Sin:
+      return std::sin(x[0]);
+    case Op::Cos:
+      return std::cos(x[0]);
+    case Op::Tan:
+      return std::tan(x[0]);
+    case Op::Asin:
+      return std::asin(x[0]);
+    case Op::Acos:
+      return std::acos(x[0]);
+    case Op::Atan:
+      return std::atan(x[0]);
+    case Op::Tanh:
+      return std::tanh(x[0]);
+    case Op::Add:
+      return x[0] + x[1];
+    case Op::Sub:
+      return x[0] - x[1];
+    case Op::Mul:
+      return x[0] * x[1];
+    case Op::Div:
+      return x[0] / x[1];
+    case Op::Min:
+      return x[0] < x[1] ? x[0] : x[1];
+    case Op::Max:
+      return x[0] > x[1] ? x[0] : x[1];
+    case Op::Pow:
+      return std::pow(x[0], x[1]);
+    case Op::Atan2:
+      return std::atan2(x[0], x[1]);
+    case Op::Fma:
+      return std::fma(x[0], x[1], x[2]);
+    case Op::Select:
+      return x[0] != 0.0 ? x[1] : x[2];
+    case Op::Less:
+      return x[0] < x[1];
+    case Op::LessEqual:
+      return x[0] <= x[1];
+    case Op::And:
+      return x[0] != 0.0 && x[1] != 0.0;
+    case Op::Or:
+      return x[0] != 0.0 || x[1] != 0.0;
+    case Op::Not:
+      return x[0] == 0.0;
   }
   return 0.0;
 }
@@ -89,24 +121,42 @@ std::string number_text(double value) {
 
 const char* function_name(Op op) {
   switch (op) {
-    case Op::Abs: return "abs";
-    case Op::Sqrt: return "sqrt";
-    case Op::Exp: return "exp";
-    case Op::Log: return "log";
-    case Op::Sin: return "sin";
-    case Op::Cos: return "cos";
-    case Op::Tan: return "tan";
-    case Op::Asin: return "asin";
-    case Op::Acos: return "acos";
-    case Op::Atan: return "atan";
-    case Op::Tanh: return "tanh";
-    case Op::Min: return "min";
-    case Op::Max: return "max";
-    case Op::Pow: return "pow";
-    case Op::Atan2: return "atan2";
-    case Op::Fma: return "fma";
-    case Op::Select: return "select";
-    default: return nullptr;
+    case Op::Abs:
+      return "abs";
+    case Op::Sqrt:
+      return "sqrt";
+    case Op::Exp:
+      return "exp";
+    case Op::Log:
+      return "log";
+    case Op::Sin:
+      return "sin";
+    case Op::Cos:
+      return "cos";
+    case Op::Tan:
+      return "tan";
+    case Op::Asin:
+      return "asin";
+    case Op::Acos:
+      return "acos";
+    case Op::Atan:
+      return "atan";
+    case Op::Tanh:
+      return "tanh";
+    case Op::Min:
+      return "min";
+    case Op::Max:
+      return "max";
+    case Op::Pow:
+      return "pow";
+    case Op::Atan2:
+      return "atan2";
+    case Op::Fma:
+      return "fma";
+    case Op::Select:
+      return "select";
+    default:
+      return nullptr;
   }
 }
 
@@ -115,21 +165,36 @@ std::string node_text(const Graph& graph, NodeId id) {
   const auto operand = [&](int k) { return node_text(graph, n.operands[k]); };
   const auto infix = [&](const char* sign) { return "(" + operand(0) + " " + sign + " " + operand(1) + ")"; };
   switch (n.op) {
-    case Op::Constant: return number_text(n.value);
-    case Op::Unknown: return "u" + std::to_string(n.operands[0]);
-    case Op::Element: return "e" + std::to_string(n.operands[0]);
-    case Op::Uniform: return "p" + std::to_string(n.operands[0]);
-    case Op::Neg: return "-" + operand(0);
-    case Op::Not: return "!" + operand(0);
-    case Op::Add: return infix("+");
-    case Op::Sub: return infix("-");
-    case Op::Mul: return infix("*");
-    case Op::Div: return infix("/");
-    case Op::Less: return infix("<");
-    case Op::LessEqual: return infix("<=");
-    case Op::And: return infix("&&");
-    case Op::Or: return infix("||");
-    default: break;
+    case Op::Constant:
+      return number_text(n.value);
+    case Op::Unknown:
+      return "u" + std::to_string(n.operands[0]);
+    case Op::Element:
+      return "e" + std::to_string(n.operands[0]);
+    case Op::Uniform:
+      return "p" + std::to_string(n.operands[0]);
+    case Op::Neg:
+      return "-" + operand(0);
+    case Op::Not:
+      return "!" + operand(0);
+    case Op::Add:
+      return infix("+");
+    case Op::Sub:
+      return infix("-");
+    case Op::Mul:
+      return infix("*");
+    case Op::Div:
+      return infix("/");
+    case Op::Less:
+      return infix("<");
+    case Op::LessEqual:
+      return infix("<=");
+    case Op::And:
+      return infix("&&");
+    case Op::Or:
+      return infix("||");
+    default:
+      break;
   }
   std::string text = std::string(function_name(n.op)) + "(" + operand(0);
   for (int k = 1; k < operand_count(n.op); ++k) text += ", " + operand(k);
@@ -139,18 +204,21 @@ std::string node_text(const Graph& graph, NodeId id) {
 }  // namespace
 
 double evaluate(const Scalar& expression, const InputValues& values) {
-  if (expression.is_condition()) throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
+  if (expression.is_condition())
+    throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
   return evaluate_any(expression, values);
 }
 
 bool evaluate_condition(const Scalar& condition, const InputValues& values) {
-  if (!condition.is_condition()) throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
+  if (!condition.is_condition())
+    throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
   return evaluate_any(condition, values) != 0.0;
 }
 
 std::string to_string(const Scalar& expression) {
   if (expression.is_literal()) {
-    return expression.is_condition() ? (expression.value() != 0.0 ? "true" : "false") : number_text(expression.value());
+    return expression.is_condition() ? (expression.value() != 0.0 ? "true" : "false")
+                                     : number_text(expression.value());
   }
   return node_text(*expression.graph(), expression.id());
 }
@@ -167,23 +235,27 @@ int Function::uniform_count() const { return state_->uniform_count; }
 int Function::output_count() const { return state_->output_count; }
 Backend Function::backend() const { return state_->backend; }
 
-void Function::evaluate(const double* unknowns, const double* elements, const double* uniforms, double* out_values,
-                        int64_t block_count) const {
+void Function::evaluate(const double* unknowns, const double* elements, const double* uniforms,
+                        double* out_values, int64_t block_count) const {
   state_->code->run(unknowns, elements, uniforms, out_values, block_count);
 }
 
 Function compile_function(std::span<const Scalar> outputs, Backend backend) {
   Graph* graph = nullptr;
   for (const Scalar& s : outputs) {
-    if (s.is_condition()) throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
+    if (s.is_condition())
+      throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
     if (s.is_literal()) continue;
-    if (graph && s.graph() != graph) throw InvalidArgument("compile_function: the outputs belong to different graphs; build them in one graph.");
+    if (graph && s.graph() != graph)
+      throw InvalidArgument(
+          "compile_function: the outputs belong to different graphs; build them in one graph.");
     graph = s.graph();
   }
   Graph own;
   std::vector<std::vector<NodeId>> groups(1);
   for (const Scalar& s : outputs) {
-    groups[0].push_back(s.is_literal() ? (graph ? graph->constant(s.value()) : own.constant(s.value())) : s.id());
+    groups[0].push_back(s.is_literal() ? (graph ? graph->constant(s.value()) : own.constant(s.value()))
+                                       : s.id());
   }
   if (graph) groups[0] = import_expressions(*graph, groups[0], own);
   const Program program = lower(own, groups);

@@ -1,5 +1,5 @@
-// Plain evaluation and printing of expressions, for tests and messages; compiled functions without derivatives.
-// Phase: model building and post-processing.
+// Plain evaluation and printing of expressions, for tests and messages; compiled functions without
+// derivatives. Phase: model building and post-processing.
 #pragma once
 
 #include <stark/symbolic/expr.h>
@@ -19,7 +19,8 @@ struct InputValues {
   std::span<const double> uniforms = {};
 };
 
-/// Value by the functions of the standard library (kernels use their own elementary functions, equal to about 1 ulp).
+/// Value by the functions of the standard library (kernels use their own elementary functions, equal to about
+/// 1 ulp).
 double evaluate(const Scalar& expression, const InputValues& values);
 /// Value of a condition.
 bool evaluate_condition(const Scalar& condition, const InputValues& values);

@@ -1,7 +1,6 @@
-// Hash-consing arena and the simplifications that are applied while an expression is built. The rules keep values up
-// to rounding where everything is finite (0 x -> 0 as in a computer algebra system) and put a canonical order on
-// commutative operands, so that equal expressions become one node.
-// Phase: model building.
+// Hash-consing arena and the simplifications that are applied while an expression is built. The rules keep
+// values up to rounding where everything is finite (0 x -> 0 as in a computer algebra system) and put a
+// canonical order on commutative operands, so that equal expressions become one node. Phase: model building.
 #include <stark/symbolic/expr.h>
 
 #include <stark/base/error.h>
@@ -21,7 +20,8 @@ uint64_t mix(uint64_t h) {
 }
 
 uint64_t hash(Op op, NodeId a, NodeId b, NodeId c, double value) {
-  uint64_t h = mix((static_cast<uint64_t>(static_cast<uint32_t>(a)) << 32 | static_cast<uint32_t>(b)) + 0x51ed27f1ull);
+  uint64_t h =
+      mix((static_cast<uint64_t>(static_cast<uint32_t>(a)) << 32 | static_cast<uint32_t>(b)) + 0x51ed27f1ull);
   h = mix(h ^ (static_cast<uint64_t>(static_cast<uint32_t>(c)) << 8 | static_cast<uint64_t>(op)));
   return mix(h + std::bit_cast<uint64_t>(value));
 }
@@ -35,33 +35,67 @@ bool is_power_of_two(double x) {
   return std::isnormal(x) && std::isnormal(1.0 / x) && std::fabs(std::frexp(x, &exponent)) == 0.5;
 }
 
-// Folding of functions uses the standard library: constants carry no requirement of equal bits between back ends,
-// because a constant is folded before any back end sees it.
+// Folding of functions uses the standard library: constants carry no requirement of equal bits between back
+// ends, because a constant is folded before any back end sees it.
 bool fold_unary(Op op, double x, double& result) {
   switch (op) {
-    case Op::Neg: result = -x; return true;
-    case Op::Abs: result = std::fabs(x); return true;
-    case Op::Sqrt: result = std::sqrt(x); return true;
-    case Op::Exp: result = std::exp(x); return true;
-    case Op::Log: result = std::log(x); return true;
-    case Op::Sin: result = std::sin(x); return true;
-    case Op::Cos: result = std::cos(x); return true;
-    case Op::Tan: result = std::tan(x); return true;
-    case Op::Asin: result = std::asin(x); return true;
-    case Op::Acos: result = std::acos(x); return true;
-    case Op::Atan: result = std::atan(x); return true;
-    case Op::Tanh: result = std::tanh(x); return true;
-    default: return false;
+    case Op::Neg:
+      result = -x;
+      return true;
+    case Op::Abs:
+      result = std::fabs(x);
+      return true;
+    case Op::Sqrt:
+      result = std::sqrt(x);
+      return true;
+    case Op::Exp:
+      result = std::exp(x);
+      return true;
+    case Op::Log:
+      result = std::log(x);
+      return true;
+    case Op::Sin:
+      result = std::sin(x);
+      return true;
+    case Op::Cos:
+      result = std::cos(x);
+      return true;
+    case Op::Tan:
+      result = std::tan(x);
+      return true;
+    case Op::Asin:
+      result = std::asin(x);
+      return true;
+    case Op::Acos:
+      result = std::acos(x);
+      return true;
+    case Op::Atan:
+      result = std::atan(x);
+      return true;
+    case Op::Tanh:
+      result = std::tanh(x);
+      return true;
+    default:
+      return false;
   }
 }
 
 bool fold_binary(Op op, double x, double y, double& result) {
   switch (op) {
-    case Op::Min: result = x < y ? x : y; return true;
-    case Op::Max: result = x > y ? x : y; return true;
-    case Op::Pow: result = std::pow(x, y); return true;
-    case Op::Atan2: result = std::atan2(x, y); return true;
-    default: return false;
+    case Op::Min:
+      result = x < y ? x : y;
+      return true;
+    case Op::Max:
+      result = x > y ? x : y;
+      return true;
+    case Op::Pow:
+      result = std::pow(x, y);
+      return true;
+    case Op::Atan2:
+      result = std::atan2(x, y);
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -110,7 +144,8 @@ NodeId Graph::input_node(InputKind kind, int index) {
 
 void Graph::mark_stage(const Scalar& value) {
   if (value.is_literal()) return;
-  if (value.graph() != this) throw InvalidArgument("Graph::mark_stage: the value belongs to another graph; mark it in its own graph.");
+  if (value.graph() != this)
+    throw InvalidArgument("Graph::mark_stage: the value belongs to another graph; mark it in its own graph.");
   if (operand_count(nodes_[value.id()].op) > 0) stages_.push_back(value.id());
 }
 
@@ -137,7 +172,8 @@ NodeId Graph::add(NodeId a, NodeId b) {
   // c x + d x = (c + d) x
   if (nodes_[a].op == Op::Mul && nodes_[b].op == Op::Mul && nodes_[a].operands[1] == nodes_[b].operands[1] &&
       is_constant(nodes_[a].operands[0]) && is_constant(nodes_[b].operands[0])) {
-    return mul(constant(nodes_[nodes_[a].operands[0]].value + nodes_[nodes_[b].operands[0]].value), nodes_[a].operands[1]);
+    return mul(constant(nodes_[nodes_[a].operands[0]].value + nodes_[nodes_[b].operands[0]].value),
+               nodes_[a].operands[1]);
   }
   if (a > b) std::swap(a, b);
   return intern(Op::Add, a, b);
@@ -208,9 +244,17 @@ NodeId Graph::unary(Op op, NodeId a) {
   if (n.op == Op::Neg) {
     const NodeId x = n.operands[0];
     switch (op) {
-      case Op::Abs: case Op::Cos: return unary(op, x);
-      case Op::Sin: case Op::Tan: case Op::Asin: case Op::Atan: case Op::Tanh: return neg(unary(op, x));
-      default: break;
+      case Op::Abs:
+      case Op::Cos:
+        return unary(op, x);
+      case Op::Sin:
+      case Op::Tan:
+      case Op::Asin:
+      case Op::Atan:
+      case Op::Tanh:
+        return neg(unary(op, x));
+      default:
+        break;
     }
   }
   if (op == Op::Abs && (n.op == Op::Abs || n.op == Op::Sqrt || n.op == Op::Exp)) return a;
@@ -219,11 +263,16 @@ NodeId Graph::unary(Op op, NodeId a) {
 
 NodeId Graph::binary(Op op, NodeId a, NodeId b) {
   switch (op) {
-    case Op::Add: return add(a, b);
-    case Op::Sub: return sub(a, b);
-    case Op::Mul: return mul(a, b);
-    case Op::Div: return div(a, b);
-    default: break;
+    case Op::Add:
+      return add(a, b);
+    case Op::Sub:
+      return sub(a, b);
+    case Op::Mul:
+      return mul(a, b);
+    case Op::Div:
+      return div(a, b);
+    default:
+      break;
   }
   double folded;
   if (is_constant(a) && is_constant(b) && fold_binary(op, nodes_[a].value, nodes_[b].value, folded)) {
@@ -250,8 +299,10 @@ NodeId Graph::select(NodeId condition, NodeId a, NodeId b) {
   if (a == b) return a;
   if (nodes_[condition].op == Op::Not) return select(nodes_[condition].operands[0], b, a);
   // A nested select on the same condition takes the same branch.
-  if (nodes_[a].op == Op::Select && nodes_[a].operands[0] == condition) return select(condition, nodes_[a].operands[1], b);
-  if (nodes_[b].op == Op::Select && nodes_[b].operands[0] == condition) return select(condition, a, nodes_[b].operands[2]);
+  if (nodes_[a].op == Op::Select && nodes_[a].operands[0] == condition)
+    return select(condition, nodes_[a].operands[1], b);
+  if (nodes_[b].op == Op::Select && nodes_[b].operands[0] == condition)
+    return select(condition, a, nodes_[b].operands[2]);
   return intern(Op::Select, condition, a, b);
 }
 

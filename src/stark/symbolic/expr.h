@@ -1,6 +1,6 @@
-// Expression graph of scalars: the language in which energies are written. Nodes are hash-consed (equal expressions
-// are one node, so common sub-expressions are found by construction) and simplified while they are built.
-// Phase: model building; nothing here runs inside the time step.
+// Expression graph of scalars: the language in which energies are written. Nodes are hash-consed (equal
+// expressions are one node, so common sub-expressions are found by construction) and simplified while they
+// are built. Phase: model building; nothing here runs inside the time step.
 #pragma once
 
 #include <array>
@@ -11,15 +11,42 @@ namespace stark::symbolic {
 
 using NodeId = int32_t;
 
-/// Unknown: differentiated, changes at every evaluation. Element: one value per element. Uniform: the same for all.
+/// Unknown: differentiated, changes at every evaluation. Element: one value per element. Uniform: the same
+/// for all.
 enum class InputKind : uint8_t { Unknown, Element, Uniform };
 
 enum class Op : uint8_t {
-  Constant, Unknown, Element, Uniform,                                   // leaves
-  Neg, Abs, Sqrt, Exp, Log, Sin, Cos, Tan, Asin, Acos, Atan, Tanh,       // one operand
-  Add, Sub, Mul, Div, Min, Max, Pow, Atan2,                              // two operands
-  Fma, Select,                                                           // three: a b + c; a ? b : c
-  Less, LessEqual, And, Or, Not                                          // conditions
+  Constant,
+  Unknown,
+  Element,
+  Uniform,  // leaves
+  Neg,
+  Abs,
+  Sqrt,
+  Exp,
+  Log,
+  Sin,
+  Cos,
+  Tan,
+  Asin,
+  Acos,
+  Atan,
+  Tanh,  // one operand
+  Add,
+  Sub,
+  Mul,
+  Div,
+  Min,
+  Max,
+  Pow,
+  Atan2,  // two operands
+  Fma,
+  Select,  // three: a b + c; a ? b : c
+  Less,
+  LessEqual,
+  And,
+  Or,
+  Not  // conditions
 };
 
 constexpr int operand_count(Op op) {
@@ -37,8 +64,9 @@ struct Node {
 
 class Scalar;
 
-/// Arena of nodes. Operands always precede their users, so the order of ids is a topological order. Not safe for
-/// concurrent building. Scalars refer to their graph: it must outlive them (compiled kernels do not need it).
+/// Arena of nodes. Operands always precede their users, so the order of ids is a topological order. Not safe
+/// for concurrent building. Scalars refer to their graph: it must outlive them (compiled kernels do not need
+/// it).
 class Graph {
  public:
   Graph();
@@ -48,8 +76,8 @@ class Graph {
 
   /// A new input, numbered 0, 1, 2... within its kind in order of creation.
   Scalar input(InputKind kind);
-  /// Marks a value as a cut for staged differentiation (points of a body, deformation gradient). A hint: it can make
-  /// derivatives cheaper and never changes their meaning.
+  /// Marks a value as a cut for staged differentiation (points of a body, deformation gradient). A hint: it
+  /// can make derivatives cheaper and never changes their meaning.
   void mark_stage(const Scalar& value);
 
   int input_count(InputKind kind) const { return input_count_[static_cast<int>(kind)]; }
@@ -85,8 +113,8 @@ class Graph {
   std::array<int, 3> input_count_{0, 0, 0};
 };
 
-/// Value handle: a node of a graph, or a literal number (graph() == nullptr), so that `2.0 * s` and `Scalar s = 0.0`
-/// work. Cheap to copy. Comparisons give conditions, which are used by select, &&, || and ! only.
+/// Value handle: a node of a graph, or a literal number (graph() == nullptr), so that `2.0 * s` and `Scalar s
+/// = 0.0` work. Cheap to copy. Comparisons give conditions, which are used by select, &&, || and ! only.
 class Scalar {
  public:
   Scalar(double value = 0.0) : value_(value) {}  // NOLINT: implicit on purpose
@@ -131,7 +159,8 @@ Scalar operator&&(const Scalar& a, const Scalar& b);  // no short circuit: both 
 Scalar operator||(const Scalar& a, const Scalar& b);
 Scalar operator!(const Scalar& a);
 
-/// condition ? a : b. The branch that is not taken never contributes to value or derivatives, not even as NaN.
+/// condition ? a : b. The branch that is not taken never contributes to value or derivatives, not even as
+/// NaN.
 Scalar select(const Scalar& condition, const Scalar& a, const Scalar& b);
 Scalar min(const Scalar& a, const Scalar& b);  // a < b ? a : b
 Scalar max(const Scalar& a, const Scalar& b);  // a > b ? a : b

@@ -38,7 +38,8 @@ GuardId Guards::intern(Disjunction d) {
           changed = true;
         } else if (d[i].size() == d[j].size()) {
           Conjunction difference;
-          std::set_symmetric_difference(d[i].begin(), d[i].end(), d[j].begin(), d[j].end(), std::back_inserter(difference));
+          std::set_symmetric_difference(d[i].begin(), d[i].end(), d[j].begin(), d[j].end(),
+                                        std::back_inserter(difference));
           if (difference.size() == 2 && difference[0] / 2 == difference[1] / 2) {
             std::erase(d[i], difference[0]);
             std::erase(d[i], difference[1]);

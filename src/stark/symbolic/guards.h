@@ -1,7 +1,7 @@
-// Conditions under which a value matters. A value that is used only inside arms of selects may be NaN or infinite when
-// those arms are not taken, and so may its local derivatives; derivatives are therefore masked where they leave the
-// region of such a value. A guard is a disjunction of conjunctions of conditions (possibly negated).
-// Phase: kernel building.
+// Conditions under which a value matters. A value that is used only inside arms of selects may be NaN or
+// infinite when those arms are not taken, and so may its local derivatives; derivatives are therefore masked
+// where they leave the region of such a value. A guard is a disjunction of conjunctions of conditions
+// (possibly negated). Phase: kernel building.
 #pragma once
 
 #include <stark/symbolic/expr.h>

@@ -55,7 +55,8 @@ void KernelState::build(int order) {
   statistics.instructions[order] = static_cast<int>(program.instructions.size());
   statistics.spill_slots[order] = code[order]->spill_slots;
   statistics.code_bytes[order] = code[order]->code_bytes;
-  statistics.build_seconds[order] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  statistics.build_seconds[order] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 namespace {
@@ -67,8 +68,10 @@ std::vector<uint64_t> content_key(const KernelState& state) {
   for (const NodeId s : state.stages) key.push_back(static_cast<uint64_t>(s) << 8 | 0xff);
   for (NodeId id = 0; id < state.graph.size(); ++id) {
     const Node& n = state.graph.node(id);
-    key.push_back(static_cast<uint64_t>(n.op) | static_cast<uint64_t>(static_cast<uint32_t>(n.operands[0])) << 8);
-    key.push_back(static_cast<uint64_t>(static_cast<uint32_t>(n.operands[1])) << 32 | static_cast<uint32_t>(n.operands[2]));
+    key.push_back(static_cast<uint64_t>(n.op) | static_cast<uint64_t>(static_cast<uint32_t>(n.operands[0]))
+                                                    << 8);
+    key.push_back(static_cast<uint64_t>(static_cast<uint32_t>(n.operands[1])) << 32 |
+                  static_cast<uint32_t>(n.operands[2]));
     key.push_back(std::bit_cast<uint64_t>(n.value));
   }
   return key;

@@ -1,6 +1,6 @@
-// A kernel evaluates an energy, its gradient and its Hessian for many elements at once. It is compiled in process from
-// an expression: differentiation, lowering to straight-line code, machine code (or the interpreter, same bits).
-// Phase: built when a model is built; evaluated in every assembly.
+// A kernel evaluates an energy, its gradient and its Hessian for many elements at once. It is compiled in
+// process from an expression: differentiation, lowering to straight-line code, machine code (or the
+// interpreter, same bits). Phase: built when a model is built; evaluated in every assembly.
 #pragma once
 
 #include <stark/symbolic/expr.h>
@@ -17,23 +17,24 @@ inline constexpr int kLanes = 8;
 
 enum class Order : uint8_t { Energy = 0, Gradient = 1, Hessian = 2 };
 
-/// Automatic: machine code for the best instruction set of this processor, or the interpreter where executable
-/// memory is refused. All back ends give the same bits.
+/// Automatic: machine code for the best instruction set of this processor, or the interpreter where
+/// executable memory is refused. All back ends give the same bits.
 enum class Backend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
 
 struct KernelStatistics {
-  int operations[3] = {0, 0, 0};       // scalar operations of the expression graph, by order
-  int instructions[3] = {0, 0, 0};     // after expansion of functions and fusion, by order
-  int spill_slots[3] = {0, 0, 0};      // machine code only
-  size_t code_bytes[3] = {0, 0, 0};    // machine code only, with its constants
+  int operations[3] = {0, 0, 0};        // scalar operations of the expression graph, by order
+  int instructions[3] = {0, 0, 0};      // after expansion of functions and fusion, by order
+  int spill_slots[3] = {0, 0, 0};       // machine code only
+  size_t code_bytes[3] = {0, 0, 0};     // machine code only, with its constants
   double build_seconds[3] = {0, 0, 0};  // differentiation + lowering + code, by order
-  std::string algorithm;               // how the Hessian was formed
+  std::string algorithm;                // how the Hessian was formed
   Backend backend = Backend::Interpreter;
 };
 
 struct KernelState;
 
-/// Immutable, cheap to copy, safe to call from several threads. The code of an order is built at its first use.
+/// Immutable, cheap to copy, safe to call from several threads. The code of an order is built at its first
+/// use.
 class Kernel {
  public:
   Kernel() = default;
@@ -45,10 +46,10 @@ class Kernel {
   /// 1; 1 + n; 1 + n + n (n + 1) / 2 for n unknowns.
   int output_count(Order order) const;
 
-  /// Lane-major arrays, 64-byte aligned: unknowns [block][unknown_count][kLanes], elements [block][element_count][kLanes],
-  /// uniforms [uniform_count] (any alignment), out_values [block][output_count(order)][kLanes]: energy, gradient, upper
-  /// triangle of the Hessian row by row (i <= j). Lanes are independent of each other. The energy has the same bits in
-  /// every order.
+  /// Lane-major arrays, 64-byte aligned: unknowns [block][unknown_count][kLanes], elements
+  /// [block][element_count][kLanes], uniforms [uniform_count] (any alignment), out_values
+  /// [block][output_count(order)][kLanes]: energy, gradient, upper triangle of the Hessian row by row (i <=
+  /// j). Lanes are independent of each other. The energy has the same bits in every order.
   void evaluate(Order order, const double* unknowns, const double* elements, const double* uniforms,
                 double* out_values, int64_t block_count) const;
 
@@ -63,8 +64,8 @@ class Kernel {
   std::shared_ptr<KernelState> state_;
 };
 
-/// Throws InvalidArgument if the expression is a condition or the back end does not exist on this machine. Kernels of
-/// equal expressions are shared while one of them is alive.
+/// Throws InvalidArgument if the expression is a condition or the back end does not exist on this machine.
+/// Kernels of equal expressions are shared while one of them is alive.
 Kernel compile(const Scalar& energy, Backend backend = Backend::Automatic);
 
 /// Machine code for the best instruction set of this processor, or Interpreter if there is none.

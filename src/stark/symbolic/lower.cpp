@@ -47,18 +47,31 @@ std::vector<NodeId> import_expressions(const Graph& source, std::span<const Node
       NodeId x[3] = {-1, -1, -1};
       for (int k = 0; k < count; ++k) x[k] = image[n.operands[k]];
       switch (n.op) {
-        case Op::Constant: image[id] = target.constant(n.value); break;
-        case Op::Unknown: image[id] = target.input_node(InputKind::Unknown, n.operands[0]); break;
-        case Op::Element: image[id] = target.input_node(InputKind::Element, n.operands[0]); break;
-        case Op::Uniform: image[id] = target.input_node(InputKind::Uniform, n.operands[0]); break;
-        case Op::Select: image[id] = target.select(x[0], x[1], x[2]); break;
-        case Op::Fma: image[id] = target.fma(x[0], x[1], x[2]); break;
+        case Op::Constant:
+          image[id] = target.constant(n.value);
+          break;
+        case Op::Unknown:
+          image[id] = target.input_node(InputKind::Unknown, n.operands[0]);
+          break;
+        case Op::Element:
+          image[id] = target.input_node(InputKind::Element, n.operands[0]);
+          break;
+        case Op::Uniform:
+          image[id] = target.input_node(InputKind::Uniform, n.operands[0]);
+          break;
+        case Op::Select:
+          image[id] = target.select(x[0], x[1], x[2]);
+          break;
+        case Op::Fma:
+          image[id] = target.fma(x[0], x[1], x[2]);
+          break;
         case Op::Div:
           image[id] = !target.is_constant(x[1]) && (is_active(x[0]) || is_active(x[1]))
                           ? target.mul(x[0], target.div(target.constant(1.0), x[1]))
                           : target.div(x[0], x[1]);
           break;
-        default: image[id] = count == 1 ? target.unary(n.op, x[0]) : target.binary(n.op, x[0], x[1]);
+        default:
+          image[id] = count == 1 ? target.unary(n.op, x[0]) : target.binary(n.op, x[0], x[1]);
       }
     }
   }
@@ -132,37 +145,68 @@ class Lowering {
     LowId x[3] = {-1, -1, -1};
     for (int k = 0; k < operand_count(n.op); ++k) x[k] = low_[n.operands[k]];
     switch (n.op) {
-      case Op::Constant: return p.constant(n.value);
-      case Op::Unknown: return p.input(Space::Unknown, n.operands[0]);
-      case Op::Element: return p.input(Space::Element, n.operands[0]);
-      case Op::Uniform: return p.input(Space::Uniform, n.operands[0]);
-      case Op::Neg: return p.negate(x[0]);
-      case Op::Abs: return p.emit(Code::And, x[0], p.bits(0x7fffffffffffffffull));
-      case Op::Sqrt: return p.emit(Code::Sqrt, x[0]);
-      case Op::Exp: return expand_exp(p, x[0]);
-      case Op::Log: return expand_log(p, x[0]);
-      case Op::Sin: return expand_sin(p, x[0]);
-      case Op::Cos: return expand_cos(p, x[0]);
-      case Op::Tan: return expand_tan(p, x[0]);
-      case Op::Asin: return expand_asin(p, x[0]);
-      case Op::Acos: return expand_acos(p, x[0]);
-      case Op::Atan: return expand_atan(p, x[0]);
-      case Op::Tanh: return expand_tanh(p, x[0]);
-      case Op::Add: return p.add(x[0], x[1]);
-      case Op::Sub: return p.sub(x[0], x[1]);
-      case Op::Mul: return p.mul(x[0], x[1]);
-      case Op::Div: return p.div(x[0], x[1]);
-      case Op::Min: return p.emit(Code::Min, x[0], x[1]);
-      case Op::Max: return p.emit(Code::Max, x[0], x[1]);
-      case Op::Pow: return expand_pow(p, x[0], x[1]);
-      case Op::Atan2: return expand_atan2(p, x[0], x[1]);
-      case Op::Fma: return p.mul_add(x[0], x[1], x[2]);
-      case Op::Select: return p.select(x[0], x[1], x[2]);
-      case Op::Less: return p.emit(Code::Less, x[0], x[1]);
-      case Op::LessEqual: return p.emit(Code::LessEqual, x[0], x[1]);
-      case Op::And: return p.emit(Code::And, x[0], x[1]);
-      case Op::Or: return p.emit(Code::Or, x[0], x[1]);
-      case Op::Not: return p.emit(Code::Xor, x[0], p.bits(~0ull));
+      case Op::Constant:
+        return p.constant(n.value);
+      case Op::Unknown:
+        return p.input(Space::Unknown, n.operands[0]);
+      case Op::Element:
+        return p.input(Space::Element, n.operands[0]);
+      case Op::Uniform:
+        return p.input(Space::Uniform, n.operands[0]);
+      case Op::Neg:
+        return p.negate(x[0]);
+      case Op::Abs:
+        return p.emit(Code::And, x[0], p.bits(0x7fffffffffffffffull));
+      case Op::Sqrt:
+        return p.emit(Code::Sqrt, x[0]);
+      case Op::Exp:
+        return expand_exp(p, x[0]);
+      case Op::Log:
+        return expand_log(p, x[0]);
+      case Op::Sin:
+        return expand_sin(p, x[0]);
+      case Op::Cos:
+        return expand_cos(p, x[0]);
+      case Op::Tan:
+        return expand_tan(p, x[0]);
+      case Op::Asin:
+        return expand_asin(p, x[0]);
+      case Op::Acos:
+        return expand_acos(p, x[0]);
+      case Op::Atan:
+        return expand_atan(p, x[0]);
+      case Op::Tanh:
+        return expand_tanh(p, x[0]);
+      case Op::Add:
+        return p.add(x[0], x[1]);
+      case Op::Sub:
+        return p.sub(x[0], x[1]);
+      case Op::Mul:
+        return p.mul(x[0], x[1]);
+      case Op::Div:
+        return p.div(x[0], x[1]);
+      case Op::Min:
+        return p.emit(Code::Min, x[0], x[1]);
+      case Op::Max:
+        return p.emit(Code::Max, x[0], x[1]);
+      case Op::Pow:
+        return expand_pow(p, x[0], x[1]);
+      case Op::Atan2:
+        return expand_atan2(p, x[0], x[1]);
+      case Op::Fma:
+        return p.mul_add(x[0], x[1], x[2]);
+      case Op::Select:
+        return p.select(x[0], x[1], x[2]);
+      case Op::Less:
+        return p.emit(Code::Less, x[0], x[1]);
+      case Op::LessEqual:
+        return p.emit(Code::LessEqual, x[0], x[1]);
+      case Op::And:
+        return p.emit(Code::And, x[0], x[1]);
+      case Op::Or:
+        return p.emit(Code::Or, x[0], x[1]);
+      case Op::Not:
+        return p.emit(Code::Xor, x[0], p.bits(~0ull));
     }
     throw InternalError("Lowering: unknown operation.");
   }

@@ -14,8 +14,8 @@ namespace stark::symbolic {
 /// differentiated values become products with a reciprocal, which their derivatives share.
 std::vector<NodeId> import_expressions(const Graph& source, std::span<const NodeId> outputs, Graph& target);
 
-/// Code for the outputs of all groups, in order. Groups are lowered one after the other, and later ones do not change
-/// how earlier ones are rounded: the energy is the same in every kernel of a potential.
+/// Code for the outputs of all groups, in order. Groups are lowered one after the other, and later ones do
+/// not change how earlier ones are rounded: the energy is the same in every kernel of a potential.
 Program lower(const Graph& graph, std::span<const std::vector<NodeId>> groups);
 
 }  // namespace stark::symbolic

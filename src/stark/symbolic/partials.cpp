@@ -1,6 +1,5 @@
-// Table of the derivatives of every operation. Shared factors (1/b, the value itself) are written so that hash-consing
-// finds them again in the energy.
-// Phase: kernel building.
+// Table of the derivatives of every operation. Shared factors (1/b, the value itself) are written so that
+// hash-consing finds them again in the energy. Phase: kernel building.
 #include <stark/symbolic/partials.h>
 
 #include <stark/base/error.h>
@@ -35,15 +34,21 @@ void unary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
   NodeId& d = r.d[0];
   NodeId& dd = r.dd[0][0];
   switch (n.op) {
-    case Op::Neg: d = g.constant(-1.0); break;
-    case Op::Abs: d = g.select(g.binary(Op::Less, x, g.constant(0.0)), g.constant(-1.0), one); break;
+    case Op::Neg:
+      d = g.constant(-1.0);
+      break;
+    case Op::Abs:
+      d = g.select(g.binary(Op::Less, x, g.constant(0.0)), g.constant(-1.0), one);
+      break;
     case Op::Sqrt: {
       const NodeId inverse = reciprocal(g, f);
       d = g.mul(g.constant(0.5), inverse);
       if (second) dd = g.mul(g.constant(-0.25), g.mul(inverse, g.mul(inverse, inverse)));
       break;
     }
-    case Op::Exp: d = dd = f; break;
+    case Op::Exp:
+      d = dd = f;
+      break;
     case Op::Log:
       d = reciprocal(g, x);
       if (second) dd = g.neg(g.mul(d, d));
@@ -60,7 +65,8 @@ void unary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
       d = g.add(one, g.mul(f, f));
       if (second) dd = g.mul(g.constant(2.0), g.mul(f, d));
       break;
-    case Op::Asin: case Op::Acos: {
+    case Op::Asin:
+    case Op::Acos: {
       // (1 - x)(1 + x) keeps its relative accuracy near |x| = 1.
       NodeId inverse = reciprocal(g, g.unary(Op::Sqrt, g.mul(g.sub(one, x), g.add(one, x))));
       if (n.op == Op::Acos) inverse = g.neg(inverse);
@@ -76,15 +82,21 @@ void unary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
       d = g.mul(g.sub(one, f), g.add(one, f));
       if (second) dd = g.mul(g.constant(-2.0), g.mul(f, d));
       break;
-    default: STARK_CHECK(false);
+    default:
+      STARK_CHECK(false);
   }
 }
 
 void binary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
   const NodeId a = n.operands[0], b = n.operands[1], one = g.constant(1.0);
   switch (n.op) {
-    case Op::Add: r.d[0] = r.d[1] = one; break;
-    case Op::Sub: r.d[0] = one; r.d[1] = g.constant(-1.0); break;
+    case Op::Add:
+      r.d[0] = r.d[1] = one;
+      break;
+    case Op::Sub:
+      r.d[0] = one;
+      r.d[1] = g.constant(-1.0);
+      break;
     case Op::Mul:
       r.d[0] = b;
       r.d[1] = a;
@@ -127,7 +139,8 @@ void binary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
       }
       break;
     }
-    default: STARK_CHECK(false);
+    default:
+      STARK_CHECK(false);
   }
 }
 

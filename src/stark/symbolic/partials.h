@@ -1,5 +1,5 @@
-// First and second partial derivatives of one node with respect to its operands, as new nodes of the same graph.
-// Phase: kernel building.
+// First and second partial derivatives of one node with respect to its operands, as new nodes of the same
+// graph. Phase: kernel building.
 #pragma once
 
 #include <stark/symbolic/expr.h>
@@ -9,7 +9,8 @@
 
 namespace stark::symbolic {
 
-/// Partials by the distinct operands of a node; -1 stands for zero. For Select, Min and Max use `arms` instead.
+/// Partials by the distinct operands of a node; -1 stands for zero. For Select, Min and Max use `arms`
+/// instead.
 struct Partials {
   int count = 0;
   std::array<NodeId, 3> operand{-1, -1, -1};

@@ -12,8 +12,10 @@ ProgramBuilder::ProgramBuilder() : table_(2048, -1) { items_.reserve(1024); }
 
 uint64_t ProgramBuilder::hash(const Item& item) {
   uint64_t h = item.payload + static_cast<uint64_t>(item.space) * 0x9e3779b97f4a7c15ull;
-  const uint64_t words[] = {static_cast<uint64_t>(static_cast<uint32_t>(item.operands[0])) << 32 | static_cast<uint32_t>(item.operands[1]),
-                            static_cast<uint64_t>(static_cast<uint32_t>(item.operands[2])) << 32 | static_cast<uint64_t>(item.code) << 8 | item.shift};
+  const uint64_t words[] = {static_cast<uint64_t>(static_cast<uint32_t>(item.operands[0])) << 32 |
+                                static_cast<uint32_t>(item.operands[1]),
+                            static_cast<uint64_t>(static_cast<uint32_t>(item.operands[2])) << 32 |
+                                static_cast<uint64_t>(item.code) << 8 | item.shift};
   for (const uint64_t w : words) {
     h = (h ^ w) * 0x9e3779b97f4a7c15ull;
     h ^= h >> 31;
@@ -62,8 +64,9 @@ LowId ProgramBuilder::emit(Code code, LowId a, LowId b, LowId c, int shift) {
   item.space = Space::Value;
   item.code = code;
   item.shift = static_cast<uint8_t>(shift);
-  const bool commutes = code == Code::Add || code == Code::Mul || code == Code::And || code == Code::Or || code == Code::Xor ||
-                        code == Code::AddInt || (code >= Code::MulAdd && code <= Code::NegMulAdd);
+  const bool commutes = code == Code::Add || code == Code::Mul || code == Code::And || code == Code::Or ||
+                        code == Code::Xor || code == Code::AddInt ||
+                        (code >= Code::MulAdd && code <= Code::NegMulAdd);
   if (commutes && a > b) std::swap(a, b);
   item.operands[0] = a;
   item.operands[1] = b;

@@ -1,6 +1,5 @@
-// Straight-line code over lanes: what every back end executes. One instruction is one IEEE operation (or one bitwise or
-// integer operation on 64-bit lanes), so all back ends give the same bits.
-// Phase: kernel building.
+// Straight-line code over lanes: what every back end executes. One instruction is one IEEE operation (or one
+// bitwise or integer operation on 64-bit lanes), so all back ends give the same bits. Phase: kernel building.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +9,28 @@
 namespace stark::symbolic {
 
 enum class Code : uint8_t {
-  Add, Sub, Mul, Div,
-  Min, Max,                         // a < b ? a : b and a > b ? a : b, also for NaN and zeros
-  MulAdd, MulSub, NegMulAdd,        // a b + c, a b - c, c - a b, one rounding
-  Sqrt, Round,                      // Round: to the nearest integer, ties to even
-  Less, LessEqual,                  // all ones or all zeros; false for NaN
-  Select,                           // a ? b : c with a full mask a
-  And, Or, Xor, AndNot,             // AndNot: ~a & b
-  AddInt, SubInt, ShiftLeft, ShiftRight  // 64-bit integers; shifts by `shift`, logical
+  Add,
+  Sub,
+  Mul,
+  Div,
+  Min,
+  Max,  // a < b ? a : b and a > b ? a : b, also for NaN and zeros
+  MulAdd,
+  MulSub,
+  NegMulAdd,  // a b + c, a b - c, c - a b, one rounding
+  Sqrt,
+  Round,  // Round: to the nearest integer, ties to even
+  Less,
+  LessEqual,  // all ones or all zeros; false for NaN
+  Select,     // a ? b : c with a full mask a
+  And,
+  Or,
+  Xor,
+  AndNot,  // AndNot: ~a & b
+  AddInt,
+  SubInt,
+  ShiftLeft,
+  ShiftRight  // 64-bit integers; shifts by `shift`, logical
 };
 
 constexpr int operand_count(Code code) {

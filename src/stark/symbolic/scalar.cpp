@@ -12,20 +12,24 @@ namespace {
 
 Graph* common_graph(const Scalar& a, const Scalar& b, const char* what) {
   if (a.graph() && b.graph() && a.graph() != b.graph()) {
-    throw InvalidArgument(std::string(what) + ": the operands belong to two different graphs; build one expression in one graph.");
+    throw InvalidArgument(
+        std::string(what) +
+        ": the operands belong to two different graphs; build one expression in one graph.");
   }
   return a.graph() ? a.graph() : b.graph();
 }
 
 void require_number(const Scalar& a, const char* what) {
   if (a.is_condition()) {
-    throw InvalidArgument(std::string(what) + ": the operand is a condition, not a number; use select(condition, a, b).");
+    throw InvalidArgument(std::string(what) +
+                          ": the operand is a condition, not a number; use select(condition, a, b).");
   }
 }
 
 void require_condition(const Scalar& a, const char* what) {
   if (!a.is_condition()) {
-    throw InvalidArgument(std::string(what) + ": the operand is a number, not a condition; compare it first, as in x > 0.0.");
+    throw InvalidArgument(std::string(what) +
+                          ": the operand is a number, not a condition; compare it first, as in x > 0.0.");
   }
 }
 
@@ -66,22 +70,28 @@ Scalar compare(Op op, const Scalar& a, const Scalar& b) {
 
 double Scalar::value() const { return graph_ ? graph_->node(id_).value : value_; }
 bool Scalar::is_constant() const { return graph_ ? graph_->is_constant(id_) : true; }
-bool Scalar::is_condition() const { return graph_ ? symbolic::is_condition(graph_->node(id_).op) : condition_; }
+bool Scalar::is_condition() const {
+  return graph_ ? symbolic::is_condition(graph_->node(id_).op) : condition_;
+}
 
 Scalar operator+(const Scalar& a, const Scalar& b) {
-  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition()) return a.value() + b.value();
+  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition())
+    return a.value() + b.value();
   return apply(Op::Add, a, b, "operator +");
 }
 Scalar operator-(const Scalar& a, const Scalar& b) {
-  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition()) return a.value() - b.value();
+  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition())
+    return a.value() - b.value();
   return apply(Op::Sub, a, b, "operator -");
 }
 Scalar operator*(const Scalar& a, const Scalar& b) {
-  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition()) return a.value() * b.value();
+  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition())
+    return a.value() * b.value();
   return apply(Op::Mul, a, b, "operator *");
 }
 Scalar operator/(const Scalar& a, const Scalar& b) {
-  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition()) return a.value() / b.value();
+  if (a.is_literal() && b.is_literal() && !a.is_condition() && !b.is_condition())
+    return a.value() / b.value();
   return apply(Op::Div, a, b, "operator /");
 }
 Scalar operator-(const Scalar& a) { return apply(Op::Neg, a, "operator -"); }
@@ -167,7 +177,8 @@ Scalar pow(const Scalar& a, int exponent) {
 }
 
 Scalar pow(const Scalar& a, double exponent) {
-  if (exponent == std::floor(exponent) && std::fabs(exponent) <= 64.0) return pow(a, static_cast<int>(exponent));
+  if (exponent == std::floor(exponent) && std::fabs(exponent) <= 64.0)
+    return pow(a, static_cast<int>(exponent));
   if (exponent == 0.5) return sqrt(a);
   return apply(Op::Pow, a, Scalar(exponent), "pow");
 }
@@ -178,7 +189,8 @@ Scalar pow(const Scalar& a, const Scalar& exponent) {
 }
 
 bool is_same(const Scalar& a, const Scalar& b) {
-  if (a.is_constant() && b.is_constant()) return a.value() == b.value() && a.is_condition() == b.is_condition();
+  if (a.is_constant() && b.is_constant())
+    return a.value() == b.value() && a.is_condition() == b.is_condition();
   return a.graph() == b.graph() && a.id() == b.id();
 }
 

@@ -24,8 +24,16 @@ struct Vec {
   Scalar& operator()(int i) { return v[i]; }
   const Scalar& operator()(int i) const { return v[i]; }
   const Scalar& x() const { return v[0]; }
-  const Scalar& y() const requires(N >= 2) { return v[1]; }
-  const Scalar& z() const requires(N >= 3) { return v[2]; }
+  const Scalar& y() const
+    requires(N >= 2)
+  {
+    return v[1];
+  }
+  const Scalar& z() const
+    requires(N >= 3)
+  {
+    return v[2];
+  }
   static constexpr int size() { return N; }
 
   friend Vec operator+(Vec a, const Vec& b) { return a += b; }
@@ -88,12 +96,16 @@ struct Mat {
   void set_column(int j, const Vec<R>& c) {
     for (int i = 0; i < R; ++i) (*this)(i, j) = c[i];
   }
-  static Mat identity() requires(R == C) {
+  static Mat identity()
+    requires(R == C)
+  {
     Mat a;
     for (int i = 0; i < R; ++i) a(i, i) = 1.0;
     return a;
   }
-  static Mat diagonal(const Vec<R>& d) requires(R == C) {
+  static Mat diagonal(const Vec<R>& d)
+    requires(R == C)
+  {
     Mat a;
     for (int i = 0; i < R; ++i) a(i, i) = d[i];
     return a;
@@ -154,11 +166,17 @@ Scalar dot(const Vec<N>& a, const Vec<N>& b) {
   return s;
 }
 template <int N>
-Scalar squared_norm(const Vec<N>& a) { return dot(a, a); }
+Scalar squared_norm(const Vec<N>& a) {
+  return dot(a, a);
+}
 template <int N>
-Scalar norm(const Vec<N>& a) { return sqrt(dot(a, a)); }
+Scalar norm(const Vec<N>& a) {
+  return sqrt(dot(a, a));
+}
 template <int N>
-Vec<N> normalized(const Vec<N>& a) { return a / norm(a); }
+Vec<N> normalized(const Vec<N>& a) {
+  return a / norm(a);
+}
 inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }

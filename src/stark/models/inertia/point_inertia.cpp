@@ -1,6 +1,6 @@
 // Inertia of a lumped mass as an incremental potential, with mass damping.
 // E = m/2 |x - x_hat|^2 / s^2 + m a/(2 h) |x - x_n|^2, x_hat the inertial prediction and s the integrator's scale (h for
-// implicit Euler, infinite for quasistatics). [paper sec. III-A; solver design 1.1, 1.2]
+// implicit Euler, infinite for quasistatics). [theory eq. 8, 9]
 //
 // The same potential on the axis directions of a rigid body, with the second moments of mass in place of m, is the
 // rotational inertia in trace form, 1/(2 s^2) tr((R - R_hat) J_bar (R - R_hat)^T): the gyroscopic torque is included.

@@ -18,10 +18,14 @@ Backend best_backend() {
 
 std::string to_string(Backend backend) {
   switch (backend) {
-    case Backend::Automatic: return "automatic";
-    case Backend::Interpreter: return "interpreter";
-    case Backend::Avx2: return "avx2";
-    case Backend::Avx512: return "avx512";
+    case Backend::Automatic:
+      return "automatic";
+    case Backend::Interpreter:
+      return "interpreter";
+    case Backend::Avx2:
+      return "avx2";
+    case Backend::Avx512:
+      return "avx512";
   }
   return "unknown";
 }
@@ -30,7 +34,8 @@ Backend resolve_backend(Backend requested) {
   if (requested == Backend::Automatic) return best_backend();
   if (requested != Backend::Interpreter && !cpu_supports(requested)) {
     throw InvalidArgument("compile: the back end " + to_string(requested) +
-                          " does not exist on this machine; use automatic or " + to_string(best_backend()) + ".");
+                          " does not exist on this machine; use automatic or " + to_string(best_backend()) +
+                          ".");
   }
   return requested;
 }

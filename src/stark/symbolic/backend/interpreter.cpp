@@ -1,7 +1,6 @@
-// Interpreter: executes a program one instruction at a time over a few blocks of lanes. Always available; same bits as
-// machine code, because every instruction is one IEEE operation per lane and the library is compiled without
-// contraction.
-// Phase: assembly.
+// Interpreter: executes a program one instruction at a time over a few blocks of lanes. Always available;
+// same bits as machine code, because every instruction is one IEEE operation per lane and the library is
+// compiled without contraction. Phase: assembly.
 #include <stark/symbolic/backend/executable.h>
 
 #if defined(__AVX2__) && defined(__FMA__)
@@ -18,8 +17,8 @@ namespace stark::symbolic {
 
 namespace {
 
-// Half a block as one vector, so that operations compile to vector instructions whatever the compiler can prove about
-// aliasing; accesses may be unaligned.
+// Half a block as one vector, so that operations compile to vector instructions whatever the compiler can
+// prove about aliasing; accesses may be unaligned.
 constexpr int kHalf = 4;
 using Half = double __attribute__((vector_size(kHalf * 8), aligned(8), may_alias));
 using Bits = uint64_t __attribute__((vector_size(kHalf * 8), aligned(8), may_alias));
@@ -30,7 +29,8 @@ Bits load_bits(const double* a) { return *reinterpret_cast<const Bits*>(a); }
 void store(double* r, const Half& x) { *reinterpret_cast<Half*>(r) = x; }
 void store(double* r, const Bits& x) { *reinterpret_cast<Bits*>(r) = x; }
 
-// Operations that generic vectors lack. The portable versions are the definition; the others are the same by IEEE 754.
+// Operations that generic vectors lack. The portable versions are the definition; the others are the same by
+// IEEE 754.
 #if defined(__AVX2__) && defined(__FMA__)
 Half fused(Half a, Half b, Half c) { return _mm256_fmadd_pd(a, b, c); }
 Half square_root(Half a) { return _mm256_sqrt_pd(a); }
@@ -47,13 +47,27 @@ Half by_lane(F f) {
   return r;
 }
 double mask(bool x) { return from_bits(x ? ~0ull : 0ull); }
-Half fused(Half a, Half b, Half c) { return by_lane([&](int l) { return std::fma(a[l], b[l], c[l]); }); }
-Half square_root(Half a) { return by_lane([&](int l) { return std::sqrt(a[l]); }); }
-Half rounded(Half a) { return by_lane([&](int l) { return std::nearbyint(a[l]); }); }
-Half smaller(Half a, Half b) { return by_lane([&](int l) { return a[l] < b[l] ? a[l] : b[l]; }); }
-Half larger(Half a, Half b) { return by_lane([&](int l) { return a[l] > b[l] ? a[l] : b[l]; }); }
-Half less(Half a, Half b) { return by_lane([&](int l) { return mask(a[l] < b[l]); }); }
-Half less_equal(Half a, Half b) { return by_lane([&](int l) { return mask(a[l] <= b[l]); }); }
+Half fused(Half a, Half b, Half c) {
+  return by_lane([&](int l) { return std::fma(a[l], b[l], c[l]); });
+}
+Half square_root(Half a) {
+  return by_lane([&](int l) { return std::sqrt(a[l]); });
+}
+Half rounded(Half a) {
+  return by_lane([&](int l) { return std::nearbyint(a[l]); });
+}
+Half smaller(Half a, Half b) {
+  return by_lane([&](int l) { return a[l] < b[l] ? a[l] : b[l]; });
+}
+Half larger(Half a, Half b) {
+  return by_lane([&](int l) { return a[l] > b[l] ? a[l] : b[l]; });
+}
+Half less(Half a, Half b) {
+  return by_lane([&](int l) { return mask(a[l] < b[l]); });
+}
+Half less_equal(Half a, Half b) {
+  return by_lane([&](int l) { return mask(a[l] <= b[l]); });
+}
 #endif
 
 enum Base : uint8_t { kSlots, kUnknowns, kElements, kConstants, kUniforms, kBaseCount };
@@ -62,8 +76,8 @@ struct Step {
   Code code;
   uint8_t shift;
   uint8_t base[3];
-  int32_t slot;       // of the result, in doubles
-  int32_t offset[3];  // in doubles
+  int32_t slot;                        // of the result, in doubles
+  int32_t offset[3];                   // in doubles
   int32_t first_output, output_count;  // outputs that are this value: places in stored_outputs_
 };
 struct Copy {
@@ -86,15 +100,16 @@ class Interpreter final : public Executable {
 
   std::vector<Step> steps_;
   std::vector<int32_t> stored_outputs_;
-  std::vector<Copy> copies_;        // outputs that are inputs or constants
-  std::vector<double> constants_;   // one block each
+  std::vector<Copy> copies_;       // outputs that are inputs or constants
+  std::vector<double> constants_;  // one block each
   int slot_count_ = 0;
   int uniform_count_, output_count_;
   std::array<int64_t, kBaseCount> strides_{};  // from block to block, in doubles
 };
 
 Interpreter::Interpreter(const Program& program)
-    : uniform_count_(program.uniform_count), output_count_(static_cast<int>(program.outputs.size())),
+    : uniform_count_(program.uniform_count),
+      output_count_(static_cast<int>(program.outputs.size())),
       strides_{kLanes, program.unknown_count * kLanes, program.element_count * kLanes, 0, 0} {
   const int count = static_cast<int>(program.instructions.size());
   for (const uint64_t c : program.constants) constants_.insert(constants_.end(), kLanes, from_bits(c));
@@ -112,16 +127,36 @@ Interpreter::Interpreter(const Program& program)
   }
   const auto place = [&](const Operand& o, uint8_t& base, int32_t& offset) {
     switch (o.space) {
-      case Space::Value: base = kSlots; offset = slot[o.index] * kChunk * kLanes; break;
-      case Space::Unknown: base = kUnknowns; offset = o.index * kLanes; break;
-      case Space::Element: base = kElements; offset = o.index * kLanes; break;
-      case Space::Uniform: base = kUniforms; offset = o.index * kLanes; break;
-      default: base = kConstants; offset = o.index * kLanes; break;
+      case Space::Value:
+        base = kSlots;
+        offset = slot[o.index] * kChunk * kLanes;
+        break;
+      case Space::Unknown:
+        base = kUnknowns;
+        offset = o.index * kLanes;
+        break;
+      case Space::Element:
+        base = kElements;
+        offset = o.index * kLanes;
+        break;
+      case Space::Uniform:
+        base = kUniforms;
+        offset = o.index * kLanes;
+        break;
+      default:
+        base = kConstants;
+        offset = o.index * kLanes;
+        break;
     }
   };
   for (int i = 0; i < count; ++i) {
     const Instruction& in = program.instructions[i];
-    Step step{in.code, in.shift, {0, 0, 0}, 0, {0, 0, 0}, static_cast<int32_t>(stored_outputs_.size()),
+    Step step{in.code,
+              in.shift,
+              {0, 0, 0},
+              0,
+              {0, 0, 0},
+              static_cast<int32_t>(stored_outputs_.size()),
               static_cast<int32_t>(outputs_of[i].size())};
     stored_outputs_.insert(stored_outputs_.end(), outputs_of[i].begin(), outputs_of[i].end());
     const int operands = operand_count(in.code);
@@ -150,8 +185,8 @@ Interpreter::Interpreter(const Program& program)
   }
 }
 
-void Interpreter::run(const double* unknowns, const double* elements, const double* uniforms, double* out_values,
-                      int64_t block_count) const {
+void Interpreter::run(const double* unknowns, const double* elements, const double* uniforms,
+                      double* out_values, int64_t block_count) const {
   double* scratch = thread_scratch(static_cast<size_t>(slot_count_ * kChunk + uniform_count_) * kLanes);
   double* uniform_lanes = scratch + static_cast<size_t>(slot_count_) * kChunk * kLanes;
   for (int i = 0; i < uniform_count_; ++i) {
@@ -163,7 +198,8 @@ void Interpreter::run(const double* unknowns, const double* elements, const doub
     run_chunk(bases, scratch, out_values, blocks);
     for (int g = 0; g < blocks; ++g) {
       for (const Copy& c : copies_) {
-        std::memcpy(out_values + c.output, bases[c.base] + c.offset + g * strides_[c.base], kLanes * sizeof(double));
+        std::memcpy(out_values + c.output, bases[c.base] + c.offset + g * strides_[c.base],
+                    kLanes * sizeof(double));
       }
       out_values += output_count_ * kLanes;
     }
@@ -172,8 +208,8 @@ void Interpreter::run(const double* unknowns, const double* elements, const doub
   }
 }
 
-void Interpreter::run_chunk(const std::array<const double*, kBaseCount>& bases, double* slots, double* out_values,
-                            int blocks) const {
+void Interpreter::run_chunk(const std::array<const double*, kBaseCount>& bases, double* slots,
+                            double* out_values, int blocks) const {
   const int64_t out_stride = static_cast<int64_t>(output_count_) * kLanes;
   for (const Step& s : steps_) {
     double* r = slots + s.slot;
@@ -188,41 +224,86 @@ void Interpreter::run_chunk(const std::array<const double*, kBaseCount>& bases, 
     };
     using In = const double*;
     switch (s.code) {
-      case Code::Add: each([](In x, In y, In) { return load(x) + load(y); }); break;
-      case Code::Sub: each([](In x, In y, In) { return load(x) - load(y); }); break;
-      case Code::Mul: each([](In x, In y, In) { return load(x) * load(y); }); break;
-      case Code::Div: each([](In x, In y, In) { return load(x) / load(y); }); break;
-      case Code::Min: each([](In x, In y, In) { return smaller(load(x), load(y)); }); break;
-      case Code::Max: each([](In x, In y, In) { return larger(load(x), load(y)); }); break;
-      case Code::MulAdd: each([](In x, In y, In z) { return fused(load(x), load(y), load(z)); }); break;
-      case Code::MulSub: each([](In x, In y, In z) { return fused(load(x), load(y), -load(z)); }); break;
-      case Code::NegMulAdd: each([](In x, In y, In z) { return fused(-load(x), load(y), load(z)); }); break;
-      case Code::Sqrt: each([](In x, In, In) { return square_root(load(x)); }); break;
-      case Code::Round: each([](In x, In, In) { return rounded(load(x)); }); break;
-      case Code::Less: each([](In x, In y, In) { return less(load(x), load(y)); }); break;
-      case Code::LessEqual: each([](In x, In y, In) { return less_equal(load(x), load(y)); }); break;
+      case Code::Add:
+        each([](In x, In y, In) { return load(x) + load(y); });
+        break;
+      case Code::Sub:
+        each([](In x, In y, In) { return load(x) - load(y); });
+        break;
+      case Code::Mul:
+        each([](In x, In y, In) { return load(x) * load(y); });
+        break;
+      case Code::Div:
+        each([](In x, In y, In) { return load(x) / load(y); });
+        break;
+      case Code::Min:
+        each([](In x, In y, In) { return smaller(load(x), load(y)); });
+        break;
+      case Code::Max:
+        each([](In x, In y, In) { return larger(load(x), load(y)); });
+        break;
+      case Code::MulAdd:
+        each([](In x, In y, In z) { return fused(load(x), load(y), load(z)); });
+        break;
+      case Code::MulSub:
+        each([](In x, In y, In z) { return fused(load(x), load(y), -load(z)); });
+        break;
+      case Code::NegMulAdd:
+        each([](In x, In y, In z) { return fused(-load(x), load(y), load(z)); });
+        break;
+      case Code::Sqrt:
+        each([](In x, In, In) { return square_root(load(x)); });
+        break;
+      case Code::Round:
+        each([](In x, In, In) { return rounded(load(x)); });
+        break;
+      case Code::Less:
+        each([](In x, In y, In) { return less(load(x), load(y)); });
+        break;
+      case Code::LessEqual:
+        each([](In x, In y, In) { return less_equal(load(x), load(y)); });
+        break;
       case Code::Select:
         each([](In x, In y, In z) { return (load_bits(x) & load_bits(y)) | (~load_bits(x) & load_bits(z)); });
         break;
-      case Code::And: each([](In x, In y, In) { return load_bits(x) & load_bits(y); }); break;
-      case Code::Or: each([](In x, In y, In) { return load_bits(x) | load_bits(y); }); break;
-      case Code::Xor: each([](In x, In y, In) { return load_bits(x) ^ load_bits(y); }); break;
-      case Code::AndNot: each([](In x, In y, In) { return ~load_bits(x) & load_bits(y); }); break;
-      case Code::AddInt: each([](In x, In y, In) { return load_bits(x) + load_bits(y); }); break;
-      case Code::SubInt: each([](In x, In y, In) { return load_bits(x) - load_bits(y); }); break;
-      case Code::ShiftLeft: each([n = s.shift](In x, In, In) { return load_bits(x) << n; }); break;
-      case Code::ShiftRight: each([n = s.shift](In x, In, In) { return load_bits(x) >> n; }); break;
+      case Code::And:
+        each([](In x, In y, In) { return load_bits(x) & load_bits(y); });
+        break;
+      case Code::Or:
+        each([](In x, In y, In) { return load_bits(x) | load_bits(y); });
+        break;
+      case Code::Xor:
+        each([](In x, In y, In) { return load_bits(x) ^ load_bits(y); });
+        break;
+      case Code::AndNot:
+        each([](In x, In y, In) { return ~load_bits(x) & load_bits(y); });
+        break;
+      case Code::AddInt:
+        each([](In x, In y, In) { return load_bits(x) + load_bits(y); });
+        break;
+      case Code::SubInt:
+        each([](In x, In y, In) { return load_bits(x) - load_bits(y); });
+        break;
+      case Code::ShiftLeft:
+        each([n = s.shift](In x, In, In) { return load_bits(x) << n; });
+        break;
+      case Code::ShiftRight:
+        each([n = s.shift](In x, In, In) { return load_bits(x) >> n; });
+        break;
     }
     for (int32_t k = s.first_output; k < s.first_output + s.output_count; ++k) {
       const double* value = slots + s.slot;
       double* target = out_values + stored_outputs_[k] * kLanes;
-      for (int g = 0; g < blocks; ++g) std::memcpy(target + g * out_stride, value + g * kLanes, kLanes * sizeof(double));
+      for (int g = 0; g < blocks; ++g)
+        std::memcpy(target + g * out_stride, value + g * kLanes, kLanes * sizeof(double));
     }
   }
 }
 
 }  // namespace
 
-std::unique_ptr<Executable> make_interpreter(const Program& program) { return std::make_unique<Interpreter>(program); }
+std::unique_ptr<Executable> make_interpreter(const Program& program) {
+  return std::make_unique<Interpreter>(program);
+}
 
 }  // namespace stark::symbolic

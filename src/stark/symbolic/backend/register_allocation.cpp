@@ -1,7 +1,7 @@
-// Register allocation by furthest next use. Inputs and constants live in memory already; results that leave a register
-// get a spill slot, or use their output slot, to which they were stored when they were made. An operand that is in
-// memory is used from there where the instruction can, unless a register is free and the value is needed again.
-// Phase: kernel building.
+// Register allocation by furthest next use. Inputs and constants live in memory already; results that leave a
+// register get a spill slot, or use their output slot, to which they were stored when they were made. An
+// operand that is in memory is used from there where the instruction can, unless a register is free and the
+// value is needed again. Phase: kernel building.
 #include <stark/symbolic/backend/register_allocation.h>
 
 #include <stark/base/error.h>
@@ -14,11 +14,13 @@ namespace stark::symbolic {
 namespace {
 
 constexpr int kNoUse = std::numeric_limits<int>::max();
-// Dropping a value that is in memory already is cheaper than storing one: its next use counts as this much further.
+// Dropping a value that is in memory already is cheaper than storing one: its next use counts as this much
+// further.
 constexpr double kHomeBonus = 2.0;
 
 bool commutes(Code code) {
-  return code == Code::Add || code == Code::Mul || code == Code::And || code == Code::Or || code == Code::Xor || code == Code::AddInt;
+  return code == Code::Add || code == Code::Mul || code == Code::And || code == Code::Or ||
+         code == Code::Xor || code == Code::AddInt;
 }
 bool is_fused(Code code) { return code >= Code::MulAdd && code <= Code::NegMulAdd; }
 
@@ -35,8 +37,8 @@ class Allocator {
     int reg = -1;
     bool has_home = false;
     Location home;
-    int next = 0;               // place in uses
-    std::vector<int> uses;      // instructions, ascending
+    int next = 0;           // place in uses
+    std::vector<int> uses;  // instructions, ascending
     std::vector<int> outputs;
   };
 
@@ -87,12 +89,19 @@ void Allocator::number_variables() {
   uniform_.assign(program_.uniform_count, -1);
   const auto visit = [&](const Operand& o) {
     if (o.space == Space::Value) return static_cast<int>(o.index);
-    auto& table = o.space == Space::Constant ? constant_ : (o.space == Space::Unknown ? unknown_ : (o.space == Space::Element ? element_ : uniform_));
+    auto& table =
+        o.space == Space::Constant
+            ? constant_
+            : (o.space == Space::Unknown ? unknown_ : (o.space == Space::Element ? element_ : uniform_));
     if (table[o.index] < 0) {
       table[o.index] = static_cast<int>(variables_.size());
       Variable v;
       v.has_home = true;
-      v.home.home = o.space == Space::Constant ? Home::Constant : (o.space == Space::Unknown ? Home::Unknown : (o.space == Space::Element ? Home::Element : Home::Uniform));
+      v.home.home =
+          o.space == Space::Constant
+              ? Home::Constant
+              : (o.space == Space::Unknown ? Home::Unknown
+                                           : (o.space == Space::Element ? Home::Element : Home::Uniform));
       v.home.index = o.index;
       variables_.push_back(v);
     }
@@ -105,17 +114,23 @@ void Allocator::number_variables() {
       if (uses.empty() || uses.back() != i) uses.push_back(i);
     }
   }
-  for (int k = 0; k < static_cast<int>(program_.outputs.size()); ++k) variables_[visit(program_.outputs[k])].outputs.push_back(k);
+  for (int k = 0; k < static_cast<int>(program_.outputs.size()); ++k)
+    variables_[visit(program_.outputs[k])].outputs.push_back(k);
   pinned_.assign(variables_.size(), 0);
 }
 
 int Allocator::variable_of(const Operand& o) const {
   switch (o.space) {
-    case Space::Value: return o.index;
-    case Space::Constant: return constant_[o.index];
-    case Space::Unknown: return unknown_[o.index];
-    case Space::Element: return element_[o.index];
-    default: return uniform_[o.index];
+    case Space::Value:
+      return o.index;
+    case Space::Constant:
+      return constant_[o.index];
+    case Space::Unknown:
+      return unknown_[o.index];
+    case Space::Element:
+      return element_[o.index];
+    default:
+      return uniform_[o.index];
   }
 }
 
@@ -191,7 +206,8 @@ int Allocator::pick_memory_operand(const Instruction& in, const int* v, int coun
   return free_count > missing ? -1 : best;
 }
 
-// For instructions that overwrite an operand: picks one that dies here, or makes a copy. Returns the target register.
+// For instructions that overwrite an operand: picks one that dies here, or makes a copy. Returns the target
+// register.
 uint8_t Allocator::overwrite(MachineStep& s, const int* v, int count, int memory) {
   for (int k = 0; k < count; ++k) {
     if (k != memory && next_use(v[k]) == kNoUse) {
@@ -235,7 +251,8 @@ void Allocator::step(int i) {
     s.operands[k] = k == memory ? x.home : Location{Home::Register, x.reg};
   }
   int target = -1;
-  if (is_fused(in.code) || (select_overwrites_ && in.code == Code::Select)) target = overwrite(s, v, count, memory);
+  if (is_fused(in.code) || (select_overwrites_ && in.code == Code::Select))
+    target = overwrite(s, v, count, memory);
   for (int k = 0; k < count; ++k) {
     if (next_use(v[k]) == kNoUse && variables_[v[k]].reg >= 0) release(v[k]);
   }

@@ -22,9 +22,9 @@ struct MachineStep {
   Kind kind = Kind::Operate;
   Code code = Code::Add;
   uint8_t shift = 0;
-  uint8_t target = 0;       // register (Load, Move, Operate)
-  int8_t destroyed = -1;    // operand whose register is the target, where the instruction overwrites one
-  Location operands[3];     // Load: [0] memory; Store: [0] memory, register in target; Move: [0] register
+  uint8_t target = 0;     // register (Load, Move, Operate)
+  int8_t destroyed = -1;  // operand whose register is the target, where the instruction overwrites one
+  Location operands[3];   // Load: [0] memory; Store: [0] memory, register in target; Move: [0] register
 };
 
 struct Allocation {

@@ -1,6 +1,6 @@
-// Machine code for AVX2 + FMA and for AVX-512. A block of eight lanes is one pass with 512-bit registers or two passes
-// of four lanes with 256-bit registers. Every operation is the same IEEE operation on both and in the interpreter.
-// Phase: kernel building.
+// Machine code for AVX2 + FMA and for AVX-512. A block of eight lanes is one pass with 512-bit registers or
+// two passes of four lanes with 256-bit registers. Every operation is the same IEEE operation on both and in
+// the interpreter. Phase: kernel building.
 #include <stark/symbolic/backend/x86_64.h>
 
 #include <stark/base/error.h>
@@ -15,17 +15,17 @@ namespace stark::symbolic {
 
 namespace {
 
-using Function = void (*)(const double* unknowns, const double* elements, const double* uniforms, double* out_values,
-                          int64_t block_count, double* spills);
+using Function = void (*)(const double* unknowns, const double* elements, const double* uniforms,
+                          double* out_values, int64_t block_count, double* spills);
 
 // Arguments of the System V calling convention, and registers that a callee may use.
-constexpr Gpr kUnknowns = Gpr::Rdi, kElements = Gpr::Rsi, kUniforms = Gpr::Rdx, kOutputs = Gpr::Rcx, kBlocks = Gpr::R8,
-              kSpills = Gpr::R9, kConstants = Gpr::Rax, kHalf = Gpr::R10;
+constexpr Gpr kUnknowns = Gpr::Rdi, kElements = Gpr::Rsi, kUniforms = Gpr::Rdx, kOutputs = Gpr::Rcx,
+              kBlocks = Gpr::R8, kSpills = Gpr::R9, kConstants = Gpr::Rax, kHalf = Gpr::R10;
 
 constexpr int kBlockBytes = kLanes * 8;
 // Bases point this far into their arrays, so that one-byte displacements reach entries on both sides.
 constexpr int kBias = 128;
-constexpr int kMaskRegister = 1;  // k1
+constexpr int kMaskRegister = 1;                // k1
 constexpr int kLess = 0x11, kLessEqual = 0x12;  // ordered, quiet
 constexpr int kNearestEven = 8;
 
@@ -51,13 +51,20 @@ VectorOperand CodeWriter::operand(const Location& l) const {
   const int bias = wide_ ? 0 : kBias;
   const int vector_bytes = wide_ ? 64 : 32;
   switch (l.home) {
-    case Home::Register: return VectorOperand::in_register(l.index);
-    case Home::Unknown: return VectorOperand::in_memory(kUnknowns, l.index * kBlockBytes - bias);
-    case Home::Element: return VectorOperand::in_memory(kElements, l.index * kBlockBytes - bias);
-    case Home::Output: return VectorOperand::in_memory(kOutputs, l.index * kBlockBytes - bias);
-    case Home::Spill: return VectorOperand::in_memory(kSpills, l.index * vector_bytes - bias);
-    case Home::Uniform: return VectorOperand::in_memory(kUniforms, l.index * (wide_ ? 8 : 32) - bias, wide_);
-    case Home::Constant: return VectorOperand::in_memory(kConstants, l.index * (wide_ ? 8 : 32) - bias, wide_);
+    case Home::Register:
+      return VectorOperand::in_register(l.index);
+    case Home::Unknown:
+      return VectorOperand::in_memory(kUnknowns, l.index * kBlockBytes - bias);
+    case Home::Element:
+      return VectorOperand::in_memory(kElements, l.index * kBlockBytes - bias);
+    case Home::Output:
+      return VectorOperand::in_memory(kOutputs, l.index * kBlockBytes - bias);
+    case Home::Spill:
+      return VectorOperand::in_memory(kSpills, l.index * vector_bytes - bias);
+    case Home::Uniform:
+      return VectorOperand::in_memory(kUniforms, l.index * (wide_ ? 8 : 32) - bias, wide_);
+    case Home::Constant:
+      return VectorOperand::in_memory(kConstants, l.index * (wide_ ? 8 : 32) - bias, wide_);
   }
   throw InternalError("CodeWriter: unknown location.");
 }
@@ -67,14 +74,21 @@ void CodeWriter::write_step(const MachineStep& s) {
   switch (s.kind) {
     case MachineStep::Kind::Load:
       if (first.broadcast) {
-        code_.vector(opcode::kBroadcast, s.target, 0, VectorOperand::in_memory(first.base, first.displacement));
+        code_.vector(opcode::kBroadcast, s.target, 0,
+                     VectorOperand::in_memory(first.base, first.displacement));
       } else {
         code_.vector(opcode::kLoad, s.target, 0, first);
       }
       break;
-    case MachineStep::Kind::Store: code_.vector(opcode::kStore, s.target, 0, first); break;
-    case MachineStep::Kind::Move: code_.vector(opcode::kMove, s.target, 0, first); break;
-    case MachineStep::Kind::Operate: operate(s); break;
+    case MachineStep::Kind::Store:
+      code_.vector(opcode::kStore, s.target, 0, first);
+      break;
+    case MachineStep::Kind::Move:
+      code_.vector(opcode::kMove, s.target, 0, first);
+      break;
+    case MachineStep::Kind::Operate:
+      operate(s);
+      break;
   }
 }
 
@@ -85,32 +99,73 @@ void CodeWriter::operate(const MachineStep& s) {
   if (a.is_memory && operand_count(s.code) == 2) std::swap(a, b);
   const auto binary = [&](Opcode op) { code_.vector(op, s.target, a.reg, b); };
   switch (s.code) {
-    case Code::Add: binary(opcode::kAdd); break;
-    case Code::Sub: binary(opcode::kSub); break;
-    case Code::Mul: binary(opcode::kMul); break;
-    case Code::Div: binary(opcode::kDiv); break;
-    case Code::Min: binary(opcode::kMin); break;
-    case Code::Max: binary(opcode::kMax); break;
-    case Code::And: binary(opcode::kAnd); break;
-    case Code::Or: binary(opcode::kOr); break;
-    case Code::Xor: binary(opcode::kXor); break;
-    case Code::AndNot: binary(opcode::kAndNot); break;
-    case Code::AddInt: binary(opcode::kAddInt); break;
-    case Code::SubInt: binary(opcode::kSubInt); break;
-    case Code::MulAdd: fused(s, opcode::kMulAdd); break;
-    case Code::MulSub: fused(s, opcode::kMulSub); break;
-    case Code::NegMulAdd: fused(s, opcode::kNegMulAdd); break;
-    case Code::Sqrt: code_.vector(opcode::kSqrt, s.target, 0, a); break;
-    case Code::Round: code_.vector(opcode::kRound, s.target, 0, a, kNearestEven); break;
-    case Code::ShiftLeft: code_.vector(opcode::kShiftImmediate, 6, s.target, a, s.shift); break;
-    case Code::ShiftRight: code_.vector(opcode::kShiftImmediate, 2, s.target, a, s.shift); break;
-    case Code::Less: case Code::LessEqual: {
+    case Code::Add:
+      binary(opcode::kAdd);
+      break;
+    case Code::Sub:
+      binary(opcode::kSub);
+      break;
+    case Code::Mul:
+      binary(opcode::kMul);
+      break;
+    case Code::Div:
+      binary(opcode::kDiv);
+      break;
+    case Code::Min:
+      binary(opcode::kMin);
+      break;
+    case Code::Max:
+      binary(opcode::kMax);
+      break;
+    case Code::And:
+      binary(opcode::kAnd);
+      break;
+    case Code::Or:
+      binary(opcode::kOr);
+      break;
+    case Code::Xor:
+      binary(opcode::kXor);
+      break;
+    case Code::AndNot:
+      binary(opcode::kAndNot);
+      break;
+    case Code::AddInt:
+      binary(opcode::kAddInt);
+      break;
+    case Code::SubInt:
+      binary(opcode::kSubInt);
+      break;
+    case Code::MulAdd:
+      fused(s, opcode::kMulAdd);
+      break;
+    case Code::MulSub:
+      fused(s, opcode::kMulSub);
+      break;
+    case Code::NegMulAdd:
+      fused(s, opcode::kNegMulAdd);
+      break;
+    case Code::Sqrt:
+      code_.vector(opcode::kSqrt, s.target, 0, a);
+      break;
+    case Code::Round:
+      code_.vector(opcode::kRound, s.target, 0, a, kNearestEven);
+      break;
+    case Code::ShiftLeft:
+      code_.vector(opcode::kShiftImmediate, 6, s.target, a, s.shift);
+      break;
+    case Code::ShiftRight:
+      code_.vector(opcode::kShiftImmediate, 2, s.target, a, s.shift);
+      break;
+    case Code::Less:
+    case Code::LessEqual: {
       const int predicate = s.code == Code::Less ? kLess : kLessEqual;
       code_.vector(opcode::kCompare, wide_ ? kMaskRegister : s.target, a.reg, b, predicate);
       if (wide_) code_.vector(opcode::kMaskToVector, s.target, 0, reg(kMaskRegister));
       break;
     }
-    case Code::Select: select(s); break;
+    case Code::Select:
+      select(s);
+      break;
   }
 }
 
@@ -172,7 +227,8 @@ MachineCode CodeWriter::write() {
   code_.load_rip_relative(kConstants, 0);
   const int constants_place = code_.size() - 4;
   if (bias) {
-    for (const Gpr base : {kUnknowns, kElements, kUniforms, kOutputs, kSpills}) code_.add_immediate(base, bias);
+    for (const Gpr base : {kUnknowns, kElements, kUniforms, kOutputs, kSpills})
+      code_.add_immediate(base, bias);
     code_.clear(kHalf);
   }
   code_.align(32);
@@ -227,7 +283,8 @@ class X86Code final : public Executable {
       }
       uniforms = scratch + spills;
     }
-    reinterpret_cast<Function>(const_cast<void*>(memory_.data()))(unknowns, elements, uniforms, out_values, block_count, scratch);
+    reinterpret_cast<Function>(const_cast<void*>(memory_.data()))(unknowns, elements, uniforms, out_values,
+                                                                  block_count, scratch);
   }
 
  private:

@@ -15,8 +15,8 @@ struct MachineCode {
   int spill_count = 0;
 };
 
-/// Function of the System V convention: unknowns, elements, uniforms (AVX2: four copies of each; AVX-512: one), outputs,
-/// block count, spill slots.
+/// Function of the System V convention: unknowns, elements, uniforms (AVX2: four copies of each; AVX-512:
+/// one), outputs, block count, spill slots.
 MachineCode assemble_x86_64(const Program& program, Backend backend);
 
 }  // namespace stark::symbolic

@@ -1,5 +1,5 @@
-// Bytes of VEX and EVEX instructions. Checked against an independent disassembler in tests/python/test_encoder.py.
-// Phase: kernel building.
+// Bytes of VEX and EVEX instructions. Checked against an independent disassembler in
+// tests/python/test_encoder.py. Phase: kernel building.
 #include <stark/symbolic/backend/x86_64_assembler.h>
 
 namespace stark::symbolic {
@@ -136,7 +136,8 @@ int Assembler::jump_if_not_positive_forward() {
 void Assembler::patch(int place) { patch_word(place, size() - (place + 4)); }
 
 void Assembler::patch_word(int place, int32_t value) {
-  for (int k = 0; k < 4; ++k) bytes_[place + k] = static_cast<uint8_t>(static_cast<uint32_t>(value) >> (8 * k));
+  for (int k = 0; k < 4; ++k)
+    bytes_[place + k] = static_cast<uint8_t>(static_cast<uint32_t>(value) >> (8 * k));
 }
 
 void Assembler::zero_upper() {
