@@ -7,12 +7,6 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 find_package(Threads REQUIRED)
 
-# Recompiling what was compiled before is free where ccache is installed; it changes nothing else.
-find_program(STARK_CCACHE ccache)
-if(STARK_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${STARK_CCACHE})
-endif()
-
 option(STARK_CCACHE "Compile through ccache when it is installed" ON)
 find_program(STARK_CCACHE_PROGRAM ccache)
 mark_as_advanced(STARK_CCACHE_PROGRAM)

@@ -55,7 +55,7 @@ def plain(instruction, operands):
     if name in PREDICATES:
         return "vcmppd", operands, PREDICATES[name]
     if name == "vcmppd":  # predicates without a name of their own stay as a number
-        return name, operands, {"lt_oq": 0x11, "le_oq": 0x12}.get(name, None)
+        return name, operands, {"lt_oq": 0x11, "le_oq": 0x12}.get(name)
     return name, operands, None
 
 
@@ -109,7 +109,7 @@ libm.fma.argtypes = [ctypes.c_double] * 3
 
 
 def fma(a, b, c):
-    return np.array([libm.fma(x, y, z) for x, y, z in zip(a, b, c)])
+    return np.array([libm.fma(x, y, z) for x, y, z in zip(a, b, c, strict=True)])
 
 
 class Machine:
@@ -142,7 +142,7 @@ class Machine:
         start = address & 0x70000000
         words = self.memory[start]
         offset = address - start
-        assert offset % 8 == 0 and 0 <= offset and offset // 8 + count <= len(words), hex(address)
+        assert offset % 8 == 0 and offset >= 0 and offset // 8 + count <= len(words), hex(address)
         return words, offset // 8
 
     def read(self, address, count):
