@@ -38,6 +38,18 @@ from stark.simulation import Simulation, StepFailed  # noqa: E402
 for _exception in (Error, InvalidArgument, InvalidSetting, InvalidMesh, InitialIntersection, InternalError):
     _exception.__module__ = "stark"
 
+# Imported when first used, to keep `import stark` fast.
+_ON_DEMAND = ("recording", "render", "replay", "scenes", "telemetry")
+
+
+def __getattr__(name: str) -> object:
+    if name in _ON_DEMAND:
+        import importlib
+
+        return importlib.import_module(f"stark.{name}")
+    raise AttributeError(f"module 'stark' has no attribute {name!r}")
+
+
 __all__ = [
     "Body",
     "Cloth",

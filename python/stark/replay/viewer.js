@@ -151,16 +151,44 @@ async function start() {
   const camera = new Camera(bounds);
   const wanted = new URLSearchParams(location.hash.slice(1));
   const options = { edges: false, flat: false, grid: true, shadows: true, loop: true };
-  const state = { now: begin, playing: false, last: 0, dirty: true, moved: true };
-  const redraw = () => { state.dirty = true; };
+  const state = { now: begin, playing: false, last: 0, waiting: false, moved: true };
+  // A picture is drawn only when something changed; an idle page costs nothing.
+  const redraw = () => {
+    if (!state.waiting) requestAnimationFrame(tick);
+    state.waiting = true;
+  };
   const seek = (time) => {
     state.now = Math.min(end, Math.max(begin, time));
-    state.dirty = state.moved = true;
+    state.moved = true;
+    redraw();
   };
   const frameAt = (time) => {
     let k = times.findLastIndex((t) => t <= time + 1e-9);
     k = Math.max(0, Math.min(k, times.length - 1));
     return [k, k + 1 < times.length ? Math.min(1, Math.max(0, (time - times[k]) / (times[k + 1] - times[k] || 1))) : 0];
+  };
+  const draw = () => {
+    const [k, f] = frameAt(state.now);
+    if (state.moved) renderer.setFrame(k, f);
+    renderer.draw(camera, options);
+    for (const chart of charts) chart.draw(state.now);
+    scrub.value = state.now;
+    byId("time").textContent = `${state.now.toFixed(2)} / ${end.toFixed(2)} s`;
+    byId("clock").innerHTML = `<b>${state.now.toFixed(3)} s</b>frame ${k + 1} of ${times.length}`;
+    state.moved = false;
+  };
+  const tick = (clock) => {
+    state.waiting = false;
+    if (state.playing) {
+      let next = state.now + (Number(byId("speed").value) * Math.min(250, clock - state.last)) / 1000;
+      if (next >= end) {
+        if (options.loop) next = begin + ((next - begin) % (end - begin || 1));
+        else setPlaying(false);
+      }
+      seek(next);
+    }
+    state.last = clock;
+    draw();
   };
   const setPlaying = (on) => {
     if (on && state.now >= end) seek(begin);
@@ -168,6 +196,7 @@ async function start() {
     byId("play").classList.toggle("on", state.playing);
     byId("play").setAttribute("aria-label", state.playing ? "Pause" : "Play");
     state.last = performance.now();
+    redraw();
   };
   const setOption = (name, on) => {
     options[name] = on;
@@ -237,31 +266,7 @@ async function start() {
   if (wanted.get("play") === "1") setPlaying(true);
   byId("message").hidden = true;
 
-  const duration = end.toFixed(2);
-  const tick = (clock) => {
-    if (state.playing) {
-      const speed = Number(byId("speed").value);
-      let next = state.now + (speed * Math.min(250, clock - state.last)) / 1000;
-      if (next >= end) {
-        if (options.loop) next = begin + ((next - begin) % (end - begin || 1));
-        else setPlaying(false);
-      }
-      seek(next);
-    }
-    state.last = clock;
-    if (state.dirty) {
-      const [k, f] = frameAt(state.now);
-      if (state.moved) renderer.setFrame(k, f);
-      renderer.draw(camera, options);
-      for (const chart of charts) chart.draw(state.now);
-      scrub.value = state.now;
-      byId("time").textContent = `${state.now.toFixed(2)} / ${duration} s`;
-      byId("clock").innerHTML = `<b>${state.now.toFixed(3)} s</b>frame ${k + 1} of ${times.length}`;
-      state.dirty = state.moved = false;
-    }
-    requestAnimationFrame(tick);
-  };
-  tick(performance.now());
+  redraw();
   document.body.dataset.state = "ready";
   if (wanted.has("selftest")) document.body.dataset.selftest = JSON.stringify(checksum(bodies));
 }

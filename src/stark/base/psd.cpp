@@ -1,5 +1,5 @@
-// Lane-batched LDL^T test and Jacobi projection. Matrices are handled four at a time, one per lane of a 256-bit
-// vector; sizes are compile-time constants so that the sweeps unroll.
+// Lane-batched LDL^T test and eigenvalue projection. Matrices are handled four at a time, one per lane of a 256-bit
+// vector; the usual sizes are compile-time constants, so that the inner loops unroll.
 #include <stark/base/psd.h>
 
 #include <cmath>
@@ -19,10 +19,8 @@ using Mask = simd::MaskDouble;
 constexpr int kWidth = simd::kWidth<double>;  // matrices handled at once
 
 constexpr double kTestTolerance = 1e-12;  // of the absolute diagonal sum
-constexpr int kMaxSweeps = 12;            // cyclic Jacobi needs 5 to 7 at these sizes
-// A lane stops when its off-diagonal norm is below this multiple of its Frobenius norm: the error of an eigenvalue is
-// then of the order of its square over the gap, or of the multiple itself for a cluster.
-constexpr double kOffTolerance = 1e-15;
+constexpr int kMaxSteps = 40;             // QR steps per eigenvalue; two or three are usual
+constexpr double kNegligible = 1e-16;     // off-diagonal entry taken as zero, the matrix being scaled to one
 
 uint32_t lane_bits(Mask mask) {
   uint32_t bits = 0;
@@ -71,70 +69,138 @@ uint32_t test_lanes(const double* upper, Size<N> size) {
   return ~lane_bits(good) & 0xfu;
 }
 
-// Projects the four lanes of the full matrix a[n][n] (upper triangle used) selected by `bits`.
+// Brings the full matrices a[n][n] to tridiagonal form d, e by Householder reflections, collected in the rows of
+// v[n][n]: a = v^T T v.
+template <int N>
+void tridiagonalize(V* a, Size<N> size, V* d, V* e, V* v) {
+  const int n = size.value();
+  constexpr int kMax = capacity(N);
+  V beta[kMax], w[kMax];
+  for (int k = 0; k + 2 < n; ++k) {
+    // The reflection of row k beyond the diagonal onto its first entry; its vector overwrites the row.
+    V* const x = a + k * n;
+    V tail = x[k + 2] * x[k + 2];
+    for (int i = k + 3; i < n; ++i) tail = fma(x[i], x[i], tail);
+    const V norm = simd::sqrt(fma(x[k + 1], x[k + 1], tail));
+    const Mask reflect = tail > 0.0;
+    const V first = x[k + 1];
+    e[k] = select(reflect, first > 0.0 ? -norm : norm, first);
+    x[k + 1] = first - e[k];
+    beta[k] = select(reflect, splat(1.0) / select(reflect, fma(norm, absolute(first), norm * norm), splat(1.0)),
+                     splat(0.0));
+    V product = splat(0.0);
+    for (int i = k + 1; i < n; ++i) {
+      V sum = splat(0.0);
+      for (int j = k + 1; j < n; ++j) sum = fma(a[i * n + j], x[j], sum);
+      w[i] = sum * beta[k];
+      product = fma(w[i], x[i], product);
+    }
+    const V half = product * beta[k] * 0.5;
+    for (int i = k + 1; i < n; ++i) w[i] = fma(-half, x[i], w[i]);
+    for (int i = k + 1; i < n; ++i) {
+      const V xi = -x[i], wi = -w[i];
+      for (int j = k + 1; j < n; ++j) a[i * n + j] = fma(xi, w[j], fma(wi, x[j], a[i * n + j]));
+    }
+  }
+  for (int i = 0; i < n; ++i) d[i] = a[i * n + i];
+  if (n > 1) e[n - 2] = a[(n - 2) * n + n - 1];
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) v[i * n + j] = splat(i == j ? 1.0 : 0.0);
+  for (int k = n - 3; k >= 0; --k) {
+    const V* const x = a + k * n;
+    for (int i = k + 1; i < n; ++i) {
+      V* const row = v + i * n;
+      V sum = splat(0.0);
+      for (int j = k + 1; j < n; ++j) sum = fma(row[j], x[j], sum);
+      sum = -sum * beta[k];
+      for (int j = k + 1; j < n; ++j) row[j] = fma(sum, x[j], row[j]);
+    }
+  }
+}
+
+// Diagonalises d, e by implicit QR steps with Wilkinson's shift, turning the rows of v[n][n]. Lanes that are done, or
+// not `wanted`, get identity rotations, which keep their bits.
+template <int N>
+void diagonalize(V* d, V* e, V* v, Size<N> size, Mask wanted) {
+  const int n = size.value();
+  for (int last = n - 1; last > 0; --last) {
+    for (int step = 0; step < kMaxSteps; ++step) {
+      const Mask active = wanted & (absolute(e[last - 1]) > kNegligible);
+      if (lane_bits(active) == 0) break;
+      // The bottom block of each lane that is not yet split starts at `start`.
+      V start = splat(0.0);
+      for (int k = 1; k < last; ++k) start = select(absolute(e[k - 1]) > kNegligible, start, splat(static_cast<double>(k)));
+      const V half = (d[last - 1] - d[last]) * 0.5, corner = e[last - 1];
+      const V root = simd::sqrt(fma(half, half, corner * corner));
+      const V denominator = half < 0.0 ? half - root : half + root;
+      const V shift = d[last] - select(active, corner * corner / select(active, denominator, splat(1.0)), splat(0.0));
+      V x = splat(0.0), z = splat(0.0);
+      for (int k = 0; k < last; ++k) {
+        const Mask here = active & (start == static_cast<double>(k));
+        const Mask inside = active & (start < static_cast<double>(k));
+        x = select(here, d[k] - shift, x);
+        z = select(here, e[k], z);
+        const V r = simd::sqrt(fma(x, x, z * z));
+        const Mask turn = r > 0.0;
+        const V inverse = splat(1.0) / select(turn, r, splat(1.0));
+        const V c = select(turn, x * inverse, splat(1.0)), s = z * inverse;
+        if (k > 0) e[k - 1] = select(inside, r, e[k - 1]);
+        // The 2 x 2 block is rotated through its mean and half difference, so that an identity leaves it as it is.
+        const V difference = d[k + 1] - d[k], twice = e[k] + e[k];
+        const V change = s * fma(s, difference, c * twice);
+        d[k] += change;
+        d[k + 1] -= change;
+        e[k] = fma(c * s, difference, fma(-(s + s), s * e[k], e[k]));
+        x = select(here | inside, e[k], splat(0.0));
+        if (k + 1 < last) {
+          z = s * e[k + 1];
+          e[k + 1] *= c;
+        }
+        V* const upper = v + k * n;
+        V* const lower = upper + n;
+        for (int j = 0; j < n; ++j) {
+          const V a = upper[j], b = lower[j];
+          upper[j] = fma(c, a, s * b);
+          lower[j] = fma(c, b, -(s * a));
+        }
+      }
+    }
+  }
+}
+
+// Replaces the full matrices a[n][n] of the lanes in `bits` by their projections (upper triangle).
 template <int N>
 void project_lanes(V* a, Size<N> size, uint32_t bits) {
   const int n = size.value();
   constexpr int kMax = capacity(N);
-  V v[kMax * kMax];  // row k: eigenvector k
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) v[i * n + j] = splat(i == j ? 1.0 : 0.0);
-  V frobenius = splat(0.0);
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < n; ++j) frobenius = fma(a[i * n + j], a[i * n + j] * (i == j ? 1.0 : 2.0), frobenius);
-  const V stop = frobenius * (kOffTolerance * kOffTolerance);
-  // Lanes that are done, or were never asked for, get identity rotations: their bits do not depend on the others.
-  Mask active = lane_mask(bits) & (frobenius < std::numeric_limits<double>::infinity());
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    V off = splat(0.0);
-    for (int i = 0; i < n; ++i)
-      for (int j = i + 1; j < n; ++j) off = fma(a[i * n + j], a[i * n + j], off);
-    active &= off + off > stop;
-    if (lane_bits(active) == 0) break;
-    for (int p = 0; p < n - 1; ++p) {
-      for (int q = p + 1; q < n; ++q) {
-        const V apq = a[p * n + q], app = a[p * n + p], aqq = a[q * n + q];
-        // t = tan of the rotation angle, the smaller root of t^2 + 2 theta t - 1 = 0, written without division by apq.
-        const V half = (aqq - app) * 0.5;
-        const V root = simd::sqrt(fma(half, half, apq * apq));
-        const V denominator = absolute(half) + root;
-        const Mask rotate = active & (denominator > 0.0);
-        const V signed_apq = half < 0.0 ? -apq : apq;
-        const V t = select(rotate, signed_apq / select(rotate, denominator, splat(1.0)), splat(0.0));
-        const V c = splat(1.0) / simd::sqrt(fma(t, t, splat(1.0)));
-        const V s = t * c;
-        a[p * n + p] = fma(-t, apq, app);
-        a[q * n + q] = fma(t, apq, aqq);
-        a[p * n + q] = select(rotate, splat(0.0), apq);
-        const auto turn = [&](V& x, V& y) {
-          const V old_x = x, old_y = y;
-          x = fma(c, old_x, -(s * old_y));
-          y = fma(s, old_x, c * old_y);
-        };
-        for (int k = 0; k < p; ++k) turn(a[k * n + p], a[k * n + q]);
-        for (int k = p + 1; k < q; ++k) turn(a[p * n + k], a[k * n + q]);
-        for (int k = q + 1; k < n; ++k) turn(a[p * n + k], a[q * n + k]);
-        for (int k = 0; k < n; ++k) turn(v[p * n + k], v[q * n + k]);
-      }
-    }
-  }
-  V lambda[kMax];
-  for (int k = 0; k < n; ++k) lambda[k] = a[k * n + k] > 0.0 ? a[k * n + k] : splat(0.0);
+  // A power of two scales the largest entry to [1, 2), exactly.
+  V largest = splat(0.0);
+  for (int i = 0; i < n * n; ++i) largest = absolute(a[i]) > largest ? absolute(a[i]) : largest;
+  const Mask exponent = (Mask)largest & static_cast<int64_t>(0x7ff0000000000000);
+  const Mask regular = (largest > 1e-290) & (largest < 1e290);
+  const V scale = select(regular, (V)exponent, splat(1.0)), inverse = splat(1.0) / scale;
+  for (int i = 0; i < n * n; ++i) a[i] *= inverse;
+  V d[kMax], e[kMax], v[kMax * kMax];
+  tridiagonalize<N>(a, size, d, e, v);
+  diagonalize<N>(d, e, v, size, lane_mask(bits) & (largest < 1e290));
   for (int i = 0; i < n; ++i)
     for (int j = i; j < n; ++j) a[i * n + j] = splat(0.0);
-  for (int k = 0; k < n; ++k)
+  for (int k = 0; k < n; ++k) {
+    const V lambda = (d[k] > 0.0 ? d[k] : splat(0.0)) * scale;
     for (int i = 0; i < n; ++i) {
-      const V scaled = lambda[k] * v[k * n + i];
+      const V scaled = lambda * v[k * n + i];
       for (int j = i; j < n; ++j) a[i * n + j] = fma(scaled, v[k * n + j], a[i * n + j]);
     }
+  }
 }
 
-// Orthonormal basis of the vectors on `points` points that sum to zero (Helmert): row k is (1, .., 1, -k, 0, ..) over
+// Orthonormal basis of the vectors on the points that sum to zero (Helmert): row k - 1 is (1, .., 1, -k, 0, ..) over
 // sqrt(k (k + 1)), with k ones.
-double helmert(int k, int point) {
-  const double scale = 1.0 / std::sqrt(static_cast<double>(k) * (k + 1));
-  return point < k ? scale : point == k ? -k * scale : 0.0;
-}
+constexpr double kRoot2 = 0.70710678118654752440, kRoot6 = 0.40824829046386301637, kRoot12 = 0.28867513459481288225;
+constexpr double kHelmert[3][4] = {{kRoot2, -kRoot2, 0.0, 0.0},
+                                   {kRoot6, kRoot6, -2.0 * kRoot6, 0.0},
+                                   {kRoot12, kRoot12, kRoot12, -3.0 * kRoot12}};
+constexpr double helmert(int k, int point) { return kHelmert[k - 1][point]; }
 
 template <int N>
 void load_full(const double* upper, int n, V* a) {

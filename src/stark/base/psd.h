@@ -1,7 +1,8 @@
 // Positive semidefinite projection of small symmetric matrices, eight at a time, in the layout in which the element
 // kernels emit their Hessians. Test: LDL^T without pivoting of the slightly shifted matrix (a PSD matrix always
-// passes). Projection: cyclic Jacobi (Golub and Van Loan, Matrix Computations, section 8.5) with eigenvalues clamped at
-// zero, the nearest PSD matrix in the Frobenius norm (Higham 1988). Phase: between evaluation and assembly.
+// passes). Projection: Householder tridiagonalisation and implicit QR with Wilkinson's shift (Golub and Van Loan, Matrix
+// Computations, section 8.3), eigenvalues clamped at zero: the nearest PSD matrix in the Frobenius norm (Higham 1988).
+// Phase: between evaluation and assembly.
 #pragma once
 
 #include <cstdint>

@@ -194,7 +194,7 @@ struct Motion {
         total += pair_size;
       }
     }
-    // Comparisons drop numbers that are not finite, the sum does not; no gap exceeds an infinite error.
+    // Comparisons drop numbers that are not finite, the sum does not.
     error = std::isfinite(total) ? kGapError * size : HUGE_VAL;
   }
 
@@ -246,6 +246,7 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
                const std::array<Vec3, Kind::kA + Kind::kB>& x1, double min_separation,
                const CcdSettings& settings) {
   const Motion<Kind> motion(x0, x1);
+  if (!std::isfinite(motion.error)) return 0.0;
   std::array<double, Motion<Kind>::kPairs> gaps;
   Vec3 n = unit_or_zero(Kind::direction(motion.start));
   double gap = motion.gaps(n, 0.0, gaps);

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <stark/base/error.h>
-#include <stark/base/math.h>
+#include <stark/base/simd.h>
 
 namespace stark {
 
@@ -36,20 +37,24 @@ bool invert_spd(const double* a, double* inverse) {
   return std::isfinite(inverse[0]) && std::isfinite(inverse[4]) && std::isfinite(inverse[8]);
 }
 
+simd::VDouble load_column(const double* p) { return simd::load(p); }
+simd::VDouble load_column(const float* p) {
+  typedef float Four __attribute__((vector_size(16)));
+  Four four;
+  std::memcpy(&four, p, sizeof(four));
+  return __builtin_convertvector(four, simd::VDouble);
+}
+
+// Sum over a row's blocks, stored column by column: three lanes are used, the fourth reads on into what follows.
 template <typename Real>
-void multiply_row(int64_t begin, int64_t end, const int32_t* column, const Real* blocks, const double* x,
-                  double sum[3]) {
-  double s0 = sum[0], s1 = sum[1], s2 = sum[2];
+simd::VDouble multiply_row(int64_t begin, int64_t end, const int32_t* column, const Real* blocks, const double* x) {
+  simd::VDouble sum[3] = {simd::splat(0.0), simd::splat(0.0), simd::splat(0.0)};
   for (int64_t k = begin; k < end; ++k) {
     const Real* a = blocks + 9 * k;
     const double* u = x + 3 * static_cast<int64_t>(column[k]);
-    s0 += static_cast<double>(a[0]) * u[0] + static_cast<double>(a[1]) * u[1] + static_cast<double>(a[2]) * u[2];
-    s1 += static_cast<double>(a[3]) * u[0] + static_cast<double>(a[4]) * u[1] + static_cast<double>(a[5]) * u[2];
-    s2 += static_cast<double>(a[6]) * u[0] + static_cast<double>(a[7]) * u[1] + static_cast<double>(a[8]) * u[2];
+    for (int c = 0; c < 3; ++c) sum[c] = simd::fma(load_column(a + 3 * c), simd::splat(u[c]), sum[c]);
   }
-  sum[0] = s0;
-  sum[1] = s1;
-  sum[2] = s2;
+  return (sum[0] + sum[1]) + sum[2];
 }
 
 }  // namespace
@@ -89,9 +94,9 @@ bool Pcg::prepare(const BlockMatrix& matrix, ThreadPool& pool, PcgStorage storag
   diagonal_.resize(9 * static_cast<size_t>(block_count_));
   inverse_.resize(diagonal_.size());
   if (storage == PcgStorage::Double) {
-    blocks_.resize(9 * column_.size());
+    blocks_.resize(9 * column_.size() + 1);  // the last column is read as four entries
   } else {
-    blocks_float_.resize(9 * column_.size());
+    blocks_float_.resize(9 * column_.size() + 1);
   }
   const int64_t tasks = (block_count_ + kRowGrain - 1) / kRowGrain;
   std::vector<int32_t> failed(tasks, -1);
@@ -101,7 +106,7 @@ bool Pcg::prepare(const BlockMatrix& matrix, ThreadPool& pool, PcgStorage storag
       const double* a = matrix.values.data() + 9 * (source_[k] >> 1);
       const int across = (source_[k] & 1) != 0 ? 3 : 1, down = 4 - across;
       for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) blocks[9 * k + 3 * r + c] = static_cast<Real>(a[down * r + across * c]);
+        for (int c = 0; c < 3; ++c) blocks[9 * k + 3 * c + r] = static_cast<Real>(a[down * r + across * c]);
     }
   };
   pool.for_each_range(block_count_, kRowGrain, [&](int64_t begin, int64_t end) {
@@ -128,14 +133,12 @@ void Pcg::multiply(const double* x, double* y, ThreadPool& pool) const {
     for (int64_t i = begin; i < end; ++i) {
       const double* d = diagonal_.data() + 9 * i;
       const double* u = x + 3 * i;
-      double sum[3] = {d[0] * u[0] + d[1] * u[1] + d[2] * u[2], d[3] * u[0] + d[4] * u[1] + d[5] * u[2],
-                       d[6] * u[0] + d[7] * u[1] + d[8] * u[2]};
-      if (storage_ == PcgStorage::Double) {
-        multiply_row(row_start_[i], row_start_[i + 1], column_.data(), blocks_.data(), x, sum);
-      } else {
-        multiply_row(row_start_[i], row_start_[i + 1], column_.data(), blocks_float_.data(), x, sum);
-      }
-      for (int c = 0; c < 3; ++c) y[3 * i + c] = sum[c];
+      const simd::VDouble sum = storage_ == PcgStorage::Double
+                                    ? multiply_row(row_start_[i], row_start_[i + 1], column_.data(), blocks_.data(), x)
+                                    : multiply_row(row_start_[i], row_start_[i + 1], column_.data(),
+                                                   blocks_float_.data(), x);
+      for (int r = 0; r < 3; ++r)
+        y[3 * i + r] = sum[r] + (d[3 * r] * u[0] + d[3 * r + 1] * u[1] + d[3 * r + 2] * u[2]);
     }
   });
 }

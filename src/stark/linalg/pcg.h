@@ -49,7 +49,7 @@ class Pcg {
   std::vector<int64_t> row_start_;    // [block_count + 1] of the off-diagonal blocks
   std::vector<int32_t> column_;
   std::vector<int64_t> source_;       // 2 * slot + transposed
-  AlignedVector<double> blocks_;      // [entry][9]
+  AlignedVector<double> blocks_;      // [entry][9], column by column
   AlignedVector<float> blocks_float_;
   AlignedVector<double> diagonal_;    // [block][9]
   AlignedVector<double> inverse_;     // [block][9]

@@ -89,7 +89,9 @@ bool Simulation::attempt(double h, SolveReport& total) {
   {
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     potential_->begin(start, target_configuration(h));
-    predict(h);
+    // Barriers are measured against the inertia of the full time step: one cut short would stiffen them under what
+    // already rests on them and throw it off.
+    predict(contact_ ? settings_.time.step : h);
   }
   if (contact_) {
     // Diagonal blocks of inertia and elasticity: the natural stiffness that barriers are measured against.
@@ -104,6 +106,8 @@ bool Simulation::attempt(double h, SolveReport& total) {
     for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
       std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9, diagonal[b].m.data());
     contact_->begin_step(start, potential_->site_positions(), diagonal, h);
+    const PhaseTimer::Scope scope(*timer_, Phase::Predict);
+    predict(h);
   }
   const SolveReport solved = newton_->minimize(*potential_, h, settings_.contact.friction_updates);
   add_counters(total, solved);

@@ -368,9 +368,22 @@ int operation_total(const Graph& graph, std::span<const NodeId> outputs) {
 
 double operation_cost(const Graph& graph, std::span<const NodeId> outputs) {
   const auto needed = reachable(graph, outputs);
+  const auto size = static_cast<NodeId>(needed.size());
+  std::vector<int> uses(size, 0);
+  for (const NodeId id : outputs) ++uses[id];
   double total = 0.0;
-  for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
-    if (needed[id]) total += weight(graph.node(id).op);
+  for (NodeId id = 0; id < size; ++id) {
+    if (!needed[id]) continue;
+    const Node& n = graph.node(id);
+    total += weight(n.op);
+    for (int k = 0; k < operand_count(n.op); ++k) ++uses[n.operands[k]];
+  }
+  // A product with one user that is a sum costs nothing: it is fused.
+  const auto is_single_product = [&](NodeId id) { return graph.node(id).op == Op::Mul && uses[id] == 1; };
+  for (NodeId id = 0; id < size; ++id) {
+    const Node& n = graph.node(id);
+    if (!needed[id] || (n.op != Op::Add && n.op != Op::Sub)) continue;
+    if (is_single_product(n.operands[0]) || is_single_product(n.operands[1])) total -= 1.0;
   }
   return total;
 }

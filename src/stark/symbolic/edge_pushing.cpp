@@ -44,7 +44,12 @@ void EdgePushing::collect(std::span<const Seed> seeds) {
   for (const Seed& s : seeds) size = std::max(size, s.node + 1);
   for (int i = 0; i < target_count_; ++i) size = std::max(size, global_[i] + 1);
   std::vector<signed char> state(size, kUnseen);
-  for (int i = 0; i < target_count_; ++i) state[global_[i]] = kActive;
+  std::vector<char> target(size, 0);
+  for (int i = 0; i < target_count_; ++i) {
+    state[global_[i]] = kActive;
+    target[global_[i]] = 1;
+  }
+  const auto is_target = [&](NodeId id) { return target[id] != 0; };
   std::vector<NodeId> stack;
   for (const Seed& s : seeds) stack.push_back(s.node);
   while (!stack.empty()) {
@@ -65,17 +70,20 @@ void EdgePushing::collect(std::span<const Seed> seeds) {
       if (state[n.operands[k]] == kActive) state[id] = kActive;
     }
   }
-  local_.assign(size, -1);
-  for (int i = 0; i < target_count_; ++i) {
-    local_[global_[i]] = i;
-    state[global_[i]] = kPassive;
-  }
+  std::vector<int> depth(size, 0);
   for (NodeId id = 0; id < size; ++id) {
     if (state[id] != kActive) continue;
-    local_[id] = static_cast<int>(global_.size());
-    global_.push_back(id);
-    any_choice_ |= is_choice(graph_.node(id).op);
+    const Node& n = graph_.node(id);
+    any_choice_ |= is_choice(n.op) && !is_target(id);
+    for (int k = 0; k < operand_count(n.op) && !is_target(id); ++k) {
+      if (state[n.operands[k]] == kActive) depth[id] = std::max(depth[id], depth[n.operands[k]] + 1);
+    }
+    if (!is_target(id)) global_.push_back(id);
   }
+  // Eliminating by depth keeps the matrix of second adjoints sparser than the order of creation does.
+  std::stable_sort(global_.begin() + target_count_, global_.end(), [&](NodeId a, NodeId b) { return depth[a] < depth[b]; });
+  local_.assign(size, -1);
+  for (int i = 0; i < static_cast<int>(global_.size()); ++i) local_[global_[i]] = i;
 }
 
 void EdgePushing::find_guards(std::span<const Seed> seeds) {

@@ -55,7 +55,7 @@ class EdgePushing {
   Graph& graph_;
   Guards guards_;
   std::vector<int> local_;      // node -> local index, -1 if it does not depend on a target
-  std::vector<NodeId> global_;  // local index -> node; targets first, then ascending ids
+  std::vector<NodeId> global_;  // local index -> node; targets first, then operands before users
   int target_count_;
   bool any_choice_ = false;
   std::vector<GuardId> guard_, target_guard_;
