@@ -1,6 +1,6 @@
-// Speed of the linear algebra: ordering, symbolic and numerical Cholesky, solves, conjugate gradients, PSD projection.
-// Usage: bench_linalg [threads]. Times are the best of several runs, in milliseconds: of CPU time on one thread, which a
-// busy machine disturbs least, of wall time otherwise.
+// Speed of the linear algebra: ordering, symbolic and numerical Cholesky, solves, conjugate gradients, PSD
+// projection. Usage: bench_linalg [threads]. Times are the best of several runs, in milliseconds: of CPU time
+// on one thread, which a busy machine disturbs least, of wall time otherwise.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -40,17 +40,20 @@ double best_ms(int runs, Body&& body) {
 }
 
 template <typename Real>
-void run_factor(const char* precision, const BlockMatrix& matrix, const std::vector<double>& b, ThreadPool& pool) {
+void run_factor(const char* precision, const BlockMatrix& matrix, const std::vector<double>& b,
+                ThreadPool& pool) {
   Cholesky<Real> cholesky;
   std::vector<double> x(b.size());
   const double first = best_ms(1, [&] { cholesky.analyze(matrix.pattern); });
   const double symbolic = best_ms(5, [&] { cholesky.analyze(matrix.pattern); });
   const double factor = best_ms(7, [&] { cholesky.factor(matrix, pool); });
   const double solve = best_ms(5, [&] { cholesky.solve(b.data(), x.data()); });
-  std::printf("  %s: lnz %.2f M, %.3f Gflop; ordering + symbolic %.1f, symbolic %.2f, factor %.2f (%.1f GF/s), solve %.2f; "
-              "residual %.1e\n", precision, 1e-6 * static_cast<double>(cholesky.factor_nonzeros()),
-              1e-9 * cholesky.flops(), first, symbolic, factor, 1e-6 * cholesky.flops() / factor, solve,
-              test::relative_residual(matrix, b, x));
+  std::printf(
+      "  %s: lnz %.2f M, %.3f Gflop; ordering + symbolic %.1f, symbolic %.2f, factor %.2f (%.1f GF/s), solve "
+      "%.2f; "
+      "residual %.1e\n",
+      precision, 1e-6 * static_cast<double>(cholesky.factor_nonzeros()), 1e-9 * cholesky.flops(), first,
+      symbolic, factor, 1e-6 * cholesky.flops() / factor, solve, test::relative_residual(matrix, b, x));
 }
 
 void run_system(const char* name, int32_t blocks, const test::Pairs& pairs, ThreadPool& pool) {
@@ -69,8 +72,8 @@ void run_system(const char* name, int32_t blocks, const test::Pairs& pairs, Thre
     const double prepare = best_ms(3, [&] { pcg.prepare(matrix, pool, storage); });
     PcgReport report;
     const double time = best_ms(3, [&] { report = pcg.solve(b, x, 1e-30, 50, pool); });
-    std::printf("  pcg %s storage: prepare %.2f, iteration %.3f\n", storage == PcgStorage::Double ? "double" : "float",
-                prepare, time / report.iterations);
+    std::printf("  pcg %s storage: prepare %.2f, iteration %.3f\n",
+                storage == PcgStorage::Double ? "double" : "float", prepare, time / report.iterations);
   }
 }
 
@@ -88,15 +91,22 @@ void run_tiny(ThreadPool& pool) {
     if (a < 18) couple(a, a + 9);
   }
   const BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(54, pairs), 1);
-  BlockMatrix other = test::spd_matrix(BlockPattern::from_pairs(54, [&] { auto p = pairs; p.emplace_back(0, 53); return p; }()), 1);
+  BlockMatrix other = test::spd_matrix(BlockPattern::from_pairs(54,
+                                                                [&] {
+                                                                  auto p = pairs;
+                                                                  p.emplace_back(0, 53);
+                                                                  return p;
+                                                                }()),
+                                       1);
   const std::vector<double> b = test::random_vector(162, 2);
   std::vector<double> x(b.size());
   LinearSolver solver({}, pool);
   const double same = best_ms(200, [&] { solver.solve(matrix, b, x, 1e-4); });
   int k = 0;
   const double changing = best_ms(200, [&] { solver.solve(++k % 2 ? other : matrix, b, x, 1e-4); });
-  std::printf("27 rigid bodies (162 dofs): LinearSolver::solve %.1f us, with a new pattern every time %.1f us\n",
-              1e3 * same, 1e3 * changing);
+  std::printf(
+      "27 rigid bodies (162 dofs): LinearSolver::solve %.1f us, with a new pattern every time %.1f us\n",
+      1e3 * same, 1e3 * changing);
 }
 
 void run_psd() {
@@ -115,11 +125,12 @@ void run_psd() {
     for (int invariant = 0; invariant < (n > 3 ? 2 : 1); ++invariant)
       project[invariant] = best_ms(5, [&] {
         work = source;
-        for (int k = 0; k < batches; ++k) psd_project(work.data() + k * size * kPsdLanes, n, 0xffu, invariant != 0);
+        for (int k = 0; k < batches; ++k)
+          psd_project(work.data() + k * size * kPsdLanes, n, 0xffu, invariant != 0);
       });
     const double scale = 1e6 / (batches * kPsdLanes);
-    std::printf("psd %2d x %2d: test %.0f ns, projection %.0f ns, translation-invariant %.0f ns per matrix\n", n, n,
-                scale * test_time, scale * project[0], scale * project[1]);
+    std::printf("psd %2d x %2d: test %.0f ns, projection %.0f ns, translation-invariant %.0f ns per matrix\n",
+                n, n, scale * test_time, scale * project[0], scale * project[1]);
   }
 }
 

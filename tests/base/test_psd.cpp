@@ -1,4 +1,5 @@
-// Lane-batched projection to positive semidefinite matrices, against a scalar Jacobi eigensolver in long double.
+// Lane-batched projection to positive semidefinite matrices, against a scalar Jacobi eigensolver in long
+// double.
 #include <stark/base/psd.h>
 
 #include <cmath>
@@ -64,7 +65,8 @@ std::vector<Real> projected_oracle(int n, const std::vector<Real>& a) {
   eigen_oracle(n, a, lambda, v);
   for (int k = 0; k < n; ++k)
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) result[i * n + j] += std::max<Real>(lambda[k], 0) * v[i * n + k] * v[j * n + k];
+      for (int j = 0; j < n; ++j)
+        result[i * n + j] += std::max<Real>(lambda[k], 0) * v[i * n + k] * v[j * n + k];
   return result;
 }
 
@@ -82,16 +84,19 @@ Real max_abs(const std::vector<Real>& a) {
   return largest;
 }
 
-// Eight random symmetric matrices, lane l scaled by 10^(3 l - 9): stiffness of very different materials side by side.
+// Eight random symmetric matrices, lane l scaled by 10^(3 l - 9): stiffness of very different materials side
+// by side.
 std::vector<double> random_lanes(int n, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   std::vector<double> upper(kPsdLanes * upper_size(n));
   for (int k = 0; k < upper_size(n); ++k)
-    for (int l = 0; l < kPsdLanes; ++l) upper[kPsdLanes * k + l] = uniform(random) * std::pow(10.0, 3 * l - 9);
+    for (int l = 0; l < kPsdLanes; ++l)
+      upper[kPsdLanes * k + l] = uniform(random) * std::pow(10.0, 3 * l - 9);
   return upper;
 }
 
-// Makes every row of 3x3 blocks sum to zero, P A P with P the projector to vectors without mean over the points.
+// Makes every row of 3x3 blocks sum to zero, P A P with P the projector to vectors without mean over the
+// points.
 void remove_translations(std::vector<double>& upper, int n) {
   const int points = n / 3;
   for (int lane = 0; lane < kPsdLanes; ++lane) {
@@ -207,7 +212,8 @@ TEST_CASE("psd: the test accepts definite and singular matrices and rejects inde
   for (int n = 1; n <= stark::kPsdMaxSize; ++n) {
     CAPTURE(n);
     for (int rank : {0, 1, n / 2, n}) {
-      // G G^T with `rank` columns. Lane l is lowered in a random direction u by 10^-(l+2) of the trace in odd lanes.
+      // G G^T with `rank` columns. Lane l is lowered in a random direction u by 10^-(l+2) of the trace in odd
+      // lanes.
       std::vector<double> upper(kPsdLanes * upper_size(n));
       uint32_t expected = 0;
       for (int lane = 0; lane < kPsdLanes; ++lane) {
@@ -229,7 +235,8 @@ TEST_CASE("psd: the test accepts definite and singular matrices and rejects inde
         const std::vector<Real> a = full_of_lane(upper, n, lane);
         const Real smallest = smallest_eigenvalue(n, a);
         if (smallest < -1e-10L * (trace + 1e-300L)) expected |= 1u << lane;
-        if (smallest < -1e-14L * trace && smallest > -1e-10L * trace) expected |= 1u << (lane + 16);  // undecided
+        if (smallest < -1e-14L * trace && smallest > -1e-10L * trace)
+          expected |= 1u << (lane + 16);  // undecided
       }
       const uint32_t undecided = expected >> 16;
       CHECK((stark::psd_test(upper.data(), n) & ~undecided) == (expected & 0xffu & ~undecided));

@@ -104,6 +104,10 @@ TEST_CASE("edge-edge pairs become every kind of stencil, parallel and degenerate
       s.x[3] = s.x[1] + shift + random.point() * 1e-6;
       if (trial % 2) std::swap(s.x[2], s.x[3]);
     }
+    if (trial % 7 == 0) {  // crossing each other's middle at a small angle
+      const Vec3 u = normalized(random.point()), n = normalized(cross(u, random.point())), b = u + 0.02 * cross(n, u);
+      for (int v = 0; v < 4; ++v) s.x[v] = (v < 2 ? u : b) * (v % 2 ? 0.5 : -0.5) + (v < 2 ? Vec3{} : n * 0.4);
+    }
     const double squared = edge_edge_squared_distance(s.x[0], s.x[1], s.x[2], s.x[3]);
     if (squared < 1e-8) continue;  // touching: contact never gets there
     if (norm(s.x[1] - s.x[0]) < 0.1 || norm(s.x[3] - s.x[2]) < 0.1) continue;

@@ -65,7 +65,8 @@ BlockMatrix spd_matrix(BlockPattern pattern, uint32_t seed, double contrast) {
       const double u[3] = {uniform(random), uniform(random), uniform(random)};
       const double sign = uniform(random) < 0.5 ? -1.0 : 1.0;
       double* other = matrix.values.data() + 9 * p.row_start[p.column[k]];
-      // Energy stiffness/2 (u . x_i + sign v . x_j)^2 with v a perturbed u, so that off-diagonal blocks are unsymmetric.
+      // Energy stiffness/2 (u . x_i + sign v . x_j)^2 with v a perturbed u, so that off-diagonal blocks are
+      // unsymmetric.
       double v[3];
       for (int c = 0; c < 3; ++c) v[c] = u[c] + 0.2 * uniform(random);
       for (int r = 0; r < 3; ++r)
@@ -108,13 +109,16 @@ std::vector<double> dense_solve(const BlockMatrix& matrix, const std::vector<dou
   for (int k = 0; k < n; ++k) {
     int pivot = k;
     for (int i = k + 1; i < n; ++i)
-      if (std::fabs(a[static_cast<size_t>(i) * n + k]) > std::fabs(a[static_cast<size_t>(pivot) * n + k])) pivot = i;
-    for (int j = 0; j < n; ++j) std::swap(a[static_cast<size_t>(k) * n + j], a[static_cast<size_t>(pivot) * n + j]);
+      if (std::fabs(a[static_cast<size_t>(i) * n + k]) > std::fabs(a[static_cast<size_t>(pivot) * n + k]))
+        pivot = i;
+    for (int j = 0; j < n; ++j)
+      std::swap(a[static_cast<size_t>(k) * n + j], a[static_cast<size_t>(pivot) * n + j]);
     std::swap(x[k], x[pivot]);
     for (int i = k + 1; i < n; ++i) {
       const long double factor = a[static_cast<size_t>(i) * n + k] / a[static_cast<size_t>(k) * n + k];
       if (factor == 0) continue;
-      for (int j = k; j < n; ++j) a[static_cast<size_t>(i) * n + j] -= factor * a[static_cast<size_t>(k) * n + j];
+      for (int j = k; j < n; ++j)
+        a[static_cast<size_t>(i) * n + j] -= factor * a[static_cast<size_t>(k) * n + j];
       x[i] -= factor * x[k];
     }
   }
@@ -125,7 +129,8 @@ std::vector<double> dense_solve(const BlockMatrix& matrix, const std::vector<dou
   return {x.begin(), x.end()};
 }
 
-double relative_residual(const BlockMatrix& matrix, const std::vector<double>& b, const std::vector<double>& x) {
+double relative_residual(const BlockMatrix& matrix, const std::vector<double>& b,
+                         const std::vector<double>& x) {
   const BlockPattern& p = matrix.pattern;
   std::vector<long double> r(b.begin(), b.end());
   for (int32_t i = 0; i < p.block_count; ++i)
@@ -139,7 +144,8 @@ double relative_residual(const BlockMatrix& matrix, const std::vector<double>& b
         }
     }
   long double residual = 0, scale = 0;
-  for (size_t k = 0; k < b.size(); ++k) residual += r[k] * r[k], scale += static_cast<long double>(b[k]) * b[k];
+  for (size_t k = 0; k < b.size(); ++k)
+    residual += r[k] * r[k], scale += static_cast<long double>(b[k]) * b[k];
   return static_cast<double>(std::sqrt(residual / scale));
 }
 

@@ -17,7 +17,8 @@ using namespace stark;
 std::set<std::pair<int32_t, int32_t>> entries_of(const BlockPattern& pattern) {
   std::set<std::pair<int32_t, int32_t>> entries;
   for (int32_t i = 0; i < pattern.block_count; ++i)
-    for (int64_t k = pattern.row_start[i]; k < pattern.row_start[i + 1]; ++k) entries.emplace(i, pattern.column[k]);
+    for (int64_t k = pattern.row_start[i]; k < pattern.row_start[i + 1]; ++k)
+      entries.emplace(i, pattern.column[k]);
   return entries;
 }
 
@@ -80,13 +81,15 @@ TEST_CASE("block pattern: hash follows the structure") {
   int count = 0;
   for (int32_t n = 1; n < 12; ++n)
     for (int32_t i = 0; i < n; ++i)
-      for (int32_t j = i + 1; j < n; ++j, ++count) hashes.insert(BlockPattern::from_pairs(n, {{i, j}}).hash());
+      for (int32_t j = i + 1; j < n; ++j, ++count)
+        hashes.insert(BlockPattern::from_pairs(n, {{i, j}}).hash());
   CHECK(static_cast<int>(hashes.size()) == count);
 }
 
 TEST_CASE("block matrix: product against the dense matrix, same bits on any number of threads") {
   for (int32_t n : {1, 50, 300}) {
-    const BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(n, test::random_pairs(n, 4 * n, n)), 5);
+    const BlockMatrix matrix =
+        test::spd_matrix(BlockPattern::from_pairs(n, test::random_pairs(n, 4 * n, n)), 5);
     const std::vector<double> x = test::random_vector(3 * n, 6);
     const std::vector<long double> dense = test::dense_of(matrix);
     std::vector<double> y(3 * n, -1.0);

@@ -1,4 +1,5 @@
-// Cholesky factorisation against dense elimination, residuals, indefinite matrices, and independence of threads.
+// Cholesky factorisation against dense elimination, residuals, indefinite matrices, and independence of
+// threads.
 #include <stark/linalg/cholesky.h>
 
 #include <cmath>
@@ -60,8 +61,10 @@ TEST_CASE("cholesky: small systems against dense elimination in long double") {
   for (const Case& c : small_cases()) {
     CAPTURE(c.name);
     for (double contrast : {10.0, 1e6}) {
-      const BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(c.block_count, c.pairs), 7, contrast);
-      const std::vector<double> b = test::random_vector(3 * c.block_count, 8), expected = test::dense_solve(matrix, b);
+      const BlockMatrix matrix =
+          test::spd_matrix(BlockPattern::from_pairs(c.block_count, c.pairs), 7, contrast);
+      const std::vector<double> b = test::random_vector(3 * c.block_count, 8),
+                                expected = test::dense_solve(matrix, b);
       std::vector<double> x(b.size());
       Cholesky<double> cholesky;
       cholesky.analyze(matrix.pattern);
@@ -131,8 +134,8 @@ TEST_CASE("cholesky: a matrix that is not positive definite is reported with a b
     for (int32_t bad : {0, 17, 450, 899}) {
       CAPTURE(bad);
       BlockMatrix broken = matrix;
-      // The pivot of this entry cannot exceed the entry itself, so this block must fail, and as no other block is
-      // touched, nothing before it can.
+      // The pivot of this entry cannot exceed the entry itself, so this block must fail, and as no other
+      // block is touched, nothing before it can.
       broken.values[9 * pattern.row_start[bad] + 4] = -1.0;
       const FactorStatus status = cholesky.factor(broken, pool);
       CHECK_FALSE(status.positive_definite);

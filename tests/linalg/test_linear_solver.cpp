@@ -17,8 +17,8 @@ TEST_CASE("linear solver: every kind, float with refinement as good as double") 
   const BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(n * n, test::cloth_pairs(n)), 3, 1e4);
   const std::vector<double> b = test::random_vector(3 * n * n, 4);
   std::vector<double> exact;
-  for (LinearSolverKind kind : {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat, LinearSolverKind::Pcg,
-                                LinearSolverKind::Automatic}) {
+  for (LinearSolverKind kind : {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat,
+                                LinearSolverKind::Pcg, LinearSolverKind::Automatic}) {
     LinearSolver solver({.kind = kind, .pcg_tolerance = 1e-10}, pool);
     std::vector<double> x(b.size());
     const LinearSolveReport report = solver.solve(matrix, b, x, 1e-10);
@@ -27,7 +27,8 @@ TEST_CASE("linear solver: every kind, float with refinement as good as double") 
     CHECK(report.failed_block == -1);
     CHECK(report.used == (kind == LinearSolverKind::Automatic ? LinearSolverKind::Cholesky : kind));
     CHECK(report.factorizations == (kind == LinearSolverKind::Pcg ? 0 : 1));
-    CHECK((report.iterations > 0) == (kind == LinearSolverKind::Pcg || kind == LinearSolverKind::CholeskyFloat));
+    CHECK((report.iterations > 0) ==
+          (kind == LinearSolverKind::Pcg || kind == LinearSolverKind::CholeskyFloat));
     const double residual = test::relative_residual(matrix, b, x);
     if (kind == LinearSolverKind::Cholesky) {
       CHECK(residual < 1e-12);
@@ -70,8 +71,8 @@ TEST_CASE("linear solver: indefinite matrices") {
   BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(100, test::cloth_pairs(10)), 3, 100.0);
   matrix.values[9 * matrix.pattern.row_start[42]] = -5.0;
   const std::vector<double> b = test::random_vector(300, 4);
-  for (LinearSolverKind kind : {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat, LinearSolverKind::Pcg,
-                                LinearSolverKind::Automatic}) {
+  for (LinearSolverKind kind : {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat,
+                                LinearSolverKind::Pcg, LinearSolverKind::Automatic}) {
     LinearSolver solver({.kind = kind}, pool);
     std::vector<double> x(b.size());
     const LinearSolveReport report = solver.solve(matrix, b, x, 1e-4);
@@ -102,7 +103,8 @@ TEST_CASE("linear solver: symbolic work only when the pattern changes") {
   CHECK(solver.ordering_count() == 1);
 }
 
-TEST_CASE("linear solver: automatic choice tries conjugate gradients on an easy solid, at a step boundary only") {
+TEST_CASE(
+    "linear solver: automatic choice tries conjugate gradients on an easy solid, at a step boundary only") {
   ThreadPool pool(1);
   int32_t count = 0;
   const test::Pairs pairs = test::solid_pairs(12, count);
@@ -125,7 +127,8 @@ TEST_CASE("linear solver: automatic choice tries conjugate gradients on an easy 
   CHECK(report.iterations < 40);
   solver.begin_step();
   CHECK(solver.solve(matrix, b, x, 1e-4).used == LinearSolverKind::Pcg);
-  // The material turns stiff: the cap is hit, the same call falls back to the factorisation, and so does the next.
+  // The material turns stiff: the cap is hit, the same call falls back to the factorisation, and so does the
+  // next.
   const BlockMatrix stiff = test::spd_matrix(matrix.pattern, 3, 1e10);
   report = solver.solve(stiff, b, x, 1e-4);
   CHECK(report.ok);
@@ -143,8 +146,8 @@ TEST_CASE("linear solver: settings are checked, empty and zero systems are solve
   CHECK_THROWS_AS(LinearSolver({.pcg_tolerance = 0.0}, pool), InvalidSetting);
   CHECK_THROWS_AS(LinearSolver({.pcg_tolerance = std::nan("")}, pool), InvalidSetting);
   CHECK_THROWS_AS(LinearSolver({.pcg_max_iterations = 0}, pool), InvalidSetting);
-  for (LinearSolverKind kind : {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat, LinearSolverKind::Pcg,
-                                LinearSolverKind::Automatic}) {
+  for (LinearSolverKind kind : {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat,
+                                LinearSolverKind::Pcg, LinearSolverKind::Automatic}) {
     LinearSolver solver({.kind = kind}, pool);
     BlockMatrix empty;
     empty.pattern = BlockPattern::from_pairs(0, {});

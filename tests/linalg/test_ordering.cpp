@@ -24,7 +24,8 @@ bool is_permutation_of_all(std::vector<int32_t> order, int32_t n) {
 }
 
 // Columns of L as sets, by elimination on a boolean matrix.
-std::vector<std::set<int32_t>> eliminate_densely(const BlockPattern& pattern, const std::vector<int32_t>& order) {
+std::vector<std::set<int32_t>> eliminate_densely(const BlockPattern& pattern,
+                                                 const std::vector<int32_t>& order) {
   const int32_t n = pattern.block_count;
   std::vector<int32_t> position(n);
   for (int32_t p = 0; p < n; ++p) position[order[p]] = p;
@@ -80,7 +81,8 @@ std::vector<Case> cases() {
 TEST_CASE("ordering: nested dissection and minimum degree give permutations, twice the same") {
   for (const Case& c : cases()) {
     CAPTURE(c.name);
-    const AdjacencyGraph graph = AdjacencyGraph::from_pattern(BlockPattern::from_pairs(c.block_count, c.pairs));
+    const AdjacencyGraph graph =
+        AdjacencyGraph::from_pattern(BlockPattern::from_pairs(c.block_count, c.pairs));
     const std::vector<int32_t> order = fill_reducing_order(graph);
     CHECK(is_permutation_of_all(order, c.block_count));
     CHECK(order == fill_reducing_order(graph));
@@ -91,7 +93,8 @@ TEST_CASE("ordering: nested dissection and minimum degree give permutations, twi
 }
 
 TEST_CASE("ordering: halo nodes are not eliminated") {
-  const AdjacencyGraph graph = AdjacencyGraph::from_pattern(BlockPattern::from_pairs(400, test::cloth_pairs(20)));
+  const AdjacencyGraph graph =
+      AdjacencyGraph::from_pattern(BlockPattern::from_pairs(400, test::cloth_pairs(20)));
   std::vector<uint8_t> halo(400, 0);
   for (int i = 0; i < 400; i += 7) halo[i] = 1;
   std::vector<int32_t> order;
@@ -117,7 +120,8 @@ TEST_CASE("ordering: the assembly tree holds exactly the fill of its order, apar
     CHECK(tree.flops == doctest::Approx(dense_flops(columns)).epsilon(1e-12));
     int64_t entries = 0;
     for (int32_t s = 0; s < tree.supernode_count(); ++s) {
-      const std::span<const int32_t> rows(tree.row.data() + tree.row_start[s], static_cast<size_t>(tree.row_count(s)));
+      const std::span<const int32_t> rows(tree.row.data() + tree.row_start[s],
+                                          static_cast<size_t>(tree.row_count(s)));
       REQUIRE(std::is_sorted(rows.begin(), rows.end()));
       std::set<int32_t> front(rows.begin(), rows.end());
       for (int32_t p = tree.first[s]; p < tree.first[s + 1]; ++p) front.insert(p);
@@ -150,7 +154,8 @@ TEST_CASE("ordering: separators separate, and those of a grid are near the strai
   };
   // Straight cuts: two rows of 50 nodes, as hinges reach over one row; one layer of 13 x 13 corners.
   for (const Mesh& mesh : {Mesh{2500, test::cloth_pairs(50), 110}, Mesh{count, solid, 186}}) {
-    const AdjacencyGraph graph = AdjacencyGraph::from_pattern(BlockPattern::from_pairs(mesh.count, mesh.pairs));
+    const AdjacencyGraph graph =
+        AdjacencyGraph::from_pattern(BlockPattern::from_pairs(mesh.count, mesh.pairs));
     WeightedGraph weighted{graph.start, graph.neighbor, {}, {}};
     weighted.edge_weight.assign(graph.neighbor.size(), 1);
     weighted.node_weight.assign(mesh.count, 1);

@@ -47,7 +47,8 @@ TEST_CASE("pcg: one block is solved in one iteration, and a block-diagonal matri
   CHECK(test::relative_residual(matrix, b, x) < 1e-14);
 }
 
-TEST_CASE("pcg: tolerance is met in the stated norm, the product is right, and bits do not depend on threads") {
+TEST_CASE(
+    "pcg: tolerance is met in the stated norm, the product is right, and bits do not depend on threads") {
   const int n = 50;
   const BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(n * n, test::cloth_pairs(n)), 3);
   const std::vector<double> b = test::random_vector(3 * n * n, 4);
@@ -62,7 +63,8 @@ TEST_CASE("pcg: tolerance is met in the stated norm, the product is right, and b
     const PcgReport report = pcg.solve(b, x, 1e-8, 10000, pool);
     CHECK(report.converged);
     CHECK(report.iterations > iterations_loose);
-    CHECK(test::relative_residual(matrix, b, x) < 1e-6);  // other norm: condition of the preconditioner in between
+    CHECK(test::relative_residual(matrix, b, x) <
+          1e-6);  // other norm: condition of the preconditioner in between
     if (threads == 1) reference = x;
     CHECK(x == reference);
     matrix.multiply(b.data(), expected.data(), pool);
@@ -106,7 +108,8 @@ TEST_CASE("pcg: indefiniteness") {
   BlockMatrix saddle;
   saddle.pattern = BlockPattern::from_pairs(2, {{0, 1}});
   saddle.set_zero();
-  for (int c = 0; c < 3; ++c) saddle.values[4 * c] = saddle.values[18 + 4 * c] = 1.0, saddle.values[9 + 4 * c] = 3.0;
+  for (int c = 0; c < 3; ++c)
+    saddle.values[4 * c] = saddle.values[18 + 4 * c] = 1.0, saddle.values[9 + 4 * c] = 3.0;
   const std::vector<double> rhs = {1, 2, 3, -1, -1, -2};
   std::vector<double> y(6);
   REQUIRE(pcg.prepare(saddle, pool));

@@ -96,7 +96,7 @@ def test_command_line_wins_over_the_file(fall: Path, tmp_path: Path) -> None:
         "--until",
         "0.04",
     )
-    assert _run("run", fall, "--out", tmp_path / "run", "--quiet", *words) == 0
+    assert _run("run", fall, "--out", tmp_path / "run", "--quiet", "--no-picture", *words) == 0
     settings = Recording(tmp_path / "run").settings
     assert settings["newton.max_iterations"] == 77
     assert settings["time.step"] == 0.02
@@ -105,7 +105,7 @@ def test_command_line_wins_over_the_file(fall: Path, tmp_path: Path) -> None:
 
 
 def test_fps_thins_the_frames_but_keeps_the_last(fall: Path, tmp_path: Path) -> None:
-    assert _run("run", fall, "--out", tmp_path / "run", "--quiet", "--fps", "25") == 0
+    assert _run("run", fall, "--out", tmp_path / "run", "--quiet", "--no-picture", "--fps", "25") == 0
     run = Recording(tmp_path / "run")
     assert run.times == pytest.approx([0.0, 0.04, 0.08, 0.1])
     assert len(run.telemetry) == 10
@@ -121,7 +121,7 @@ _NO_CONVERGENCE = {
 
 def test_a_failed_step_ends_the_run_with_1(fall: Path, tmp_path: Path, capsys) -> None:
     words = [word for name in _NO_CONVERGENCE for word in ("--set", name)]
-    assert _run("run", fall, "--out", tmp_path / "run", *words) == 1
+    assert _run("run", fall, "--out", tmp_path / "run", "--no-picture", *words) == 1
     run = Recording(tmp_path / "run")
     assert run.status == "failed"
     assert len(run.telemetry) == 1 and run.telemetry.rows[0]["status"] == "failed"
@@ -138,7 +138,7 @@ def test_a_failed_check_ends_the_run_with_1(fall: Path, tmp_path: Path, capsys) 
 
 def test_a_shortened_run_is_not_checked(fall: Path, tmp_path: Path) -> None:
     fall.write_text(_FALL + "\ndef check(run):\n    assert False\n")
-    assert _run("run", fall, "--out", tmp_path / "run", "--until", "0.05", "--quiet") == 0
+    assert _run("run", fall, "--out", tmp_path / "run", "--until", "0.05", "--quiet", "--no-picture") == 0
 
 
 def test_drive_is_called_before_every_step(tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def drive(sim):
     sim["box"].position = (sim.time + sim.time_step, 0, 0)
 """
     )
-    assert _run("run", path, "--out", tmp_path / "run", "--quiet", "--fps", "100") == 0
+    assert _run("run", path, "--out", tmp_path / "run", "--quiet", "--no-picture", "--fps", "100") == 0
     run = Recording(tmp_path / "run")
     assert run.positions("box")[:, :, 0].mean(axis=1) == pytest.approx(run.times, abs=1e-6)
 
@@ -347,7 +347,7 @@ def test_stopping_leaves_a_complete_recording(tmp_path: Path, number: int) -> No
     assert process.returncode == 130, err.decode()
     run = Recording(tmp_path / "run")
     assert run.status == "interrupted"
-    assert len(run.telemetry) >= 3 and len(run) >= 2
+    assert len(run.telemetry) >= 2 and len(run) >= 2
     assert "interrupted" in err.decode() and "Traceback" not in err.decode()
 
 

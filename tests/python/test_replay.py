@@ -201,7 +201,7 @@ def test_browser_draws_the_bodies(tmp_path: Path) -> None:
     picture = _pixels(shot)
     red, green, blue = (picture[..., c].astype(int) for c in range(3))
     reddish = (red > green + 60) & (red > blue + 60)
-    assert reddish.mean() > 0.05
+    assert reddish.mean() > 0.015
 
 
 def _pixels(path: Path) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A soft CAD part, a hexagon nut, falls into a cloth hammock and presses it on the floor.
+"""A soft CAD part, a nut, falls into a cloth hammock and presses it on the floor.
 
 The mesh is ``nut.ply`` of the package pyvista (MIT licence), which the extra ``mesh`` brings along;
 pytetwild fills it with tetrahedra.

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <new>
 #include <vector>
 
@@ -31,5 +33,28 @@ struct AlignedAllocator {
 
 template <typename T>
 using AlignedVector = std::vector<T, AlignedAllocator<T>>;
+
+/// Aligned storage that is not initialised, and loses its contents when it grows.
+template <typename T>
+class ScratchBuffer {
+ public:
+  /// Room for `size` values. Grows with a margin, so that slowly growing demands rarely allocate.
+  T* reserve(int64_t size) {
+    if (size > capacity_) {
+      capacity_ = size + size / 4 + 1024;
+      data_.reset();
+      data_.reset(AlignedAllocator<T>().allocate(static_cast<size_t>(capacity_)));
+    }
+    return data_.get();
+  }
+  T* data() const { return data_.get(); }
+
+ private:
+  struct Free {
+    void operator()(T* p) const { AlignedAllocator<T>().deallocate(p, 0); }
+  };
+  std::unique_ptr<T[], Free> data_;
+  int64_t capacity_ = 0;
+};
 
 }  // namespace stark

@@ -1,5 +1,5 @@
-// Lane-batched LDL^T test and eigenvalue projection. Matrices are handled four at a time, one per lane of a 256-bit
-// vector; the usual sizes are compile-time constants, so that the inner loops unroll.
+// Lane-batched LDL^T test and eigenvalue projection. Matrices are handled four at a time, one per lane of a
+// 256-bit vector; the usual sizes are compile-time constants, so that the inner loops unroll.
 #include <stark/base/psd.h>
 
 #include <cmath>
@@ -52,7 +52,8 @@ uint32_t test_lanes(const double* upper, Size<N> size) {
   V scale = splat(0.0);
   for (int k = 0; k < n * (n + 1) / 2; ++k) a[k] = load(upper + kPsdLanes * k);
   for (int i = 0; i < n; ++i) scale += absolute(a[upper_index(n, i, i)]);
-  // The shift lets singular matrices pass in spite of round-off; its smallest value keeps zero matrices from 0 / 0.
+  // The shift lets singular matrices pass in spite of round-off; its smallest value keeps zero matrices from
+  // 0 / 0.
   const V shift = scale * kTestTolerance + std::numeric_limits<double>::min();
   Mask good = lane_mask(0xf);
   for (int i = 0; i < n; ++i) {
@@ -69,8 +70,8 @@ uint32_t test_lanes(const double* upper, Size<N> size) {
   return ~lane_bits(good) & 0xfu;
 }
 
-// Brings the full matrices a[n][n] to tridiagonal form d, e by Householder reflections, collected in the rows of
-// v[n][n]: a = v^T T v.
+// Brings the full matrices a[n][n] to tridiagonal form d, e by Householder reflections, collected in the rows
+// of v[n][n]: a = v^T T v.
 template <int N>
 void tridiagonalize(V* a, Size<N> size, V* d, V* e, V* v) {
   const int n = size.value();
@@ -86,8 +87,9 @@ void tridiagonalize(V* a, Size<N> size, V* d, V* e, V* v) {
     const V first = x[k + 1];
     e[k] = select(reflect, first > 0.0 ? -norm : norm, first);
     x[k + 1] = first - e[k];
-    beta[k] = select(reflect, splat(1.0) / select(reflect, fma(norm, absolute(first), norm * norm), splat(1.0)),
-                     splat(0.0));
+    beta[k] =
+        select(reflect, splat(1.0) / select(reflect, fma(norm, absolute(first), norm * norm), splat(1.0)),
+               splat(0.0));
     V product = splat(0.0);
     for (int i = k + 1; i < n; ++i) {
       V sum = splat(0.0);
@@ -118,8 +120,8 @@ void tridiagonalize(V* a, Size<N> size, V* d, V* e, V* v) {
   }
 }
 
-// Diagonalises d, e by implicit QR steps with Wilkinson's shift, turning the rows of v[n][n]. Lanes that are done, or
-// not `wanted`, get identity rotations, which keep their bits.
+// Diagonalises d, e by implicit QR steps with Wilkinson's shift, turning the rows of v[n][n]. Lanes that are
+// done, or not `wanted`, get identity rotations, which keep their bits.
 template <int N>
 void diagonalize(V* d, V* e, V* v, Size<N> size, Mask wanted) {
   const int n = size.value();
@@ -129,11 +131,13 @@ void diagonalize(V* d, V* e, V* v, Size<N> size, Mask wanted) {
       if (lane_bits(active) == 0) break;
       // The bottom block of each lane that is not yet split starts at `start`.
       V start = splat(0.0);
-      for (int k = 1; k < last; ++k) start = select(absolute(e[k - 1]) > kNegligible, start, splat(static_cast<double>(k)));
+      for (int k = 1; k < last; ++k)
+        start = select(absolute(e[k - 1]) > kNegligible, start, splat(static_cast<double>(k)));
       const V half = (d[last - 1] - d[last]) * 0.5, corner = e[last - 1];
       const V root = simd::sqrt(fma(half, half, corner * corner));
       const V denominator = half < 0.0 ? half - root : half + root;
-      const V shift = d[last] - select(active, corner * corner / select(active, denominator, splat(1.0)), splat(0.0));
+      const V shift =
+          d[last] - select(active, corner * corner / select(active, denominator, splat(1.0)), splat(0.0));
       V x = splat(0.0), z = splat(0.0);
       for (int k = 0; k < last; ++k) {
         const Mask here = active & (start == static_cast<double>(k));
@@ -145,7 +149,8 @@ void diagonalize(V* d, V* e, V* v, Size<N> size, Mask wanted) {
         const V inverse = splat(1.0) / select(turn, r, splat(1.0));
         const V c = select(turn, x * inverse, splat(1.0)), s = z * inverse;
         if (k > 0) e[k - 1] = select(inside, r, e[k - 1]);
-        // The 2 x 2 block is rotated through its mean and half difference, so that an identity leaves it as it is.
+        // The 2 x 2 block is rotated through its mean and half difference, so that an identity leaves it as
+        // it is.
         const V difference = d[k + 1] - d[k], twice = e[k] + e[k];
         const V change = s * fma(s, difference, c * twice);
         d[k] += change;
@@ -194,9 +199,10 @@ void project_lanes(V* a, Size<N> size, uint32_t bits) {
   }
 }
 
-// Orthonormal basis of the vectors on the points that sum to zero (Helmert): row k - 1 is (1, .., 1, -k, 0, ..) over
-// sqrt(k (k + 1)), with k ones.
-constexpr double kRoot2 = 0.70710678118654752440, kRoot6 = 0.40824829046386301637, kRoot12 = 0.28867513459481288225;
+// Orthonormal basis of the vectors on the points that sum to zero (Helmert): row k - 1 is (1, .., 1, -k, 0,
+// ..) over sqrt(k (k + 1)), with k ones.
+constexpr double kRoot2 = 0.70710678118654752440, kRoot6 = 0.40824829046386301637,
+                 kRoot12 = 0.28867513459481288225;
 constexpr double kHelmert[3][4] = {{kRoot2, -kRoot2, 0.0, 0.0},
                                    {kRoot6, kRoot6, -2.0 * kRoot6, 0.0},
                                    {kRoot12, kRoot12, kRoot12, -3.0 * kRoot12}};
@@ -293,11 +299,20 @@ uint32_t psd_test(const double* upper, int n) {
     const double* lanes = upper + kWidth * half;
     uint32_t bits = 0;
     switch (n) {
-      case 3: bits = test_lanes<3>(lanes, {n}); break;
-      case 6: bits = test_lanes<6>(lanes, {n}); break;
-      case 9: bits = test_lanes<9>(lanes, {n}); break;
-      case 12: bits = test_lanes<12>(lanes, {n}); break;
-      default: bits = test_lanes<0>(lanes, {n});
+      case 3:
+        bits = test_lanes<3>(lanes, {n});
+        break;
+      case 6:
+        bits = test_lanes<6>(lanes, {n});
+        break;
+      case 9:
+        bits = test_lanes<9>(lanes, {n});
+        break;
+      case 12:
+        bits = test_lanes<12>(lanes, {n});
+        break;
+      default:
+        bits = test_lanes<0>(lanes, {n});
     }
     result |= bits << (kWidth * half);
   });
@@ -311,18 +326,32 @@ void psd_project(double* upper, int n, uint32_t mask, bool translation_invariant
     double* lanes = upper + kWidth * half;
     if (translation_invariant) {
       switch (n) {
-        case 6: project_half_invariant<6>(lanes, bits); break;
-        case 9: project_half_invariant<9>(lanes, bits); break;
-        default: project_half_invariant<12>(lanes, bits);
+        case 6:
+          project_half_invariant<6>(lanes, bits);
+          break;
+        case 9:
+          project_half_invariant<9>(lanes, bits);
+          break;
+        default:
+          project_half_invariant<12>(lanes, bits);
       }
       return;
     }
     switch (n) {
-      case 3: project_half<3>(lanes, {n}, bits); break;
-      case 6: project_half<6>(lanes, {n}, bits); break;
-      case 9: project_half<9>(lanes, {n}, bits); break;
-      case 12: project_half<12>(lanes, {n}, bits); break;
-      default: project_half<0>(lanes, {n}, bits);
+      case 3:
+        project_half<3>(lanes, {n}, bits);
+        break;
+      case 6:
+        project_half<6>(lanes, {n}, bits);
+        break;
+      case 9:
+        project_half<9>(lanes, {n}, bits);
+        break;
+      case 12:
+        project_half<12>(lanes, {n}, bits);
+        break;
+      default:
+        project_half<0>(lanes, {n}, bits);
     }
   });
 }

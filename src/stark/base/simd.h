@@ -1,5 +1,6 @@
-// 256-bit vectors of double or float, on GCC's vector extensions: arithmetic operators work lane by lane. Fused
-// multiply-adds are written out, so that the same source gives the same bits with and without hardware support.
+// 256-bit vectors of double or float, on GCC's vector extensions: arithmetic operators work lane by lane.
+// Fused multiply-adds are written out, so that the same source gives the same bits with and without hardware
+// support.
 #pragma once
 
 #include <cmath>

@@ -31,7 +31,8 @@ Buckets bucket_by_row(int32_t block_count, std::span<const std::pair<int32_t, in
 }
 
 // Appends the distinct columns of bucket `i` that are not yet marked with `i` to `out`, sorted.
-void append_distinct(const Buckets& buckets, int32_t i, std::vector<int32_t>& mark, std::vector<int32_t>& out) {
+void append_distinct(const Buckets& buckets, int32_t i, std::vector<int32_t>& mark,
+                     std::vector<int32_t>& out) {
   const size_t begin = out.size();
   for (int64_t k = buckets.start[i]; k < buckets.start[i + 1]; ++k) {
     const int32_t j = buckets.column[k];
@@ -105,8 +106,8 @@ int64_t BlockPattern::slot(int32_t i, int32_t j) const {
 uint64_t BlockPattern::hash() const {
   uint64_t h = mix(0x51ed270b7f4a7c15ull, static_cast<uint64_t>(block_count));
   h = mix(h, static_cast<uint64_t>(column.size()));
-  // Row starts and columns are both needed: equal column lists can be cut into rows in two ways. A row begins with its
-  // own index, so mixing the row starts through four lanes costs little.
+  // Row starts and columns are both needed: equal column lists can be cut into rows in two ways. A row begins
+  // with its own index, so mixing the row starts through four lanes costs little.
   uint64_t lane[4] = {h, h + 1, h + 2, h + 3};
   const size_t rows = row_start.size();
   for (size_t i = 0; i < rows; ++i) lane[i & 3] = mix(lane[i & 3], static_cast<uint64_t>(row_start[i]));
@@ -124,7 +125,8 @@ void BlockMatrix::set_zero() { values.assign(static_cast<size_t>(pattern.slot_co
 
 void BlockMatrix::multiply(const double* x, double* y, ThreadPool& pool) const {
   const int32_t n = pattern.block_count;
-  // Chunks of rows add into private copies of y, summed in chunk order: their number depends on the size only.
+  // Chunks of rows add into private copies of y, summed in chunk order: their number depends on the size
+  // only.
   const int32_t chunks = n < 4096 ? 1 : 8;
   const auto multiply_rows = [&](int32_t begin, int32_t end, double* out) {
     for (int32_t i = begin; i < end; ++i) {
@@ -158,7 +160,8 @@ void BlockMatrix::multiply(const double* x, double* y, ThreadPool& pool) const {
   }
   std::vector<double> partial(static_cast<size_t>(chunks - 1) * size, 0.0);
   pool.for_each_task(chunks, [&](int64_t chunk, int) {
-    const auto begin = static_cast<int32_t>(chunk * n / chunks), end = static_cast<int32_t>((chunk + 1) * n / chunks);
+    const auto begin = static_cast<int32_t>(chunk * n / chunks),
+               end = static_cast<int32_t>((chunk + 1) * n / chunks);
     multiply_rows(begin, end, chunk == 0 ? y : partial.data() + (chunk - 1) * size);
   });
   pool.for_each_range(size, 4096, [&](int64_t begin, int64_t end) {

@@ -1,6 +1,6 @@
-// Sparse symmetric matrix of 3x3 blocks, the Hessian of every Newton step. A node of a deformable owns one block row, a
-// rigid body two. Only the upper block triangle is stored; slots are stable until the pattern changes, so that
-// elements are assembled straight into them. Phase: assembly and linear solve.
+// Sparse symmetric matrix of 3x3 blocks, the Hessian of every Newton step. A node of a deformable owns one
+// block row, a rigid body two. Only the upper block triangle is stored; slots are stable until the pattern
+// changes, so that elements are assembled straight into them. Phase: assembly and linear solve.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,12 @@ struct BlockPattern {
   std::vector<int64_t> row_start;  // [block_count + 1]
   std::vector<int32_t> column;     // sorted within a row; the first entry of row i is i
 
-  /// Pairs in any order, with duplicates, as (i, j) or (j, i); the diagonal is added. Linear in the number of pairs.
+  /// Pairs in any order, with duplicates, as (i, j) or (j, i); the diagonal is added. Linear in the number of
+  /// pairs.
   static BlockPattern from_pairs(int32_t block_count, std::vector<std::pair<int32_t, int32_t>> pairs);
 
-  /// Union of this pattern and `pairs` (any order, duplicates allowed). out_slot_of_base[k] is the slot in the union of
-  /// slot k of this pattern. Linear in both.
+  /// Union of this pattern and `pairs` (any order, duplicates allowed). out_slot_of_base[k] is the slot in
+  /// the union of slot k of this pattern. Linear in both.
   BlockPattern merged_with(std::span<const std::pair<int32_t, int32_t>> pairs,
                            std::vector<int64_t>& out_slot_of_base) const;
 
@@ -38,8 +39,8 @@ struct BlockPattern {
   bool operator==(const BlockPattern&) const = default;
 };
 
-/// A symmetric matrix on a BlockPattern: values[9 * slot + 3 * r + c] is entry (r, c) of the block. A diagonal block is
-/// stored whole, both triangles.
+/// A symmetric matrix on a BlockPattern: values[9 * slot + 3 * r + c] is entry (r, c) of the block. A
+/// diagonal block is stored whole, both triangles.
 struct BlockMatrix {
   BlockPattern pattern;
   AlignedVector<double> values;  // [slot][9], row-major

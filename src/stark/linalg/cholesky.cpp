@@ -1,17 +1,17 @@
-// Multifrontal Cholesky: a front gathers the blocks of A of its columns and the update matrices of its children, is
-// factorised densely, and leaves the Schur complement of its update rows to its parent. Subtrees run in parallel, the
-// fronts above them are shared strip by strip; in both cases every entry is computed by the same sequence of
-// operations on any number of threads.
+// Multifrontal Cholesky: a front gathers the blocks of A of its columns and the update matrices of its
+// children, is factorised densely, and leaves the Schur complement of its update rows to its parent. Subtrees
+// run in parallel, the fronts above them are shared strip by strip; in both cases every entry is computed by
+// the same sequence of operations on any number of threads.
 #include <stark/linalg/cholesky.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
 #include <vector>
 
 #include <stark/base/aligned.h>
 #include <stark/base/error.h>
 #include <stark/linalg/elimination.h>
+#include <stark/linalg/front_assembly.h>
 #include <stark/linalg/front_kernels.h>
 #include <stark/linalg/front_plan.h>
 #include <stark/linalg/ordering.h>
@@ -20,74 +20,18 @@ namespace stark {
 
 namespace {
 
+using front::Assembly;
+using front::Front;
 using front::kColumnBlock;
 using front::kStrip;
 using front::kTile;
 using front::strips_of;
 using front::triangle_offset;
 
-constexpr double kReorderFactor = 1.3;      // fill tolerated, in flops, before a new ordering
-constexpr int64_t kStripGrain = 4;          // strips of one task in a shared front
-constexpr int64_t kAssemblyGrain = 16;      // child columns of one task when a shared front is assembled
+constexpr double kReorderFactor = 1.3;  // fill tolerated, in flops, before a new ordering
+constexpr int64_t kStripGrain = 4;      // strips of one task in a shared front
+constexpr int64_t kAssemblyGrain = 16;  // child columns of one task when a shared front is assembled
 constexpr int32_t kNoFailure = INT32_MAX;
-
-// Storage that grows without copying and is not initialised.
-template <typename Real>
-class Buffer {
- public:
-  Real* reserve(int64_t size) {
-    if (size > capacity_) {
-      capacity_ = size + size / 4 + 1024;
-      data_.reset();
-      data_.reset(AlignedAllocator<Real>().allocate(static_cast<size_t>(capacity_)));
-    }
-    return data_.get();
-  }
-  Real* data() const { return data_.get(); }
-
- private:
-  struct Free {
-    void operator()(Real* p) const { AlignedAllocator<Real>().deallocate(p, 0); }
-  };
-  std::unique_ptr<Real[], Free> data_;
-  int64_t capacity_ = 0;
-};
-
-// Sizes and addresses of one front.
-template <typename Real>
-struct Front {
-  int columns, padded_columns, rows;  // scalars
-  int pivot_strips, border_strips;
-  Real* pivot;
-  Real* border;
-  Real* update;
-
-  Real* pivot_strip(int s) const { return pivot + triangle_offset<Real>(s); }
-  Real* border_strip(int s) const { return border + static_cast<int64_t>(s) * kStrip<Real> * padded_columns; }
-};
-
-// Where the rows of a child go in the front of its parent, as runs that are consecutive in both.
-struct Assembly {
-  std::vector<int64_t> panel_base, update_base;  // address of a block row, column zero
-  std::vector<int32_t> run_end;                  // first block row after the run that the row is in
-};
-
-// target[c][0 .. 3 blocks) += source[c][..] for the three columns of a block column.
-template <typename Real>
-inline void add_run(Real* target, const Real* source, int blocks) {
-  constexpr int kS = kStrip<Real>;
-  const auto add = [&](int count) {
-    for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < count; ++r) target[c * kS + r] += source[c * kS + r];
-  };
-  switch (blocks) {  // constant lengths are unrolled and vectorised
-    case 1: return add(3);
-    case 2: return add(6);
-    case 3: return add(9);
-    case 4: return add(12);
-    default: return add(3 * blocks);
-  }
-}
 
 }  // namespace
 
@@ -101,18 +45,19 @@ struct Cholesky<Real>::Implementation {
   AssemblyTree tree;
   FrontPlan plan;
 
-  Buffer<Real> factor_storage, shared_arena;
-  std::vector<Buffer<Real>> thread_arenas;
-  std::vector<Assembly> assemblies;       // per thread
-  AlignedVector<Real> y, w;               // permuted right-hand side; update rows of every front
-  std::vector<AlignedVector<Real>> local; // per thread: pivots and update rows of one front
+  ScratchBuffer<Real> factor_storage, shared_arena;
+  std::vector<ScratchBuffer<Real>> thread_arenas;
+  std::vector<Assembly> assemblies;        // per thread
+  AlignedVector<Real> y, w;                // permuted right-hand side; update rows of every front
+  std::vector<AlignedVector<Real>> local;  // per thread: pivots and update rows of one front
 
   Front<Real> front_of(int32_t s, int thread);
-  void load_matrix(const BlockMatrix& matrix, int32_t s, const Front<Real>& f);
-  void prepare_assembly(int32_t child, const Front<Real>& f, Assembly& assembly) const;
-  void assemble(const Front<Real>& f, const Real* source, const Assembly& assembly, int32_t child, int32_t begin,
-                int32_t end) const;
-  int32_t split_of(int32_t child, const Front<Real>& f) const;
+  std::span<const int32_t> relative_of(int32_t child) const {
+    return {tree.relative.data() + tree.row_start[child], static_cast<size_t>(tree.row_count(child))};
+  }
+  std::span<const FrontEntry> entries_of(int32_t s) const {
+    return {tree.entry.data() + tree.entry_start[s], tree.entry.data() + tree.entry_start[s + 1]};
+  }
   int32_t failed_position(int32_t s, const Front<Real>& f, int column) const;
   int32_t factor_front(const BlockMatrix& matrix, int32_t s, int thread);
   int32_t factor_shared_front(const BlockMatrix& matrix, int32_t s, ThreadPool& pool);
@@ -130,81 +75,9 @@ Front<Real> Cholesky<Real>::Implementation::front_of(int32_t s, int thread) {
   f.border_strips = strips_of<Real>(f.rows);
   f.pivot = factor_storage.data() + plan.factor_offset[s];
   f.border = f.pivot + triangle_offset<Real>(f.pivot_strips - 1) + kStrip<Real> * f.padded_columns;
-  f.update = (plan.update_shared[s] ? shared_arena.data() : thread_arenas[thread].data()) + plan.update_offset[s];
+  f.update =
+      (plan.update_shared[s] ? shared_arena.data() : thread_arenas[thread].data()) + plan.update_offset[s];
   return f;
-}
-
-// Zeros, unit padding, and the blocks of A.
-template <typename Real>
-void Cholesky<Real>::Implementation::load_matrix(const BlockMatrix& matrix, int32_t s, const Front<Real>& f) {
-  constexpr int kS = kStrip<Real>;
-  std::memset(static_cast<void*>(f.pivot), 0,
-              static_cast<size_t>(plan.factor_offset[s + 1] - plan.factor_offset[s]) * sizeof(Real));
-  for (int p = f.columns; p < f.padded_columns; ++p) f.pivot_strip(p / kS)[p * kS + p % kS] = Real(1);
-  for (int64_t k = tree.entry_start[s]; k < tree.entry_start[s + 1]; ++k) {
-    const FrontEntry& entry = tree.entry[k];
-    const double* block = matrix.values.data() + 9 * static_cast<int64_t>(entry.slot);
-    const int row = 3 * entry.row < f.columns ? 3 * entry.row : 3 * entry.row - f.columns;
-    Real* target = (3 * entry.row < f.columns ? f.pivot_strip(row / kS) : f.border_strip(row / kS)) + row % kS +
-                   3 * entry.column * kS;
-    const int across = entry.transposed ? 3 : 1, down = 4 - across;
-    for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < 3; ++r) target[c * kS + r] = static_cast<Real>(block[down * r + across * c]);
-  }
-}
-
-template <typename Real>
-void Cholesky<Real>::Implementation::prepare_assembly(int32_t child, const Front<Real>& f, Assembly& assembly) const {
-  constexpr int kS = kStrip<Real>, kStripBlocks = kS / 3;
-  const int32_t rows = tree.row_count(child);
-  const int32_t* relative = tree.relative.data() + tree.row_start[child];
-  assembly.panel_base.resize(rows);
-  assembly.update_base.resize(rows);
-  assembly.run_end.resize(rows);
-  for (int32_t i = 0; i < rows; ++i) {
-    const int row = 3 * relative[i];
-    if (row < f.columns) {
-      assembly.panel_base[i] = triangle_offset<Real>(row / kS) + row % kS;
-      assembly.update_base[i] = -1;
-    } else {
-      const int strip = (row - f.columns) / kS, offset = (row - f.columns) % kS;
-      assembly.panel_base[i] = f.border_strip(strip) - f.pivot + offset;
-      assembly.update_base[i] = triangle_offset<Real>(strip) + offset;
-    }
-  }
-  // A run ends with a strip of the child, with a gap in the parent's rows, or with a strip there.
-  for (int32_t i = rows - 1; i >= 0; --i) {
-    const bool joins = i + 1 < rows && (i + 1) % kStripBlocks != 0 &&
-                       assembly.panel_base[i + 1] == assembly.panel_base[i] + 3 && relative[i + 1] == relative[i] + 1;
-    assembly.run_end[i] = joins ? assembly.run_end[i + 1] : i + 1;
-  }
-}
-
-// Adds the block columns [begin, end) of a child's update matrix; they lie all in the panel or all in the update matrix.
-template <typename Real>
-void Cholesky<Real>::Implementation::assemble(const Front<Real>& f, const Real* source, const Assembly& assembly,
-                                              int32_t child, int32_t begin, int32_t end) const {
-  constexpr int kS = kStrip<Real>;
-  const int32_t rows = tree.row_count(child);
-  const int32_t* relative = tree.relative.data() + tree.row_start[child];
-  for (int32_t j = begin; j < end; ++j) {
-    const int column = 3 * relative[j];
-    const bool in_panel = column < f.columns;
-    Real* const target = in_panel ? f.pivot + column * kS : f.update + static_cast<int64_t>(column - f.columns) * kS;
-    const int64_t* base = in_panel ? assembly.panel_base.data() : assembly.update_base.data();
-    for (int32_t i = j; i < rows; i = assembly.run_end[i]) {
-      const int row = 3 * i;
-      add_run(target + base[i], source + triangle_offset<Real>(row / kS) + row % kS + 3 * j * kS,
-              assembly.run_end[i] - i);
-    }
-  }
-}
-
-// Number of block columns of a child's update matrix that are pivots of the parent.
-template <typename Real>
-int32_t Cholesky<Real>::Implementation::split_of(int32_t child, const Front<Real>& f) const {
-  const int32_t* relative = tree.relative.data() + tree.row_start[child];
-  return static_cast<int32_t>(std::lower_bound(relative, relative + tree.row_count(child), f.columns / 3) - relative);
 }
 
 template <typename Real>
@@ -216,13 +89,15 @@ int32_t Cholesky<Real>::Implementation::failed_position(int32_t s, const Front<R
 template <typename Real>
 int32_t Cholesky<Real>::Implementation::factor_front(const BlockMatrix& matrix, int32_t s, int thread) {
   const Front<Real> f = front_of(s, thread);
-  load_matrix(matrix, s, f);
+  front::load_matrix(f, matrix, entries_of(s));
   const int32_t begin = tree.child_start[s], end = tree.child_start[s + 1];
   Assembly& assembly = assemblies[thread];
   for (int32_t c = begin; c < end; ++c) {
     const int32_t child = tree.child[c];
-    prepare_assembly(child, f, assembly);
-    assemble(f, front_of(child, thread).update, assembly, child, 0, split_of(child, f));
+    const auto relative = relative_of(child);
+    front::prepare_assembly(f, relative, assembly);
+    front::assemble(f, front_of(child, thread).update, relative, assembly, 0,
+                    front::pivot_columns(f, relative));
   }
   for (int block = 0; block < f.padded_columns; block += kColumnBlock) {
     const int block_end = std::min(block + kColumnBlock, f.padded_columns);
@@ -237,27 +112,32 @@ int32_t Cholesky<Real>::Implementation::factor_front(const BlockMatrix& matrix, 
   front::form_update(f.update, f.border, f.padded_columns, 0, f.border_strips);
   for (int32_t c = begin; c < end; ++c) {
     const int32_t child = tree.child[c];
-    if (end - begin > 1) prepare_assembly(child, f, assembly);
-    assemble(f, front_of(child, thread).update, assembly, child, split_of(child, f), tree.row_count(child));
+    const auto relative = relative_of(child);
+    if (end - begin > 1) front::prepare_assembly(f, relative, assembly);
+    front::assemble(f, front_of(child, thread).update, relative, assembly, front::pivot_columns(f, relative),
+                    tree.row_count(child));
   }
   return kNoFailure;
 }
 
 // The same operations on every entry, shared among threads by strips and by child columns.
 template <typename Real>
-int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& matrix, int32_t s, ThreadPool& pool) {
+int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& matrix, int32_t s,
+                                                            ThreadPool& pool) {
   const Front<Real> f = front_of(s, 0);
-  load_matrix(matrix, s, f);
+  front::load_matrix(f, matrix, entries_of(s));
   const auto assemble_shared = [&](int32_t child, int32_t begin, int32_t end) {
     const Real* source = front_of(child, 0).update;
     pool.for_each_range(end - begin, kAssemblyGrain, [&](int64_t from, int64_t to) {
-      assemble(f, source, assemblies[0], child, begin + static_cast<int32_t>(from), begin + static_cast<int32_t>(to));
+      front::assemble(f, source, relative_of(child), assemblies[0], begin + static_cast<int32_t>(from),
+                      begin + static_cast<int32_t>(to));
     });
   };
   const int32_t begin = tree.child_start[s], end = tree.child_start[s + 1];
   for (int32_t c = begin; c < end; ++c) {
-    prepare_assembly(tree.child[c], f, assemblies[0]);
-    assemble_shared(tree.child[c], 0, split_of(tree.child[c], f));
+    const auto relative = relative_of(tree.child[c]);
+    front::prepare_assembly(f, relative, assemblies[0]);
+    assemble_shared(tree.child[c], 0, front::pivot_columns(f, relative));
   }
   for (int block = 0; block < f.padded_columns; block += kColumnBlock) {
     const int block_end = std::min(block + kColumnBlock, f.padded_columns);
@@ -266,9 +146,10 @@ int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& m
     if (failed >= 0) return failed_position(s, f, failed);
     const int first = strips_of<Real>(block_end), below = f.pivot_strips - first;
     pool.for_each_range(std::max(below, 0) + f.border_strips, kStripGrain, [&](int64_t from, int64_t to) {
-      front::solve_strips(f.pivot, block, block_end, first + static_cast<int>(from), first + static_cast<int>(to),
-                          [&](int strip) {
-                            return strip < f.pivot_strips ? f.pivot_strip(strip) : f.border_strip(strip - f.pivot_strips);
+      front::solve_strips(f.pivot, block, block_end, first + static_cast<int>(from),
+                          first + static_cast<int>(to), [&](int strip) {
+                            return strip < f.pivot_strips ? f.pivot_strip(strip)
+                                                          : f.border_strip(strip - f.pivot_strips);
                           });
     });
   }
@@ -280,8 +161,9 @@ int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& m
                        std::min(from + static_cast<int>(kStripGrain), f.border_strips));
   });
   for (int32_t c = begin; c < end; ++c) {
-    prepare_assembly(tree.child[c], f, assemblies[0]);
-    assemble_shared(tree.child[c], split_of(tree.child[c], f), tree.row_count(tree.child[c]));
+    const auto relative = relative_of(tree.child[c]);
+    front::prepare_assembly(f, relative, assemblies[0]);
+    assemble_shared(tree.child[c], front::pivot_columns(f, relative), tree.row_count(tree.child[c]));
   }
   return kNoFailure;
 }
@@ -319,7 +201,8 @@ void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>)
 template <typename Real>
 FactorStatus Cholesky<Real>::factor(const BlockMatrix& matrix, ThreadPool& pool) {
   Implementation& s = *implementation_;
-  STARK_CHECK(s.slot_count == matrix.pattern.slot_count() && s.tree.block_count == matrix.pattern.block_count);
+  STARK_CHECK(s.slot_count == matrix.pattern.slot_count() &&
+              s.tree.block_count == matrix.pattern.block_count);
   STARK_CHECK(static_cast<int64_t>(matrix.values.size()) == 9 * s.slot_count);
   const int threads = pool.thread_count();
   if (static_cast<int>(s.assemblies.size()) < threads) {
@@ -406,7 +289,8 @@ void Cholesky<Real>::solve(const double* b, double* x, ThreadPool& pool) {
   for (auto& scratch : s.local) scratch.resize(s.plan.max_rows);
   for (int32_t p = 0; p < n; ++p)
     for (int r = 0; r < 3; ++r)
-      s.y[3 * static_cast<size_t>(p) + r] = static_cast<Real>(b[3 * static_cast<int64_t>(s.tree.order[p]) + r]);
+      s.y[3 * static_cast<size_t>(p) + r] =
+          static_cast<Real>(b[3 * static_cast<int64_t>(s.tree.order[p]) + r]);
   const auto subtrees = static_cast<int64_t>(s.plan.subtrees.size());
   pool.for_each_task(subtrees, [&](int64_t task, int thread) {
     for (int32_t node = s.plan.subtrees[task].begin; node < s.plan.subtrees[task].end; ++node)
@@ -420,7 +304,8 @@ void Cholesky<Real>::solve(const double* b, double* x, ThreadPool& pool) {
   });
   for (int32_t p = 0; p < n; ++p)
     for (int r = 0; r < 3; ++r)
-      x[3 * static_cast<int64_t>(s.tree.order[p]) + r] = static_cast<double>(s.y[3 * static_cast<size_t>(p) + r]);
+      x[3 * static_cast<int64_t>(s.tree.order[p]) + r] =
+          static_cast<double>(s.y[3 * static_cast<size_t>(p) + r]);
 }
 
 template <typename Real>
@@ -430,13 +315,21 @@ void Cholesky<Real>::solve(const double* b, double* x) {
 }
 
 template <typename Real>
-double Cholesky<Real>::flops() const { return implementation_->tree.flops; }
+double Cholesky<Real>::flops() const {
+  return implementation_->tree.flops;
+}
 template <typename Real>
-int64_t Cholesky<Real>::factor_nonzeros() const { return implementation_->tree.factor_nonzeros; }
+int64_t Cholesky<Real>::factor_nonzeros() const {
+  return implementation_->tree.factor_nonzeros;
+}
 template <typename Real>
-int64_t Cholesky<Real>::ordering_count() const { return implementation_->orderings; }
+int64_t Cholesky<Real>::ordering_count() const {
+  return implementation_->orderings;
+}
 template <typename Real>
-int64_t Cholesky<Real>::analysis_count() const { return implementation_->analyses; }
+int64_t Cholesky<Real>::analysis_count() const {
+  return implementation_->analyses;
+}
 
 template class Cholesky<double>;
 template class Cholesky<float>;

@@ -1,6 +1,7 @@
-// Supernodal multifrontal Cholesky factorisation A = L L^T of a block matrix, in double or single precision (Duff and
-// Reid 1983; Liu 1992; Davis, Rajamanickam and Sid-Lakhdar 2016 for a survey). Symbolic work is done on the graph of
-// 3x3 blocks. The bits of the result do not depend on the number of threads. Phase: linear solve of a Newton step.
+// Supernodal multifrontal Cholesky factorisation A = L L^T of a block matrix, in double or single precision
+// (Duff and Reid 1983; Liu 1992; Davis, Rajamanickam and Sid-Lakhdar 2016 for a survey). Symbolic work is
+// done on the graph of 3x3 blocks. The bits of the result do not depend on the number of threads. Phase:
+// linear solve of a Newton step.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,8 @@
 
 namespace stark {
 
-/// Outcome of a factorisation. A failed pivot is a value, not an error: the caller modifies the matrix and tries again.
+/// Outcome of a factorisation. A failed pivot is a value, not an error: the caller modifies the matrix and
+/// tries again.
 struct FactorStatus {
   bool positive_definite = true;
   int32_t failed_block = -1;  // block row of the first pivot that is not positive, -1 if there is none
@@ -27,15 +29,17 @@ class Cholesky {
   Cholesky(Cholesky&&) noexcept;
   Cholesky& operator=(Cholesky&&) noexcept;
 
-  /// Symbolic phase for a pattern. The fill-reducing ordering is kept while the number of block rows is unchanged and
-  /// the predicted flops stay below 1.3 times those at the last ordering. `positions` [block_count] is a hint for the
-  /// ordering and may be empty.
+  /// Symbolic phase for a pattern. The fill-reducing ordering is kept while the number of block rows is
+  /// unchanged and the predicted flops stay below 1.3 times those at the last ordering. `positions`
+  /// [block_count] may be empty; they are a hint that the present ordering, which works on the graph alone,
+  /// does not need.
   void analyze(const BlockPattern& pattern, std::span<const Vec3> positions = {});
 
   /// Factorises `matrix`, whose pattern must be the analysed one.
   FactorStatus factor(const BlockMatrix& matrix, ThreadPool& pool);
 
-  /// Solves A x = b with the last factor, which must have been positive definite. b and x may be the same array.
+  /// Solves A x = b with the last factor, which must have been positive definite. b and x may be the same
+  /// array.
   void solve(const double* b, double* x);
   /// The same bits, with the independent subtrees shared among the threads of `pool`.
   void solve(const double* b, double* x, ThreadPool& pool);

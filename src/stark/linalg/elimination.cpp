@@ -11,8 +11,8 @@ namespace stark {
 
 namespace {
 
-// Modelled nanoseconds of one front, for amalgamation: dense work on padded sizes, traffic of the update matrix, and a
-// fixed cost. A merge is done when it lowers the sum.
+// Modelled nanoseconds of one front, for amalgamation: dense work on padded sizes, traffic of the update
+// matrix, and a fixed cost. A merge is done when it lowers the sum.
 double front_cost(double columns, double rows, int strip) {
   const double c = 3.0 * columns, r = 3.0 * rows;
   const double c_pad = strip * static_cast<double>((3 * static_cast<int64_t>(columns) + strip - 1) / strip);
@@ -114,8 +114,8 @@ void SymbolicFactorization::postorder_columns() {
     for (int32_t k = low_start_[j]; k < low_start_[j + 1]; ++k) high_[head_[label_[low_[k]]]++] = label_[j];
 }
 
-// Row i of L is the subtree of the tree whose leaves are found here; a column counts the row subtrees it lies in by
-// adding one at every leaf and taking one off where two paths meet.
+// Row i of L is the subtree of the tree whose leaves are found here; a column counts the row subtrees it lies
+// in by adding one at every leaf and taking one off where two paths meet.
 void SymbolicFactorization::count_columns() {
   count_.assign(n_, 0);
   first_descendant_.assign(n_, -1);
@@ -150,8 +150,8 @@ void SymbolicFactorization::count_columns() {
     }
     if (parent_[j] >= 0) ancestor_[j] = parent_[j];
   }
-  // The first leaf of row i counts the path up to i itself, which its diagonal also does: both are right, because a
-  // column's own diagonal is only counted when it has no descendants.
+  // The first leaf of row i counts the path up to i itself, which its diagonal also does: both are right,
+  // because a column's own diagonal is only counted when it has no descendants.
   for (int32_t j = 0; j < n_; ++j)
     if (parent_[j] >= 0) count_[parent_[j]] += count_[j];
 }
@@ -185,7 +185,7 @@ void SymbolicFactorization::amalgamate(int strip) {
   const auto count = static_cast<int32_t>(node_first_.size());
   merged_into_.assign(count, -1);
   chain_next_.assign(count, -1);  // parts of a merged supernode in elimination order, the survivor last
-  head_.assign(count, -1);  // children of a supernode, merged ones replaced by their children
+  head_.assign(count, -1);        // children of a supernode, merged ones replaced by their children
   next_.assign(count, -1);
   ancestor_.resize(count);  // first supernode of the chain
   std::iota(ancestor_.begin(), ancestor_.begin() + count, 0);
@@ -232,8 +232,8 @@ void SymbolicFactorization::number_supernodes(std::span<const int32_t> order, As
   tree.first.clear();
   tree.parent.clear();
   tree.order.resize(n_);
-  mark_.assign(count, -1);     // new number of a survivor
-  label_.resize(n_);           // position of a column
+  mark_.assign(count, -1);  // new number of a survivor
+  label_.resize(n_);        // position of a column
   int32_t position = 0;
   const auto emit = [&](int32_t s) {
     const auto number = static_cast<int32_t>(tree.first.size());
@@ -300,7 +300,8 @@ void SymbolicFactorization::collect_entries(const BlockPattern& pattern, Assembl
       const int32_t a = position_[i], b = position_[pattern.column[k]];
       const int32_t column = std::min(a, b), s = supernode_of_[column];
       // The stored block couples row i with column j; in L the later position is the row.
-      tree.entry[head_[s]++] = {static_cast<int32_t>(k), std::max(a, b), column - tree.first[s], a < b ? 1 : 0};
+      tree.entry[head_[s]++] = {static_cast<int32_t>(k), std::max(a, b), column - tree.first[s],
+                                a < b ? 1 : 0};
     }
 }
 

@@ -1,12 +1,12 @@
-// Dense kernels on the fronts of the multifrontal Cholesky factorisation. All matrices are cut into strips of kStrip
-// rows, stored column by column: a strip of a 12 x 4 (double) or 24 x 4 (float) tile is then three vectors per column,
-// both operands of the inner product kernel are read in sequence, and no packing is needed (Goto and van de Geijn 2008
-// for the blocking). Phase: numerical factorisation.
+// Dense kernels on the fronts of the multifrontal Cholesky factorisation. All matrices are cut into strips of
+// kStrip rows, stored column by column: a strip of a 12 x 4 (double) or 24 x 4 (float) tile is then three
+// vectors per column, both operands of the inner product kernel are read in sequence, and no packing is
+// needed (Goto and van de Geijn 2008 for the blocking). Phase: numerical factorisation.
 //
 // A front of n pivots (padded to n4, a multiple of kTile, with unit diagonal) and m update rows has
-//   pivot block    lower block triangle of strips: strip s holds the columns 0 .. min((s + 1) kStrip, n4) - 1,
-//   border         strips of the update rows with n4 columns each,
-//   update matrix  lower block triangle of strips with whole strips of columns.
+//   pivot block    lower block triangle of strips: strip s holds the columns 0 .. min((s + 1) kStrip, n4) -
+//   1, border         strips of the update rows with n4 columns each, update matrix  lower block triangle of
+//   strips with whole strips of columns.
 // The factor keeps the reciprocal of its diagonal and zeros above it.
 #pragma once
 
@@ -20,9 +20,9 @@ namespace stark::front {
 
 template <typename Real>
 inline constexpr int kStrip = 3 * simd::kWidth<Real>;
-inline constexpr int kTile = 4;           // columns of a register tile; divides kStrip
-inline constexpr int kColumnBlock = 96;   // columns whose operand stays in the second-level cache
-inline constexpr int kDepthBlock = 128;   // inner dimension for which two strips stay in the first-level cache
+inline constexpr int kTile = 4;          // columns of a register tile; divides kStrip
+inline constexpr int kColumnBlock = 96;  // columns whose operand stays in the second-level cache
+inline constexpr int kDepthBlock = 128;  // inner dimension for which two strips stay in the first-level cache
 
 template <typename Real>
 constexpr int strips_of(int rows) {
@@ -74,7 +74,8 @@ template <typename Real>
   t.c[2][0] = c20, t.c[2][1] = c21, t.c[2][2] = c22, t.c[3][0] = c30, t.c[3][1] = c31, t.c[3][2] = c32;
 }
 
-/// Solves X L^T = T in place for the 4 x 4 lower triangle L at `l` (column stride kStrip, reciprocal diagonal).
+/// Solves X L^T = T in place for the 4 x 4 lower triangle L at `l` (column stride kStrip, reciprocal
+/// diagonal).
 template <typename Real>
 [[gnu::always_inline]] inline void solve_tile(Tile<Real>& t, const Real* l) {
   for (int j = 0; j < kTile; ++j) {
@@ -93,8 +94,8 @@ inline const Real* tile_rows(const Real* pivot, int column) {
   return pivot + triangle_offset<Real>(column / kStrip<Real>) + column % kStrip<Real>;
 }
 
-/// Eliminates columns [begin, end) of strips [first, last): subtracts the products with earlier columns and solves with
-/// the finished diagonal block of these columns. strip(s) is the address of strip s.
+/// Eliminates columns [begin, end) of strips [first, last): subtracts the products with earlier columns and
+/// solves with the finished diagonal block of these columns. strip(s) is the address of strip s.
 template <typename Real, typename StripAt>
 void solve_strips(const Real* pivot, int begin, int end, int first, int last, StripAt&& strip) {
   constexpr int kS = kStrip<Real>;
@@ -122,8 +123,8 @@ void solve_strips(const Real* pivot, int begin, int end, int first, int last, St
   }
 }
 
-/// Cholesky factor of the 4 x 4 lower triangle at `l`, with the reciprocal diagonal and zeros above. Returns the first
-/// column whose pivot is not positive, or -1.
+/// Cholesky factor of the 4 x 4 lower triangle at `l`, with the reciprocal diagonal and zeros above. Returns
+/// the first column whose pivot is not positive, or -1.
 template <typename Real>
 inline int factor_tile(Real* l) {
   constexpr int kS = kStrip<Real>;
@@ -143,8 +144,9 @@ inline int factor_tile(Real* l) {
   return -1;
 }
 
-/// Factorises the diagonal block of columns [begin, end), begin a multiple of kStrip, after the products with columns
-/// before `begin` have been subtracted. Returns the column of the first pivot that is not positive, or -1.
+/// Factorises the diagonal block of columns [begin, end), begin a multiple of kStrip, after the products with
+/// columns before `begin` have been subtracted. Returns the column of the first pivot that is not positive,
+/// or -1.
 template <typename Real>
 int factor_diagonal(Real* pivot, int begin, int end) {
   constexpr int kS = kStrip<Real>;
@@ -242,7 +244,8 @@ inline void multiply_strip(const Real* strip, const Real* x, int count, Real* ou
   for (int r = 0; r < 3; ++r) simd::store(out + r * kW, even[r] + odd[r]);  // count is a multiple of kTile
 }
 
-/// sums[c] += (column c of the strip) . x for `count` <= kStrip columns; one vector of partial sums per column.
+/// sums[c] += (column c of the strip) . x for `count` <= kStrip columns; one vector of partial sums per
+/// column.
 template <typename Real>
 inline void multiply_strip_transposed(const Real* strip, const Real* x, int count, simd::V<Real>* sums) {
   constexpr int kS = kStrip<Real>, kW = simd::kWidth<Real>;
@@ -283,9 +286,11 @@ void solve_upper(const Real* pivot, const Real* border, int n4, int border_strip
     simd::V<Real> sums[kS];
     for (int c = 0; c < count; ++c) sums[c] = simd::splat(Real(0));
     for (int below = s + 1; below < strips; ++below)
-      multiply_strip_transposed(pivot + triangle_offset<Real>(below) + begin * kS, x + below * kS, count, sums);
+      multiply_strip_transposed(pivot + triangle_offset<Real>(below) + begin * kS, x + below * kS, count,
+                                sums);
     for (int below = 0; below < border_strips; ++below)
-      multiply_strip_transposed(border + (static_cast<int64_t>(below) * n4 + begin) * kS, y + below * kS, count, sums);
+      multiply_strip_transposed(border + (static_cast<int64_t>(below) * n4 + begin) * kS, y + below * kS,
+                                count, sums);
     const Real* const diagonal = pivot + triangle_offset<Real>(s) + begin * kS;
     for (int k = count - 1; k >= 0; --k) {
       Real value = x[begin + k] - simd::sum(sums[k]);

@@ -25,7 +25,8 @@ void FrontPlan::build(const AssemblyTree& tree, int strip, int tile) {
   std::vector<int64_t> update_size(count);
   max_rows = 0;
   for (int32_t s = 0; s < count; ++s) {
-    const int64_t columns = round_up(3 * tree.column_count(s), tile), pivot_strips = round_up(columns, strip) / strip;
+    const int64_t columns = round_up(3 * tree.column_count(s), tile),
+                  pivot_strips = round_up(columns, strip) / strip;
     const int64_t border_strips = round_up(3 * tree.row_count(s), strip) / strip;
     // Whole strips of the pivot block but the last, whose columns end with the padded pivots.
     const int64_t pivot = strip * (strip * (pivot_strips * (pivot_strips - 1) / 2) + columns);
@@ -71,8 +72,8 @@ void FrontPlan::build(const AssemblyTree& tree, int strip, int tile) {
     }
   }
 
-  // Update matrices live from their front to their parent's. Levels of odd and even depth have a stack each, so that a
-  // front's matrix can be allocated before those of its children are released.
+  // Update matrices live from their front to their parent's. Levels of odd and even depth have a stack each,
+  // so that a front's matrix can be allocated before those of its children are released.
   std::vector<uint8_t> parity(count);
   for (int32_t s = count - 1; s >= 0; --s) parity[s] = tree.parent[s] < 0 ? 0 : 1 - parity[tree.parent[s]];
   int64_t height[2], peak[2];

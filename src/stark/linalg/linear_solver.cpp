@@ -14,22 +14,23 @@ namespace stark {
 
 namespace {
 
-// Rates of the cost model, in the round numbers of one core of 2020-2025. Only their ratio matters; a choice must not
-// depend on the machine, or runs would not repeat elsewhere.
-constexpr double kFlopsPerSecond = 15e9;
+// Rates of the cost model, in the round numbers of one core of 2020-2025. Only their ratio matters; a choice
+// must not depend on the machine, or runs would not repeat elsewhere.
+constexpr double kFlopsPerSecond = 30e9;
 constexpr double kBytesPerSecond = 12e9;
-constexpr double kSwitchGain = 1.5;          // hysteresis: the other solver must be this much cheaper
-constexpr double kDirectStartFlops = 20e9;   // above, conjugate gradients go first
-constexpr double kProbeMinIterations = 60;   // do not try conjugate gradients when direct costs less than this many
-constexpr int kFirstBackoff = 8;             // time steps until conjugate gradients are tried again, doubling
+constexpr double kSwitchGain = 1.5;         // hysteresis: the other solver must be this much cheaper
+constexpr double kDirectStartFlops = 40e9;  // above, conjugate gradients go first
+constexpr double kProbeMinIterations =
+    60;                           // do not try conjugate gradients when direct costs less than this many
+constexpr int kFirstBackoff = 8;  // time steps until conjugate gradients are tried again, doubling
 constexpr int kLastBackoff = 256;
-constexpr double kPredictionSlack = 3.0;     // conjugate gradients give up at this multiple of their prediction
+constexpr double kPredictionSlack = 3.0;  // conjugate gradients give up at this multiple of their prediction
 constexpr int kLeastIterationCap = 50;
 
 constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of direct solvers
 constexpr int kFloatRefinements = 30;
 constexpr int kDoubleRefinements = 3;
-constexpr double kAcceptableResidual = 1e-6;    // a direct solve worse than this is a failure
+constexpr double kAcceptableResidual = 1e-6;  // a direct solve worse than this is a failure
 
 double dot(const std::vector<double>& a, std::span<const double> b) {
   double sum = 0.0;
@@ -75,9 +76,9 @@ struct LinearSolver::Implementation {
   std::vector<double> r, z, p, q;
 
   // State of the automatic choice.
-  int32_t modelled_blocks = -1;   // block rows for which the first choice was made
-  double direct_cost = 0.0;       // modelled seconds of one solve
-  double iteration_cost = 0.0;    // modelled seconds of one iteration of conjugate gradients
+  int32_t modelled_blocks = -1;  // block rows for which the first choice was made
+  double direct_cost = 0.0;      // modelled seconds of one solve
+  double iteration_cost = 0.0;   // modelled seconds of one iteration of conjugate gradients
   double predicted_iterations = -1.0;
   double step_iterations = 0.0;
   int step_solves = 0;
@@ -100,8 +101,8 @@ struct LinearSolver::Implementation {
 
 void LinearSolver::Implementation::model_costs(const BlockMatrix& A) {
   const double n = A.pattern.block_count, off_diagonal = static_cast<double>(A.pattern.slot_count()) - n;
-  // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads every block
-  // and its index, and passes over about ten vectors.
+  // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads
+  // every block and its index, and passes over about ten vectors.
   direct_cost = factor.cholesky.flops() / kFlopsPerSecond +
                 4.0 * 8.0 * static_cast<double>(factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
   iteration_cost = ((2.0 * off_diagonal + n) * 76.0 + 10.0 * 24.0 * n) / kBytesPerSecond;
@@ -136,7 +137,8 @@ void LinearSolver::Implementation::choose_next() {
       steps_until_probe = backoff;
       backoff = std::min(2 * backoff, kLastBackoff);
     }
-    // Conjugate gradients get a chance whenever they could win: their count of iterations is only known by trying.
+    // Conjugate gradients get a chance whenever they could win: their count of iterations is only known by
+    // trying.
     if (--steps_until_probe <= 0 && direct_cost > kSwitchGain * kProbeMinIterations * iteration_cost) {
       current = LinearSolverKind::Pcg;
       probing = true;
@@ -165,9 +167,9 @@ double LinearSolver::Implementation::residual(const BlockMatrix& A, std::span<co
   return value == 0.0 ? 0.0 : value / scale;
 }
 
-bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
-                                                std::span<double> x, std::span<const Vec3> positions,
-                                                LinearSolveReport& report) {
+bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t hash,
+                                                std::span<const double> b, std::span<double> x,
+                                                std::span<const Vec3> positions, LinearSolveReport& report) {
   report.used = LinearSolverKind::Cholesky;
   factor.update(A.pattern, hash, positions);
   ++report.factorizations;
@@ -197,8 +199,8 @@ bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t h
   return report.ok;
 }
 
-// Conjugate gradients in double, preconditioned by the factor in single precision. False if it gives up, and double
-// precision decides.
+// Conjugate gradients in double, preconditioned by the factor in single precision. False if it gives up, and
+// double precision decides.
 bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
                                                std::span<double> x, std::span<const Vec3> positions,
                                                LinearSolveReport& report) {
@@ -234,8 +236,9 @@ bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t ha
   return report.ok;
 }
 
-bool LinearSolver::Implementation::solve_pcg(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
-                                             double tolerance, int max_iterations, LinearSolveReport& report) {
+bool LinearSolver::Implementation::solve_pcg(const BlockMatrix& A, std::span<const double> b,
+                                             std::span<double> x, double tolerance, int max_iterations,
+                                             LinearSolveReport& report) {
   report.used = LinearSolverKind::Pcg;
   pcg.prepare(A, pool);
   const PcgReport result = pcg.solve(b, x, tolerance, max_iterations, pool);
@@ -252,8 +255,8 @@ LinearSolver::LinearSolver(LinearSolverSettings settings, ThreadPool& pool) {
     throw InvalidSetting("linear solver: pcg_tolerance is " + std::to_string(settings.pcg_tolerance) +
                          ", a relative residual must lie between 0 and 1; try 1e-4");
   if (settings.pcg_max_iterations < 1)
-    throw InvalidSetting("linear solver: pcg_max_iterations is " + std::to_string(settings.pcg_max_iterations) +
-                         ", it must be at least 1; try 10000");
+    throw InvalidSetting("linear solver: pcg_max_iterations is " +
+                         std::to_string(settings.pcg_max_iterations) + ", it must be at least 1; try 10000");
   implementation_ = std::make_unique<Implementation>(settings, pool);
 }
 
@@ -285,7 +288,8 @@ LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const doub
     s.current = LinearSolverKind::Cholesky;
     s.pcg_failed = true;
   }
-  if (s.current == LinearSolverKind::CholeskyFloat && s.solve_float(A, hash, b, x, positions, report)) return report;
+  if (s.current == LinearSolverKind::CholeskyFloat && s.solve_float(A, hash, b, x, positions, report))
+    return report;
   s.solve_direct(A, hash, b, x, positions, report);
   if (automatic) s.model_costs(A);
   return report;
@@ -299,7 +303,9 @@ const LinearSolverSettings& LinearSolver::settings() const { return implementati
 LinearSolverKind LinearSolver::current_kind() const { return implementation_->current; }
 double LinearSolver::factor_flops() const {
   const Implementation& s = *implementation_;
-  return s.factor.analyzed ? s.factor.cholesky.flops() : s.factor_float.analyzed ? s.factor_float.cholesky.flops() : 0.0;
+  return s.factor.analyzed         ? s.factor.cholesky.flops()
+         : s.factor_float.analyzed ? s.factor_float.cholesky.flops()
+                                   : 0.0;
 }
 int64_t LinearSolver::factor_nonzeros() const {
   const Implementation& s = *implementation_;
@@ -307,10 +313,12 @@ int64_t LinearSolver::factor_nonzeros() const {
   return s.factor_float.analyzed ? s.factor_float.cholesky.factor_nonzeros() : 0;
 }
 int64_t LinearSolver::ordering_count() const {
-  return implementation_->factor.cholesky.ordering_count() + implementation_->factor_float.cholesky.ordering_count();
+  return implementation_->factor.cholesky.ordering_count() +
+         implementation_->factor_float.cholesky.ordering_count();
 }
 int64_t LinearSolver::analysis_count() const {
-  return implementation_->factor.cholesky.analysis_count() + implementation_->factor_float.cholesky.analysis_count();
+  return implementation_->factor.cholesky.analysis_count() +
+         implementation_->factor_float.cholesky.analysis_count();
 }
 
 }  // namespace stark

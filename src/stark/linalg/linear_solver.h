@@ -1,7 +1,7 @@
-// The linear solve of a Newton step: A x = b with A symmetric, on blocks of 3x3. Chooses between the supernodal
-// Cholesky factorisation (in double, or in single precision with refinement) and preconditioned conjugate gradients.
-// The automatic choice compares modelled costs, from counts of flops, bytes and iterations, never from clocks, so that
-// a run repeats bit for bit. Phase: linear solve of a Newton step.
+// The linear solve of a Newton step: A x = b with A symmetric, on blocks of 3x3. Chooses between the
+// supernodal Cholesky factorisation (in double, or in single precision with refinement) and preconditioned
+// conjugate gradients. The automatic choice compares modelled costs, from counts of flops, bytes and
+// iterations, never from clocks, so that a run repeats bit for bit. Phase: linear solve of a Newton step.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,15 @@ namespace stark {
 enum class LinearSolverKind : uint8_t {
   Automatic,
   Cholesky,
-  CholeskyFloat,  // factor in single precision, conjugate gradients in double to 1e-10; falls back to Cholesky
+  CholeskyFloat,  // factor in single precision, conjugate gradients in double to 1e-10; falls back to
+                  // Cholesky
   Pcg
 };
 
 struct LinearSolverSettings {
   LinearSolverKind kind = LinearSolverKind::Automatic;
-  double pcg_tolerance = 1e-4;     // least relative residual of conjugate gradients, whatever the forcing tolerance
+  double pcg_tolerance =
+      1e-4;  // least relative residual of conjugate gradients, whatever the forcing tolerance
   int pcg_max_iterations = 10000;
 };
 
@@ -43,8 +45,9 @@ class LinearSolver {
   ~LinearSolver();
   LinearSolver(LinearSolver&&) noexcept;
 
-  /// Solves A x = b. `forcing_tolerance` is the relative residual asked of conjugate gradients; direct solvers ignore
-  /// it. `positions` [block_count] may be empty. Symbolic work is redone only when the pattern of A changes.
+  /// Solves A x = b. `forcing_tolerance` is the relative residual asked of conjugate gradients; direct
+  /// solvers ignore it. `positions` [block_count] may be empty. Symbolic work is redone only when the pattern
+  /// of A changes.
   LinearSolveReport solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
                           double forcing_tolerance, std::span<const Vec3> positions = {});
 

@@ -1,6 +1,6 @@
-// Approximate minimum degree on a quotient graph: eliminated nodes live on as elements (cliques), indistinguishable
-// variables are merged, and a variable's degree is bounded from above by the sizes of its elements outside the latest
-// one (Amestoy, Davis and Duff 1996, section 4).
+// Approximate minimum degree on a quotient graph: eliminated nodes live on as elements (cliques),
+// indistinguishable variables are merged, and a variable's degree is bounded from above by the sizes of its
+// elements outside the latest one (Amestoy, Davis and Duff 1996, section 4).
 #include <algorithm>
 
 #include <stark/linalg/ordering.h>
@@ -25,27 +25,30 @@ class QuotientGraph {
   void update_variable(int32_t i, int32_t pivot);
   void merge_indistinguishable();
   void finish_variables(int32_t pivot);
-  void absorb(int32_t i, int32_t into) { absorbed_next_[absorbed_last_[into]] = i, absorbed_last_[into] = absorbed_last_[i]; }
+  void absorb(int32_t i, int32_t into) {
+    absorbed_next_[absorbed_last_[into]] = i, absorbed_last_[into] = absorbed_last_[i];
+  }
 
   int32_t n_;
   std::span<const uint8_t> halo_;
-  // Lists of node i: list_[begin_[i]] ..: first element_count_[i] elements, up to count_[i] entries, then variables. An
-  // element's list is of variables only.
+  // Lists of node i: list_[begin_[i]] ..: first element_count_[i] elements, up to count_[i] entries, then
+  // variables. An element's list is of variables only.
   std::vector<int32_t> list_, begin_, count_, element_count_;
-  std::vector<int32_t> weight_;   // columns a variable stands for, 0 once it is gone, negated while in the new element
-  std::vector<int32_t> degree_;   // bound of a variable, weight of an element's variables
-  std::vector<int64_t> mark_;     // of an element: stamp_ + weight outside the new element; 0: absorbed
+  std::vector<int32_t>
+      weight_;  // columns a variable stands for, 0 once it is gone, negated while in the new element
+  std::vector<int32_t> degree_;  // bound of a variable, weight of an element's variables
+  std::vector<int64_t> mark_;    // of an element: stamp_ + weight outside the new element; 0: absorbed
   int64_t stamp_ = 1;
   std::vector<int32_t> bucket_, previous_, next_;  // variables by degree
   int32_t smallest_ = 0;
-  int32_t remaining_ = 0;         // columns not yet eliminated, halo included
-  int32_t to_eliminate_ = 0;      // without the halo
+  int32_t remaining_ = 0;                               // columns not yet eliminated, halo included
+  int32_t to_eliminate_ = 0;                            // without the halo
   std::vector<int32_t> absorbed_next_, absorbed_last_;  // variables eliminated together, chained
-  std::vector<int32_t> members_;  // variables of the new element
+  std::vector<int32_t> members_;                        // variables of the new element
   int32_t element_weight_ = 0;
   int32_t pivot_weight_ = 0;
   std::vector<int32_t> scratch_, hash_bucket_, hash_next_, touched_;
-  std::vector<int32_t> seen_;     // stamps for comparing lists
+  std::vector<int32_t> seen_;  // stamps for comparing lists
   int32_t seen_stamp_ = 0;
 };
 
@@ -69,7 +72,8 @@ QuotientGraph::QuotientGraph(const AdjacencyGraph& graph, std::span<const uint8_
   seen_.assign(n_, 0);
   remaining_ = n_;
   smallest_ = n_;
-  for (int32_t i = n_ - 1; i >= 0; --i) {  // backwards, so that of equal degrees the smaller number goes first
+  for (int32_t i = n_ - 1; i >= 0;
+       --i) {  // backwards, so that of equal degrees the smaller number goes first
     absorbed_last_[i] = i;
     count_[i] = degree_[i] = graph.degree(i);
     if (is_halo(i)) continue;

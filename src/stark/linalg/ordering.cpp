@@ -11,14 +11,17 @@ namespace stark {
 
 namespace {
 
-constexpr int32_t kLeafNodes = 120;           // pieces up to this size are ordered by minimum degree
-constexpr double kUselessSeparator = 0.35;    // of the nodes: such a piece is better left to minimum degree
-constexpr int32_t kDenseDegree = 64;          // least degree of a "dense" node,
-constexpr double kDenseFactor = 10.0;         // which also exceeds this multiple of the square root of the node count
+constexpr int32_t kLeafNodes = 120;         // pieces up to this size are ordered by minimum degree
+constexpr double kUselessSeparator = 0.35;  // of the nodes: such a piece is better left to minimum degree
+constexpr int32_t kDenseDegree = 64;        // least degree of a "dense" node,
+constexpr double kDenseFactor =
+    10.0;  // which also exceeds this multiple of the square root of the node count
 
 class NestedDissection {
  public:
-  explicit NestedDissection(const AdjacencyGraph& graph) : graph_(graph) { local_.assign(graph.node_count(), -1); }
+  explicit NestedDissection(const AdjacencyGraph& graph) : graph_(graph) {
+    local_.assign(graph.node_count(), -1);
+  }
 
   std::vector<int32_t> run();
 
@@ -28,15 +31,15 @@ class NestedDissection {
   void extract(std::span<const int32_t> nodes, WeightedGraph& out_graph);
 
   const AdjacencyGraph& graph_;
-  std::vector<int32_t> local_;   // number of a node in the piece at hand, -1 outside
+  std::vector<int32_t> local_;  // number of a node in the piece at hand, -1 outside
   std::vector<int32_t> order_;
 };
 
 std::vector<int32_t> NestedDissection::run() {
   const int32_t n = graph_.node_count();
   order_.reserve(n);
-  // Nodes that touch a large part of the system, such as a floor in contact with everything, go last: they would only
-  // hide the structure of the rest.
+  // Nodes that touch a large part of the system, such as a floor in contact with everything, go last: they
+  // would only hide the structure of the rest.
   const double dense = std::max<double>(kDenseDegree, kDenseFactor * std::sqrt(static_cast<double>(n)));
   std::vector<int32_t> sparse_nodes, dense_nodes;
   for (int32_t i = 0; i < n; ++i) (graph_.degree(i) > dense ? dense_nodes : sparse_nodes).push_back(i);
@@ -125,7 +128,8 @@ void NestedDissection::dissect(std::vector<int32_t> nodes) {
   std::vector<int32_t> side[3];
   for (size_t k = 0; k < nodes.size(); ++k) side[part[k]].push_back(nodes[k]);
   const double count = static_cast<double>(nodes.size());
-  if (side[0].empty() || side[1].empty() || static_cast<double>(side[kSeparator].size()) > kUselessSeparator * count)
+  if (side[0].empty() || side[1].empty() ||
+      static_cast<double>(side[kSeparator].size()) > kUselessSeparator * count)
     return order_leaf(nodes);
   nodes = {};
   dissect(std::move(side[0]));
@@ -157,6 +161,8 @@ AdjacencyGraph AdjacencyGraph::from_pattern(const BlockPattern& pattern) {
   return graph;
 }
 
-std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph) { return NestedDissection(graph).run(); }
+std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph) {
+  return NestedDissection(graph).run();
+}
 
 }  // namespace stark

@@ -1,7 +1,7 @@
-// Fill-reducing orderings of symmetric graphs: nested dissection (George 1973; Karypis and Kumar 1998 for the multilevel
-// form) down to small pieces, which are ordered by approximate minimum degree (Amestoy, Davis and Duff 1996) with their
-// surroundings as a halo (Pellegrini, Roman and Amestoy 2000). Phase: first linear solve, and when contacts have spoilt
-// the last ordering.
+// Fill-reducing orderings of symmetric graphs: nested dissection (George 1973; Karypis and Kumar 1998 for the
+// multilevel form) down to small pieces, which are ordered by approximate minimum degree (Amestoy, Davis and
+// Duff 1996) with their surroundings as a halo (Pellegrini, Roman and Amestoy 2000). Phase: first linear
+// solve, and when contacts have spoilt the last ordering.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +25,13 @@ struct AdjacencyGraph {
   static AdjacencyGraph from_pattern(const BlockPattern& pattern);
 };
 
-/// Order of all nodes by nested dissection with minimum degree at the leaves: out[k] is the node eliminated k-th.
-/// Deterministic. Disconnected graphs are welcome.
+/// Order of all nodes by nested dissection with minimum degree at the leaves: out[k] is the node eliminated
+/// k-th. Deterministic. Disconnected graphs are welcome.
 std::vector<int32_t> fill_reducing_order(const AdjacencyGraph& graph);
 
-/// Approximate minimum degree on a whole graph or, with `halo` (one flag per node, may be empty), on its other nodes:
-/// halo nodes count as neighbours but are never eliminated. Appends to `out_order`.
-void minimum_degree_order(const AdjacencyGraph& graph, std::span<const uint8_t> halo, std::vector<int32_t>& out_order);
+/// Approximate minimum degree on a whole graph or, with `halo` (one flag per node, may be empty), on its
+/// other nodes: halo nodes count as neighbours but are never eliminated. Appends to `out_order`.
+void minimum_degree_order(const AdjacencyGraph& graph, std::span<const uint8_t> halo,
+                          std::vector<int32_t>& out_order);
 
 }  // namespace stark

@@ -1,4 +1,5 @@
-// Block-Jacobi conjugate gradients: expansion of the upper triangle, threaded products, fixed-order dot products.
+// Block-Jacobi conjugate gradients: expansion of the upper triangle, threaded products, fixed-order dot
+// products.
 #include <stark/linalg/pcg.h>
 
 #include <algorithm>
@@ -15,8 +16,8 @@ namespace {
 constexpr int64_t kRowGrain = 512;      // block rows of one task
 constexpr int64_t kVectorGrain = 4096;  // scalars of one partial dot product
 
-// Inverse of a symmetric 3x3 block (its symmetric part is taken) through its Cholesky factor; false if the block is not
-// positive definite.
+// Inverse of a symmetric 3x3 block (its symmetric part is taken) through its Cholesky factor; false if the
+// block is not positive definite.
 bool invert_spd(const double* a, double* inverse) {
   const double a10 = 0.5 * (a[1] + a[3]), a20 = 0.5 * (a[2] + a[6]), a21 = 0.5 * (a[5] + a[7]);
   if (!(a[0] > 0.0)) return false;
@@ -45,9 +46,11 @@ simd::VDouble load_column(const float* p) {
   return __builtin_convertvector(four, simd::VDouble);
 }
 
-// Sum over a row's blocks, stored column by column: three lanes are used, the fourth reads on into what follows.
+// Sum over a row's blocks, stored column by column: three lanes are used, the fourth reads on into what
+// follows.
 template <typename Real>
-simd::VDouble multiply_row(int64_t begin, int64_t end, const int32_t* column, const Real* blocks, const double* x) {
+simd::VDouble multiply_row(int64_t begin, int64_t end, const int32_t* column, const Real* blocks,
+                           const double* x) {
   simd::VDouble sum[3] = {simd::splat(0.0), simd::splat(0.0), simd::splat(0.0)};
   for (int64_t k = begin; k < end; ++k) {
     const Real* a = blocks + 9 * k;
@@ -65,7 +68,8 @@ void Pcg::expand_structure(const BlockPattern& pattern) {
   row_start_.assign(static_cast<size_t>(n) + 1, 0);
   for (int32_t i = 0; i < n; ++i) {
     row_start_[i + 1] += pattern.row_start[i + 1] - pattern.row_start[i] - 1;
-    for (int64_t k = pattern.row_start[i] + 1; k < pattern.row_start[i + 1]; ++k) ++row_start_[pattern.column[k] + 1];
+    for (int64_t k = pattern.row_start[i] + 1; k < pattern.row_start[i + 1]; ++k)
+      ++row_start_[pattern.column[k] + 1];
   }
   for (int32_t i = 0; i < n; ++i) row_start_[i + 1] += row_start_[i];
   column_.resize(row_start_[n]);
@@ -133,10 +137,10 @@ void Pcg::multiply(const double* x, double* y, ThreadPool& pool) const {
     for (int64_t i = begin; i < end; ++i) {
       const double* d = diagonal_.data() + 9 * i;
       const double* u = x + 3 * i;
-      const simd::VDouble sum = storage_ == PcgStorage::Double
-                                    ? multiply_row(row_start_[i], row_start_[i + 1], column_.data(), blocks_.data(), x)
-                                    : multiply_row(row_start_[i], row_start_[i + 1], column_.data(),
-                                                   blocks_float_.data(), x);
+      const simd::VDouble sum =
+          storage_ == PcgStorage::Double
+              ? multiply_row(row_start_[i], row_start_[i + 1], column_.data(), blocks_.data(), x)
+              : multiply_row(row_start_[i], row_start_[i + 1], column_.data(), blocks_float_.data(), x);
       for (int r = 0; r < 3; ++r)
         y[3 * i + r] = sum[r] + (d[3 * r] * u[0] + d[3 * r + 1] * u[1] + d[3 * r + 2] * u[2]);
     }

@@ -1,7 +1,7 @@
-// Conjugate gradients with block-Jacobi preconditioner on a block matrix (Hestenes and Stiefel 1952; Saad, Iterative
-// Methods for Sparse Linear Systems, section 9.2). The upper triangle is expanded once per matrix so that a product
-// reads every block once, row by row, and rows can be shared among threads. Dot products are summed over fixed blocks.
-// Phase: linear solve of a Newton step.
+// Conjugate gradients with block-Jacobi preconditioner on a block matrix (Hestenes and Stiefel 1952; Saad,
+// Iterative Methods for Sparse Linear Systems, section 9.2). The upper triangle is expanded once per matrix
+// so that a product reads every block once, row by row, and rows can be shared among threads. Dot products
+// are summed over fixed blocks. Phase: linear solve of a Newton step.
 #pragma once
 
 #include <cstdint>
@@ -19,21 +19,21 @@ enum class PcgStorage : uint8_t { Double, Float };
 
 struct PcgReport {
   bool converged = false;
-  bool indefinite = false;         // p^T A p <= 0 was met, or a diagonal block is not positive definite
-  int32_t failed_block = -1;       // the first block row whose diagonal block is not positive definite
+  bool indefinite = false;    // p^T A p <= 0 was met, or a diagonal block is not positive definite
+  int32_t failed_block = -1;  // the first block row whose diagonal block is not positive definite
   int iterations = 0;
   double relative_residual = 1.0;  // |b - A x| / |b| in the norm of the inverse preconditioner, as recurred
 };
 
 class Pcg {
  public:
-  /// Copies `matrix` into the expanded form. Structure is redone only if the pattern changed. False if a diagonal block
-  /// is not positive definite.
+  /// Copies `matrix` into the expanded form. Structure is redone only if the pattern changed. False if a
+  /// diagonal block is not positive definite.
   bool prepare(const BlockMatrix& matrix, ThreadPool& pool, PcgStorage storage = PcgStorage::Double);
 
-  /// Solves A x = b from x = 0 until the residual, in the norm of the inverse preconditioner, falls below `tolerance`
-  /// times that of b. On indefiniteness x holds the last iterate, which is still a descent direction (b^T x > 0) unless
-  /// it is the first iteration, where x is the preconditioned b.
+  /// Solves A x = b from x = 0 until the residual, in the norm of the inverse preconditioner, falls below
+  /// `tolerance` times that of b. On indefiniteness x holds the last iterate, which is still a descent
+  /// direction (b^T x > 0) unless it is the first iteration, where x is the preconditioned b.
   PcgReport solve(std::span<const double> b, std::span<double> x, double tolerance, int max_iterations,
                   ThreadPool& pool);
 
@@ -46,13 +46,13 @@ class Pcg {
   uint64_t pattern_hash_ = 0;
   int32_t block_count_ = 0;
   PcgStorage storage_ = PcgStorage::Double;
-  std::vector<int64_t> row_start_;    // [block_count + 1] of the off-diagonal blocks
+  std::vector<int64_t> row_start_;  // [block_count + 1] of the off-diagonal blocks
   std::vector<int32_t> column_;
-  std::vector<int64_t> source_;       // 2 * slot + transposed
-  AlignedVector<double> blocks_;      // [entry][9], column by column
+  std::vector<int64_t> source_;   // 2 * slot + transposed
+  AlignedVector<double> blocks_;  // [entry][9], column by column
   AlignedVector<float> blocks_float_;
-  AlignedVector<double> diagonal_;    // [block][9]
-  AlignedVector<double> inverse_;     // [block][9]
+  AlignedVector<double> diagonal_;  // [block][9]
+  AlignedVector<double> inverse_;   // [block][9]
   int32_t failed_block_ = -1;
   AlignedVector<double> r_, z_, p_, q_;
   std::vector<double> partial_;

@@ -1,9 +1,11 @@
-// Multilevel vertex separators: edge bisections on the coarse levels, where a vertex separator of heavy nodes says
-// little, and the vertex separator proper on the finest.
+// Multilevel vertex separators: edge bisections on the coarse levels, where a vertex separator of heavy nodes
+// says little, and the vertex separator proper on the finest.
 #include <stark/linalg/vertex_separator.h>
 
 #include <algorithm>
 #include <numeric>
+
+#include <stark/linalg/graph_coarsening.h>
 
 namespace stark {
 
@@ -14,27 +16,17 @@ constexpr double kLeastShrink = 0.95;     // give up coarsening when a level kee
 constexpr double kBisectionLimit = 0.55;  // of the total weight on one side of a bisection,
 constexpr double kSideLimit = 0.6;        // and on one side of the separator
 constexpr int kStarts = 4;
-constexpr int32_t kDecisionNodes = 200;   // the level on which the best start is chosen
+constexpr int32_t kDecisionNodes = 200;  // the level on which the best start is chosen
 constexpr int kBisectionPasses = 4;
 constexpr int kSeparatorPasses = 8;
-constexpr int kFruitlessMoves = 60;       // hill climbing: moves without improvement until a pass ends
-
-// A fixed sequence of pseudo-random numbers.
-class Sequence {
- public:
-  int32_t below(int32_t limit) {
-    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
-    return static_cast<int32_t>((state_ >> 33) % static_cast<uint64_t>(limit));
-  }
-
- private:
-  uint64_t state_ = 0x853c49e6748fea9bull;
-};
+constexpr int kFruitlessMoves = 60;  // hill climbing: moves without improvement until a pass ends
 
 struct Candidate {
   int32_t gain;
   int32_t node;
-  bool operator<(const Candidate& other) const { return gain != other.gain ? gain < other.gain : node > other.node; }
+  bool operator<(const Candidate& other) const {
+    return gain != other.gain ? gain < other.gain : node > other.node;
+  }
 };
 // A heap that keeps its storage when it is emptied.
 class Queue {
@@ -62,91 +54,15 @@ int64_t total_weight(const WeightedGraph& graph) {
   return std::accumulate(graph.node_weight.begin(), graph.node_weight.end(), int64_t{0});
 }
 
-// Pairs of nodes joined by heavy edges; match[i] == i stays alone.
-void match_heavy_edges(const WeightedGraph& graph, int32_t weight_limit, Sequence& random,
-                       std::vector<int32_t>& match) {
-  const int32_t n = graph.node_count();
-  // Nodes with few neighbours choose first, in random order among equals, as they have the least choice.
-  std::vector<int32_t> visit(n), order(n), bucket;
-  std::iota(visit.begin(), visit.end(), 0);
-  for (int32_t i = n - 1; i > 0; --i) std::swap(visit[i], visit[random.below(i + 1)]);
-  const int32_t classes = 64;
-  const auto class_of = [&](int32_t i) { return std::min(graph.start[i + 1] - graph.start[i], classes - 1); };
-  bucket.assign(classes + 1, 0);
-  for (int32_t i : visit) ++bucket[class_of(i) + 1];
-  for (int32_t c = 0; c < classes; ++c) bucket[c + 1] += bucket[c];
-  for (int32_t i : visit) order[bucket[class_of(i)]++] = i;
-  match.assign(n, -1);
-  for (const int32_t i : order) {
-    if (match[i] >= 0) continue;
-    int32_t best = i, best_weight = 0;
-    for (int32_t k = graph.start[i]; k < graph.start[i + 1]; ++k) {
-      const int32_t j = graph.neighbor[k];
-      if (match[j] >= 0 || graph.node_weight[i] + graph.node_weight[j] > weight_limit) continue;
-      if (graph.edge_weight[k] > best_weight) best = j, best_weight = graph.edge_weight[k];
-    }
-    match[i] = best;
-    match[best] = i;
-  }
-  // Nodes left alone, such as the leaves of a star, pair up with another one at the same neighbour.
-  for (int32_t center = 0; center < n; ++center) {
-    int32_t waiting = -1;
-    for (int32_t k = graph.start[center]; k < graph.start[center + 1]; ++k) {
-      const int32_t j = graph.neighbor[k];
-      if (match[j] != j) continue;
-      if (waiting < 0) {
-        waiting = j;
-      } else if (graph.node_weight[waiting] + graph.node_weight[j] <= weight_limit) {
-        match[waiting] = j;
-        match[j] = waiting;
-        waiting = -1;
-      }
-    }
-  }
-}
-
-void contract(const WeightedGraph& fine, const std::vector<int32_t>& match, WeightedGraph& coarse,
-              std::vector<int32_t>& coarse_of) {
-  const int32_t n = fine.node_count();
-  coarse_of.assign(n, -1);
-  int32_t count = 0;
-  for (int32_t i = 0; i < n; ++i)
-    if (match[i] >= i) coarse_of[i] = coarse_of[match[i]] = count++;
-  coarse.start.assign(1, 0);
-  coarse.start.reserve(static_cast<size_t>(count) + 1);
-  coarse.neighbor.reserve(fine.neighbor.size());
-  coarse.edge_weight.reserve(fine.neighbor.size());
-  coarse.node_weight.reserve(count);
-  std::vector<int32_t> place(count, -1);  // of a neighbour in the current list
-  for (int32_t i = 0; i < n; ++i) {
-    if (match[i] < i) continue;
-    const int32_t self = coarse_of[i];
-    const auto begin = static_cast<int32_t>(coarse.neighbor.size());
-    const auto add_edges_of = [&](int32_t node) {
-      for (int32_t k = fine.start[node]; k < fine.start[node + 1]; ++k) {
-        const int32_t c = coarse_of[fine.neighbor[k]];
-        if (c == self) continue;
-        if (place[c] >= begin) {
-          coarse.edge_weight[place[c]] += fine.edge_weight[k];
-        } else {
-          place[c] = static_cast<int32_t>(coarse.neighbor.size());
-          coarse.neighbor.push_back(c);
-          coarse.edge_weight.push_back(fine.edge_weight[k]);
-        }
-      }
-    };
-    add_edges_of(i);
-    if (match[i] != i) add_edges_of(match[i]);
-    coarse.node_weight.push_back(fine.node_weight[i] + (match[i] != i ? fine.node_weight[match[i]] : 0));
-    coarse.start.push_back(static_cast<int32_t>(coarse.neighbor.size()));
-  }
-}
-
 // Two sides and the weight of the edges between them, lowered by moves of border nodes to the other side.
 class Bisection {
  public:
   Bisection(const WeightedGraph& graph, std::vector<uint8_t>& part)
-      : graph_(graph), part_(part), outer_(graph.node_count()), total_(graph.node_count()), moved_(graph.node_count()) {
+      : graph_(graph),
+        part_(part),
+        outer_(graph.node_count()),
+        total_(graph.node_count()),
+        moved_(graph.node_count()) {
     limit_ = static_cast<int64_t>(kBisectionLimit * static_cast<double>(total_weight(graph)));
     measure();
   }
@@ -171,7 +87,7 @@ class Bisection {
   std::vector<int32_t> outer_, total_;  // weight of a node's edges to the other side, and of all its edges
   std::vector<uint8_t> moved_;
   int64_t weight_[2] = {0, 0}, cut_ = 0, limit_ = 0;
-  Queue queue_[2];             // of the nodes now on a side
+  Queue queue_[2];  // of the nodes now on a side
   std::vector<int32_t> log_;
 };
 
@@ -208,7 +124,8 @@ bool Bisection::top(int side, Candidate& out) {
   Queue& queue = queue_[side];
   while (!queue.empty()) {
     out = queue.top();
-    if (!moved_[out.node] && part_[out.node] == side && outer_[out.node] > 0 && gain(out.node) == out.gain) return true;
+    if (!moved_[out.node] && part_[out.node] == side && outer_[out.node] > 0 && gain(out.node) == out.gain)
+      return true;
     queue.pop();
   }
   return false;
@@ -255,7 +172,8 @@ bool Bisection::pass() {
   return best_cost < start_cost;
 }
 
-// A vertex separator, lightened by moves of separator nodes to a side, which pull in their neighbours on the other.
+// A vertex separator, lightened by moves of separator nodes to a side, which pull in their neighbours on the
+// other.
 class Separator {
  public:
   Separator(const WeightedGraph& graph, std::vector<uint8_t>& part) : graph_(graph), part_(part) {
@@ -270,7 +188,9 @@ class Separator {
   }
 
  private:
-  int64_t cost() const { return weight_[2] + 2 * std::max<int64_t>(0, std::max(weight_[0], weight_[1]) - limit_); }
+  int64_t cost() const {
+    return weight_[2] + 2 * std::max<int64_t>(0, std::max(weight_[0], weight_[1]) - limit_);
+  }
   int64_t imbalance() const { return std::abs(weight_[0] - weight_[1]); }
   // Separator weight saved by moving node i to `side`: its own, less what it pulls in from the other side.
   int32_t gain(int32_t i, int side) const { return graph_.node_weight[i] - outside_[1 - side][i]; }
@@ -285,7 +205,7 @@ class Separator {
   std::vector<int32_t> outside_[2];  // of a separator node: weight of its neighbours on a side
   std::vector<uint8_t> moved_;
   Queue queue_[2];
-  std::vector<int32_t> log_;         // per move: nodes pulled in, their number, node, side
+  std::vector<int32_t> log_;  // per move: nodes pulled in, their number, node, side
 };
 
 // Sums up the surroundings of a node that has just become part of the separator and queues it.
@@ -372,7 +292,8 @@ bool Separator::pass() {
     if (!possible[0] && !possible[1]) break;
     const int lighter = weight_[1] < weight_[0] ? 1 : 0;
     int side = possible[lighter] ? lighter : 1 - lighter;
-    if (weight_[1 - lighter] <= limit_ && possible[1 - side] && candidate[1 - side].gain > candidate[side].gain)
+    if (weight_[1 - lighter] <= limit_ && possible[1 - side] &&
+        candidate[1 - side].gain > candidate[side].gain)
       side = 1 - side;
     move(candidate[side].node, side);
     if (cost() < best_cost || (cost() == best_cost && imbalance() < best_imbalance)) {
@@ -392,7 +313,8 @@ bool Separator::pass() {
   return best_cost < start_cost || best_imbalance < start_imbalance;
 }
 
-// Side 0 grows from a seed, always by the node with the most edges into it and the fewest out, until the sides are even.
+// Side 0 grows from a seed, always by the node with the most edges into it and the fewest out, until the
+// sides are even.
 void grow_side(const WeightedGraph& graph, int32_t seed, std::vector<uint8_t>& part) {
   const int32_t n = graph.node_count();
   const int64_t total = total_weight(graph);
@@ -443,11 +365,12 @@ void separate_border(const WeightedGraph& graph, std::vector<uint8_t>& part) {
 void find_vertex_separator(const WeightedGraph& graph, std::vector<uint8_t>& out_part) {
   out_part.assign(graph.node_count(), 0);
   if (graph.node_count() < 2) return;
-  Sequence random;
+  PseudoRandom random;
   std::vector<WeightedGraph> coarse;  // coarse[k] is one level above graph (k = 0) or coarse[k - 1]
   std::vector<std::vector<int32_t>> coarse_of;
   std::vector<int32_t> match;
-  const auto weight_limit = static_cast<int32_t>(std::max<int64_t>(2, 3 * total_weight(graph) / (2 * kCoarsestNodes)));
+  const auto weight_limit =
+      static_cast<int32_t>(std::max<int64_t>(2, 3 * total_weight(graph) / (2 * kCoarsestNodes)));
   const auto level = [&](size_t k) -> const WeightedGraph& { return k == 0 ? graph : coarse[k - 1]; };
   while (level(coarse.size()).node_count() > kCoarsestNodes) {
     const WeightedGraph& fine = level(coarse.size());

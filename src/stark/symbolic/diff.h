@@ -51,4 +51,9 @@ int operation_total(const Graph& graph, std::span<const NodeId> outputs);
 /// The same, weighted by throughput (a division costs several multiplications, a function some tens).
 double operation_cost(const Graph& graph, std::span<const NodeId> outputs);
 
+/// Unknown inputs by their number.
+std::vector<NodeId> unknowns_of(Graph& graph);
+/// Flags, by node, of what the outputs need; as long as the largest output requires.
+std::vector<char> reachable(const Graph& graph, std::span<const NodeId> outputs);
+
 }  // namespace stark::symbolic

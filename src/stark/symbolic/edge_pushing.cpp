@@ -81,7 +81,8 @@ void EdgePushing::collect(std::span<const Seed> seeds) {
     if (!is_target(id)) global_.push_back(id);
   }
   // Eliminating by depth keeps the matrix of second adjoints sparser than the order of creation does.
-  std::stable_sort(global_.begin() + target_count_, global_.end(), [&](NodeId a, NodeId b) { return depth[a] < depth[b]; });
+  std::stable_sort(global_.begin() + target_count_, global_.end(),
+                   [&](NodeId a, NodeId b) { return depth[a] < depth[b]; });
   local_.assign(size, -1);
   for (int i = 0; i < static_cast<int>(global_.size()); ++i) local_[global_[i]] = i;
 }

@@ -7,7 +7,9 @@
 #include <stark/base/error.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
 
 namespace stark::symbolic {
 
@@ -37,16 +39,15 @@ class Allocator {
     int reg = -1;
     bool has_home = false;
     Location home;
-    int next = 0;           // place in uses
-    std::vector<int> uses;  // instructions, ascending
-    std::vector<int> outputs;
+    int next = 0, end = 0;  // uses that are left: a range of uses_
+    int first_output = -1;  // list of outputs that are this variable, linked by next_output_
   };
 
   void number_variables();
-  int variable_of(const Operand& o) const;
+  int variable_of(const Operand& o) const { return first_[static_cast<int>(o.space)] + o.index; }
   int next_use(int v) const {
     const Variable& x = variables_[v];
-    return x.next < static_cast<int>(x.uses.size()) ? x.uses[x.next] : kNoUse;
+    return x.next < x.end ? uses_[x.next] : kNoUse;
   }
   bool memory_allowed(Code code, int k) const;
   int find_free() const {
@@ -74,7 +75,9 @@ class Allocator {
   std::vector<int> holder_;  // register -> variable
   std::vector<Variable> variables_;
   std::vector<char> pinned_;
-  std::vector<int> constant_, unknown_, element_, uniform_;  // index -> variable
+  std::array<int, 6> first_{};  // variable of the first operand of each space
+  std::vector<int> uses_;       // instructions, ascending, by variable
+  std::vector<int> next_output_;
   std::vector<int> free_spills_;
   int current_ = 0;
   Allocation result_;
@@ -82,55 +85,46 @@ class Allocator {
 
 void Allocator::number_variables() {
   const int n = static_cast<int>(program_.instructions.size());
-  variables_.resize(n);
-  constant_.assign(program_.constants.size(), -1);
-  unknown_.assign(program_.unknown_count, -1);
-  element_.assign(program_.element_count, -1);
-  uniform_.assign(program_.uniform_count, -1);
-  const auto visit = [&](const Operand& o) {
-    if (o.space == Space::Value) return static_cast<int>(o.index);
-    auto& table =
-        o.space == Space::Constant
-            ? constant_
-            : (o.space == Space::Unknown ? unknown_ : (o.space == Space::Element ? element_ : uniform_));
-    if (table[o.index] < 0) {
-      table[o.index] = static_cast<int>(variables_.size());
-      Variable v;
-      v.has_home = true;
-      v.home.home =
-          o.space == Space::Constant
-              ? Home::Constant
-              : (o.space == Space::Unknown ? Home::Unknown
-                                           : (o.space == Space::Element ? Home::Element : Home::Uniform));
-      v.home.index = o.index;
-      variables_.push_back(v);
+  int count = 0;
+  const auto add_space = [&](Space space, Home home, int size) {
+    first_[static_cast<int>(space)] = count;
+    variables_.resize(static_cast<size_t>(count + size));
+    for (int k = 0; k < size && home != Home::Register; ++k) {
+      variables_[count + k].has_home = true;
+      variables_[count + k].home = {home, k};
     }
-    return table[o.index];
+    count += size;
   };
+  add_space(Space::Value, Home::Register, n);
+  add_space(Space::Constant, Home::Constant, static_cast<int>(program_.constants.size()));
+  add_space(Space::Unknown, Home::Unknown, program_.unknown_count);
+  add_space(Space::Element, Home::Element, program_.element_count);
+  add_space(Space::Uniform, Home::Uniform, program_.uniform_count);
+  pinned_.assign(variables_.size(), 0);
+
+  // Uses by variable: count, then fill.
+  for (const Instruction& in : program_.instructions) {
+    for (int k = 0; k < operand_count(in.code); ++k) ++variables_[variable_of(in.operands[k])].end;
+  }
+  int begin = 0;
+  for (Variable& v : variables_) {
+    const int size = v.end;
+    v.next = v.end = begin;
+    begin += size;
+  }
+  uses_.resize(static_cast<size_t>(begin));
   for (int i = 0; i < n; ++i) {
     const Instruction& in = program_.instructions[i];
     for (int k = 0; k < operand_count(in.code); ++k) {
-      auto& uses = variables_[visit(in.operands[k])].uses;
-      if (uses.empty() || uses.back() != i) uses.push_back(i);
+      Variable& v = variables_[variable_of(in.operands[k])];
+      if (v.end == v.next || uses_[v.end - 1] != i) uses_[v.end++] = i;
     }
   }
-  for (int k = 0; k < static_cast<int>(program_.outputs.size()); ++k)
-    variables_[visit(program_.outputs[k])].outputs.push_back(k);
-  pinned_.assign(variables_.size(), 0);
-}
-
-int Allocator::variable_of(const Operand& o) const {
-  switch (o.space) {
-    case Space::Value:
-      return o.index;
-    case Space::Constant:
-      return constant_[o.index];
-    case Space::Unknown:
-      return unknown_[o.index];
-    case Space::Element:
-      return element_[o.index];
-    default:
-      return uniform_[o.index];
+  next_output_.resize(program_.outputs.size());
+  for (int k = static_cast<int>(program_.outputs.size()) - 1; k >= 0; --k) {
+    Variable& v = variables_[variable_of(program_.outputs[k])];
+    next_output_[k] = v.first_output;
+    v.first_output = k;
   }
 }
 
@@ -269,7 +263,7 @@ void Allocator::step(int i) {
 
   Variable& result = variables_[i];
   hold(i, s.target);
-  for (const int output : result.outputs) {
+  for (int output = result.first_output; output >= 0; output = next_output_[output]) {
     MachineStep store;
     store.kind = MachineStep::Kind::Store;
     store.target = s.target;
@@ -287,9 +281,9 @@ Allocation Allocator::run() {
   current_ = static_cast<int>(program_.instructions.size());
   for (size_t v = program_.instructions.size(); v < variables_.size(); ++v) {
     const Variable& x = variables_[v];
-    if (x.outputs.empty()) continue;
+    if (x.first_output < 0) continue;
     if (x.reg < 0) load(static_cast<int>(v));
-    for (const int output : x.outputs) {
+    for (int output = x.first_output; output >= 0; output = next_output_[output]) {
       MachineStep store;
       store.kind = MachineStep::Kind::Store;
       store.target = static_cast<uint8_t>(x.reg);

@@ -9,7 +9,7 @@
 #include <stark/symbolic/diff.h>
 #include <stark/symbolic/lower.h>
 
-#include "../../benchmarks/kernels/energies.h"
+#include "../../../benchmarks/kernels/energies.h"
 #include "symbolic/support.h"
 
 #include <cstdlib>

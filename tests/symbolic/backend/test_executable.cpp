@@ -5,7 +5,7 @@
 #include <stark/base/error.h>
 #include <stark/symbolic/backend/cpu.h>
 
-#include "../../benchmarks/kernels/energies.h"
+#include "../../../benchmarks/kernels/energies.h"
 #include "symbolic/support.h"
 
 #include <limits>

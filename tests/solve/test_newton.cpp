@@ -1,0 +1,354 @@
+// Newton's method on analytic objectives: convergence, projection, line search, and every way to end.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <stark/base/psd.h>
+#include <stark/solve/newton.h>
+
+using namespace stark;
+
+namespace {
+
+/// A function of three numbers as an objective of one block of unit mass.
+class Analytic final : public Objective {
+ public:
+  struct Value {
+    double energy = 0.0;
+    Vec3 gradient;
+    Mat3 hessian, projected;  ///< `projected`: elements made positive semidefinite
+  };
+
+  Analytic(std::function<Value(const Vec3&)> f, const Vec3& start) : x(start), f_(std::move(f)) {}
+
+  int32_t block_count() const override { return 1; }
+  void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) override {
+    ++linearizations;
+    const Value value = f_(x);
+    for (int c = 0; c < 3; ++c) out_gradient[c] = value.gradient[c];
+    out_hessian.pattern = BlockPattern::from_pairs(1, {});
+    out_hessian.set_zero();
+    const Mat3& H = project ? value.projected : value.hessian;
+    std::copy(H.m.begin(), H.m.end(), out_hessian.values.begin());
+  }
+  bool has_pending_motion() const override { return pending; }
+  Residual residual(std::span<const double> gradient) const override {
+    const double force = norm(Vec3{gradient[0], gradient[1], gradient[2]});
+    residuals.push_back(force);
+    return {force, force};
+  }
+  double motion(std::span<const double> d) const override { return norm(Vec3{d[0], d[1], d[2]}); }
+  double bound_step(std::span<const double>, double) override { return bound; }
+  TrialEnergy try_step(std::span<const double> d, double alpha) override {
+    trial = x + Vec3{d[0], d[1], d[2]} * alpha;
+    const double before = f_(x).energy, after = f_(trial).energy;
+    return {feasible && std::isfinite(after), after - before, extra_magnitude + std::fabs(before)};
+  }
+  void accept_trial() override {
+    x = trial;
+    ++accepted;
+    if (bound == 1.0) pending = false;
+  }
+  double refresh_lagged() override {
+    ++refreshed;
+    return lag_change;
+  }
+
+  Vec3 x, trial;
+  bool pending = false, feasible = true;
+  double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0;
+  int linearizations = 0, accepted = 0, refreshed = 0;
+  mutable std::vector<double> residuals;
+
+ private:
+  std::function<Value(const Vec3&)> f_;
+};
+
+NewtonSettings tight() {
+  return {.acceleration_tolerance = 0.0, .residual_tolerance = 1e-9, .step_tolerance = 0.0};
+}
+
+struct Solver {
+  explicit Solver(const NewtonSettings& settings)
+      : linear({.kind = LinearSolverKind::Cholesky}, pool), newton(settings, linear, timer) {}
+  SolveReport minimize(Objective& objective, int lag_updates = 0) { return newton.minimize(objective, 1.0, lag_updates); }
+
+  ThreadPool pool{1};
+  PhaseTimer timer;
+  LinearSolver linear;
+  NewtonSolver newton;
+};
+
+/// x^T A x / 2 - b x.
+Analytic::Value quadratic(const Vec3& x) {
+  const Mat3 A{{4, 1, 0, 1, 3, 0.5, 0, 0.5, 2}};
+  const Vec3 b{1, -2, 3};
+  return {0.5 * dot(x, A * x) - dot(b, x), A * x - b, A, A};
+}
+
+Analytic::Value rosenbrock(const Vec3& p) {
+  const double x = p.x, y = p.y, r = y - x * x;
+  Analytic::Value v;
+  v.energy = (1 - x) * (1 - x) + 100 * r * r + p.z * p.z;
+  v.gradient = {-2 * (1 - x) - 400 * x * r, 200 * r, 2 * p.z};
+  v.hessian = {{2 - 400 * r + 800 * x * x, -400 * x, 0, -400 * x, 200, 0, 0, 0, 2}};
+  // Gauss-Newton part: positive definite.
+  v.projected = {{2 + 800 * x * x, -400 * x, 0, -400 * x, 200, 0, 0, 0, 2}};
+  return v;
+}
+
+/// A pendulum on weak springs: -cos x + |p|^2 / 20; curvature in x is negative beyond a quarter turn.
+Analytic::Value pendulum(const Vec3& p) {
+  Analytic::Value v;
+  v.energy = -std::cos(p.x) + 0.05 * dot(p, p);
+  v.gradient = Vec3{std::sin(p.x), 0, 0} + 0.1 * p;
+  v.hessian = Mat3::diagonal({std::cos(p.x) + 0.1, 0.1, 0.1});
+  v.projected = Mat3::diagonal({std::fmax(std::cos(p.x), 0.0) + 0.1, 0.1, 0.1});
+  return v;
+}
+
+/// sum cosh(a_i . x - b_i): smooth and strictly convex.
+Analytic::Value cosh_sum(const Vec3& x) {
+  const Vec3 a[4] = {{1, 0.2, 0}, {0, 1, -0.3}, {0.4, 0, 1}, {0.5, -0.5, 0.5}};
+  const double b[4] = {0.3, -0.2, 0.5, 0.1};
+  Analytic::Value v;
+  for (int i = 0; i < 4; ++i) {
+    const double s = dot(a[i], x) - b[i];
+    v.energy += std::cosh(s);
+    v.gradient += a[i] * std::sinh(s);
+    v.hessian += outer(a[i], a[i]) * std::cosh(s);
+  }
+  v.projected = v.hessian;
+  return v;
+}
+
+}  // namespace
+
+TEST_CASE("a quadratic function takes one iteration") {
+  Analytic objective(quadratic, {5, -7, 11});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations == 1);
+  CHECK(report.projected_iterations == 0);
+  CHECK(report.backtracks == 0);
+  CHECK(report.last_step_length == 1.0);
+  CHECK(norm(quadratic(objective.x).gradient) < 1e-13);
+}
+
+TEST_CASE("a start at the minimum takes none") {
+  Analytic objective([](const Vec3& x) { return Analytic::Value{dot(x, x), x * 2.0, Mat3::identity() * 2.0, Mat3::identity() * 2.0}; }, {});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations == 0);
+  CHECK(objective.x == Vec3{});
+}
+
+TEST_CASE("Rosenbrock's valley is followed to its end") {
+  for (const Vec3& start : {Vec3{-1.2, 1.0, 0.5}, Vec3{3, -4, 1}, Vec3{0, 5, 0}}) {
+    Analytic objective(rosenbrock, start);
+    Solver solver(tight());
+    const SolveReport report = solver.minimize(objective);
+    CHECK(report.status == SolveStatus::Converged);
+    CHECK(norm(objective.x - Vec3{1, 1, 0}) < 1e-10);
+    CHECK(report.iterations < 60);
+  }
+}
+
+TEST_CASE("convergence is quadratic") {
+  Analytic objective(cosh_sum, {2.0, -1.5, 1.0});
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-13;
+  Solver solver(settings);
+  REQUIRE(is_success(solver.minimize(objective).status));
+  // Observed order from the last three residuals above rounding.
+  const std::vector<double>& r = objective.residuals;
+  double order = 0.0;
+  for (size_t k = 2; k < r.size(); ++k)
+    if (r[k] > 1e-13 && r[k] < 1e-3) order = std::log(r[k] / r[k - 1]) / std::log(r[k - 1] / r[k - 2]);
+  CHECK(order > 1.8);
+}
+
+TEST_CASE("where the matrix is indefinite, elements are projected and the descent goes on") {
+  Analytic objective(pendulum, {2.5, 0.3, -0.2});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.projected_iterations > 0);
+  CHECK(report.projected_iterations < report.iterations + 1);
+  CHECK(norm(objective.x) < 1e-8);
+
+  NewtonSettings never = tight();
+  never.projection = Projection::Never;
+  Analytic raw(pendulum, {2.5, 0.3, -0.2});
+  Solver strict(never);
+  CHECK(strict.minimize(raw).status == SolveStatus::LinearSolveFailed);
+  CHECK(raw.x == Vec3{2.5, 0.3, -0.2});
+
+  NewtonSettings always = tight();
+  always.projection = Projection::Always;
+  Analytic projected(pendulum, {0.5, 0.3, -0.2});
+  Solver careful(always);
+  const SolveReport all = careful.minimize(projected);
+  CHECK(all.status == SolveStatus::Converged);
+  CHECK(all.projected_iterations == all.iterations + 1);  // the last one only finds that it has converged
+}
+
+TEST_CASE("overshooting steps are shortened until the energy falls") {
+  // sqrt(1 + x^2): full Newton steps from |x| > 1 diverge, x -> -x^3.
+  Analytic objective([](const Vec3& x) {
+    const double s = std::sqrt(1.0 + x.x * x.x);
+    const Mat3 H = Mat3::diagonal({1.0 / (s * s * s), 1.0, 1.0});
+    return Analytic::Value{s + 0.5 * (x.y * x.y + x.z * x.z), {x.x / s, x.y, x.z}, H, H};
+  }, {3, 1, 0});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.backtracks > 0);
+  CHECK(norm(objective.x) < 1e-8);
+}
+
+TEST_CASE("a step bound limits each step and the minimum is reached all the same") {
+  Analytic objective(quadratic, {5, -7, 11});
+  objective.bound = 0.5;
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations > 25);  // the error halves each time
+  CHECK(report.last_step_length == 0.5);
+}
+
+TEST_CASE("gradients that are not finite end the minimisation at once") {
+  Analytic objective([](const Vec3& x) {
+    Analytic::Value v = quadratic(x);
+    if (x.x < 1.0) v.gradient.y = std::numeric_limits<double>::quiet_NaN();
+    return v;
+  }, {5, 0, 0});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::NotFinite);
+  CHECK(objective.accepted == 1);
+  CHECK_FALSE(is_success(report.status));
+}
+
+TEST_CASE("Hessians that are not finite are a failure of the linear solve") {
+  Analytic objective([](const Vec3& x) {
+    Analytic::Value v = quadratic(x);
+    v.hessian(0, 0) = v.projected(0, 0) = std::numeric_limits<double>::quiet_NaN();
+    return v;
+  }, {5, 0, 0});
+  Solver solver(tight());
+  CHECK(solver.minimize(objective).status == SolveStatus::LinearSolveFailed);
+  CHECK(objective.accepted == 0);
+}
+
+TEST_CASE("steps into infinite energies are shortened; if none is left the line search has failed") {
+  Analytic wall([](const Vec3& x) {  // -log x + x: infinite for x <= 0
+    const Mat3 H = Mat3::diagonal({1.0 / (x.x * x.x), 1.0, 1.0});
+    return Analytic::Value{x.x - std::log(x.x) + 0.5 * (x.y * x.y + x.z * x.z), {1.0 - 1.0 / x.x, x.y, x.z}, H, H};
+  }, {5, 0, 0});
+  Solver solver(tight());
+  CHECK(solver.minimize(wall).status == SolveStatus::Converged);
+  CHECK(wall.x.x == doctest::Approx(1.0));
+
+  Analytic trapped(quadratic, {5, 0, 0});
+  trapped.feasible = false;
+  const SolveReport report = solver.minimize(trapped);
+  CHECK(report.status == SolveStatus::LineSearchFailed);
+  CHECK(trapped.x == Vec3{5, 0, 0});
+}
+
+TEST_CASE("interrupts are asked for between iterations") {
+  Analytic objective(rosenbrock, {-1.2, 1.0, 0.5});
+  Solver solver(tight());
+  int asked = 0;
+  solver.newton.set_interrupt([&] { return ++asked > 3; });
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Interrupted);
+  CHECK(report.iterations == 3);
+  CHECK(objective.linearizations == 3);
+}
+
+TEST_CASE("the iteration limit is kept") {
+  NewtonSettings settings = tight();
+  settings.max_iterations = 4;
+  Analytic objective(rosenbrock, {-1.2, 1.0, 0.5});
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::MaxIterations);
+  CHECK(report.iterations == 4);
+  CHECK(objective.accepted == 4);
+  CHECK_FALSE(is_success(report.status));
+}
+
+TEST_CASE("tolerances: all active ones must hold, or any of them") {
+  NewtonSettings settings{.acceleration_tolerance = 0.0, .residual_tolerance = 1e9, .step_tolerance = 1e-6};
+  Analytic all(cosh_sum, {2.0, -1.5, 1.0});
+  Solver first(settings);
+  const SolveReport both = first.minimize(all);
+  CHECK(both.status == SolveStatus::Converged);
+  CHECK(both.last_motion < 1e-6);
+  CHECK(both.iterations > 2);
+  settings.termination = Termination::Any;
+  Analytic any(cosh_sum, {2.0, -1.5, 1.0});
+  Solver second(settings);
+  CHECK(second.minimize(any).iterations == 0);  // the residual is below 1e9 at the start
+  settings = {.acceleration_tolerance = 1e-3, .residual_tolerance = 0.0, .step_tolerance = 0.0};
+  Analytic acceleration(cosh_sum, {2.0, -1.5, 1.0});
+  Solver third(settings);
+  CHECK(third.minimize(acceleration).acceleration < 1e-3);
+}
+
+TEST_CASE("where energies are all rounding the minimisation ends well") {
+  // A residual tolerance that no arithmetic reaches, and energies of 1e20 J elsewhere.
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-300;
+  Analytic objective([](const Vec3& x) { return cosh_sum(x); }, {2.0, -1.5, 1.0});
+  objective.extra_magnitude = 1e20;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(is_success(report.status));
+  CHECK(report.iterations < 30);
+}
+
+TEST_CASE("pending motion: not converged before it is done, however small the residual") {
+  Analytic objective(quadratic, {5, -7, 11});
+  objective.x = {0, 0, 0};
+  objective.pending = true;
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e9;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK_FALSE(objective.pending);
+  CHECK(report.iterations == 1);
+}
+
+TEST_CASE("pending motion that cannot go on is reported as blocked") {
+  Analytic objective(quadratic, {5, -7, 11});
+  objective.pending = true;
+  objective.bound = 1e-9;
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Blocked);
+  CHECK(report.iterations < 50);
+}
+
+TEST_CASE("lagged quantities are refreshed as often as allowed, and not when nothing changes") {
+  Analytic changing(quadratic, {5, -7, 11});
+  changing.lag_change = 2.0;
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(changing, 3);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.lag_updates == 3);
+  CHECK(report.lag_residual == 2.0);
+  Analytic settled(quadratic, {5, -7, 11});
+  CHECK(solver.minimize(settled, 3).lag_updates == 1);
+  CHECK(settled.refreshed == 1);
+  Analytic none(quadratic, {5, -7, 11});
+  CHECK(solver.minimize(none, 0).lag_updates == 0);
+  CHECK(none.refreshed == 0);
+}
