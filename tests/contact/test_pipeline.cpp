@@ -127,6 +127,30 @@ TEST_CASE("no contact is missed while bodies move, whether the candidate list is
   CHECK(bench.pipeline->counters().candidate_builds < updates - 12);  // small motions reused the list
 }
 
+TEST_CASE("a list is built anew as soon as its motion budget is used up") {
+  // Two particles with a contact distance of 0.06 m and a budget of 0.015 m each: lists hold pairs within 0.09 m.
+  Bench bench;
+  std::vector<Vec3> x = bench.builder.x;
+  const int32_t a = bench.builder.surface.points[0], b = bench.builder.surface.points[1];
+  x[a] = {0, 0, 2.0};
+  x[b] = {0, 0, 2.1};
+  bench.begin_step(x);
+  bench.pipeline->update(x);
+  REQUIRE(bench.pipeline->contacts().size() == bench.brute_force(x).size());
+  const std::vector<Vec3> start = x;
+  x[a].z += 0.022;
+  x[b].z -= 0.022;
+  SUBCASE("by an update") { bench.pipeline->update(x); }
+  SUBCASE("by a step") {
+    bench.pipeline->max_step(start, x);
+    bench.pipeline->update(x);
+  }
+  CHECK(same_contacts(bench.pipeline->contacts(), bench.brute_force(x)));
+  CHECK(std::any_of(bench.pipeline->contacts().begin(), bench.pipeline->contacts().end(), [&](const Contact& contact) {
+    return contact.key == PairKey{3, std::min(a, b), std::max(a, b)};
+  }));
+}
+
 TEST_CASE("energy differences of trial points agree with brute force, near and far from the iterate") {
   Bench bench;
   RandomPoints random(2);

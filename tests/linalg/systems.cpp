@@ -1,7 +1,9 @@
 // Block systems for the tests of linalg.
 #include "linalg/systems.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stark::test {
 
@@ -48,6 +50,31 @@ Pairs random_pairs(int32_t block_count, int count, uint32_t seed) {
   Pairs pairs(count);
   for (auto& [i, j] : pairs) i = node(random), j = node(random);
   return pairs;
+}
+
+std::vector<GraphCase> ordering_cases() {
+  std::vector<GraphCase> list;
+  list.push_back({"one", 1, {}});
+  list.push_back({"isolated", 300, {}});
+  list.push_back({"cloth", 400, cloth_pairs(20)});
+  int32_t count = 0;
+  const Pairs solid = solid_pairs(5, count);
+  list.push_back({"solid", count, solid});
+  list.push_back({"random", 500, random_pairs(500, 700, 1)});
+  list.push_back({"dense random", 200, random_pairs(200, 5000, 2)});
+  Pairs star, hub = cloth_pairs(25);
+  for (int i = 1; i < 2000; ++i) star.emplace_back(0, i);
+  for (int i = 0; i < 625; ++i) hub.emplace_back(i, 625);
+  list.push_back({"star", 2000, star});
+  list.push_back({"hub", 626, hub});
+  return list;
+}
+
+bool is_permutation_of_all(std::vector<int32_t> order, int32_t n) {
+  std::sort(order.begin(), order.end());
+  std::vector<int32_t> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  return order == all;
 }
 
 BlockMatrix spd_matrix(BlockPattern pattern, uint32_t seed, double contrast) {

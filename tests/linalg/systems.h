@@ -19,6 +19,19 @@ Pairs cloth_pairs(int n);
 Pairs solid_pairs(int n, int32_t& out_block_count);
 Pairs random_pairs(int32_t block_count, int count, uint32_t seed);
 
+/// A graph with a name.
+struct GraphCase {
+  const char* name;
+  int32_t block_count;
+  Pairs pairs;
+};
+
+/// Meshes and awkward graphs for orderings: isolated nodes, random, a star, a mesh with a node that touches
+/// everything.
+std::vector<GraphCase> ordering_cases();
+
+bool is_permutation_of_all(std::vector<int32_t> order, int32_t count);
+
 /// Symmetric positive definite values: each coupling adds k (e e^T tensor random PSD 3x3), every node a mass.
 /// `contrast` is the ratio of the stiffest to the softest coupling.
 BlockMatrix spd_matrix(BlockPattern pattern, uint32_t seed, double contrast = 1e4);

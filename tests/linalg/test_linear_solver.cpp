@@ -107,7 +107,7 @@ TEST_CASE(
     "linear solver: automatic choice tries conjugate gradients on an easy solid, at a step boundary only") {
   ThreadPool pool(1);
   int32_t count = 0;
-  const test::Pairs pairs = test::solid_pairs(12, count);
+  const test::Pairs pairs = test::solid_pairs(16, count);
   // Inertia dominates: a handful of iterations suffice, while the factorisation has solid fill.
   BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(count, pairs), 3, 1.0);
   for (int32_t i = 0; i < count; ++i)

@@ -29,6 +29,10 @@ using front::strips_of;
 using front::triangle_offset;
 
 constexpr double kReorderFactor = 1.3;  // fill tolerated, in flops, before a new ordering
+// An ordering made for many contacts is poor for few: it is redone when this share of the blocks is left, but
+// not until so many analyses later, as contacts may come back.
+constexpr double kShrinkFactor = 0.95;
+constexpr int64_t kShrinkPatience = 20;
 constexpr int64_t kStripGrain = 4;      // strips of one task in a shared front
 constexpr int64_t kAssemblyGrain = 16;  // child columns of one task when a shared front is assembled
 constexpr int32_t kNoFailure = INT32_MAX;
@@ -39,6 +43,7 @@ template <typename Real>
 struct Cholesky<Real>::Implementation {
   std::vector<int32_t> order;
   double flops_at_ordering = 0.0;
+  int64_t slots_at_ordering = 0, analyses_at_ordering = 0;
   int64_t orderings = 0, analyses = 0;
   int64_t slot_count = -1;
   SymbolicFactorization symbolic;
@@ -186,8 +191,13 @@ void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>)
     ++s.orderings;
     s.symbolic.analyze(pattern, s.order, kStrip<Real>, s.tree);
     s.flops_at_ordering = s.tree.flops;
+    s.slots_at_ordering = pattern.slot_count();
+    s.analyses_at_ordering = s.analyses;
   };
-  if (keep) {
+  const bool shrunk =
+      static_cast<double>(pattern.slot_count()) < kShrinkFactor * static_cast<double>(s.slots_at_ordering) &&
+      s.analyses >= s.analyses_at_ordering + kShrinkPatience;
+  if (keep && !shrunk) {
     s.symbolic.analyze(pattern, s.order, kStrip<Real>, s.tree);
     if (s.tree.flops > kReorderFactor * s.flops_at_ordering) reorder();
   } else {

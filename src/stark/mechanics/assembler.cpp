@@ -14,7 +14,7 @@ using symbolic::Order;
 
 namespace {
 
-constexpr int64_t kChunkBlocks = 32;  ///< blocks of lanes in a coloured chunk: 256 elements
+constexpr int64_t kChunkBlocks = 32;  ///< blocks of lanes in a task: 256 elements
 constexpr int64_t kGroupBlocks = 8;   ///< blocks whose Hessians are kept in cache together
 
 /// Projects the element Hessians of the blocks at `out`; returns how many were not positive semidefinite.
@@ -30,6 +30,12 @@ int64_t project_blocks(const PotentialBatch& batch, int64_t block_count, double*
     }
   }
   return count;
+}
+
+/// Blocks of lanes in a coloured chunk. Large chunks reuse the rows of the matrix while they are in cache; small meshes
+/// get smaller ones, so that there are some for each thread. Depends on the mesh only.
+int64_t coloured_chunk_blocks(int64_t block_count) {
+  return std::clamp<int64_t>(block_count / 32, kChunkBlocks, 8 * kChunkBlocks);
 }
 
 int64_t lanes_used(const PotentialBatch& batch, int64_t block) {
@@ -84,8 +90,9 @@ Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
     for (size_t p = 0; p < sites.size(); ++p)
       for (size_t q = p; q < sites.size(); ++q) {
         const int32_t a = map_.point_block(sites[p]), b = map_.point_block(sites[q]);
-        plan.slots.push_back(a == kNoBlock || b == kNoBlock ? -1
-                                                            : static_pattern_.slot(std::min(a, b), std::max(a, b)));
+        const bool is_free = a != kNoBlock && b != kNoBlock;
+        plan.slots.push_back(
+            is_free ? static_cast<int32_t>(static_pattern_.slot(std::min(a, b), std::max(a, b))) : -1);
       }
   }
   colour_chunks(plan);
@@ -96,8 +103,9 @@ void Assembler::colour_chunks(StaticPlan& plan) const {
   // Greedy colouring: bit c of a block says that a chunk of colour c touches it.
   std::vector<uint64_t> used(map_.layout().block_count, 0);
   const PotentialBatch& batch = *plan.batch;
-  for (int64_t first = 0; first < batch.block_count(); first += kChunkBlocks) {
-    const Chunk chunk{first, std::min(first + kChunkBlocks, batch.block_count())};
+  const int64_t chunk_blocks = coloured_chunk_blocks(batch.block_count());
+  for (int64_t first = 0; first < batch.block_count(); first += chunk_blocks) {
+    const Chunk chunk{first, std::min(first + chunk_blocks, batch.block_count())};
     const int64_t begin = chunk.first_block * kLanes, end = std::min(chunk.last_block * kLanes, batch.size());
     uint64_t taken = 0;
     for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
@@ -150,6 +158,13 @@ void Assembler::assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const 
     });
 }
 
+void Assembler::prefetch_slots(const StaticPlan& plan, int64_t element, const BlockMatrix& hessian) const {
+  const int64_t pairs = plan.batch->point_count() * (plan.batch->point_count() + 1) / 2;
+  if (element >= plan.batch->size()) return;
+  for (int64_t k = element * pairs; k < (element + 1) * pairs; ++k)
+    if (plan.slots[k] >= 0) __builtin_prefetch(hessian.values.data() + 9 * slot_of_static_[plan.slots[k]], 1);
+}
+
 void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
                                const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian) {
   const PotentialBatch& batch = *plan.batch;
@@ -167,11 +182,12 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
       const double* lanes = out.data() + (block - group) * outputs * kLanes;
       for (int64_t l = 0; l < lanes_used(batch, block); ++l) {
         const int64_t e = block * kLanes + l;
+        prefetch_slots(plan, e + 1, hessian);
         const ElementView element(lanes, n, static_cast<int>(l));
         const auto sites = batch.stencil(e);
         plan.energies[e] = element.energy();
         if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);
-        const int64_t* slots = plan.slots.data() + e * pairs;
+        const int32_t* slots = plan.slots.data() + e * pairs;
         for (int p = 0; p < points; ++p) {
           const int32_t a = map_.point_block(sites[p]);
           if (a == kNoBlock) {

@@ -55,7 +55,7 @@ class Assembler {
   struct StaticPlan {
     const PotentialBatch* batch = nullptr;
     bool is_plain = false;                     ///< all sites are points: identity maps
-    std::vector<int64_t> slots;                ///< plain: slot in the static pattern per element and pair i <= j
+    std::vector<int32_t> slots;                ///< plain: slot in the static pattern per element and pair i <= j
     std::vector<std::vector<Chunk>> colours;   ///< plain: chunks that may run at the same time
     std::vector<double> energies;              ///< at the last assemble()
   };
@@ -67,6 +67,8 @@ class Assembler {
                       std::span<double> gradient, BlockMatrix& hessian);
   void assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x, const AssemblyOptions& options,
                       std::span<double> gradient, BlockMatrix& hessian);
+  /// Brings the matrix blocks of an element into the cache while the one before it is added.
+  void prefetch_slots(const StaticPlan& plan, int64_t element, const BlockMatrix& hessian) const;
   void assemble_mapped(const PotentialBatch& batch, const Configuration& configuration, std::span<const Vec3> x,
                        const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian,
                        double* out_energies);

@@ -60,6 +60,9 @@ struct Program {
   int unknown_count = 0, element_count = 0, uniform_count = 0;
 };
 
+/// Changes the order of the instructions so that fewer values are alive at once; results keep their bits.
+void reorder(Program& program);
+
 using LowId = int32_t;
 
 /// Hash-consing builder of programs. Ids are in topological order; leaves are ids too.
