@@ -43,8 +43,7 @@ class ContactPipeline final : public ActiveSet {
   ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials, const ContactOptions& options,
                   const KinematicMap& map, ThreadPool& pool, PhaseTimer& timer);
 
-  /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness. Returns
-  /// false when the surfaces touch or intersect there to rounding.
+  /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
   void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
                   double time_step);
 

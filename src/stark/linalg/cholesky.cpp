@@ -44,6 +44,8 @@ struct Cholesky<Real>::Implementation {
   std::vector<int32_t> order;
   double flops_at_ordering = 0.0;
   int64_t slots_at_ordering = 0, analyses_at_ordering = 0;
+  uint64_t ordered_pattern = 0;  // hash of the pattern that the ordering was made for
+  bool new_sequence = false;
   int64_t orderings = 0, analyses = 0;
   int64_t slot_count = -1;
   SymbolicFactorization symbolic;
@@ -185,10 +187,14 @@ Cholesky<Real>& Cholesky<Real>::operator=(Cholesky&&) noexcept = default;
 template <typename Real>
 void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>) {
   Implementation& s = *implementation_;
-  const bool keep = s.orderings > 0 && static_cast<int32_t>(s.order.size()) == pattern.block_count;
+  const uint64_t hash = pattern.hash();
+  const bool foreign = s.new_sequence && s.ordered_pattern != hash;
+  const bool keep = s.orderings > 0 && static_cast<int32_t>(s.order.size()) == pattern.block_count && !foreign;
+  s.new_sequence = false;
   const auto reorder = [&] {
     s.order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern));
     ++s.orderings;
+    s.ordered_pattern = hash;
     s.symbolic.analyze(pattern, s.order, kStrip<Real>, s.tree);
     s.flops_at_ordering = s.tree.flops;
     s.slots_at_ordering = pattern.slot_count();
@@ -206,6 +212,17 @@ void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>)
   ++s.analyses;
   s.slot_count = pattern.slot_count();
   s.plan.build(s.tree, kStrip<Real>, kTile);
+}
+
+template <typename Real>
+void Cholesky<Real>::begin_sequence() {
+  implementation_->new_sequence = true;
+  implementation_->analyses_at_ordering = implementation_->analyses;
+}
+
+template <typename Real>
+uint64_t Cholesky<Real>::ordered_pattern() const {
+  return implementation_->ordered_pattern;
 }
 
 template <typename Real>

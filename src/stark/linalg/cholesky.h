@@ -35,6 +35,12 @@ class Cholesky {
   /// that the present ordering, which works on the graph alone, does not need.
   void analyze(const BlockPattern& pattern, std::span<const Vec3> positions = {});
 
+  /// The next analyze() orders anew, unless its pattern is the one that the present ordering was made for: what follows
+  /// then depends on the patterns from here on only.
+  void begin_sequence();
+  /// Hash of the pattern that the present ordering was made for, 0 before the first.
+  uint64_t ordered_pattern() const;
+
   /// Factorises `matrix`, whose pattern must be the analysed one.
   FactorStatus factor(const BlockMatrix& matrix, ThreadPool& pool);
 

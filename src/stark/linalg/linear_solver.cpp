@@ -18,13 +18,7 @@ namespace {
 // must not depend on the machine, or runs would not repeat elsewhere.
 constexpr double kFlopsPerSecond = 30e9;
 constexpr double kBytesPerSecond = 12e9;
-constexpr double kSwitchGain = 1.5;         // hysteresis: the other solver must be this much cheaper
-constexpr double kDirectStartFlops = 40e9;  // above, conjugate gradients go first
-constexpr double kProbeMinIterations =
-    60;                           // do not try conjugate gradients when direct costs less than this many
-constexpr int kFirstBackoff = 8;  // time steps until conjugate gradients are tried again, doubling
-constexpr int kLastBackoff = 256;
-constexpr double kPredictionSlack = 3.0;  // conjugate gradients give up at this multiple of their prediction
+constexpr double kProbeMinIterations = 60;  // no conjugate gradients where direct costs less than this many
 constexpr int kLeastIterationCap = 50;
 
 constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of direct solvers
@@ -51,11 +45,21 @@ struct Factor {
   uint64_t hash = 0;
   bool analyzed = false;
 
+  bool first_of_step = false;
+
   void update(const BlockPattern& pattern, uint64_t pattern_hash, std::span<const Vec3> positions) {
-    if (analyzed && hash == pattern_hash) return;
+    const bool own_ordering = !first_of_step || cholesky.ordered_pattern() == pattern_hash;
+    first_of_step = false;
+    if (analyzed && hash == pattern_hash && own_ordering) return;
     cholesky.analyze(pattern, positions);
     hash = pattern_hash;
     analyzed = true;
+  }
+
+  // The ordering of a step follows from the patterns of that step alone.
+  void begin_step() {
+    first_of_step = true;
+    cholesky.begin_sequence();
   }
 };
 
@@ -75,21 +79,11 @@ struct LinearSolver::Implementation {
   Pcg pcg;
   std::vector<double> r, z, p, q;
 
-  // State of the automatic choice.
-  int32_t modelled_blocks = -1;  // block rows for which the first choice was made
-  double direct_cost = 0.0;      // modelled seconds of one solve
-  double iteration_cost = 0.0;   // modelled seconds of one iteration of conjugate gradients
-  double predicted_iterations = -1.0;
-  double step_iterations = 0.0;
-  int step_solves = 0;
-  bool probing = false;
-  bool pcg_failed = false;
-  int backoff = kFirstBackoff, steps_until_probe = 0;
+  // Automatic choice: conjugate gradients start a step if they could win, with this many iterations at most.
+  // Both follow from prepare(), never from earlier steps, so that a resumed run continues bit for bit.
+  bool starts_with_pcg = false;
+  int iteration_cap = kLeastIterationCap;
 
-  void model_costs(const BlockMatrix& A);
-  void choose_first(const BlockMatrix& A, uint64_t hash, std::span<const Vec3> positions);
-  void choose_next();
-  int iteration_cap() const;
   bool solve_direct(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
                     std::span<const Vec3> positions, LinearSolveReport& report);
   bool solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
@@ -98,65 +92,6 @@ struct LinearSolver::Implementation {
                  int max_iterations, LinearSolveReport& report);
   double residual(const BlockMatrix& A, std::span<const double> b, std::span<const double> x);
 };
-
-void LinearSolver::Implementation::model_costs(const BlockMatrix& A) {
-  const double n = A.pattern.block_count, off_diagonal = static_cast<double>(A.pattern.slot_count()) - n;
-  // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads
-  // every block and its index, and passes over about ten vectors.
-  direct_cost = factor.cholesky.flops() / kFlopsPerSecond +
-                4.0 * 8.0 * static_cast<double>(factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
-  iteration_cost = ((2.0 * off_diagonal + n) * 76.0 + 10.0 * 24.0 * n) / kBytesPerSecond;
-}
-
-void LinearSolver::Implementation::choose_first(const BlockMatrix& A, uint64_t hash,
-                                                std::span<const Vec3> positions) {
-  factor.update(A.pattern, hash, positions);
-  model_costs(A);
-  modelled_blocks = A.pattern.block_count;
-  current = factor.cholesky.flops() > kDirectStartFlops ? LinearSolverKind::Pcg : LinearSolverKind::Cholesky;
-  probing = current == LinearSolverKind::Pcg;
-  predicted_iterations = -1.0;
-  backoff = kFirstBackoff;
-  steps_until_probe = 1;
-}
-
-void LinearSolver::Implementation::choose_next() {
-  if (modelled_blocks < 0) return;
-  if (step_solves > 0) predicted_iterations = step_iterations / step_solves;
-  if (current == LinearSolverKind::Pcg) {
-    const double cost = predicted_iterations * iteration_cost;
-    probing = false;
-    if (predicted_iterations >= 0.0 && cost > kSwitchGain * direct_cost) {
-      current = LinearSolverKind::Cholesky;
-      steps_until_probe = backoff;
-    } else if (step_solves > 0) {
-      backoff = kFirstBackoff;
-    }
-  } else {
-    if (pcg_failed) {
-      steps_until_probe = backoff;
-      backoff = std::min(2 * backoff, kLastBackoff);
-    }
-    // Conjugate gradients get a chance whenever they could win: their count of iterations is only known by
-    // trying.
-    if (--steps_until_probe <= 0 && direct_cost > kSwitchGain * kProbeMinIterations * iteration_cost) {
-      current = LinearSolverKind::Pcg;
-      probing = true;
-      predicted_iterations = -1.0;
-    }
-  }
-  pcg_failed = false;
-  step_iterations = 0.0;
-  step_solves = 0;
-}
-
-int LinearSolver::Implementation::iteration_cap() const {
-  // Without a prediction, try as long as success would still have paid.
-  double cap = kPredictionSlack * predicted_iterations;
-  if (predicted_iterations < 0.0) cap = direct_cost / (kSwitchGain * iteration_cost);
-  cap = std::max(cap, static_cast<double>(kLeastIterationCap));
-  return static_cast<int>(std::min(cap, static_cast<double>(settings.pcg_max_iterations)));
-}
 
 double LinearSolver::Implementation::residual(const BlockMatrix& A, std::span<const double> b,
                                               std::span<const double> x) {
@@ -276,27 +211,41 @@ LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const doub
   }
   const uint64_t hash = A.pattern.hash();
   const bool automatic = s.settings.kind == LinearSolverKind::Automatic;
-  if (automatic && s.modelled_blocks != A.pattern.block_count) s.choose_first(A, hash, positions);
-
   if (s.current == LinearSolverKind::Pcg) {
     const double tolerance = std::clamp(forcing_tolerance, s.settings.pcg_tolerance, 0.5);
-    const int cap = automatic ? s.iteration_cap() : s.settings.pcg_max_iterations;
+    const int cap = automatic ? s.iteration_cap : s.settings.pcg_max_iterations;
     const bool solved = s.solve_pcg(A, b, x, tolerance, cap, report);
-    s.step_iterations += report.iterations;
-    ++s.step_solves;
-    if (solved || !automatic) return report;
-    s.current = LinearSolverKind::Cholesky;
-    s.pcg_failed = true;
+    if (solved || report.indefinite || !automatic) return report;
+    s.current = LinearSolverKind::Cholesky;  // for the rest of the step
   }
   if (s.current == LinearSolverKind::CholeskyFloat && s.solve_float(A, hash, b, x, positions, report))
     return report;
   s.solve_direct(A, hash, b, x, positions, report);
-  if (automatic) s.model_costs(A);
   return report;
 }
 
+void LinearSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> positions) {
+  Implementation& s = *implementation_;
+  if (s.settings.kind != LinearSolverKind::Automatic || pattern.block_count == 0) return;
+  s.factor.update(pattern, pattern.hash(), positions);
+  const double n = pattern.block_count, off_diagonal = static_cast<double>(pattern.slot_count()) - n;
+  // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads
+  // every block and its index, and passes over about ten vectors.
+  const double direct_cost = s.factor.cholesky.flops() / kFlopsPerSecond +
+                             4.0 * 8.0 * static_cast<double>(s.factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
+  const double iteration_cost = ((2.0 * off_diagonal + n) * 76.0 + 10.0 * 24.0 * n) / kBytesPerSecond;
+  const double break_even = direct_cost / iteration_cost;
+  s.starts_with_pcg = break_even > kProbeMinIterations;
+  s.iteration_cap = static_cast<int>(
+      std::clamp(break_even, static_cast<double>(kLeastIterationCap), static_cast<double>(s.settings.pcg_max_iterations)));
+}
+
 void LinearSolver::begin_step() {
-  if (implementation_->settings.kind == LinearSolverKind::Automatic) implementation_->choose_next();
+  Implementation& s = *implementation_;
+  if (s.settings.kind == LinearSolverKind::Automatic)
+    s.current = s.starts_with_pcg ? LinearSolverKind::Pcg : LinearSolverKind::Cholesky;
+  s.factor.begin_step();
+  s.factor_float.begin_step();
 }
 
 const LinearSolverSettings& LinearSolver::settings() const { return implementation_->settings; }

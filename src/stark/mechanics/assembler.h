@@ -34,6 +34,8 @@ class Assembler {
   Assembler(const KinematicMap& map, ThreadPool& pool);
 
   void set_static_batches(std::vector<const PotentialBatch*> batches);
+  /// Pattern of the static batches alone.
+  const BlockPattern& static_pattern() const { return static_pattern_; }
   /// Merges the pattern with the one of the dynamic batches.
   void set_dynamic_batches(std::vector<const PotentialBatch*> batches);
 

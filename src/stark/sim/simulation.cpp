@@ -66,6 +66,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   potential_ = std::make_unique<IncrementalPotential>(model_->map(), *assembler_, contact_.get(), model_->block_scales(),
                                                       *timer_);
   linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
+  linear_solver_->prepare(assembler_->static_pattern());
   newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
 }
 
@@ -182,8 +183,6 @@ void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotatio
   state_.script_position[b.rigid_index] = position;
   state_.script_rotation[b.rigid_index] = orthonormalized(rotation);
   state_.script_remaining[b.rigid_index] = settings_.time.step;
-  state_.body_velocity[b.rigid_index] = {};
-  state_.body_rotation_rate[b.rigid_index] = {};
 }
 
 void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity) {

@@ -13,6 +13,9 @@ namespace {
 /// Scale that switches inertia and damping off in quasistatic steps [s].
 constexpr double kQuasistaticStep = 1e150;
 
+/// Value of script_remaining for a scripted body that rests at the last pose it was given.
+constexpr double kAtPose = -1.0;
+
 /// Relative difference of times below which a remaining time counts as used up.
 constexpr double kTimeRounding = 1e-12;
 
@@ -137,7 +140,7 @@ Configuration Simulation::target_configuration(double h) const {
       target.body_rotation[b] =
           fraction >= 1.0 ? state_.script_rotation[b]
                           : interpolate_rotation(target.body_rotation[b], state_.script_rotation[b], fraction);
-    } else {
+    } else if (state_.script_remaining[b] == 0.0) {
       const Mat3 W = state_.body_rotation_rate[b] * transpose(target.body_rotation[b]);
       target.body_position[b] += state_.body_velocity[b] * h;
       target.body_rotation[b] = exp_rotation(Vec3{W(2, 1), W(0, 2), W(1, 0)} * h) * target.body_rotation[b];
@@ -182,13 +185,19 @@ void Simulation::commit(double h) {
       state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
       state_.body_rotation_rate[b] = (rotation - state_.body_rotation[b]) * (1.0 / h);
       state_.body_rotation[b] = rotation;
-    } else {
+    } else if (state_.script_remaining[b] == 0.0) {
       // The world axes of the angular velocity stay the same: the rate turns along with the body.
       const Mat3 W = state_.body_rotation_rate[b] * transpose(state_.body_rotation[b]);
       state_.body_rotation[b] = end.body_rotation[b];
       state_.body_rotation_rate[b] = W * state_.body_rotation[b];
+    } else {
+      // Following poses, or resting at the last one: the velocities tell what it did.
+      const Vec3 turn = log_rotation(end.body_rotation[b] * transpose(state_.body_rotation[b]));
+      state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
+      state_.body_rotation_rate[b] = skew(turn / h) * end.body_rotation[b];
+      state_.body_rotation[b] = end.body_rotation[b];
       if (state_.script_remaining[b] > 0.0)
-        state_.script_remaining[b] = arrived(state_.script_remaining[b]) ? 0.0 : state_.script_remaining[b] - h;
+        state_.script_remaining[b] = arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;
     }
     state_.body_position[b] = end.body_position[b];
   }
