@@ -30,12 +30,13 @@ struct Canvas {
   stark::RasterCamera camera;
 };
 
-void add_mesh(Canvas& canvas, nb::handle positions, nb::handle triangles, const Triple& color, double crease_angle,
-              bool pale_back, bool fades_out) {
+void add_mesh(Canvas& canvas, nb::handle positions, nb::handle triangles, const Triple& color,
+              double crease_angle, bool pale_back, bool fades_out) {
   auto p = stark::bindings::array<Rows<double, 3>>(positions, "positions", "an (n, 3) array of numbers [m]");
-  auto t = stark::bindings::array<Rows<int32_t, 3>>(triangles, "triangles", "an (m, 3) array of vertex indices");
-  canvas.meshes.push_back({rows<stark::Vec3>(p), rows<std::array<int32_t, 3>>(t), vec(color), crease_angle, pale_back,
-                           fades_out});
+  auto t =
+      stark::bindings::array<Rows<int32_t, 3>>(triangles, "triangles", "an (m, 3) array of vertex indices");
+  canvas.meshes.push_back({rows<stark::Vec3>(p), rows<std::array<int32_t, 3>>(t), vec(color), crease_angle,
+                           pale_back, fades_out});
   canvas.arrays.emplace_back(std::move(p), std::move(t));
 }
 
@@ -53,7 +54,8 @@ nb::object draw(const Canvas& canvas) {
 
 void bind_io(nb::module_& m) {
   using S = stark::RasterSettings;
-  nb::class_<Canvas> canvas(m, "Canvas", "Meshes, camera and light of one picture; lengths in metres, colours sRGB.");
+  nb::class_<Canvas> canvas(m, "Canvas",
+                            "Meshes, camera and light of one picture; lengths in metres, colours sRGB.");
   canvas.def(nb::init<>())
       .def("add_mesh", &add_mesh, nb::arg("positions"), nb::arg("triangles"), nb::kw_only(), nb::arg("color"),
            nb::arg("crease_angle") = 0.65, nb::arg("pale_back") = false, nb::arg("fades_out") = false)
@@ -61,7 +63,9 @@ void bind_io(nb::module_& m) {
   const auto number = [&](const char* name, auto member) {
     canvas.def_prop_rw(
         name, [member](const Canvas& c) { return c.settings.*member; },
-        [member](Canvas& c, std::remove_cvref_t<decltype(std::declval<S&>().*member)> v) { c.settings.*member = v; });
+        [member](Canvas& c, std::remove_cvref_t<decltype(std::declval<S&>().*member)> v) {
+          c.settings.*member = v;
+        });
   };
   const auto vector = [&](const char* name, auto access) {
     canvas.def_prop_rw(

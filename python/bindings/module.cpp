@@ -1,5 +1,6 @@
-// The extension module stark._core: checks the processor, makes the exception types, calls one function per domain.
-// This file is compiled for baseline x86-64 (see python/CMakeLists.txt); everything else needs AVX2 and FMA.
+// The extension module stark._core: checks the processor, makes the exception types, calls one function per
+// domain. This file is compiled for baseline x86-64 (see python/CMakeLists.txt); everything else needs AVX2
+// and FMA.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
@@ -17,7 +18,8 @@ void bind_io(nb::module_& m);
 
 namespace {
 
-/// Exception types of the module, index-aligned with the catch clauses of translate(). They live as long as the process.
+/// Exception types of the module, index-aligned with the catch clauses of translate(). They live as long as
+/// the process.
 struct ExceptionTypes {
   PyObject* error = nullptr;
   PyObject* invalid_argument = nullptr;
@@ -28,7 +30,8 @@ struct ExceptionTypes {
 };
 
 PyObject* add_exception(nb::module_& m, const char* name, const char* doc, nb::handle bases) {
-  // Users know them as stark.Error; the stub generator loads this file as plain _core and needs them to belong to it.
+  // Users know them as stark.Error; the stub generator loads this file as plain _core and needs them to
+  // belong to it.
   const std::string module = nb::cast<std::string>(m.attr("__name__"));
   const std::string qualified = (module == "stark._core" ? "stark" : module) + "." + name;
   PyObject* type = PyErr_NewExceptionWithDoc(qualified.c_str(), doc, bases.ptr(), nullptr);
@@ -60,9 +63,9 @@ void translate(const std::exception_ptr& exception, void* payload) {
 void bind_exceptions(nb::module_& m) {
   static ExceptionTypes types;
   types.error = add_exception(m, "Error", "Base of every exception that Stark raises.", PyExc_Exception);
-  types.invalid_argument =
-      add_exception(m, "InvalidArgument", "A value handed to Stark breaks a rule; the message names the remedy.",
-                    nb::make_tuple(nb::handle(types.error), nb::handle(PyExc_ValueError)));
+  types.invalid_argument = add_exception(
+      m, "InvalidArgument", "A value handed to Stark breaks a rule; the message names the remedy.",
+      nb::make_tuple(nb::handle(types.error), nb::handle(PyExc_ValueError)));
   types.invalid_setting = add_exception(m, "InvalidSetting", "An unknown setting, or one outside its range.",
                                         types.invalid_argument);
   types.invalid_mesh = add_exception(

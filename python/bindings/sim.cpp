@@ -24,8 +24,9 @@ const char* status_name(StepStatus status) {
 }
 
 const char* solve_status_name(SolveStatus status) {
-  constexpr const char* kNames[] = {"converged",           "round_off", "max_iterations", "not_finite", "line_search_failed",
-                                    "linear_solve_failed", "blocked",   "interrupted"};
+  constexpr const char* kNames[] = {"converged",  "round_off",          "max_iterations",
+                                    "not_finite", "line_search_failed", "linear_solve_failed",
+                                    "blocked",    "interrupted"};
   return kNames[static_cast<int>(status)];
 }
 
@@ -78,23 +79,28 @@ nb::ndarray<nb::numpy, double> matrix(const Mat3& m) {
   return to_numpy<double>(std::vector<Vec3>{m.row(0), m.row(1), m.row(2)});
 }
 
-nb::ndarray<nb::numpy, double> vector3(const Vec3& v) { return to_numpy<double>(std::vector<double>{v.x, v.y, v.z}); }
+nb::ndarray<nb::numpy, double> vector3(const Vec3& v) {
+  return to_numpy<double>(std::vector<double>{v.x, v.y, v.z});
+}
 
 Vec3 to_vec3(nb::handle object, const std::string& name) {
   const auto column = array<Column<double>>(object, name, "three numbers");
-  if (column.shape(0) != 3) throw InvalidArgument(name + ": got " + std::to_string(column.shape(0)) + " numbers, need three");
+  if (column.shape(0) != 3)
+    throw InvalidArgument(name + ": got " + std::to_string(column.shape(0)) + " numbers, need three");
   return {column.data()[0], column.data()[1], column.data()[2]};
 }
 
 Mat3 to_mat3(nb::handle object, const std::string& name) {
   const auto m = array<Rows<double, 3>>(object, name, "a 3x3 matrix");
-  if (m.shape(0) != 3) throw InvalidArgument(name + ": got " + std::to_string(m.shape(0)) + " rows, need a 3x3 matrix");
+  if (m.shape(0) != 3)
+    throw InvalidArgument(name + ": got " + std::to_string(m.shape(0)) + " rows, need a 3x3 matrix");
   Mat3 result;
   std::copy_n(m.data(), 9, result.m.begin());
   return result;
 }
 
-/// One step without the GIL; signals are looked at between Newton iterations, so Ctrl-C acts within one of them.
+/// One step without the GIL; signals are looked at between Newton iterations, so Ctrl-C acts within one of
+/// them.
 StepReport run_step(Simulation& sim, std::optional<double> max_time_step) {
   bool raised = false;
   sim.set_interrupt([&raised] {
@@ -114,23 +120,32 @@ StepReport run_step(Simulation& sim, std::optional<double> max_time_step) {
 
 void bind_state(nb::module_& m) {
   nb::class_<State>(m, "State", "Everything that changes in time, as a value.")
-      .def_prop_ro("time", [](const State& s) { return s.time; }, "Simulated time [s].")
-      .def_prop_ro("time_step", [](const State& s) { return s.time_step; }, "Length of the next step [s].")
-      .def_prop_ro("step_count", [](const State& s) { return s.step_count; }, "Accepted steps so far.")
-      .def_prop_ro("point_positions", [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); })
-      .def_prop_ro("point_velocities", [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); })
-      .def_prop_ro("body_positions", [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); })
-      .def_prop_ro("hash", [](const State& s) { return hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
+      .def_prop_ro(
+          "time", [](const State& s) { return s.time; }, "Simulated time [s].")
+      .def_prop_ro(
+          "time_step", [](const State& s) { return s.time_step; }, "Length of the next step [s].")
+      .def_prop_ro(
+          "step_count", [](const State& s) { return s.step_count; }, "Accepted steps so far.")
+      .def_prop_ro("point_positions",
+                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); })
+      .def_prop_ro("point_velocities",
+                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); })
+      .def_prop_ro("body_positions",
+                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); })
+      .def_prop_ro(
+          "hash", [](const State& s) { return hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
       .def("copy", [](const State& s) { return s; })
       .def("__eq__", [](const State& a, const State& b) { return first_difference(a, b).empty(); })
-      .def("first_difference", [](const State& a, const State& b) { return first_difference(a, b); },
-           "Name of the first field that differs, '' when all bits are equal.");
+      .def(
+          "first_difference", [](const State& a, const State& b) { return first_difference(a, b); },
+          "Name of the first field that differs, '' when all bits are equal.");
 }
 
 void bind_report(nb::module_& m) {
   nb::class_<StepReport>(m, "StepReport", "What a time step did, whether it succeeded or not.")
-      .def_prop_ro("status", [](const StepReport& r) { return status_name(r.status); },
-                   "'accepted', 'retried' (after halvings of the step), 'failed' (state unchanged) or 'interrupted'.")
+      .def_prop_ro(
+          "status", [](const StepReport& r) { return status_name(r.status); },
+          "'accepted', 'retried' (after halvings of the step), 'failed' (state unchanged) or 'interrupted'.")
       .def_prop_ro("failed", [](const StepReport& r) { return r.failed(); })
       .def_ro("message", &StepReport::message)
       .def_ro("step", &StepReport::step, "Number of the step, from 1.")
@@ -138,13 +153,17 @@ void bind_report(nb::module_& m) {
       .def_ro("time_step", &StepReport::time_step, "[s]")
       .def_ro("rejected_steps", &StepReport::rejected_steps)
       .def_ro("contact_count", &StepReport::contact_count)
-      .def_ro("min_distance", &StepReport::min_distance, "Smallest distance of an active contact [m], inf without any.")
+      .def_ro("min_distance", &StepReport::min_distance,
+              "Smallest distance of an active contact [m], inf without any.")
       .def_prop_ro("newton_iterations", [](const StepReport& r) { return r.solve.iterations; })
       .def_prop_ro("linear_iterations", [](const StepReport& r) { return r.solve.linear_iterations; })
       .def_prop_ro("factorizations", [](const StepReport& r) { return r.solve.factorizations; })
       .def_prop_ro("line_search_backtracks", [](const StepReport& r) { return r.solve.backtracks; })
-      .def_prop_ro("residual", [](const StepReport& r) { return r.solve.residual; }, "Largest unbalanced force [N].")
-      .def_prop_ro("acceleration", [](const StepReport& r) { return r.solve.acceleration; }, "Largest M^-1 residual [m/s^2].")
+      .def_prop_ro(
+          "residual", [](const StepReport& r) { return r.solve.residual; }, "Largest unbalanced force [N].")
+      .def_prop_ro(
+          "acceleration", [](const StepReport& r) { return r.solve.acceleration; },
+          "Largest M^-1 residual [m/s^2].")
       .def_prop_ro("energy", energy_dict, "kinetic, elastic, gravity, contact [J].")
       .def_prop_ro("phases", phases_dict, "Seconds by phase.")
       .def("brief", &StepReport::brief, "One line.")
@@ -184,32 +203,44 @@ void bind_simulation(nb::module_& m) {
   nb::class_<Simulation>(m, "Simulation", "Model, state and solver of a scene; bodies are indices.")
       .def(nb::init<const Scene&, const Settings&>(), "scene"_a, "settings"_a)
       .def("step", &run_step, "max_time_step"_a = nb::none())
-      .def_prop_ro("report", [](const Simulation& s) { return s.report(); }, "Report of the last step.")
+      .def_prop_ro(
+          "report", [](const Simulation& s) { return s.report(); }, "Report of the last step.")
       .def_prop_ro("time", &Simulation::time)
       .def_prop_ro("time_step", [](const Simulation& s) { return s.state().time_step; })
-      .def_prop_rw("state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def_prop_rw(
+          "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
       .def_prop_ro("dof_count", &Simulation::dof_count)
       .def_prop_ro("body_count", [](const Simulation& s) { return s.scene().body_count(); })
-      .def("positions", [](const Simulation& s, int body) { return to_numpy<double>(s.positions(BodyId{body})); })
-      .def("velocities", [](const Simulation& s, int body) { return to_numpy<double>(s.velocities(BodyId{body})); })
-      .def("pose", [](const Simulation& s, int body) {
-        return nb::make_tuple(vector3(s.position(BodyId{body})), matrix(s.rotation(BodyId{body})));
-      })
-      .def("twist", [](const Simulation& s, int body) {
-        return nb::make_tuple(vector3(s.linear_velocity(BodyId{body})), vector3(s.angular_velocity(BodyId{body})));
-      })
-      .def("set_pose", [](Simulation& s, int body, nb::object position, nb::object rotation) {
-        s.set_pose(BodyId{body}, to_vec3(position, "position"), to_mat3(rotation, "rotation"));
-      })
-      .def("set_twist", [](Simulation& s, int body, nb::object velocity, nb::object angular_velocity) {
-        s.set_velocity(BodyId{body}, to_vec3(velocity, "velocity"), to_vec3(angular_velocity, "angular_velocity"));
-      })
-      .def("pin_targets", [](const Simulation& s, int body) { return to_numpy<double>(s.pin_targets(BodyId{body})); })
-      .def("set_pin_targets", [](Simulation& s, int body, nb::object targets) {
-        const auto t = array<Rows<double, 3>>(targets, "targets", "an (n, 3) array of positions");
-        s.set_pin_targets(BodyId{body}, rows<Vec3>(t));
-      })
+      .def("positions",
+           [](const Simulation& s, int body) { return to_numpy<double>(s.positions(BodyId{body})); })
+      .def("velocities",
+           [](const Simulation& s, int body) { return to_numpy<double>(s.velocities(BodyId{body})); })
+      .def("pose",
+           [](const Simulation& s, int body) {
+             return nb::make_tuple(vector3(s.position(BodyId{body})), matrix(s.rotation(BodyId{body})));
+           })
+      .def("twist",
+           [](const Simulation& s, int body) {
+             return nb::make_tuple(vector3(s.linear_velocity(BodyId{body})),
+                                   vector3(s.angular_velocity(BodyId{body})));
+           })
+      .def("set_pose",
+           [](Simulation& s, int body, nb::object position, nb::object rotation) {
+             s.set_pose(BodyId{body}, to_vec3(position, "position"), to_mat3(rotation, "rotation"));
+           })
+      .def("set_twist",
+           [](Simulation& s, int body, nb::object velocity, nb::object angular_velocity) {
+             s.set_velocity(BodyId{body}, to_vec3(velocity, "velocity"),
+                            to_vec3(angular_velocity, "angular_velocity"));
+           })
+      .def("pin_targets",
+           [](const Simulation& s, int body) { return to_numpy<double>(s.pin_targets(BodyId{body})); })
+      .def("set_pin_targets",
+           [](Simulation& s, int body, nb::object targets) {
+             const auto t = array<Rows<double, 3>>(targets, "targets", "an (n, 3) array of positions");
+             s.set_pin_targets(BodyId{body}, rows<Vec3>(t));
+           })
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
 }

@@ -1,5 +1,5 @@
-// Rotations: exponential and logarithm against each other and against a long double power series, quaternions against
-// matrices, at ordinary angles and where formulas cancel (tiny angles, half turns).
+// Rotations: exponential and logarithm against each other and against a long double power series, quaternions
+// against matrices, at ordinary angles and where formulas cancel (tiny angles, half turns).
 #include <stark/base/rotation.h>
 
 #include <array>
@@ -44,7 +44,8 @@ std::vector<Vec3> rotation_vectors() {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
   std::vector<Vec3> vectors{{0, 0, 0}};
-  for (double angle : {1e-14, 1e-9, 1e-6, 0.9e-4, 1.1e-4, 1e-3, 0.1, 1.0, 2.0, 3.0, std::numbers::pi - 1e-6}) {
+  for (double angle :
+       {1e-14, 1e-9, 1e-6, 0.9e-4, 1.1e-4, 1e-3, 0.1, 1.0, 2.0, 3.0, std::numbers::pi - 1e-6}) {
     for (int sample = 0; sample < 20; ++sample)
       vectors.push_back(angle * normalized(Vec3{normal(random), normal(random), normal(random)}));
     vectors.push_back({angle, 0, 0});
@@ -67,8 +68,8 @@ TEST_CASE("the exponential map agrees with its power series and is a rotation") 
 
 TEST_CASE("the logarithm inverts the exponential") {
   for (const Vec3& w : rotation_vectors()) {
-    // Near a half turn the matrix determines the vector to about the square root of rounding at worst; the quaternion
-    // route keeps it at rounding.
+    // Near a half turn the matrix determines the vector to about the square root of rounding at worst; the
+    // quaternion route keeps it at rounding.
     CHECK(difference(log_rotation(exp_rotation(w)), w) < 1e-14);
   }
   const Vec3 half_turn = log_rotation(Mat3::diagonal({-1, 1, -1}));

@@ -1,4 +1,5 @@
-// The thread pool: every task exactly once, the same split for any number of threads, exceptions reach the caller.
+// The thread pool: every task exactly once, the same split for any number of threads, exceptions reach the
+// caller.
 #include <stark/base/thread_pool.h>
 
 #include <atomic>
@@ -88,6 +89,7 @@ TEST_CASE("an exception of a task reaches the caller and the pool stays usable")
 TEST_CASE("many short regions in a row lose no task") {
   ThreadPool pool(3);
   std::atomic<int64_t> sum{0};
-  for (int round = 0; round < 5000; ++round) pool.for_each_task(4, [&](int64_t task, int) { sum += task + 1; });
+  for (int round = 0; round < 5000; ++round)
+    pool.for_each_task(4, [&](int64_t task, int) { sum += task + 1; });
   CHECK(sum == 5000 * 10);
 }

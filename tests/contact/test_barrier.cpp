@@ -10,10 +10,13 @@ using namespace stark::test;
 
 namespace {
 
-const Potential& barrier_of(StencilKind kind) { return *contact_potentials().barriers[static_cast<int>(kind)]; }
+const Potential& barrier_of(StencilKind kind) {
+  return *contact_potentials().barriers[static_cast<int>(kind)];
+}
 
 FilledSample sample_at(std::vector<Vec3> x, double d_hat, double kappa, double threshold = 1.0) {
-  return {x, x, x, {{"contact_distance", {d_hat}}, {"stiffness", {kappa}}, {"parallel_threshold", {threshold}}}};
+  return {
+      x, x, x, {{"contact_distance", {d_hat}}, {"stiffness", {kappa}}, {"parallel_threshold", {threshold}}}};
 }
 
 }  // namespace
@@ -21,7 +24,8 @@ FilledSample sample_at(std::vector<Vec3> x, double d_hat, double kappa, double t
 TEST_CASE("every stencil has the energy kappa b(d) of its distance") {
   RandomPoints random(1);
   for (int trial = 0; trial < 50; ++trial) {
-    const double d = random.uniform(0.001, 0.0099), d_hat = 0.01, kappa = 300.0, expected = kappa * barrier(d, d_hat);
+    const double d = random.uniform(0.001, 0.0099), d_hat = 0.01, kappa = 300.0,
+                 expected = kappa * barrier(d, d_hat);
     const auto flat = [&](double z) { return Vec3{random.uniform(), random.uniform(), z}; };
     const auto check = [&](StencilKind kind, const std::vector<Vec3>& x) {
       const FilledSample sample = sample_at(x, d_hat, kappa);
@@ -43,11 +47,13 @@ TEST_CASE("mollified stencils multiply by (2 - c/eps) c/eps of the squared cross
     const Vec3 b{std::cos(angle), std::sin(angle), 0};
     const double c = std::pow(std::sin(angle), 2), m = (2.0 - c / eps) * c / eps;
     CAPTURE(angle);
-    const std::vector<Vec3> crossing{{-0.5, 0, 0}, {0.5, 0, 0}, b * -0.5 + Vec3{0, 0, d}, b * 0.5 + Vec3{0, 0, d}};
+    const std::vector<Vec3> crossing{
+        {-0.5, 0, 0}, {0.5, 0, 0}, b * -0.5 + Vec3{0, 0, d}, b * 0.5 + Vec3{0, 0, d}};
     if (angle > 0.0)
-      CHECK(energy(barrier_of(StencilKind::MollifiedEdgeEdge), sample_at(crossing, d_hat, kappa, eps), crossing) ==
-            doctest::Approx(m * kappa * barrier(d, d_hat)).epsilon(1e-9));
-    const std::vector<Vec3> ends{{0, 0, 0}, {-1, 0, 0}, {0, 0, d}, b + Vec3{0, 0, d}};  // point 0 against point 2
+      CHECK(energy(barrier_of(StencilKind::MollifiedEdgeEdge), sample_at(crossing, d_hat, kappa, eps),
+                   crossing) == doctest::Approx(m * kappa * barrier(d, d_hat)).epsilon(1e-9));
+    const std::vector<Vec3> ends{
+        {0, 0, 0}, {-1, 0, 0}, {0, 0, d}, b + Vec3{0, 0, d}};  // point 0 against point 2
     CHECK(energy(barrier_of(StencilKind::MollifiedPointPoint), sample_at(ends, d_hat, kappa, eps), ends) ==
           doctest::Approx(m * kappa * barrier(d, d_hat)).epsilon(1e-9));
     // Point 0 above the inside of edge (2, 3).
@@ -63,8 +69,10 @@ TEST_CASE("force and stiffness vanish towards the contact distance and grow with
     const std::vector<Vec3> x{{0, 0, d}, {0, 0, 0}};
     return gradient(barrier_of(StencilKind::PointPoint), sample_at(x, d_hat, 1.0), x)[2];
   };
-  for (const double d : {1e-9, 1e-6, 1e-3, 5e-3, 9e-3}) CHECK(slope_at(d) == doctest::Approx(barrier_slope(d, d_hat)).epsilon(1e-9));
-  CHECK(std::fabs(slope_at(d_hat * (1 - 1e-6))) < 1e-10 * d_hat);  // quadratic in the overlap: 3 (1e-6)^2 d_hat
+  for (const double d : {1e-9, 1e-6, 1e-3, 5e-3, 9e-3})
+    CHECK(slope_at(d) == doctest::Approx(barrier_slope(d, d_hat)).epsilon(1e-9));
+  CHECK(std::fabs(slope_at(d_hat * (1 - 1e-6))) <
+        1e-10 * d_hat);  // quadratic in the overlap: 3 (1e-6)^2 d_hat
   CHECK(slope_at(1e-9) < -1e4 * d_hat);
   CHECK(slope_at(1e-4) < slope_at(2e-4));
 }

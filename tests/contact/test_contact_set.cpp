@@ -1,4 +1,5 @@
-// Classification of candidate pairs into stencils, energies and forces of contacts, and energy differences pair by pair.
+// Classification of candidate pairs into stencils, energies and forces of contacts, and energy differences
+// pair by pair.
 #include <doctest/doctest.h>
 
 #include <set>
@@ -16,11 +17,11 @@ namespace {
 /// Two edges, a triangle and two particles, each a group; all pairs are candidates.
 struct Stencils {
   Stencils() {
-    builder.add_rod({{}, {}});                       // vertices 0, 1: group 0, edge 0
-    builder.add_rod({{}, {}});                       // vertices 2, 3: group 1, edge 1
-    builder.add_particles({{}});                     // vertex 4: group 2
-    builder.add_particles({{}});                     // vertex 5: group 3
-    builder.add_mesh({{{}, {}, {}}, {{0, 1, 2}}});   // vertices 6, 7, 8: group 4, edges 2..4, triangle 0
+    builder.add_rod({{}, {}});                      // vertices 0, 1: group 0, edge 0
+    builder.add_rod({{}, {}});                      // vertices 2, 3: group 1, edge 1
+    builder.add_particles({{}});                    // vertex 4: group 2
+    builder.add_particles({{}});                    // vertex 5: group 3
+    builder.add_mesh({{{}, {}, {}}, {{0, 1, 2}}});  // vertices 6, 7, 8: group 4, edges 2..4, triangle 0
     geometry.mesh = &builder.surface;
     geometry.group_distance = {0.3, 0.5, 0.4, 0.2, 0.6};
     geometry.edge_squared_length.assign(5, 1.0);
@@ -46,15 +47,16 @@ Vec3 separation(const Contact& contact, std::span<const Vec3> x) {
 }
 
 /// What every contact promises, whatever its kind.
-void check_contact(const Contact& contact, std::span<const Vec3> x, const SurfaceMesh& mesh, double squared_distance,
-                   double tolerance) {
+void check_contact(const Contact& contact, std::span<const Vec3> x, const SurfaceMesh& mesh,
+                   double squared_distance, double tolerance) {
   CHECK(contact.distance * contact.distance == doctest::Approx(squared_distance).epsilon(1e-9));
   CHECK(std::fabs(norm(separation(contact, x)) - contact.distance) <= tolerance);
   double side_a = 0.0, side_b = 0.0;
   for (int p = 0; p < contact.point_count; ++p) {
     const bool first = p < contact.side_a_count;
     (first ? side_a : side_b) += contact.weights[p];
-    CHECK((first ? contact.weights[p] >= -1e-9 : contact.weights[p] <= 1e-9));  // the closest points are inside
+    CHECK(
+        (first ? contact.weights[p] >= -1e-9 : contact.weights[p] <= 1e-9));  // the closest points are inside
     CHECK(mesh.vertex_group[contact.sites[p]] == (first ? contact.group_a : contact.group_b));
   }
   CHECK(side_a == doctest::Approx(1.0));
@@ -64,9 +66,12 @@ void check_contact(const Contact& contact, std::span<const Vec3> x, const Surfac
 
 int points_of(StencilKind kind) {
   switch (kind) {
-    case StencilKind::PointPoint: return 2;
-    case StencilKind::PointEdge: return 3;
-    default: return 4;
+    case StencilKind::PointPoint:
+      return 2;
+    case StencilKind::PointEdge:
+      return 3;
+    default:
+      return 4;
   }
 }
 
@@ -77,10 +82,12 @@ TEST_CASE("point-triangle pairs become the stencil of the closest feature") {
   RandomPoints random(1);
   std::set<StencilKind> kinds;
   for (int trial = 0; trial < 4000; ++trial) {
-    for (const int v : {4, 6, 7, 8}) s.x[v] = trial % 2 ? random.point() : random.lattice(1) * 0.5 + random.point() * 1e-3;
+    for (const int v : {4, 6, 7, 8})
+      s.x[v] = trial % 2 ? random.point() : random.lattice(1) * 0.5 + random.point() * 1e-3;
     if (norm(cross(s.x[7] - s.x[6], s.x[8] - s.x[6])) < 0.1) continue;
     const double squared = point_triangle_squared_distance(s.x[4], s.x[6], s.x[7], s.x[8]);
-    const std::vector<Contact> found = s.find({.point_triangle = {{4, 0}}, .edge_edge = {}, .point_edge = {}, .point_point = {}});
+    const std::vector<Contact> found =
+        s.find({.point_triangle = {{4, 0}}, .edge_edge = {}, .point_edge = {}, .point_point = {}});
     REQUIRE(found.size() == (squared < 1.0 ? 1 : 0));  // contact distances 0.4 + 0.6
     if (found.empty()) continue;
     CHECK(found[0].contact_distance == doctest::Approx(1.0));
@@ -89,7 +96,8 @@ TEST_CASE("point-triangle pairs become the stencil of the closest feature") {
     CHECK(found[0].sites[0] == 4);
     kinds.insert(found[0].kind);
   }
-  CHECK(kinds == std::set<StencilKind>{StencilKind::PointPoint, StencilKind::PointEdge, StencilKind::PointTriangle});
+  CHECK(kinds ==
+        std::set<StencilKind>{StencilKind::PointPoint, StencilKind::PointEdge, StencilKind::PointTriangle});
 }
 
 TEST_CASE("edge-edge pairs become every kind of stencil, parallel and degenerate edges included") {
@@ -105,13 +113,16 @@ TEST_CASE("edge-edge pairs become every kind of stencil, parallel and degenerate
       if (trial % 2) std::swap(s.x[2], s.x[3]);
     }
     if (trial % 7 == 0) {  // crossing each other's middle at a small angle
-      const Vec3 u = normalized(random.point()), n = normalized(cross(u, random.point())), b = u + 0.02 * cross(n, u);
-      for (int v = 0; v < 4; ++v) s.x[v] = (v < 2 ? u : b) * (v % 2 ? 0.5 : -0.5) + (v < 2 ? Vec3{} : n * 0.4);
+      const Vec3 u = normalized(random.point()), n = normalized(cross(u, random.point())),
+                 b = u + 0.02 * cross(n, u);
+      for (int v = 0; v < 4; ++v)
+        s.x[v] = (v < 2 ? u : b) * (v % 2 ? 0.5 : -0.5) + (v < 2 ? Vec3{} : n * 0.4);
     }
     const double squared = edge_edge_squared_distance(s.x[0], s.x[1], s.x[2], s.x[3]);
     if (squared < 1e-8) continue;  // touching: contact never gets there
     if (norm(s.x[1] - s.x[0]) < 0.1 || norm(s.x[3] - s.x[2]) < 0.1) continue;
-    const std::vector<Contact> found = s.find({.point_triangle = {}, .edge_edge = {{0, 1}}, .point_edge = {}, .point_point = {}});
+    const std::vector<Contact> found =
+        s.find({.point_triangle = {}, .edge_edge = {{0, 1}}, .point_edge = {}, .point_point = {}});
     REQUIRE(found.size() == (squared < 0.64 ? 1 : 0));
     if (found.empty()) continue;
     const Contact& contact = found[0];
@@ -127,7 +138,8 @@ TEST_CASE("edge-edge pairs become every kind of stencil, parallel and degenerate
     kinds.insert(contact.kind);
   }
   using enum StencilKind;
-  CHECK(kinds == std::set<StencilKind>{PointPoint, PointEdge, EdgeEdge, MollifiedPointPoint, MollifiedPointEdge, MollifiedEdgeEdge});
+  CHECK(kinds == std::set<StencilKind>{PointPoint, PointEdge, EdgeEdge, MollifiedPointPoint,
+                                       MollifiedPointEdge, MollifiedEdgeEdge});
 }
 
 TEST_CASE("particles touch rods and each other") {
@@ -136,7 +148,8 @@ TEST_CASE("particles touch rods and each other") {
   s.x[1] = {1, 0, 0};
   s.x[4] = {0.5, 0, 0.1};
   s.x[5] = {0.5, 0, 0.3};
-  std::vector<Contact> found = s.find({.point_triangle = {}, .edge_edge = {}, .point_edge = {{4, 0}, {5, 0}}, .point_point = {{4, 5}}});
+  std::vector<Contact> found = s.find(
+      {.point_triangle = {}, .edge_edge = {}, .point_edge = {{4, 0}, {5, 0}}, .point_point = {{4, 5}}});
   REQUIRE(found.size() == 3);
   CHECK(found[0].kind == StencilKind::PointEdge);
   check_contact(found[0], s.x, s.builder.surface, 0.01, 1e-15);
@@ -155,7 +168,10 @@ TEST_CASE("particles touch rods and each other") {
 TEST_CASE("energies are kappa b(d) and forces push the sides apart along their separation") {
   Stencils s;
   RandomPoints random(3);
-  const CandidateList all{.point_triangle = {{4, 0}, {5, 0}}, .edge_edge = {{0, 1}, {0, 2}, {1, 3}}, .point_edge = {{4, 0}, {5, 1}}, .point_point = {{4, 5}}};
+  const CandidateList all{.point_triangle = {{4, 0}, {5, 0}},
+                          .edge_edge = {{0, 1}, {0, 2}, {1, 3}},
+                          .point_edge = {{4, 0}, {5, 1}},
+                          .point_point = {{4, 5}}};
   ContactSet set(contact_potentials().barriers, s.pool);
   int regular = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -171,8 +187,10 @@ TEST_CASE("energies are kappa b(d) and forces push the sides apart along their s
       const Contact& c = contacts[k];
       if (c.kind >= StencilKind::MollifiedPointPoint) continue;
       ++regular;
-      CHECK(energies[k] == doctest::Approx(c.stiffness * barrier(c.distance, c.contact_distance)).epsilon(1e-8));
-      const Vec3 expected = separation(c, s.x) * (-c.stiffness * barrier_slope(c.distance, c.contact_distance) / c.distance);
+      CHECK(energies[k] ==
+            doctest::Approx(c.stiffness * barrier(c.distance, c.contact_distance)).epsilon(1e-8));
+      const Vec3 expected =
+          separation(c, s.x) * (-c.stiffness * barrier_slope(c.distance, c.contact_distance) / c.distance);
       CHECK(norm(forces[k] - expected) <= 1e-7 * norm(expected));
     }
     // Balance: the gradients of all points of a contact sum to nothing.
@@ -185,7 +203,8 @@ TEST_CASE("energies are kappa b(d) and forces push the sides apart along their s
         double size = 0.0;
         for (int p = 0; p < batch->point_count(); ++p)
           for (int a = 0; a < 3; ++a) {
-            const double g = out[((e / symbolic::kLanes) * outputs + 1 + 3 * p + a) * symbolic::kLanes + e % symbolic::kLanes];
+            const double g = out[((e / symbolic::kLanes) * outputs + 1 + 3 * p + a) * symbolic::kLanes +
+                                 e % symbolic::kLanes];
             sum[a] += g;
             size += std::fabs(g);
           }
@@ -205,7 +224,8 @@ TEST_CASE("energy is continuous where edges become parallel and where the closes
     s.x[1] = {0.5, 0, 0};
     s.x[2] = b * -0.5 + Vec3{shift, 0.01, 0.3};
     s.x[3] = b * 0.5 + Vec3{shift, 0.01, 0.3};
-    std::vector<Contact> contacts = s.find({.point_triangle = {}, .edge_edge = {{0, 1}}, .point_edge = {}, .point_point = {}});
+    std::vector<Contact> contacts =
+        s.find({.point_triangle = {}, .edge_edge = {{0, 1}}, .point_edge = {}, .point_point = {}});
     for (Contact& contact : contacts) contact.stiffness = 1.0;
     set.reset(contacts);
     return set.evaluate_energies(s.x).empty() ? 0.0 : set.energies()[0];
@@ -216,7 +236,8 @@ TEST_CASE("energy is continuous where edges become parallel and where the closes
     const double jump = std::fabs(energy_at(angle + step, 0.3) - energy_at(angle, 0.3));
     largest = std::fmax(largest, energy_at(angle, 0.3));
     CHECK(jump < 0.01);  // the mollifier falls to zero over 630 steps of this size
-    const double along = std::fabs(energy_at(0.05, 10.0 * angle + 10.0 * step) - energy_at(0.05, 10.0 * angle));
+    const double along =
+        std::fabs(energy_at(0.05, 10.0 * angle + 10.0 * step) - energy_at(0.05, 10.0 * angle));
     CHECK(along < 0.01);
   }
   CHECK(largest > 0.1);
@@ -269,7 +290,8 @@ TEST_CASE("energy differences match pairs by identity; pairs that appear or vani
   b.evaluate_energies(xb);
   const double Ea = barrier(0.2, 1.0), Eb = barrier(0.3, 1.0);
   const EnergyDifference difference = energy_difference(a, b);
-  CHECK(difference.difference == doctest::Approx((2.0 + 5.0 + 3.0 + 7.0) * Eb - (1.0 + 2.0 + 3.0) * Ea).epsilon(1e-12));
+  CHECK(difference.difference ==
+        doctest::Approx((2.0 + 5.0 + 3.0 + 7.0) * Eb - (1.0 + 2.0 + 3.0) * Ea).epsilon(1e-12));
   CHECK(difference.magnitude == doctest::Approx(6.0 * Ea).epsilon(1e-12));
   CHECK(energy_difference(a, a).difference == 0.0);
 }

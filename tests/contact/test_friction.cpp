@@ -1,4 +1,5 @@
-// Values of the friction energy: Coulomb's work beyond sticking, smooth through the end of sticking and at rest.
+// Values of the friction energy: Coulomb's work beyond sticking, smooth through the end of sticking and at
+// rest.
 #include <doctest/doctest.h>
 
 #include <support/contact_potentials.h>
@@ -13,7 +14,15 @@ constexpr double kEps = 1e-3 * 0.02;  ///< stick velocity times time step [m]
 
 FilledSample slip_sample() {
   const std::vector<Vec3> x{{0, 0, 0.1}, {0, 0, 0}};
-  return {x, x, x, {{"strength", {5.0}}, {"normal", {0, 0, 1}}, {"weight0", {1.0}}, {"weight1", {-1.0}}, {"stick_velocity", {1e-3}}, {"time_step", {0.02}}}};
+  return {x,
+          x,
+          x,
+          {{"strength", {5.0}},
+           {"normal", {0, 0, 1}},
+           {"weight0", {1.0}},
+           {"weight1", {-1.0}},
+           {"stick_velocity", {1e-3}},
+           {"time_step", {0.02}}}};
 }
 
 double energy_of(double slip) {

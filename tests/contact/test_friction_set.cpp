@@ -1,4 +1,5 @@
-// Friction of contacts: Coulomb's force in slip, none at rest, against the motion, independent of normal motion.
+// Friction of contacts: Coulomb's force in slip, none at rest, against the motion, independent of normal
+// motion.
 #include <doctest/doctest.h>
 
 #include <support/contact_potentials.h>
@@ -73,7 +74,8 @@ TEST_CASE("slipping contacts feel mu lambda against the slip, sticking ones less
       for (Vec3& p : x) p += {0.3, 0.2, -0.1};
       const std::vector<Vec3> same = gradients(set, x);
       for (int p = 0; p < points; ++p) CHECK(norm(same[p] - g[p]) < 1e-9 * limit);
-      // Sticking: y of eps = stick velocity times step; force (2 y - y^2) of the limit [Li et al. 2020, eq. 18].
+      // Sticking: y of eps = stick velocity times step; force (2 y - y^2) of the limit [Li et al. 2020, eq.
+      // 18].
       x = start;
       const double y = random.uniform(0.05, 0.95);
       x[0] += t * (y * kStickVelocity * kStep);
@@ -104,14 +106,16 @@ TEST_CASE("contacts without force or without friction carry none") {
   const std::vector<Vec3> start(4);
   set.reset({contact_of(2)}, std::vector<Vec3>{{0, 0, 0}}, coefficient, start, kStep);
   CHECK(set.empty());
-  set.reset({contact_of(2)}, std::vector<Vec3>{{0, 0, 1}}, [](int32_t, int32_t) { return 0.0; }, start, kStep);
+  set.reset(
+      {contact_of(2)}, std::vector<Vec3>{{0, 0, 1}}, [](int32_t, int32_t) { return 0.0; }, start, kStep);
   CHECK(set.empty());
 }
 
 TEST_CASE("energy differences are those since the last remember()") {
   FrictionSet set = make_set();
   const std::vector<Vec3> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  set.reset({contact_of(2), contact_of(4)}, std::vector<Vec3>{{0, 0, 10}, {0, 0, 5}}, coefficient, start, kStep);
+  set.reset({contact_of(2), contact_of(4)}, std::vector<Vec3>{{0, 0, 10}, {0, 0, 5}}, coefficient, start,
+            kStep);
   std::vector<Vec3> a = start, b = start;
   a[0].x += 1e-3;
   b[0].x += 3e-3;
@@ -119,5 +123,6 @@ TEST_CASE("energy differences are those since the last remember()") {
   CHECK(set.energy_difference(a).difference == 0.0);
   // Both slip: energy grows by mu lambda times the distance.
   CHECK(set.energy_difference(b).difference == doctest::Approx(kMu * 15.0 * 2e-3).epsilon(1e-12));
-  CHECK(set.energy_difference(b).magnitude == doctest::Approx(kMu * 15.0 * 1e-3).epsilon(1e-12));  // f0 = y beyond sticking
+  CHECK(set.energy_difference(b).magnitude ==
+        doctest::Approx(kMu * 15.0 * 1e-3).epsilon(1e-12));  // f0 = y beyond sticking
 }

@@ -1,5 +1,5 @@
-// The contact pipeline against brute force over all pairs while bodies move at random, and certified steps against dense
-// sampling of the motion.
+// The contact pipeline against brute force over all pairs while bodies move at random, and certified steps
+// against dense sampling of the motion.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -57,7 +57,8 @@ struct Bench {
     const int32_t first_particle = mesh.points.front();
     for (int32_t p = 0; p < mesh.vertex_count; ++p)
       for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
-        if (filter.allowed(mesh.vertex_group[p], mesh.triangle_group[t]) && !shared(std::array{p}, mesh.triangles[t]))
+        if (filter.allowed(mesh.vertex_group[p], mesh.triangle_group[t]) &&
+            !shared(std::array{p}, mesh.triangles[t]))
           all.point_triangle.push_back({p, t});
     for (int32_t a = 0; a < static_cast<int32_t>(mesh.edges.size()); ++a)
       for (int32_t b = a + 1; b < static_cast<int32_t>(mesh.edges.size()); ++b)
@@ -74,7 +75,8 @@ struct Bench {
   std::vector<Vec3> moved(std::span<const Vec3> x, RandomPoints& random, double shift, double noise) const {
     std::vector<Vec3> shifts, y(x.begin(), x.end());
     for (int g = 0; g < builder.group_count; ++g) shifts.push_back(random.point() * shift);
-    for (size_t v = 0; v < y.size(); ++v) y[v] += shifts[builder.surface.vertex_group[v]] + random.point() * noise;
+    for (size_t v = 0; v < y.size(); ++v)
+      y[v] += shifts[builder.surface.vertex_group[v]] + random.point() * noise;
     return y;
   }
 
@@ -128,7 +130,8 @@ TEST_CASE("no contact is missed while bodies move, whether the candidate list is
 }
 
 TEST_CASE("a list is built anew as soon as its motion budget is used up") {
-  // Two particles with a contact distance of 0.06 m and a budget of 0.015 m each: lists hold pairs within 0.09 m.
+  // Two particles with a contact distance of 0.06 m and a budget of 0.015 m each: lists hold pairs within
+  // 0.09 m.
   Bench bench;
   std::vector<Vec3> x = bench.builder.x;
   const int32_t a = bench.builder.surface.points[0], b = bench.builder.surface.points[1];
@@ -146,18 +149,20 @@ TEST_CASE("a list is built anew as soon as its motion budget is used up") {
     bench.pipeline->update(x);
   }
   CHECK(same_contacts(bench.pipeline->contacts(), bench.brute_force(x)));
-  CHECK(std::any_of(bench.pipeline->contacts().begin(), bench.pipeline->contacts().end(), [&](const Contact& contact) {
-    return contact.key == PairKey{3, std::min(a, b), std::max(a, b)};
-  }));
+  CHECK(std::any_of(
+      bench.pipeline->contacts().begin(), bench.pipeline->contacts().end(),
+      [&](const Contact& contact) { return contact.key == PairKey{3, std::min(a, b), std::max(a, b)}; }));
 }
 
 TEST_CASE("energy differences of trial points agree with brute force, near and far from the iterate") {
   Bench bench;
   RandomPoints random(2);
-  ContactSet set_a(contact_potentials().barriers, bench.pool), set_b(contact_potentials().barriers, bench.pool);
+  ContactSet set_a(contact_potentials().barriers, bench.pool),
+      set_b(contact_potentials().barriers, bench.pool);
   PairStiffness stiffness(bench.map);
   for (const double size : {1e-4, 3e-3, 2e-2}) {
-    const std::vector<Vec3> a = bench.moved(bench.builder.x, random, 1e-3, 1e-4), b = bench.moved(a, random, size, 0.1 * size);
+    const std::vector<Vec3> a = bench.moved(bench.builder.x, random, 1e-3, 1e-4),
+                            b = bench.moved(a, random, size, 0.1 * size);
     bench.begin_step(a);
     bench.pipeline->update(a);
     stiffness.begin_step({a, {}, {}}, bench.diagonal, ContactOptions{}.stiffness_factor);
@@ -169,7 +174,8 @@ TEST_CASE("energy differences of trial points agree with brute force, near and f
     };
     fill(set_a, a);
     fill(set_b, b);
-    const EnergyDifference expected = energy_difference(set_a, set_b), found = bench.pipeline->energy_difference(b);
+    const EnergyDifference expected = energy_difference(set_a, set_b),
+                           found = bench.pipeline->energy_difference(b);
     // Friction, lagged at a, adds its own part; its elements are the last batches.
     FrictionSet friction(contact_potentials().frictions, ContactOptions{}.stick_velocity);
     std::vector<Vec3> forces;
@@ -236,7 +242,8 @@ TEST_CASE("the pipeline has the same bits on any number of threads and whatever 
   for (const int threads : {1, 2, 5}) {
     Bench bench(threads);
     RandomPoints random(4);
-    std::vector<Vec3> a = bench.moved(bench.builder.x, random, 1e-3, 1e-4), b = bench.moved(a, random, 5e-3, 1e-3);
+    std::vector<Vec3> a = bench.moved(bench.builder.x, random, 1e-3, 1e-4),
+                      b = bench.moved(a, random, 5e-3, 1e-3);
     bench.begin_step(a);
     bench.pipeline->update(a);
     if (threads == 2) {  // a detour: candidate lists are a matter of history, results are not
@@ -245,7 +252,8 @@ TEST_CASE("the pipeline has the same bits on any number of threads and whatever 
       bench.begin_step(a);
       bench.pipeline->update(a);
     }
-    const double step = bench.pipeline->max_step(a, b), difference = bench.pipeline->energy_difference(b).difference;
+    const double step = bench.pipeline->max_step(a, b),
+                 difference = bench.pipeline->energy_difference(b).difference;
     if (threads == 1) {
       steps = {step};
       differences = {difference};
@@ -254,6 +262,7 @@ TEST_CASE("the pipeline has the same bits on any number of threads and whatever 
     CHECK(step == steps[0]);
     CHECK(difference == differences[0]);
     CHECK(same_contacts(bench.pipeline->contacts(), contacts));
-    for (size_t k = 0; k < contacts.size(); ++k) CHECK(bench.pipeline->contacts()[k].stiffness == contacts[k].stiffness);
+    for (size_t k = 0; k < contacts.size(); ++k)
+      CHECK(bench.pipeline->contacts()[k].stiffness == contacts[k].stiffness);
   }
 }

@@ -1,4 +1,5 @@
-// Effective stiffness of pairs: masses in series, weights of closest points, rigid bodies with levers, prescribed sides.
+// Effective stiffness of pairs: masses in series, weights of closest points, rigid bodies with levers,
+// prescribed sides.
 #include <doctest/doctest.h>
 
 #include <stark/base/rotation.h>
@@ -14,8 +15,8 @@ namespace {
 
 constexpr double kRegularised = 1e-5;  ///< the inverse blocks carry a relative shift of 3e-6
 
-/// Points 0, 1, 2 free and 3 prescribed; rigid bodies 0 free and 1 fixed with a site each (4, 5) and a second one (6) on
-/// body 0.
+/// Points 0, 1, 2 free and 3 prescribed; rigid bodies 0 free and 1 fixed with a site each (4, 5) and a second
+/// one (6) on body 0.
 struct Bench {
   Bench() {
     RandomPoints random(1);
@@ -26,9 +27,11 @@ struct Bench {
     for (int b = 0; b < 2; ++b) {
       configuration.body_position.push_back(random.point());
       configuration.body_rotation.push_back(exp_rotation(random.point()));
-      sites.push_back({.kind = SiteKind::RigidPoint, .index = b, .local = random.point(), .points = {}, .weights = {}});
+      sites.push_back(
+          {.kind = SiteKind::RigidPoint, .index = b, .local = random.point(), .points = {}, .weights = {}});
     }
-    sites.push_back({.kind = SiteKind::RigidPoint, .index = 0, .local = random.point(), .points = {}, .weights = {}});
+    sites.push_back(
+        {.kind = SiteKind::RigidPoint, .index = 0, .local = random.point(), .points = {}, .weights = {}});
     map = KinematicMap(DofLayout::build({false, false, false, true}, {false, true}), sites);
     x.resize(map.site_count());
     map.positions(configuration, x);
@@ -61,9 +64,12 @@ TEST_CASE("two points are in series, a prescribed side is infinitely stiff") {
   const Bench bench;
   PairStiffness stiffness(bench.map);
   stiffness.begin_step(bench.configuration, bench.diagonal, 1.0);
-  CHECK(stiffness.compliance(bench.pair({0, 1}, {1, -1}), bench.x) == doctest::Approx(1.0 / 2 + 1.0 / 3).epsilon(kRegularised));
-  CHECK(stiffness.compliance(bench.pair({0, 3}, {1, -1}), bench.x) == doctest::Approx(1.0 / 2).epsilon(kRegularised));
-  CHECK(stiffness.compliance(bench.pair({3, 5}, {1, -1}), bench.x) > 0.0);  // never zero, so that kappa stays finite
+  CHECK(stiffness.compliance(bench.pair({0, 1}, {1, -1}), bench.x) ==
+        doctest::Approx(1.0 / 2 + 1.0 / 3).epsilon(kRegularised));
+  CHECK(stiffness.compliance(bench.pair({0, 3}, {1, -1}), bench.x) ==
+        doctest::Approx(1.0 / 2).epsilon(kRegularised));
+  CHECK(stiffness.compliance(bench.pair({3, 5}, {1, -1}), bench.x) >
+        0.0);  // never zero, so that kappa stays finite
   CHECK(std::isfinite(1.0 / stiffness.compliance(bench.pair({3, 5}, {1, -1}), bench.x)));
 }
 
@@ -82,13 +88,16 @@ TEST_CASE("a rigid body has the effective mass of a point with a lever") {
   const Vec3 n = normalized(bench.x[4] - bench.x[5]);
   const Vec3 r = bench.x[4] - bench.configuration.body_position[0];
   const double expected = 1.0 / 5 + dot(cross(r, n), inverse(bench.J_body) * cross(r, n));
-  CHECK(stiffness.compliance(bench.pair({4, 5}, {1, -1}), bench.x) == doctest::Approx(expected).epsilon(kRegularised));
-  CHECK(stiffness.compliance(bench.pair({5, 4}, {1, -1}), bench.x) == doctest::Approx(expected).epsilon(kRegularised));
+  CHECK(stiffness.compliance(bench.pair({4, 5}, {1, -1}), bench.x) ==
+        doctest::Approx(expected).epsilon(kRegularised));
+  CHECK(stiffness.compliance(bench.pair({5, 4}, {1, -1}), bench.x) ==
+        doctest::Approx(expected).epsilon(kRegularised));
   // Two points of one body on one side act through its one mass: the mean lever counts.
   const Vec3 middle = 0.5 * (bench.x[4] + bench.x[6]), m = normalized(bench.x[0] - middle);
   const Vec3 lever = middle - bench.configuration.body_position[0];
   CHECK(stiffness.compliance(bench.pair({0, 4, 6}, {1, -0.5, -0.5}), bench.x) ==
-        doctest::Approx(1.0 / 2 + 1.0 / 5 + dot(cross(lever, m), inverse(bench.J_body) * cross(lever, m))).epsilon(kRegularised));
+        doctest::Approx(1.0 / 2 + 1.0 / 5 + dot(cross(lever, m), inverse(bench.J_body) * cross(lever, m)))
+            .epsilon(kRegularised));
 }
 
 TEST_CASE("elastic stiffness counts along the normal, indefinite blocks lose their negative part") {
@@ -116,7 +125,8 @@ TEST_CASE("kappa makes the curvature of the barrier at half its distance `factor
   const double d_hat = 0.01;
   const double curvature =
       differentiate_scalar([&](double t) { return barrier_slope(0.5 * d_hat + t, d_hat); }, 0.1 * d_hat);
-  CHECK(contacts[0].stiffness * curvature == doctest::Approx(300.0 / (1.0 / 2 + 1.0 / 3)).epsilon(kRegularised));
+  CHECK(contacts[0].stiffness * curvature ==
+        doctest::Approx(300.0 / (1.0 / 2 + 1.0 / 3)).epsilon(kRegularised));
 }
 
 TEST_CASE("the stiffness of a pair is frozen within a step") {

@@ -1,4 +1,5 @@
-// The software rasteriser against what geometry says must be seen: silhouettes, hidden surfaces, shadows, colours.
+// The software rasteriser against what geometry says must be seen: silhouettes, hidden surfaces, shadows,
+// colours.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +27,8 @@ Mesh sphere(double radius, const Vec3& center, int rings = 48) {
   for (int i = 0; i <= rings; ++i)
     for (int j = 0; j < slices; ++j) {
       const double a = std::numbers::pi * i / rings, b = 2.0 * std::numbers::pi * j / slices;
-      mesh.points.push_back(center + radius * Vec3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)});
+      mesh.points.push_back(center +
+                            radius * Vec3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)});
     }
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j < slices; ++j) {
@@ -91,14 +93,17 @@ TEST_CASE("the silhouette of a sphere has the area of its tangent cone") {
   const auto image = stark::rasterise(std::vector{draw(ball, kRed)}, camera, settings);
   const double slope = 0.5 / std::sqrt(distance * distance - 0.25);  // of the cone
   const double radius = 200.0 * slope / std::tan(0.5 * camera.vertical_fov);
-  // The polyhedron is inscribed: its silhouette is up to 0.3 % smaller; pixel rounding averages out over the circle.
+  // The polyhedron is inscribed: its silhouette is up to 0.3 % smaller; pixel rounding averages out over the
+  // circle.
   CHECK(count_red(image) == doctest::Approx(std::numbers::pi * radius * radius).epsilon(0.01));
 }
 
 TEST_CASE("the nearer surface hides the farther one, in any order") {
   const Mesh near = sphere(0.2, {0.5, 0.0, 0.0}), far = sphere(0.4, {-0.5, 0.0, 0.0});
-  const auto a = stark::rasterise(std::vector{draw(near, kRed), draw(far, kBlue)}, camera_on_x(3.0), plain(100));
-  const auto b = stark::rasterise(std::vector{draw(far, kBlue), draw(near, kRed)}, camera_on_x(3.0), plain(100));
+  const auto a =
+      stark::rasterise(std::vector{draw(near, kRed), draw(far, kBlue)}, camera_on_x(3.0), plain(100));
+  const auto b =
+      stark::rasterise(std::vector{draw(far, kBlue), draw(near, kRed)}, camera_on_x(3.0), plain(100));
   CHECK(a.pixels == b.pixels);
   CHECK(pixel(a, 50, 50)[0] > pixel(a, 50, 50)[2] + 40);
   CHECK(count_red(a) > 50);
@@ -106,7 +111,8 @@ TEST_CASE("the nearer surface hides the farther one, in any order") {
 
 TEST_CASE("directions: right of the camera is right in the picture, up is up") {
   const Mesh right = sphere(0.1, {0.0, 0.5, 0.0}), top = sphere(0.1, {0.0, 0.0, 0.5});
-  const auto image = stark::rasterise(std::vector{draw(right, kRed), draw(top, kBlue)}, camera_on_x(3.0), plain(120));
+  const auto image =
+      stark::rasterise(std::vector{draw(right, kRed), draw(top, kBlue)}, camera_on_x(3.0), plain(120));
   const int offset = static_cast<int>(60.0 * (0.5 / 3.0) / std::tan(0.305));
   CHECK(pixel(image, 60 + offset, 60)[0] > pixel(image, 60 + offset, 60)[2] + 40);
   CHECK(pixel(image, 60, 60 - offset)[2] > pixel(image, 60, 60 - offset)[0] + 40);
@@ -114,7 +120,8 @@ TEST_CASE("directions: right of the camera is right in the picture, up is up") {
 
 TEST_CASE("triangles that cross the near plane are cut, not dropped") {
   // A floor that runs from behind the camera to far ahead of it.
-  const Mesh floor{{{10.0, -1e3, -0.5}, {10.0, 1e3, -0.5}, {-1e3, 1e3, -0.5}, {-1e3, -1e3, -0.5}}, {{0, 1, 2}, {0, 2, 3}}};
+  const Mesh floor{{{10.0, -1e3, -0.5}, {10.0, 1e3, -0.5}, {-1e3, 1e3, -0.5}, {-1e3, -1e3, -0.5}},
+                   {{0, 1, 2}, {0, 2, 3}}};
   const auto image = stark::rasterise(std::vector{draw(floor, kRed)}, camera_on_x(3.0), plain(100));
   // Everything below the horizon, which is in the middle; the last row before it is 150 m away.
   CHECK(count_red(image) == doctest::Approx(100 * 50).epsilon(0.025));
@@ -141,13 +148,16 @@ TEST_CASE("a plate darkens the floor straight below the light and nowhere else")
   const auto shadowed = stark::rasterise(std::vector{draw(plate, kRed)}, camera, settings);
   const auto empty = stark::rasterise(std::span<const stark::RasterMesh>{}, camera, settings);
   const auto project = [&](const Vec3& p) {
-    const Vec3 forward = stark::normalized(-camera.eye), right{1.0, 0.0, 0.0}, up = stark::cross(right, forward);
+    const Vec3 forward = stark::normalized(-camera.eye), right{1.0, 0.0, 0.0},
+               up = stark::cross(right, forward);
     const Vec3 d = p - camera.eye;
     const double scale = 100.0 / (std::tan(0.5 * camera.vertical_fov) * stark::dot(d, forward));
     return std::array<int, 2>{static_cast<int>(100.0 + scale * stark::dot(d, right)),
                               static_cast<int>(100.0 - scale * stark::dot(d, up))};
   };
-  const auto brightness = [](const stark::Image& image, std::array<int, 2> at) { return pixel(image, at[0], at[1])[1]; };
+  const auto brightness = [](const stark::Image& image, std::array<int, 2> at) {
+    return pixel(image, at[0], at[1])[1];
+  };
   const auto inside = project({0.0, 0.0, 0.0}), outside = project({0.35, 0.0, 0.0});
   CHECK(brightness(shadowed, inside) < brightness(empty, inside) - 30);
   CHECK(brightness(shadowed, outside) == brightness(empty, outside));
@@ -175,7 +185,8 @@ TEST_CASE("a convex body casts no shadow stripes on itself") {
   settings.key_lights = 8;
   const auto shadowed = stark::rasterise(std::vector{draw(ball, kRed)}, camera_on_x(3.0), settings);
   int darker = 0;
-  for (size_t i = 0; i < shadowed.pixels.size(); i += 3) darker += shadowed.pixels[i] + 8 < unshadowed.pixels[i];
+  for (size_t i = 0; i < shadowed.pixels.size(); i += 3)
+    darker += shadowed.pixels[i] + 8 < unshadowed.pixels[i];
   // Only along the border between light and dark may the map's resolution show.
   CHECK(darker < 0.01 * count_red(unshadowed));
 }
@@ -189,7 +200,8 @@ TEST_CASE("creases: a cube has flat faces, a smooth mesh does not show its facet
   const auto b = stark::rasterise(std::vector{facets}, camera_on_x(3.0), plain(200));
   const auto largest_jump = [](const stark::Image& image) {
     int jump = 0;
-    for (int x = 80; x < 120; ++x) jump = std::max(jump, std::abs(pixel(image, x, 95)[0] - pixel(image, x + 1, 95)[0]));
+    for (int x = 80; x < 120; ++x)
+      jump = std::max(jump, std::abs(pixel(image, x, 95)[0] - pixel(image, x + 1, 95)[0]));
     return jump;
   };
   CHECK(largest_jump(a) <= 3);
@@ -217,7 +229,8 @@ TEST_CASE("the picture does not depend on the number of threads") {
 TEST_CASE("degenerate triangles and empty meshes are harmless") {
   const Mesh odd{{{0, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 3}, {0, 0, 0}}};
   const Mesh none;
-  const auto image = stark::rasterise(std::vector{draw(odd, kRed), draw(none, kRed)}, camera_on_x(3.0), plain(50));
+  const auto image =
+      stark::rasterise(std::vector{draw(odd, kRed), draw(none, kRed)}, camera_on_x(3.0), plain(50));
   CHECK(image.pixels.size() == 50u * 50u * 3u);
 }
 
@@ -235,8 +248,8 @@ TEST_CASE("bad input is refused with what, why and where") {
     stark::RasterSettings settings = plain(10);
     stark::RasterCamera eye = camera;
     change(settings, eye);
-    CHECK_THROWS_WITH_AS(stark::rasterise(std::vector{draw(ball, kRed)}, eye, settings), doctest::Contains(message),
-                         stark::InvalidArgument);
+    CHECK_THROWS_WITH_AS(stark::rasterise(std::vector{draw(ball, kRed)}, eye, settings),
+                         doctest::Contains(message), stark::InvalidArgument);
   };
   refuse([](auto& s, auto&) { s.width = 0; }, "size 0 x 10 px");
   refuse([](auto& s, auto&) { s.height = 100000; }, "must be in [1, 16384]");

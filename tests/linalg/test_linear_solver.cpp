@@ -104,7 +104,8 @@ TEST_CASE("linear solver: symbolic work only when the pattern changes") {
 }
 
 TEST_CASE(
-    "linear solver: steps on an easy solid start with conjugate gradients and fall back when it turns stiff") {
+    "linear solver: steps on an easy solid start with conjugate gradients and fall back when it turns "
+    "stiff") {
   ThreadPool pool(1);
   int32_t count = 0;
   const test::Pairs pairs = test::solid_pairs(16, count);
@@ -121,8 +122,8 @@ TEST_CASE(
   CHECK(report.ok);
   CHECK(report.used == LinearSolverKind::Pcg);
   CHECK(report.iterations < 40);
-  // The material turns stiff: the cap is hit, the same call falls back to the factorisation, and so does the rest of
-  // the step.
+  // The material turns stiff: the cap is hit, the same call falls back to the factorisation, and so does the
+  // rest of the step.
   const BlockMatrix stiff = test::spd_matrix(matrix.pattern, 3, 1e10);
   report = solver.solve(stiff, b, x, 1e-4);
   CHECK(report.ok);

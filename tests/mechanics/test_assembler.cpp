@@ -1,5 +1,5 @@
-// Assembly of a mixed scene against differences of the total energy; the same bits for any number of threads; motion
-// announced by prescribed sites.
+// Assembly of a mixed scene against differences of the total energy; the same bits for any number of threads;
+// motion announced by prescribed sites.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -14,7 +14,8 @@ using namespace stark::test;
 
 namespace {
 
-constexpr size_t kStaticBatches = 3;  ///< of MixedScene: the others are dynamic, so that the patterns must be merged
+constexpr size_t kStaticBatches =
+    3;  ///< of MixedScene: the others are dynamic, so that the patterns must be merged
 
 struct Workbench {
   explicit Workbench(const MixedScene& s, int threads = 1, size_t static_batches = kStaticBatches)
@@ -80,13 +81,14 @@ TEST_CASE("gradient of a mixed scene agrees with differences of its energy") {
   }
 }
 
-TEST_CASE("Hessian of a mixed scene agrees with differences of its gradient, curvature of rotations included") {
+TEST_CASE(
+    "Hessian of a mixed scene agrees with differences of its gradient, curvature of rotations included") {
   const MixedScene scene(1);
   Workbench bench(scene);
   const std::vector<double> H = bench.assemble(scene.configuration).hessian;
   const int n = scene.dof_count();
-  // Along a fixed direction the retraction is a one-parameter group, so the slope there is the gradient times the
-  // direction, and its derivative is d^T H d; mixed entries follow by polarisation.
+  // Along a fixed direction the retraction is a one-parameter group, so the slope there is the gradient times
+  // the direction, and its derivative is d^T H d; mixed entries follow by polarisation.
   const auto second = [&](const std::vector<double>& direction) {
     return differentiate_scalar(
         [&](double t) { return dot(bench.assemble(scene.along(direction, t)).gradient, direction); }, 0.05);
@@ -97,7 +99,8 @@ TEST_CASE("Hessian of a mixed scene agrees with differences of its gradient, cur
   for (int i = 0; i < n; ++i) {
     worst = std::fmax(worst, std::fabs(diagonal[i] - H[i * n + i]));
     for (int j = i + 1; j < n; ++j)
-      worst = std::fmax(worst, std::fabs(0.5 * (second(unit(n, i, j)) - diagonal[i] - diagonal[j]) - H[i * n + j]));
+      worst = std::fmax(worst,
+                        std::fabs(0.5 * (second(unit(n, i, j)) - diagonal[i] - diagonal[j]) - H[i * n + j]));
   }
   CHECK(worst < 1e-8 * largest(H));
 }
@@ -126,8 +129,8 @@ TEST_CASE("projected assembly is positive semidefinite and keeps the gradient") 
 }
 
 TEST_CASE("assembly has the same bits for 1, 2 and 5 threads, also with many coloured chunks") {
-  // A strip of tetrahedral stencils on 2,000 points: about 30 chunks of 256 elements that share points with neighbours,
-  // and springs from everywhere to one hub: more chunks in conflict than there are colours.
+  // A strip of tetrahedral stencils on 2,000 points: about 30 chunks of 256 elements that share points with
+  // neighbours, and springs from everywhere to one hub: more chunks in conflict than there are colours.
   constexpr int kPointCount = 2000;
   RandomPoints random(7);
   Configuration configuration;
@@ -141,7 +144,8 @@ TEST_CASE("assembly has the same bits for 1, 2 and 5 threads, also with many col
   configuration.body_position = {random.point()};
   configuration.body_rotation = {exp_rotation(random.point())};
   for (int k = 0; k < 50; ++k)
-    sites.push_back({.kind = SiteKind::RigidPoint, .index = 0, .local = random.point(), .points = {}, .weights = {}});
+    sites.push_back(
+        {.kind = SiteKind::RigidPoint, .index = 0, .local = random.point(), .points = {}, .weights = {}});
   const KinematicMap map(DofLayout::build(prescribed, {false}), sites);
   std::vector<int32_t> strip, star, mapped;
   for (int e = 0; e + 40 < 7 * kPointCount; ++e) {
@@ -151,7 +155,8 @@ TEST_CASE("assembly has the same bits for 1, 2 and 5 threads, also with many col
   for (int e = 0; e < 20000; ++e)
     for (const int32_t q : {1000, e % 999 + (e % 2 ? 1001 : 0)}) star.push_back(q);
   for (int e = 0; e < 3000; ++e)
-    for (const int32_t q : {e % kPointCount, kPointCount + e % 50, (e * 7 + 1) % kPointCount}) mapped.push_back(q);
+    for (const int32_t q : {e % kPointCount, kPointCount + e % 50, (e * 7 + 1) % kPointCount})
+      mapped.push_back(q);
   std::vector<PotentialBatch> batches;
   batches.push_back(make_batch(volume(), strip));
   batches.push_back(make_batch(spring(), star));
@@ -191,10 +196,12 @@ TEST_CASE("assembly has the same bits for 1, 2 and 5 threads, also with many col
             if (site >= kPointCount || map.point_block(site) == kNoBlock) continue;
             for (int c = 0; c < 3; ++c)
               sum[3 * map.point_block(site) + c] +=
-                  out[((e / symbolic::kLanes) * outputs + 1 + 3 * p + c) * symbolic::kLanes + e % symbolic::kLanes];
+                  out[((e / symbolic::kLanes) * outputs + 1 + 3 * p + c) * symbolic::kLanes +
+                      e % symbolic::kLanes];
           }
       }
-      for (int i = 0; i < 3 * (kPointCount - 2); ++i) REQUIRE(std::fabs(sum[i] - gradient[i]) < 1e-11 * largest(gradient));
+      for (int i = 0; i < 3 * (kPointCount - 2); ++i)
+        REQUIRE(std::fabs(sum[i] - gradient[i]) < 1e-11 * largest(gradient));
     } else {
       CAPTURE(threads);
       CHECK(same_bits(gradient, gradient_1));
@@ -205,7 +212,8 @@ TEST_CASE("assembly has the same bits for 1, 2 and 5 threads, also with many col
   }
 }
 
-TEST_CASE("differences of static energies are those of the total, with the magnitude of what was subtracted") {
+TEST_CASE(
+    "differences of static energies are those of the total, with the magnitude of what was subtracted") {
   const MixedScene scene(5);
   ThreadPool pool(1);
   Assembler assembler(scene.map, pool);
@@ -218,7 +226,8 @@ TEST_CASE("differences of static energies are those of the total, with the magni
   const std::vector<Vec3> moved = scene.positions(scene.along(direction, 0.1));
   const EnergyDifference difference = assembler.static_energy_difference(moved);
   CHECK(difference.difference == doctest::Approx(scene.energy(moved) - scene.energy(x)).epsilon(1e-12));
-  CHECK(difference.magnitude == doctest::Approx(scene.energy(x)).epsilon(1e-12));  // all energies here are positive
+  CHECK(difference.magnitude ==
+        doctest::Approx(scene.energy(x)).epsilon(1e-12));  // all energies here are positive
   double sum = 0.0;
   for (size_t k = 0; k < scene.batches.size(); ++k) sum += assembler.static_energy(k);
   CHECK(sum == doctest::Approx(scene.energy(x)).epsilon(1e-12));
@@ -243,7 +252,8 @@ TEST_CASE("with pending motion the gradient is the one at its end to first order
         bench.assemble(scene.configuration, x, {.project = false, .pending = pending}).gradient;
     const std::vector<double> there = bench.assemble(scene.configuration, x_end).gradient;
     double worst = 0.0;
-    for (size_t i = 0; i < predicted.size(); ++i) worst = std::fmax(worst, std::fabs(predicted[i] - there[i]));
+    for (size_t i = 0; i < predicted.size(); ++i)
+      worst = std::fmax(worst, std::fabs(predicted[i] - there[i]));
     return worst;
   };
   // Second order: a tenth of the motion leaves a hundredth of the error.

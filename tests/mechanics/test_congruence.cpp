@@ -39,9 +39,11 @@ TEST_CASE("element views read gradient and Hessian blocks of their lane") {
     for (int p = 0; p < points; ++p)
       for (int q = 0; q < points; ++q)
         for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) CHECK(view.point_hessian(p, q)(a, b) == element.h(3 * p + a, 3 * q + b));
+          for (int b = 0; b < 3; ++b)
+            CHECK(view.point_hessian(p, q)(a, b) == element.h(3 * p + a, 3 * q + b));
     for (int p = 0; p < points; ++p)
-      for (int a = 0; a < 3; ++a) CHECK(view.point_gradient(p)[a] == element.out[(1 + 3 * p + a) * kLanes + 5]);
+      for (int a = 0; a < 3; ++a)
+        CHECK(view.point_gradient(p)[a] == element.out[(1 + 3 * p + a) * kLanes + 5]);
   }
 }
 
@@ -104,7 +106,8 @@ TEST_CASE("pending motion of prescribed sites changes the gradient by H d") {
   RandomPoints random(5);
   const RandomElement element(3, random);
   const std::vector<int32_t> sites{0, 5, 6};  // a free point and two prescribed ones
-  std::vector<Vec3> pending(scene.map.site_count(), Vec3{7, 7, 7}), change(3);  // that of free sites must not count
+  std::vector<Vec3> pending(scene.map.site_count(), Vec3{7, 7, 7}),
+      change(3);  // that of free sites must not count
   pending[5] = random.point();
   pending[6] = random.point();
   pending_gradient(element.view(), sites, scene.map, pending, change);

@@ -1,5 +1,5 @@
-// The objective of a time step: energies and derivatives of batches plus active set, measures of residual and motion,
-// step bounds, and prescribed parts that arrive exactly.
+// The objective of a time step: energies and derivatives of batches plus active set, measures of residual and
+// motion, step bounds, and prescribed parts that arrive exactly.
 #include <doctest/doctest.h>
 
 #include <stark/mechanics/incremental_potential.h>
@@ -47,7 +47,11 @@ class FakeActiveSet final : public ActiveSet {
 
 struct Bench {
   explicit Bench(const MixedScene& s, bool with_active_set = true)
-      : scene(s), pool(1), assembler(s.map, pool), active(s, &s.batches[3]), potential(make(with_active_set)) {}
+      : scene(s),
+        pool(1),
+        assembler(s.map, pool),
+        active(s, &s.batches[3]),
+        potential(make(with_active_set)) {}
 
   IncrementalPotential make(bool with_active_set) {
     std::vector<const PotentialBatch*> fixed = scene.pointers(0, 3);
@@ -57,9 +61,12 @@ struct Bench {
     // Points of 2 kg; bodies of 3 kg, smallest moment 0.5 kg m^2, reach 0.25 m.
     std::vector<BlockScale> scales(scene.map.layout().block_count);
     for (size_t b = 0; b < scales.size(); ++b) {
-      if (b < MixedScene::kFreePoints) scales[b].inverse_inertia = 1.0 / 2.0;
-      else if ((b - MixedScene::kFreePoints) % 2 == 0) scales[b].inverse_inertia = 1.0 / 3.0;
-      else scales[b] = {.inverse_inertia = 0.25 / 0.5, .inverse_length = 1.0 / 0.25, .reach = 0.25};
+      if (b < MixedScene::kFreePoints)
+        scales[b].inverse_inertia = 1.0 / 2.0;
+      else if ((b - MixedScene::kFreePoints) % 2 == 0)
+        scales[b].inverse_inertia = 1.0 / 3.0;
+      else
+        scales[b] = {.inverse_inertia = 0.25 / 0.5, .inverse_length = 1.0 / 0.25, .reach = 0.25};
     }
     return IncrementalPotential(scene.map, assembler, with_active_set ? &active : nullptr, scales, timer);
   }
@@ -114,13 +121,14 @@ TEST_CASE("gradient is the slope of the trial energies, static and active parts 
     for (double& d : direction) d = random.uniform();
     double expected = 0.0;
     for (size_t i = 0; i < gradient.size(); ++i) expected += gradient[i] * direction[i];
-    const double slope =
-        differentiate_scalar([&](double t) { return bench.potential.try_step(direction, t).difference; }, 0.05);
+    const double slope = differentiate_scalar(
+        [&](double t) { return bench.potential.try_step(direction, t).difference; }, 0.05);
     CHECK(slope == doctest::Approx(expected).epsilon(1e-9));
     const TrialEnergy trial = bench.potential.try_step(direction, 0.1);
     CHECK(trial.feasible);
     CHECK(trial.difference ==
-          doctest::Approx(scene.energy(scene.along(direction, 0.1)) - scene.energy(scene.configuration)).epsilon(1e-11));
+          doctest::Approx(scene.energy(scene.along(direction, 0.1)) - scene.energy(scene.configuration))
+              .epsilon(1e-11));
     CHECK(trial.magnitude == doctest::Approx(scene.energy(scene.configuration)).epsilon(1e-11));
   }
 }
@@ -154,11 +162,13 @@ TEST_CASE("steps are certified as a whole by the active set, also where bodies r
   const double alpha = bench.potential.bound_step(direction, 1.0);
   CHECK(alpha > 0.0);
   CHECK(alpha < 1.0);
-  const std::vector<Vec3> x0 = scene.positions(scene.configuration), x1 = scene.positions(scene.along(direction, alpha));
+  const std::vector<Vec3> x0 = scene.positions(scene.configuration),
+                          x1 = scene.positions(scene.along(direction, alpha));
   CHECK(bench.active.max_step(x0, x1) == 1.0);
   // Not needlessly small: a tenth more would not have been allowed.
   CHECK(bench.active.max_step(x0, scene.positions(scene.along(direction, 1.15 * alpha))) < 1.0);
-  // The certified step needs no second certificate, a shorter one does: rotating sites leave the straight path.
+  // The certified step needs no second certificate, a shorter one does: rotating sites leave the straight
+  // path.
   bench.active.queries = 0;
   CHECK(bench.potential.try_step(direction, alpha).feasible);
   CHECK(bench.active.queries == 0);
@@ -190,7 +200,8 @@ TEST_CASE("prescribed parts travel with the step length on straight paths and ar
   bench.potential.try_step(still, 0.5);  // half of what is left
   bench.potential.accept_trial();
   const int32_t rigid_site = MixedScene::kPoints + 6;  // first point of body 2
-  CHECK(max_abs(bench.potential.site_positions()[rigid_site] - (start[rigid_site] * 0.25 + end[rigid_site] * 0.75)) < 1e-15);
+  CHECK(max_abs(bench.potential.site_positions()[rigid_site] -
+                (start[rigid_site] * 0.25 + end[rigid_site] * 0.75)) < 1e-15);
   bench.potential.linearize(false, gradient, hessian);
   bench.potential.try_step(still, 1.0);
   bench.potential.accept_trial();

@@ -35,7 +35,8 @@ TEST_CASE("positions follow the definitions of the kinds of sites") {
     const Site& site = scene.map.site(i);
     if (site.kind == SiteKind::RigidPoint)
       CHECK(norm(x[i] - c.body_position[site.index]) == doctest::Approx(norm(site.local)).epsilon(1e-14));
-    if (site.kind == SiteKind::RigidDirection) CHECK(norm(x[i]) == doctest::Approx(norm(site.local)).epsilon(1e-14));
+    if (site.kind == SiteKind::RigidDirection)
+      CHECK(norm(x[i]) == doctest::Approx(norm(site.local)).epsilon(1e-14));
   }
   const Vec3 mean = 0.1 * c.point_position[0] + 0.2 * c.point_position[1] + 0.3 * c.point_position[2] +
                     0.4 * c.point_position[3];
@@ -45,16 +46,18 @@ TEST_CASE("positions follow the definitions of the kinds of sites") {
   turned.body_position[0] = {1, 2, 3};
   turned.body_rotation[0] = exp_rotation({0, 0, 1.5707963267948966});
   const Vec3 local = scene.map.site(MixedScene::kPoints).local;
-  CHECK(max_abs(scene.positions(turned)[MixedScene::kPoints] - Vec3{1 - local.y, 2 + local.x, 3 + local.z}) < 1e-15);
+  CHECK(max_abs(scene.positions(turned)[MixedScene::kPoints] - Vec3{1 - local.y, 2 + local.x, 3 + local.z}) <
+        1e-15);
 }
 
 TEST_CASE("prescribed sites are those that no unknown moves") {
   const MixedScene scene(1);
   for (int32_t i = 0; i < scene.map.site_count(); ++i) {
     const Site& site = scene.map.site(i);
-    const bool expected = (site.kind == SiteKind::Point && site.index >= MixedScene::kFreePoints) ||
-                          ((site.kind == SiteKind::RigidPoint || site.kind == SiteKind::RigidDirection) && site.index == 2) ||
-                          i == scene.first_barycentric + 2;
+    const bool expected =
+        (site.kind == SiteKind::Point && site.index >= MixedScene::kFreePoints) ||
+        ((site.kind == SiteKind::RigidPoint || site.kind == SiteKind::RigidDirection) && site.index == 2) ||
+        i == scene.first_barycentric + 2;
     CHECK(scene.map.is_prescribed(i) == expected);
     CHECK((scene.map.jacobian(i, scene.configuration).term_count == 0) == expected);
   }
@@ -92,7 +95,8 @@ TEST_CASE("Jacobians agree with differences of the retraction for every kind of 
 }
 
 TEST_CASE("curvature of the map: the sum of force moments predicts the second derivative along rotations") {
-  // For constant forces g the energy is g . x(dw); its second derivative along d is d^T K d, K = sym(M) - tr(M) I.
+  // For constant forces g the energy is g . x(dw); its second derivative along d is d^T K d, K = sym(M) -
+  // tr(M) I.
   const MixedScene scene(4);
   RandomPoints random(5);
   const int n = scene.dof_count();

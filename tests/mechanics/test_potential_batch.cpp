@@ -1,4 +1,5 @@
-// Batches: what is set is read back and reaches the right element; padding lanes repeat the last element; bad names throw.
+// Batches: what is set is read back and reaches the right element; padding lanes repeat the last element; bad
+// names throw.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -36,11 +36,15 @@ void nudge(int64_t& v) { ++v; }
 void nudge(Vec3& v) { nudge(v.z); }
 void nudge(Mat3& m) { nudge(m.m[8]); }
 template <typename T>
-void nudge(std::vector<T>& values) { nudge(values.back()); }
+void nudge(std::vector<T>& values) {
+  nudge(values.back());
+}
 
 // Makes an array shorter by one; other fields have no size.
 template <typename T>
-bool shorten(T&) { return false; }
+bool shorten(T&) {
+  return false;
+}
 template <typename T>
 bool shorten(std::vector<T>& values) {
   values.pop_back();
@@ -63,20 +67,20 @@ TEST_CASE("the smallest change of any field is seen by equality, hash and first 
   const State a = sample();
   std::set<uint64_t> hashes{a.hash()};
   size_t fields = 0;
-#define STARK_STATE_FIELD(type, name, unit, meaning)                              \
-  {                                                                               \
-    State b = a;                                                                  \
-    nudge(b.name);                                                                \
-    CHECK_MESSAGE(!(a == b), #name);                                              \
-    CHECK_MESSAGE(hashes.insert(b.hash()).second, #name);                         \
-    CHECK(first_difference(a, b) == #name);                                       \
-    ++fields;                                                                     \
-    State c = a;                                                                  \
-    if (shorten(c.name)) {                                                        \
-      CHECK_MESSAGE(!(a == c), #name);                                            \
-      CHECK_MESSAGE(hashes.insert(c.hash()).second, #name);                       \
-      CHECK(first_difference(a, c) == #name);                                     \
-    }                                                                             \
+#define STARK_STATE_FIELD(type, name, unit, meaning)        \
+  {                                                         \
+    State b = a;                                            \
+    nudge(b.name);                                          \
+    CHECK_MESSAGE(!(a == b), #name);                        \
+    CHECK_MESSAGE(hashes.insert(b.hash()).second, #name);   \
+    CHECK(first_difference(a, b) == #name);                 \
+    ++fields;                                               \
+    State c = a;                                            \
+    if (shorten(c.name)) {                                  \
+      CHECK_MESSAGE(!(a == c), #name);                      \
+      CHECK_MESSAGE(hashes.insert(c.hash()).second, #name); \
+      CHECK(first_difference(a, c) == #name);               \
+    }                                                       \
   }
 #include <stark/mechanics/state_fields.inc>
 #undef STARK_STATE_FIELD
@@ -98,7 +102,8 @@ TEST_CASE("moving an element from one array to its neighbour changes the hash") 
   CHECK(a.hash() != b.hash());
 }
 
-TEST_CASE("equality is about bits, so that equal states have equal hashes and a state with NaN equals its copy") {
+TEST_CASE(
+    "equality is about bits, so that equal states have equal hashes and a state with NaN equals its copy") {
   State a = sample(), b = sample();
   a.point_velocity[0].x = 0.0;
   b.point_velocity[0].x = -0.0;

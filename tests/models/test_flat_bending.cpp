@@ -1,4 +1,5 @@
-// Quadratic bending: agrees with the hinge model at small angles, is blind to stretching in the plane, damps the rate.
+// Quadratic bending: agrees with the hinge model at small angles, is blind to stretching in the plane, damps
+// the rate.
 #include <doctest/doctest.h>
 
 #include <support/hinge.h>
@@ -15,23 +16,27 @@ FilledSample flat(double previous, double k, double d, double h) {
 }  // namespace
 
 TEST_CASE("small folds have the energy of the hinge model, with an error of second order in the angle") {
-  const Potential quadratic = compiled(models::flat_bending()), hinge = compiled(models::discrete_shell_bending());
+  const Potential quadratic = compiled(models::flat_bending()),
+                  hinge = compiled(models::discrete_shell_bending());
   const auto error = [&](double theta) {
     const FilledSample sample = flat(0.0, 1.0, 0.0, 1.0);
     return std::fabs(energy(quadratic, sample, folded(theta)) / energy(hinge, sample, folded(theta)) - 1.0);
   };
   CHECK(error(0.01) < 1e-4);
   CHECK(error(0.2) / error(0.1) == doctest::Approx(4.0).epsilon(0.1));
-  CHECK(energy(quadratic, flat(0, 1, 0, 1), folded(0.01)) == doctest::Approx(0.5 * hinge_factor() * 1e-4).epsilon(1e-4));
+  CHECK(energy(quadratic, flat(0, 1, 0, 1), folded(0.01)) ==
+        doctest::Approx(0.5 * hinge_factor() * 1e-4).epsilon(1e-4));
 }
 
 TEST_CASE("the Hessian of a flat hinge across its plane is that of the hinge model") {
-  const Potential quadratic = compiled(models::flat_bending()), hinge = compiled(models::discrete_shell_bending());
+  const Potential quadratic = compiled(models::flat_bending()),
+                  hinge = compiled(models::discrete_shell_bending());
   const FilledSample sample = flat(0.0, 2.0, 0.0, 1.0);
   const std::vector<double> A = hessian(quadratic, sample, folded(0)), B = hessian(hinge, sample, folded(0));
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j)
-      CHECK(A[(3 * i + 2) * 12 + 3 * j + 2] == doctest::Approx(B[(3 * i + 2) * 12 + 3 * j + 2]).epsilon(1e-9));
+      CHECK(A[(3 * i + 2) * 12 + 3 * j + 2] ==
+            doctest::Approx(B[(3 * i + 2) * 12 + 3 * j + 2]).epsilon(1e-9));
 }
 
 TEST_CASE("affine motion does not bend") {

@@ -11,7 +11,8 @@ TEST_CASE("weight is m g everywhere") {
   FilledSample sample = element({{}}, {{}}, {{"mass", 3.0}});
   sample.values["gravity"] = {0.5, -1.0, -9.81};
   for (const Vec3& x : {Vec3{}, Vec3{1, 2, 3}, Vec3{-100, 50, 7}}) {
-    CHECK(energy(potential, sample, {x}) == doctest::Approx(-3.0 * (0.5 * x.x - x.y - 9.81 * x.z)).epsilon(1e-14));
+    CHECK(energy(potential, sample, {x}) ==
+          doctest::Approx(-3.0 * (0.5 * x.x - x.y - 9.81 * x.z)).epsilon(1e-14));
     const std::vector<double> g = gradient(potential, sample, {x});
     CHECK(g[0] == doctest::Approx(-1.5));
     CHECK(g[1] == doctest::Approx(3.0));

@@ -16,7 +16,8 @@ TEST_CASE("the force of damping is that of the strain rate, independent of the t
   for (const double h : {1e-6, 5e-6}) {
     const FilledSample sample = element(X, mapped(F, X), {{"strain_damping", d}, {"time_step", h}});
     const std::vector<double> g = gradient(potential, sample, mapped(F + rate * h, X));
-    CHECK(work(g, mapped(rate, X)) == doctest::Approx(d * area * squared_frobenius(strain_rate)).epsilon(1e-4));
+    CHECK(work(g, mapped(rate, X)) ==
+          doctest::Approx(d * area * squared_frobenius(strain_rate)).epsilon(1e-4));
     std::vector<Vec3> turned = mapped(R * F, X);
     CHECK(energy(potential, sample, turned) < 1e-20);  // (1e-16)^2 / h
   }

@@ -1,4 +1,5 @@
-// Stable Neo-Hookean solids: linear elasticity at small strain, the closed-form stress at large ones, inverted elements.
+// Stable Neo-Hookean solids: linear elasticity at small strain, the closed-form stress at large ones,
+// inverted elements.
 #include <doctest/doctest.h>
 
 #include <support/model_checks.h>
@@ -12,7 +13,9 @@ namespace {
 const std::vector<Vec3> kTet{{0.1, 0, 0}, {1.2, 0.1, 0}, {0.4, 0.9, 0.1}, {0.5, 0.3, 0.8}};
 double volume() { return dot(kTet[1] - kTet[0], cross(kTet[2] - kTet[0], kTet[3] - kTet[0])) / 6.0; }
 
-FilledSample tet(double E, double nu) { return element(kTet, kTet, {{"youngs_modulus", E}, {"poissons_ratio", nu}}); }
+FilledSample tet(double E, double nu) {
+  return element(kTet, kTet, {{"youngs_modulus", E}, {"poissons_ratio", nu}});
+}
 
 }  // namespace
 
@@ -34,7 +37,8 @@ TEST_CASE("the Hessian at rest is that of linear elasticity") {
 
 TEST_CASE("small uniaxial strain and shear give Hooke's stresses") {
   const Potential potential = compiled(models::stable_neo_hookean());
-  const double E = 2e4, nu = 0.3, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), e = 1e-6;
+  const double E = 2e4, nu = 0.3, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu)),
+               e = 1e-6;
   const auto power = [&](const Mat3& F, const Mat3& rate) {  // stress times rate of strain, integrated
     return work(gradient(potential, tet(E, nu), mapped(F, kTet)), mapped(rate, kTet));
   };
@@ -55,12 +59,15 @@ TEST_CASE("small uniaxial strain and shear give Hooke's stresses") {
 TEST_CASE("large stretches and shears have the stress of the paper's eq. 18") {
   const Potential potential = compiled(models::stable_neo_hookean());
   const double E = 2e4, nu = 0.4;
-  const double mu = 4.0 / 3.0 * E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu)) + 5.0 / 6.0 * E / (2 * (1 + nu));
+  const double mu = 4.0 / 3.0 * E / (2 * (1 + nu)),
+               lambda = E * nu / ((1 + nu) * (1 - 2 * nu)) + 5.0 / 6.0 * E / (2 * (1 + nu));
   const double alpha = 1 + mu / lambda - mu / (4 * lambda);
   RandomPoints random(2);
   for (int trial = 0; trial < 20; ++trial) {
-    const Mat3 F = Mat3::identity() + Mat3::from_columns(random.point(), random.point(), random.point()) * 0.7;
-    const Mat3 dJ = Mat3::from_columns(cross(F.column(1), F.column(2)), cross(F.column(2), F.column(0)), cross(F.column(0), F.column(1)));
+    const Mat3 F =
+        Mat3::identity() + Mat3::from_columns(random.point(), random.point(), random.point()) * 0.7;
+    const Mat3 dJ = Mat3::from_columns(cross(F.column(1), F.column(2)), cross(F.column(2), F.column(0)),
+                                       cross(F.column(0), F.column(1)));
     const Mat3 P = F * (mu * (1 - 1 / (squared_frobenius(F) + 1))) + dJ * (lambda * (determinant(F) - alpha));
     const Mat3 rate = Mat3::from_columns(random.point(), random.point(), random.point());
     double density = 0.0;
@@ -76,7 +83,9 @@ TEST_CASE("flat and inverted elements are finite and pushed back") {
     const std::vector<Vec3> x = mapped(Mat3::diagonal({a, 1, 1}), kTet);
     const FilledSample sample = tet(1e4, 0.3);
     CHECK(std::isfinite(energy(potential, sample, x)));
-    CHECK(work(gradient(potential, sample, x), mapped(Mat3::diagonal({1, 0, 0}), kTet)) < 0.0);  // opening lowers energy
-    CHECK(energy(potential, sample, x) > energy(potential, sample, mapped(Mat3::diagonal({a + 0.1, 1, 1}), kTet)));
+    CHECK(work(gradient(potential, sample, x), mapped(Mat3::diagonal({1, 0, 0}), kTet)) <
+          0.0);  // opening lowers energy
+    CHECK(energy(potential, sample, x) >
+          energy(potential, sample, mapped(Mat3::diagonal({a + 0.1, 1, 1}), kTet)));
   }
 }

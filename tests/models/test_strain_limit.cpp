@@ -10,7 +10,9 @@ using namespace stark::test;
 namespace {
 
 const std::vector<Vec3> kEdge{{0.1, 0.2, 0.3}, {0.3, -0.1, 0.9}};
-FilledSample edge() { return element(kEdge, kEdge, {{"volume", 2e-3}, {"strain_limit", 0.1}, {"strain_limit_stiffness", 1e4}}); }
+FilledSample edge() {
+  return element(kEdge, kEdge, {{"volume", 2e-3}, {"strain_limit", 0.1}, {"strain_limit_stiffness", 1e4}});
+}
 std::vector<Vec3> stretched(double s) {
   const Mat3 R = exp_rotation({1, -2, 0.5});
   return {{4, 5, 6}, Vec3{4, 5, 6} + R * (kEdge[1] - kEdge[0]) * s};
@@ -29,7 +31,8 @@ TEST_CASE("above the limit the energy is V k/3 (strain - limit)^3") {
   const double length = norm(kEdge[1] - kEdge[0]);
   for (const double s : {1.11, 1.2, 1.7}) {
     const double excess = s - 1.1;
-    CHECK(energy(potential, edge(), stretched(s)) == doctest::Approx(2e-3 * 1e4 / 3.0 * std::pow(excess, 3)).epsilon(1e-9));
+    CHECK(energy(potential, edge(), stretched(s)) ==
+          doctest::Approx(2e-3 * 1e4 / 3.0 * std::pow(excess, 3)).epsilon(1e-9));
     const std::vector<double> g = gradient(potential, edge(), stretched(s));
     const Vec3 f0{g[0], g[1], g[2]}, f1{g[3], g[4], g[5]};
     CHECK(norm(f1) == doctest::Approx(2e-3 * 1e4 * excess * excess / length).epsilon(1e-9));

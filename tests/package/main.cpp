@@ -1,5 +1,5 @@
-// A program that knows nothing but the installed package: a cloth falls onto a turning box. Returns 0 when the library
-// answers correctly.
+// A program that knows nothing but the installed package: a cloth falls onto a turning box. Returns 0 when
+// the library answers correctly.
 #include <cmath>
 #include <iostream>
 

@@ -1,6 +1,6 @@
-// Every registered potential against independent oracles: derivatives by finite differences, symmetry, invariance,
-// definiteness after projection, and the same bits from the interpreter and from machine code. A new potential is
-// tested by its line in sim/registry.inc alone.
+// Every registered potential against independent oracles: derivatives by finite differences, symmetry,
+// invariance, definiteness after projection, and the same bits from the interpreter and from machine code. A
+// new potential is tested by its line in sim/registry.inc alone.
 #include <doctest/doctest.h>
 
 #include <bit>
@@ -112,7 +112,8 @@ TEST_CASE("gradients agree with differences of the energy") {
     std::vector<double> approximate;
     for (size_t i = 0; i < exact.size(); ++i)
       approximate.push_back(differentiate_scalar(
-          [&](double t) { return energy(potential, sample, perturbed(sample.x, static_cast<int>(i), t)); }, step));
+          [&](double t) { return energy(potential, sample, perturbed(sample.x, static_cast<int>(i), t)); },
+          step));
     // The best extrapolated difference is good for about ten digits of energy over length.
     const double scale = largest(exact) + std::fabs(energy(potential, sample, sample.x));
     CHECK(largest_difference(exact, approximate) <= 1e-6 * scale);
@@ -124,7 +125,8 @@ TEST_CASE("Hessians agree with differences of the gradient, which also shows the
     const std::vector<double> exact = hessian(potential, sample, sample.x);
     const int n = 3 * potential.point_count();
     double error = std::numeric_limits<double>::infinity();
-    // The second, smaller step serves samples close to a jump of the third derivative, as at the end of sticking.
+    // The second, smaller step serves samples close to a jump of the third derivative, as at the end of
+    // sticking.
     for (const double relative_step : {0.05, 5e-4}) {
       std::vector<double> rows;
       for (int i = 0; i < n; ++i) {
@@ -144,7 +146,8 @@ TEST_CASE("declared invariance under translation holds for energy, gradient and 
   sweep([](const PotentialDefinition& definition, const Potential& potential, const FilledSample& sample) {
     if (!definition.translation_invariant) return;
     const double E = energy(potential, sample, sample.x);
-    const std::vector<double> g = gradient(potential, sample, sample.x), H = hessian(potential, sample, sample.x);
+    const std::vector<double> g = gradient(potential, sample, sample.x),
+                              H = hessian(potential, sample, sample.x);
     // A shift of the unknown positions alone: what the projection of element Hessians relies on.
     const double E_moved = energy(potential, sample, moved(sample.x, Mat3::identity(), {0.3, -0.7, 0.2}));
     CHECK(E_moved == doctest::Approx(E).epsilon(1e-10));
@@ -172,7 +175,8 @@ TEST_CASE("declared invariance under rotation of the motion holds: rest shape an
     turned.x_prev = moved(sample.x_prev, R, {});
     const double E = energy(potential, sample, sample.x);
     CHECK(energy(potential, turned, turned.x) == doctest::Approx(E).epsilon(1e-10));
-    const std::vector<double> g = gradient(potential, sample, sample.x), g_turned = gradient(potential, turned, turned.x);
+    const std::vector<double> g = gradient(potential, sample, sample.x),
+                              g_turned = gradient(potential, turned, turned.x);
     Vec3 torque;
     double size = 0.0;
     for (int p = 0; p < potential.point_count(); ++p) {
@@ -203,7 +207,8 @@ TEST_CASE("no energy prefers a direction of space: all vectors turned together l
         const Vec3 v = R * Vec3{value[0], value[1], value[2]};
         value = {v.x, v.y, v.z};
       }
-    CHECK(energy(potential, turned, turned.x) == doctest::Approx(energy(potential, sample, sample.x)).epsilon(1e-10));
+    CHECK(energy(potential, turned, turned.x) ==
+          doctest::Approx(energy(potential, sample, sample.x)).epsilon(1e-10));
   });
 }
 
@@ -237,7 +242,8 @@ TEST_CASE("projected Hessians are positive semidefinite and definite ones are le
     slot = 0;
     for (int i = 0; i < n; ++i)
       for (int j = i; j < n; ++j, ++slot) projected[i * n + j] = projected[j * n + i] = upper[slot * kLanes];
-    const std::vector<double> before = symmetric_eigenvalues(H, n), after = symmetric_eigenvalues(projected, n);
+    const std::vector<double> before = symmetric_eigenvalues(H, n),
+                              after = symmetric_eigenvalues(projected, n);
     const double scale = largest(H) + 1e-300;
     CHECK(after.front() >= -1e-11 * scale);
     if (before.front() >= -1e-14 * scale) CHECK(same_bits(projected, H));
@@ -257,7 +263,8 @@ TEST_CASE("interpreter and machine code give the same bits in every order") {
     for (int k = 0; k < kSamples; ++k) {
       const FilledSample sample = fill_sample(definition, compiled, random);
       for (const Order order : {Order::Energy, Order::Gradient, Order::Hessian})
-        CHECK(same_bits(evaluate(compiled, sample, order, sample.x), evaluate(interpreted, sample, order, sample.x)));
+        CHECK(same_bits(evaluate(compiled, sample, order, sample.x),
+                        evaluate(interpreted, sample, order, sample.x)));
     }
   }
 }
@@ -270,6 +277,7 @@ TEST_CASE("energy and gradient have the same bits in every order") {
     CHECK(same_bits({E[0]}, {g[0]}));
     CHECK(same_bits({E[0]}, {H[0]}));
     // The gradient may be summed in another order next to the Hessian, but not be another number.
-    CHECK(largest_difference(g, {H.begin(), H.begin() + static_cast<long>(g.size())}) <= 1e-12 * (largest(g) + 1e-300));
+    CHECK(largest_difference(g, {H.begin(), H.begin() + static_cast<long>(g.size())}) <=
+          1e-12 * (largest(g) + 1e-300));
   });
 }

@@ -1,4 +1,5 @@
-// Whole simulations against closed forms and conservation laws; determinism, rewinding, refused initial states.
+// Whole simulations against closed forms and conservation laws; determinism, rewinding, refused initial
+// states.
 #include <doctest/doctest.h>
 
 #include <numbers>
@@ -34,12 +35,22 @@ Vec3 fallen(const Vec3& x0, const Vec3& v0, const Vec3& g, double h, int n) {
 Scene contact_scene() {
   Scene scene;
   scene.set_default_friction(0.5);
-  scene.add_rigid({.name = "sphere", .mesh = make_icosphere(0.1, 1), .motion = Motion::Fixed, .position = {0.01, 0.02, -0.105}});
+  scene.add_rigid({.name = "sphere",
+                   .mesh = make_icosphere(0.1, 1),
+                   .motion = Motion::Fixed,
+                   .position = {0.01, 0.02, -0.105}});
   scene.add_cloth({.name = "cloth", .mesh = make_grid(0.4, 0.4, 8, 8), .material = materials::cotton()});
-  scene.add_rigid({.name = "box", .mesh = make_box({0.04, 0.05, 0.06}), .mass = 0.02, .position = {0.03, 0.0, 0.04},
-                   .velocity = {0, 0, -1}, .angular_velocity = {1, 2, 3}});
-  scene.add_solid({.name = "soft", .mesh = make_tet_box({0.04, 0.04, 0.04}, {1, 1, 1}), .material = materials::soft_rubber(),
-                   .position = {-0.04, 0.01, 0.03}, .velocity = {0, 0, -1}});
+  scene.add_rigid({.name = "box",
+                   .mesh = make_box({0.04, 0.05, 0.06}),
+                   .mass = 0.02,
+                   .position = {0.03, 0.0, 0.04},
+                   .velocity = {0, 0, -1},
+                   .angular_velocity = {1, 2, 3}});
+  scene.add_solid({.name = "soft",
+                   .mesh = make_tet_box({0.04, 0.04, 0.04}, {1, 1, 1}),
+                   .material = materials::soft_rubber(),
+                   .position = {-0.04, 0.01, 0.03},
+                   .velocity = {0, 0, -1}});
   return scene;
 }
 
@@ -68,12 +79,16 @@ Vec3 euler_equations(const Vec3& J, Vec3 w, double T) {
 TEST_CASE("free fall of cloth, solid and rigid body is the closed form of implicit Euler") {
   Scene scene;
   const Vec3 v{0.3, -0.2, 1.0};
-  const BodyId cloth = scene.add_cloth({.mesh = make_grid(0.3, 0.3, 3, 3), .material = plain_shell(), .velocity = v});
-  const BodyId solid = scene.add_solid({.mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 1, 1}), .position = {1, 0, 0}, .velocity = v});
-  const BodyId box = scene.add_rigid({.mesh = make_box({0.1, 0.2, 0.3}), .mass = 2.0, .position = {2, 0, 0}, .velocity = v});
+  const BodyId cloth =
+      scene.add_cloth({.mesh = make_grid(0.3, 0.3, 3, 3), .material = plain_shell(), .velocity = v});
+  const BodyId solid = scene.add_solid(
+      {.mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 1, 1}), .position = {1, 0, 0}, .velocity = v});
+  const BodyId box =
+      scene.add_rigid({.mesh = make_box({0.1, 0.2, 0.3}), .mass = 2.0, .position = {2, 0, 0}, .velocity = v});
   const double h = 0.01;
   Simulation sim(scene, quiet_settings(h));
-  const std::vector<Vec3> cloth_0 = sim.positions(cloth), solid_0 = sim.positions(solid), box_0 = sim.positions(box);
+  const std::vector<Vec3> cloth_0 = sim.positions(cloth), solid_0 = sim.positions(solid),
+                          box_0 = sim.positions(box);
   const Vec3 g = sim.settings().gravity;
   for (int n = 1; n <= 20; ++n) {
     REQUIRE(sim.step().status == StepStatus::Accepted);
@@ -81,7 +96,8 @@ TEST_CASE("free fall of cloth, solid and rigid body is the closed form of implic
     double worst = 0.0;  // [m]; positions are of order one, twenty steps round a few times each
     const auto compare = [&](BodyId body, const std::vector<Vec3>& start) {
       const std::vector<Vec3> x = sim.positions(body);
-      for (size_t i = 0; i < x.size(); ++i) worst = std::fmax(worst, max_abs(x[i] - fallen(start[i], v, g, h, n)));
+      for (size_t i = 0; i < x.size(); ++i)
+        worst = std::fmax(worst, max_abs(x[i] - fallen(start[i], v, g, h, n)));
     };
     compare(cloth, cloth_0);
     compare(solid, solid_0);
@@ -93,10 +109,12 @@ TEST_CASE("free fall of cloth, solid and rigid body is the closed form of implic
 
 TEST_CASE("mass damping slows free motion by 1 / (1 + a h) a step") {
   Scene scene;
-  const BodyId box = scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .velocity = {1, 0, 0}, .linear_damping = 3.0});
+  const BodyId box = scene.add_rigid(
+      {.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .velocity = {1, 0, 0}, .linear_damping = 3.0});
   ShellMaterial damped = plain_shell();
   damped.mass_damping = 3.0;
-  const BodyId cloth = scene.add_cloth({.mesh = make_grid(0.1, 0.1, 2, 2), .material = damped, .position = {0, 0, 1}, .velocity = {1, 0, 0}});
+  const BodyId cloth = scene.add_cloth(
+      {.mesh = make_grid(0.1, 0.1, 2, 2), .material = damped, .position = {0, 0, 1}, .velocity = {1, 0, 0}});
   Settings settings = quiet_settings(0.02);
   settings.gravity = {};
   Simulation sim(scene, settings);
@@ -130,14 +148,16 @@ TEST_CASE("a torque-free asymmetric body keeps its angular momentum up to an err
     reference = euler_equations(sim.model().rigid_masses()[0].moments, start, T);
     if (level == 0) {
       const Mat3 J = Mat3::diagonal(sim.model().rigid_masses()[0].moments);
-      CHECK(norm(before - R0 * (J * (transpose(R0) * omega))) < 1e-13);  // two ways to write the same momentum
+      CHECK(norm(before - R0 * (J * (transpose(R0) * omega))) <
+            1e-13);  // two ways to write the same momentum
     }
     CHECK(norm(loss[level]) < 0.1 * norm(before));
   }
   for (int level = 0; level < 2; ++level) {
     CHECK(norm(loss[level]) / norm(loss[level + 1]) == doctest::Approx(2.0).epsilon(0.1));
     // The rate in the body frame follows Euler's equations: the gyroscopic torque is there.
-    CHECK(norm(body_rate[level] - reference) / norm(body_rate[level + 1] - reference) == doctest::Approx(2.0).epsilon(0.15));
+    CHECK(norm(body_rate[level] - reference) / norm(body_rate[level + 1] - reference) ==
+          doctest::Approx(2.0).epsilon(0.15));
   }
   CHECK(norm(reference - start) > 1.0);  // without gyroscopic torque the rate would not change [rad/s]
   CHECK(norm(body_rate[2] - reference) < 0.1 * norm(reference - start));
@@ -180,30 +200,46 @@ TEST_CASE("internal collisions keep linear momentum to rounding") {
   SUBCASE("rigid boxes, off centre, with friction") {
     Scene scene;
     scene.set_default_friction(0.3);
-    scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .position = {-0.06, 0, 0}, .velocity = {1, 0.2, 0}});
-    scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 2.0, .position = {0.06, 0.03, 0.02}, .velocity = {-1, 0, 0.1}});
+    scene.add_rigid(
+        {.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .position = {-0.06, 0, 0}, .velocity = {1, 0.2, 0}});
+    scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}),
+                     .mass = 2.0,
+                     .position = {0.06, 0.03, 0.02},
+                     .velocity = {-1, 0, 0.1}});
     run(scene, 12);
   }
   SUBCASE("soft boxes") {
     Scene scene;
     scene.set_default_friction(0.3);
     SolidMaterial soft{.density = 1000.0, .youngs_modulus = 1e5, .poissons_ratio = 0.3};
-    scene.add_solid({.mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 2, 2}), .material = soft, .position = {-0.06, 0, 0}, .velocity = {1, 0, 0}});
-    scene.add_solid({.mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 2, 2}), .material = soft, .position = {0.06, 0.02, 0.01}, .velocity = {-1, 0, 0}});
+    scene.add_solid({.mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 2, 2}),
+                     .material = soft,
+                     .position = {-0.06, 0, 0},
+                     .velocity = {1, 0, 0}});
+    scene.add_solid({.mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 2, 2}),
+                     .material = soft,
+                     .position = {0.06, 0.02, 0.01},
+                     .velocity = {-1, 0, 0}});
     run(scene, 12);
   }
 }
 
 TEST_CASE("a hanging strip is stretched by its own weight as the closed form says") {
-  // Poisson's ratio 0 makes it uniaxial: strain of a row of cells is the weight below over E t w. Strains of 2e-4 keep
-  // the nonlinear terms, of the order of the strain, below the tolerance.
+  // Poisson's ratio 0 makes it uniaxial: strain of a row of cells is the weight below over E t w. Strains of
+  // 2e-4 keep the nonlinear terms, of the order of the strain, below the tolerance.
   const int rows = 10;
   const double length = 0.5, width = 0.1, cell = length / rows;
-  ShellMaterial material{.density = 0.2, .thickness = 1e-3, .youngs_modulus = 5e6, .poissons_ratio = 0.0, .bending_stiffness = 1e-6};
+  ShellMaterial material{.density = 0.2,
+                         .thickness = 1e-3,
+                         .youngs_modulus = 5e6,
+                         .poissons_ratio = 0.0,
+                         .bending_stiffness = 1e-6};
   ClothDescription cloth{.mesh = make_grid(width, length, 2, rows), .material = material};
   cloth.rotation = exp_rotation({0.5 * std::numbers::pi, 0, 0});  // y of the grid becomes z
-  // Slightly stretched at the start: an unstressed sheet has no stiffness across itself, quasistatics needs some.
-  for (const Vec3& X : cloth.mesh.vertices) cloth.initial_positions.push_back({X.x, 0.5 * length + (X.y - 0.5 * length) * 1.001, X.z});
+  // Slightly stretched at the start: an unstressed sheet has no stiffness across itself, quasistatics needs
+  // some.
+  for (const Vec3& X : cloth.mesh.vertices)
+    cloth.initial_positions.push_back({X.x, 0.5 * length + (X.y - 0.5 * length) * 1.001, X.z});
   Scene scene;
   const BodyId id = scene.add_cloth(cloth);
   std::vector<int32_t> top;
@@ -220,7 +256,8 @@ TEST_CASE("a hanging strip is stretched by its own weight as the closed form say
   for (int n = 0; n < 3; ++n) REQUIRE_FALSE(sim.step().failed());
   const std::vector<Vec3> x = sim.positions(id);
   for (const int32_t v : top) CHECK(x[v] == start[v]);
-  double expected = 0.0;  // [m] of elongation, summed from the top; lumping gives a row the mass of half a cell each side
+  double expected =
+      0.0;  // [m] of elongation, summed from the top; lumping gives a row the mass of half a cell each side
   for (int below = 1; below <= rows; ++below) {
     const double weight = material.density * width * cell * (below - 0.5) * 9.81;
     expected += weight / (material.youngs_modulus * material.thickness * width) * cell;
@@ -259,8 +296,10 @@ TEST_CASE("pinned vertices stay, follow their targets exactly, and the sheet bet
 
 TEST_CASE("scripted bodies reach their poses exactly, in contact too, and keep constant velocities") {
   Scene scene;
-  const BodyId pusher = scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .motion = Motion::Scripted, .position = {-0.1, 0, 0}});
-  const BodyId pushed = scene.add_rigid({.mesh = make_box({0.08, 0.08, 0.08}), .mass = 0.5, .position = {0.0, 0.01, 0.005}});
+  const BodyId pusher = scene.add_rigid(
+      {.mesh = make_box({0.1, 0.1, 0.1}), .motion = Motion::Scripted, .position = {-0.1, 0, 0}});
+  const BodyId pushed =
+      scene.add_rigid({.mesh = make_box({0.08, 0.08, 0.08}), .mass = 0.5, .position = {0.0, 0.01, 0.005}});
   Settings settings = quiet_settings(0.01);
   settings.gravity = {};
   Simulation sim(scene, settings);
@@ -368,7 +407,8 @@ TEST_CASE("initial intersections and contained bodies are refused unless their c
     CHECK_THROWS_AS(Simulation{scene}, InitialIntersection);
   }
   SUBCASE("crossing") {
-    const BodyId other = scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .position = {0.5, 0.1, 0.2}});
+    const BodyId other =
+        scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .position = {0.5, 0.1, 0.2}});
     CHECK_THROWS_AS(Simulation{scene}, InitialIntersection);
     scene.disable_contact(shell, other);
     CHECK_NOTHROW(Simulation{scene});

@@ -14,7 +14,8 @@ namespace {
 std::vector<int32_t> rim(const std::vector<Vec3>& vertices, double half) {
   std::vector<int32_t> result;
   for (size_t i = 0; i < vertices.size(); ++i)
-    if (std::fabs(vertices[i].x) > half - 1e-9 || std::fabs(vertices[i].y) > half - 1e-9) result.push_back(static_cast<int32_t>(i));
+    if (std::fabs(vertices[i].x) > half - 1e-9 || std::fabs(vertices[i].y) > half - 1e-9)
+      result.push_back(static_cast<int32_t>(i));
   return result;
 }
 
@@ -24,7 +25,10 @@ Scene drop_scene() {
   const TriangleMesh grid = make_grid(0.2, 0.2, 6, 6);
   const BodyId cloth = scene.add_cloth({.mesh = grid, .material = materials::cotton()});
   scene.pin(cloth, rim(grid.vertices, 0.1));
-  scene.add_rigid({.mesh = make_box({0.03, 0.03, 0.03}), .mass = 0.1, .position = {0.01, 0.0, 0.02}, .velocity = {0, 0, -3}});
+  scene.add_rigid({.mesh = make_box({0.03, 0.03, 0.03}),
+                   .mass = 0.1,
+                   .position = {0.01, 0.0, 0.02},
+                   .velocity = {0, 0, -3}});
   return scene;
 }
 
@@ -36,12 +40,15 @@ struct Shot {
   double speed;     ///< [m/s]
 };
 
-/// Shoots along -z at the sheet of `target` in the plane z = 0 and checks, step by step, that the bullet stays on its
-/// side: by the solid angle of the pinned sheet and by exact intersection tests.
-void check_no_passage(Scene scene, BodyId target, const std::vector<Index3>& sheet, const Shot& shot, double h) {
+/// Shoots along -z at the sheet of `target` in the plane z = 0 and checks, step by step, that the bullet
+/// stays on its side: by the solid angle of the pinned sheet and by exact intersection tests.
+void check_no_passage(Scene scene, BodyId target, const std::vector<Index3>& sheet, const Shot& shot,
+                      double h) {
   CAPTURE(shot.name);
   CAPTURE(h);
-  const BodyId bullet = scene.add_rigid({.mesh = shot.mesh, .mass = shot.mass, .position = {0.003, -0.002, shot.distance},
+  const BodyId bullet = scene.add_rigid({.mesh = shot.mesh,
+                                         .mass = shot.mass,
+                                         .position = {0.003, -0.002, shot.distance},
                                          .velocity = {0, 0, -shot.speed}});
   Settings settings;
   settings.time.step = h;
@@ -151,7 +158,8 @@ TEST_CASE("a step cut short does not throw off what rests on something") {
     CAPTURE(h);
     Scene scene;
     scene.add_rigid({.mesh = make_box({1, 1, 0.1}), .motion = Motion::Fixed, .position = {0, 0, -0.05}});
-    const BodyId box = scene.add_rigid({.mesh = make_box({0.03, 0.03, 0.03}), .mass = 0.1, .position = {0.01, 0, 0.0168}});
+    const BodyId box =
+        scene.add_rigid({.mesh = make_box({0.03, 0.03, 0.03}), .mass = 0.1, .position = {0.01, 0, 0.0168}});
     Settings settings;
     settings.time.step = 0.01;
     Simulation sim(scene, settings);
@@ -180,13 +188,15 @@ TEST_CASE("bullets do not pass a thin solid") {
     for (const Shot& shot : shots()) {
       Scene scene;
       const TetMesh mesh = make_tet_box({0.2, 0.2, 0.004}, {6, 6, 1});
-      const BodyId solid = scene.add_solid({.mesh = mesh, .material = {.density = 1000.0, .youngs_modulus = 1e6, .poissons_ratio = 0.4}});
+      const BodyId solid = scene.add_solid(
+          {.mesh = mesh, .material = {.density = 1000.0, .youngs_modulus = 1e6, .poissons_ratio = 0.4}});
       scene.pin(solid, rim(mesh.vertices, 0.1));
       // The sheet to tell the sides apart: the lower face.
       std::vector<Index3> lower;
       const Simulation probe(scene);
       for (const Index3& t : probe.triangles(solid))
-        if (mesh.vertices[t[0]].z < -0.0019 && mesh.vertices[t[1]].z < -0.0019 && mesh.vertices[t[2]].z < -0.0019)
+        if (mesh.vertices[t[0]].z < -0.0019 && mesh.vertices[t[1]].z < -0.0019 &&
+            mesh.vertices[t[2]].z < -0.0019)
           lower.push_back({t[0], t[2], t[1]});  // normals up
       REQUIRE(lower.size() == 72);
       check_no_passage(scene, solid, lower, shot, h);
@@ -196,7 +206,10 @@ TEST_CASE("bullets do not pass a thin solid") {
 TEST_CASE("a bullet does not pass a fixed plate of 0.1 mm at 10 km/s") {
   Scene scene;
   const BodyId plate = scene.add_rigid({.mesh = make_box({0.2, 0.2, 1e-4}), .motion = Motion::Fixed});
-  const BodyId ball = scene.add_rigid({.mesh = make_icosphere(0.0025, 1), .mass = 5e-4, .position = {0.01, 0.02, 1.0}, .velocity = {0, 0, -1e4}});
+  const BodyId ball = scene.add_rigid({.mesh = make_icosphere(0.0025, 1),
+                                       .mass = 5e-4,
+                                       .position = {0.01, 0.02, 1.0},
+                                       .velocity = {0, 0, -1e4}});
   Settings settings;
   settings.time.step = 1.0 / 30.0;
   settings.contact.distance = 5e-4;
@@ -215,12 +228,16 @@ TEST_CASE("small and light bodies fall as heavy ones do, with default tolerances
   Settings settings;
   settings.time.step = h;
   Scene scene;
-  const BodyId patch = scene.add_cloth({.mesh = make_grid(0.03, 0.03, 6, 6), .material = materials::cotton()});
+  const BodyId patch =
+      scene.add_cloth({.mesh = make_grid(0.03, 0.03, 6, 6), .material = materials::cotton()});
   ShellMaterial undamped = materials::cotton();
   undamped.mass_damping = 0.0;
-  const BodyId free_patch = scene.add_cloth({.mesh = make_grid(0.03, 0.03, 6, 6), .material = undamped, .position = {0.1, 0, 0}});
-  const BodyId box = scene.add_rigid({.mesh = make_box({0.005, 0.005, 0.005}), .mass = 1e-4, .position = {0.2, 0, 0}});
-  const BodyId anvil = scene.add_rigid({.mesh = make_box({0.5, 0.5, 0.5}), .mass = 1e3, .position = {1, 0, 0}});
+  const BodyId free_patch =
+      scene.add_cloth({.mesh = make_grid(0.03, 0.03, 6, 6), .material = undamped, .position = {0.1, 0, 0}});
+  const BodyId box =
+      scene.add_rigid({.mesh = make_box({0.005, 0.005, 0.005}), .mass = 1e-4, .position = {0.2, 0, 0}});
+  const BodyId anvil =
+      scene.add_rigid({.mesh = make_box({0.5, 0.5, 0.5}), .mass = 1e3, .position = {1, 0, 0}});
   Simulation sim(scene, settings);
   const double g = settings.gravity.z, a = materials::cotton().mass_damping;
   double damped_z = 0.0, damped_v = 0.0;

@@ -73,7 +73,9 @@ NewtonSettings tight() {
 struct Solver {
   explicit Solver(const NewtonSettings& settings)
       : linear({.kind = LinearSolverKind::Cholesky}, pool), newton(settings, linear, timer) {}
-  SolveReport minimize(Objective& objective, int lag_updates = 0) { return newton.minimize(objective, 1.0, lag_updates); }
+  SolveReport minimize(Objective& objective, int lag_updates = 0) {
+    return newton.minimize(objective, 1.0, lag_updates);
+  }
 
   ThreadPool pool{1};
   PhaseTimer timer;
@@ -139,7 +141,11 @@ TEST_CASE("a quadratic function takes one iteration") {
 }
 
 TEST_CASE("a start at the minimum takes none") {
-  Analytic objective([](const Vec3& x) { return Analytic::Value{dot(x, x), x * 2.0, Mat3::identity() * 2.0, Mat3::identity() * 2.0}; }, {});
+  Analytic objective(
+      [](const Vec3& x) {
+        return Analytic::Value{dot(x, x), x * 2.0, Mat3::identity() * 2.0, Mat3::identity() * 2.0};
+      },
+      {});
   Solver solver(tight());
   const SolveReport report = solver.minimize(objective);
   CHECK(report.status == SolveStatus::Converged);
@@ -202,11 +208,13 @@ TEST_CASE("where the matrix is indefinite, elements are projected and the descen
 
 TEST_CASE("overshooting steps are shortened until the energy falls") {
   // sqrt(1 + x^2): full Newton steps from |x| > 1 diverge, x -> -x^3.
-  Analytic objective([](const Vec3& x) {
-    const double s = std::sqrt(1.0 + x.x * x.x);
-    const Mat3 H = Mat3::diagonal({1.0 / (s * s * s), 1.0, 1.0});
-    return Analytic::Value{s + 0.5 * (x.y * x.y + x.z * x.z), {x.x / s, x.y, x.z}, H, H};
-  }, {3, 1, 0});
+  Analytic objective(
+      [](const Vec3& x) {
+        const double s = std::sqrt(1.0 + x.x * x.x);
+        const Mat3 H = Mat3::diagonal({1.0 / (s * s * s), 1.0, 1.0});
+        return Analytic::Value{s + 0.5 * (x.y * x.y + x.z * x.z), {x.x / s, x.y, x.z}, H, H};
+      },
+      {3, 1, 0});
   Solver solver(tight());
   const SolveReport report = solver.minimize(objective);
   CHECK(report.status == SolveStatus::Converged);
@@ -222,16 +230,19 @@ TEST_CASE("a step bound limits each step and the minimum is reached all the same
   Solver solver(settings);
   const SolveReport report = solver.minimize(objective);
   CHECK(report.status == SolveStatus::Converged);
-  CHECK(report.iterations == doctest::Approx(std::log2(norm(quadratic({5, -7, 11}).gradient) / 1e-6)).epsilon(0.1));
+  CHECK(report.iterations ==
+        doctest::Approx(std::log2(norm(quadratic({5, -7, 11}).gradient) / 1e-6)).epsilon(0.1));
   CHECK(report.last_step_length == 0.5);
 }
 
 TEST_CASE("gradients that are not finite end the minimisation at once") {
-  Analytic objective([](const Vec3& x) {
-    Analytic::Value v = quadratic(x);
-    if (x.x < 1.0) v.gradient.y = std::numeric_limits<double>::quiet_NaN();
-    return v;
-  }, {5, 0, 0});
+  Analytic objective(
+      [](const Vec3& x) {
+        Analytic::Value v = quadratic(x);
+        if (x.x < 1.0) v.gradient.y = std::numeric_limits<double>::quiet_NaN();
+        return v;
+      },
+      {5, 0, 0});
   Solver solver(tight());
   const SolveReport report = solver.minimize(objective);
   CHECK(report.status == SolveStatus::NotFinite);
@@ -240,21 +251,26 @@ TEST_CASE("gradients that are not finite end the minimisation at once") {
 }
 
 TEST_CASE("Hessians that are not finite are a failure of the linear solve") {
-  Analytic objective([](const Vec3& x) {
-    Analytic::Value v = quadratic(x);
-    v.hessian(0, 0) = v.projected(0, 0) = std::numeric_limits<double>::quiet_NaN();
-    return v;
-  }, {5, 0, 0});
+  Analytic objective(
+      [](const Vec3& x) {
+        Analytic::Value v = quadratic(x);
+        v.hessian(0, 0) = v.projected(0, 0) = std::numeric_limits<double>::quiet_NaN();
+        return v;
+      },
+      {5, 0, 0});
   Solver solver(tight());
   CHECK(solver.minimize(objective).status == SolveStatus::LinearSolveFailed);
   CHECK(objective.accepted == 0);
 }
 
 TEST_CASE("steps into infinite energies are shortened; if none is left the line search has failed") {
-  Analytic wall([](const Vec3& x) {  // -log x + x: infinite for x <= 0
-    const Mat3 H = Mat3::diagonal({1.0 / (x.x * x.x), 1.0, 1.0});
-    return Analytic::Value{x.x - std::log(x.x) + 0.5 * (x.y * x.y + x.z * x.z), {1.0 - 1.0 / x.x, x.y, x.z}, H, H};
-  }, {5, 0, 0});
+  Analytic wall(
+      [](const Vec3& x) {  // -log x + x: infinite for x <= 0
+        const Mat3 H = Mat3::diagonal({1.0 / (x.x * x.x), 1.0, 1.0});
+        return Analytic::Value{
+            x.x - std::log(x.x) + 0.5 * (x.y * x.y + x.z * x.z), {1.0 - 1.0 / x.x, x.y, x.z}, H, H};
+      },
+      {5, 0, 0});
   Solver solver(tight());
   CHECK(solver.minimize(wall).status == SolveStatus::Converged);
   CHECK(wall.x.x == doctest::Approx(1.0));

@@ -22,19 +22,25 @@ namespace stark::test {
 
 inline const ContactPotentials& contact_potentials() {
   static const ContactPotentials potentials = [] {
-    const auto compile = [](const PotentialDefinition& d) { return std::make_shared<const Potential>(d, symbolic::Backend::Automatic); };
+    const auto compile = [](const PotentialDefinition& d) {
+      return std::make_shared<const Potential>(d, symbolic::Backend::Automatic);
+    };
     return ContactPotentials{
         .barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
                      compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
-                     compile(models::barrier_mollified_point_point()), compile(models::barrier_mollified_point_edge()),
+                     compile(models::barrier_mollified_point_point()),
+                     compile(models::barrier_mollified_point_edge()),
                      compile(models::barrier_mollified_edge_edge())},
-        .frictions = {compile(models::friction_2()), compile(models::friction_3()), compile(models::friction_4())}};
+        .frictions = {compile(models::friction_2()), compile(models::friction_3()),
+                      compile(models::friction_4())}};
   }();
   return potentials;
 }
 
 /// b(d) = -(d - d_hat)^2 ln(d / d_hat) below d_hat, written out independently of the potentials [m^2].
-inline double barrier(double d, double d_hat) { return d < d_hat ? -(d - d_hat) * (d - d_hat) * std::log(d / d_hat) : 0.0; }
+inline double barrier(double d, double d_hat) {
+  return d < d_hat ? -(d - d_hat) * (d - d_hat) * std::log(d / d_hat) : 0.0;
+}
 inline double barrier_slope(double d, double d_hat) {
   return d < d_hat ? -2.0 * (d - d_hat) * std::log(d / d_hat) - (d - d_hat) * (d - d_hat) / d : 0.0;
 }

@@ -1,4 +1,5 @@
-// Derivatives by central differences with extrapolation to zero step [Ridders 1982]: the oracle for exact derivatives.
+// Derivatives by central differences with extrapolation to zero step [Ridders 1982]: the oracle for exact
+// derivatives.
 #pragma once
 
 #include <array>
@@ -8,9 +9,9 @@
 
 namespace stark::test {
 
-/// Derivative of a vector function of one number at t = 0, component by component. `first_step` is small against the
-/// length on which the function bends; the tableau divides it by two nine times and keeps the entry whose neighbours
-/// agree best, so that neither truncation nor cancellation spoils the result.
+/// Derivative of a vector function of one number at t = 0, component by component. `first_step` is small
+/// against the length on which the function bends; the tableau divides it by two nine times and keeps the
+/// entry whose neighbours agree best, so that neither truncation nor cancellation spoils the result.
 template <typename Function>
 std::vector<double> differentiate(Function&& f, double first_step) {
   constexpr int kRows = 10;

@@ -1,5 +1,6 @@
-// A small scene of every kind of site: free and prescribed points, two free rigid bodies, a prescribed one, directions
-// and barycentric sites, joined by simple energies of one to four points. For tests of maps and assembly.
+// A small scene of every kind of site: free and prescribed points, two free rigid bodies, a prescribed one,
+// directions and barycentric sites, joined by simple energies of one to four points. For tests of maps and
+// assembly.
 #pragma once
 
 #include <memory>
@@ -41,11 +42,13 @@ inline PotentialDefinition area() {
 inline PotentialDefinition volume() {
   return define_potential("volume", 4, "squared volume", [](PotentialBuilder& b) {
     const auto v = symbolic::dot(b.x(1) - b.x(0), symbolic::cross(b.x(2) - b.x(0), b.x(3) - b.x(0)));
-    return symbolic::square(v + 0.3) + 0.1 * symbolic::square(symbolic::dot(b.x(0) - b.x(3), b.x(1) - b.x(2)));
+    return symbolic::square(v + 0.3) +
+           0.1 * symbolic::square(symbolic::dot(b.x(0) - b.x(3), b.x(1) - b.x(2)));
   });
 }
 
-inline PotentialBatch make_batch(const PotentialDefinition& definition, const std::vector<int32_t>& stencils) {
+inline PotentialBatch make_batch(const PotentialDefinition& definition,
+                                 const std::vector<int32_t>& stencils) {
   PotentialBatch batch(std::make_shared<Potential>(definition, symbolic::Backend::Automatic));
   batch.resize(stencils);
   return batch;
@@ -64,17 +67,36 @@ class MixedScene {
       configuration.body_rotation.push_back(exp_rotation(random.point() * 2.0));
     }
     std::vector<Site> sites;
-    for (int p = 0; p < kPoints; ++p) sites.push_back({.kind = SiteKind::Point, .index = p, .local = {}, .points = {}, .weights = {}});
+    for (int p = 0; p < kPoints; ++p)
+      sites.push_back({.kind = SiteKind::Point, .index = p, .local = {}, .points = {}, .weights = {}});
     for (int b = 0; b < kBodies; ++b) {
       for (int k = 0; k < 2; ++k)
-        sites.push_back({.kind = SiteKind::RigidPoint, .index = b, .local = random.point(), .points = {}, .weights = {}});
-      sites.push_back({.kind = SiteKind::RigidDirection, .index = b, .local = random.point(), .points = {}, .weights = {}});
+        sites.push_back(
+            {.kind = SiteKind::RigidPoint, .index = b, .local = random.point(), .points = {}, .weights = {}});
+      sites.push_back({.kind = SiteKind::RigidDirection,
+                       .index = b,
+                       .local = random.point(),
+                       .points = {},
+                       .weights = {}});
     }
     first_barycentric = static_cast<int32_t>(sites.size());
-    sites.push_back({.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {0, 1, 2, 3}, .weights = {0.1, 0.2, 0.3, 0.4}});
-    sites.push_back({.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {4, 5, 6, 0}, .weights = {0.5, 0.3, 0.2, 0.0}});
-    sites.push_back({.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {5, 6, 5, 6}, .weights = {0.4, 0.6, 0.0, 0.0}});
-    map = KinematicMap(DofLayout::build({false, false, false, false, false, true, true}, {false, false, true}), sites);
+    sites.push_back({.kind = SiteKind::Barycentric,
+                     .index = 0,
+                     .local = {},
+                     .points = {0, 1, 2, 3},
+                     .weights = {0.1, 0.2, 0.3, 0.4}});
+    sites.push_back({.kind = SiteKind::Barycentric,
+                     .index = 0,
+                     .local = {},
+                     .points = {4, 5, 6, 0},
+                     .weights = {0.5, 0.3, 0.2, 0.0}});
+    sites.push_back({.kind = SiteKind::Barycentric,
+                     .index = 0,
+                     .local = {},
+                     .points = {5, 6, 5, 6},
+                     .weights = {0.4, 0.6, 0.0, 0.0}});
+    map = KinematicMap(
+        DofLayout::build({false, false, false, false, false, true, true}, {false, false, true}), sites);
 
     // Every potential on stencils of many combinations of sites; elements may meet a body or a point twice.
     const auto stencils = [&](int count, int points) {
@@ -94,7 +116,8 @@ class MixedScene {
     };
     batches.push_back(make_batch(spring(), stencils(40, 2)));
     batches.back().set_uniform("stiffness", 2.0);
-    for (int64_t e = 0; e < batches.back().size(); ++e) batches.back().set("length", e, random.uniform(0.5, 1.5));
+    for (int64_t e = 0; e < batches.back().size(); ++e)
+      batches.back().set("length", e, random.uniform(0.5, 1.5));
     batches.push_back(make_batch(well(), stencils(13, 1)));
     for (int64_t e = 0; e < batches.back().size(); ++e) {
       const Vec3 c = random.point();

@@ -27,9 +27,12 @@ namespace stark::test {
 
 using Values = std::map<std::string, double>;
 
-inline Potential compiled(const PotentialDefinition& definition) { return {definition, symbolic::Backend::Automatic}; }
+inline Potential compiled(const PotentialDefinition& definition) {
+  return {definition, symbolic::Backend::Automatic};
+}
 
-inline FilledSample element(const std::vector<Vec3>& X, const std::vector<Vec3>& x_prev, const Values& values) {
+inline FilledSample element(const std::vector<Vec3>& X, const std::vector<Vec3>& x_prev,
+                            const Values& values) {
   FilledSample sample{X, x_prev, x_prev, {}};
   for (const auto& [name, value] : values) sample.values[name] = {value};
   return sample;

@@ -15,7 +15,7 @@ namespace stark::test {
 
 /// One element with everything that its kernel needs.
 struct FilledSample {
-  std::vector<Vec3> X, x_prev, x;                    ///< [m] by point
+  std::vector<Vec3> X, x_prev, x;                     ///< [m] by point
   std::map<std::string, std::vector<double>> values;  ///< data and parameters by name
 };
 
@@ -28,8 +28,8 @@ inline Vec3 random_vector(std::mt19937_64& random, double size) {
   return {x, y, uniform(random, -size, size)};
 }
 
-/// Completes the definition's sample: a well-shaped simplex of about 1 m, moved and strained by up to 20 %, and numbers
-/// in [0.5, 1.5].
+/// Completes the definition's sample: a well-shaped simplex of about 1 m, moved and strained by up to 20 %,
+/// and numbers in [0.5, 1.5].
 inline FilledSample fill_sample(const PotentialDefinition& definition, const Potential& potential,
                                 std::mt19937_64& random) {
   const PotentialSample given = definition.sample ? definition.sample(random) : PotentialSample{};
@@ -62,12 +62,13 @@ inline FilledSample fill_sample(const PotentialDefinition& definition, const Pot
 }
 
 /// All outputs of a kernel for one element: energy, gradient, upper triangle of the Hessian.
-inline std::vector<double> evaluate(const Potential& potential, const FilledSample& sample, symbolic::Order order,
-                                    const std::vector<Vec3>& x) {
+inline std::vector<double> evaluate(const Potential& potential, const FilledSample& sample,
+                                    symbolic::Order order, const std::vector<Vec3>& x) {
   using symbolic::kLanes;
   const symbolic::Kernel& kernel = potential.kernel();
-  AlignedVector<double> unknowns(kernel.unknown_count() * kLanes), elements(potential.element_width() * kLanes + 1),
-      uniforms(potential.uniform_width() + 1), out(kernel.output_count(order) * kLanes);
+  AlignedVector<double> unknowns(kernel.unknown_count() * kLanes),
+      elements(potential.element_width() * kLanes + 1), uniforms(potential.uniform_width() + 1),
+      out(kernel.output_count(order) * kLanes);
   const auto spread = [](AlignedVector<double>& array, int row, double value) {
     for (int l = 0; l < kLanes; ++l) array[row * kLanes + l] = value;
   };
@@ -77,9 +78,15 @@ inline std::vector<double> evaluate(const Potential& potential, const FilledSamp
     for (int c = 0; c < field.width; ++c) {
       double value = 0.0;
       switch (field.source) {
-        case ElementField::Source::Data: value = sample.values.at(field.name)[c]; break;
-        case ElementField::Source::Rest: value = sample.X[field.point][c]; break;
-        case ElementField::Source::Previous: value = sample.x_prev[field.point][c]; break;
+        case ElementField::Source::Data:
+          value = sample.values.at(field.name)[c];
+          break;
+        case ElementField::Source::Rest:
+          value = sample.X[field.point][c];
+          break;
+        case ElementField::Source::Previous:
+          value = sample.x_prev[field.point][c];
+          break;
       }
       spread(elements, field.offset + c, value);
     }
@@ -96,13 +103,15 @@ inline double energy(const Potential& potential, const FilledSample& sample, con
 }
 
 /// Gradient [N], three numbers a point.
-inline std::vector<double> gradient(const Potential& potential, const FilledSample& sample, const std::vector<Vec3>& x) {
+inline std::vector<double> gradient(const Potential& potential, const FilledSample& sample,
+                                    const std::vector<Vec3>& x) {
   const std::vector<double> out = evaluate(potential, sample, symbolic::Order::Gradient, x);
   return {out.begin() + 1, out.end()};
 }
 
 /// Hessian [N/m] as a dense row-major matrix.
-inline std::vector<double> hessian(const Potential& potential, const FilledSample& sample, const std::vector<Vec3>& x) {
+inline std::vector<double> hessian(const Potential& potential, const FilledSample& sample,
+                                   const std::vector<Vec3>& x) {
   const std::vector<double> out = evaluate(potential, sample, symbolic::Order::Hessian, x);
   const int n = 3 * potential.point_count();
   std::vector<double> H(n * n);

@@ -21,8 +21,8 @@ inline Vec3 linear_momentum(const Simulation& sim) {
   return p;
 }
 
-/// Angular momentum of rigid body `b` about its centre of mass [kg m^2/s]: sum of second moments times d x d' over its
-/// principal directions d.
+/// Angular momentum of rigid body `b` about its centre of mass [kg m^2/s]: sum of second moments times d x d'
+/// over its principal directions d.
 inline Vec3 spin(const Simulation& sim, int b) {
   Vec3 L;
   for (int k = 0; k < 3; ++k)
@@ -31,15 +31,17 @@ inline Vec3 spin(const Simulation& sim, int b) {
   return L;
 }
 
-/// Solid angle of a triangle seen from p, positive on the side of its normal [van Oosterom and Strackee 1983].
+/// Solid angle of a triangle seen from p, positive on the side of its normal [van Oosterom and Strackee
+/// 1983].
 inline double solid_angle(const Vec3& p, const Vec3& v0, const Vec3& v1, const Vec3& v2) {
   const Vec3 a = v0 - p, b = v1 - p, c = v2 - p;
   const double la = norm(a), lb = norm(b), lc = norm(c);
-  return -2.0 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+  return -2.0 *
+         std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-/// Solid angle of a sheet seen from p. It changes continuously as p and the sheet move, and by -4 pi as p passes through
-/// the sheet against its normal: positive before, negative after, whatever the deformation.
+/// Solid angle of a sheet seen from p. It changes continuously as p and the sheet move, and by -4 pi as p
+/// passes through the sheet against its normal: positive before, negative after, whatever the deformation.
 inline double solid_angle(const Vec3& p, std::span<const Vec3> x, std::span<const Index3> triangles) {
   double sum = 0.0;
   for (const Index3& t : triangles) sum += solid_angle(p, x[t[0]], x[t[1]], x[t[2]]);

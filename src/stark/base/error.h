@@ -1,5 +1,5 @@
-// Exceptions of the library. Numerics never throw: a failed step is a value (sim/report.h). Exceptions are for bad
-// input, found before any work is done, and for bugs of the library itself.
+// Exceptions of the library. Numerics never throw: a failed step is a value (sim/report.h). Exceptions are
+// for bad input, found before any work is done, and for bugs of the library itself.
 #pragma once
 
 #include <stdexcept>
@@ -25,7 +25,8 @@ class InvalidSetting : public InvalidArgument {
   using InvalidArgument::InvalidArgument;
 };
 
-/// A mesh that cannot be simulated: indices out of range, degenerate or inverted elements, non-finite vertices.
+/// A mesh that cannot be simulated: indices out of range, degenerate or inverted elements, non-finite
+/// vertices.
 class InvalidMesh : public InvalidArgument {
  public:
   using InvalidArgument::InvalidArgument;

@@ -1,5 +1,6 @@
-// Small fixed-size vectors and matrices of doubles. Deliberately minimal: no expression templates, so that the same
-// source compiles fast and gives the same bits on every compiler (contraction is off, see cmake/StarkOptions.cmake).
+// Small fixed-size vectors and matrices of doubles. Deliberately minimal: no expression templates, so that
+// the same source compiles fast and gives the same bits on every compiler (contraction is off, see
+// cmake/StarkOptions.cmake).
 #pragma once
 
 #include <array>
@@ -14,9 +15,24 @@ struct Vec3 {
 
   constexpr double& operator[](int i) { return i == 0 ? x : (i == 1 ? y : z); }
   constexpr const double& operator[](int i) const { return i == 0 ? x : (i == 1 ? y : z); }
-  constexpr Vec3& operator+=(const Vec3& b) { x += b.x; y += b.y; z += b.z; return *this; }
-  constexpr Vec3& operator-=(const Vec3& b) { x -= b.x; y -= b.y; z -= b.z; return *this; }
-  constexpr Vec3& operator*=(double s) { x *= s; y *= s; z *= s; return *this; }
+  constexpr Vec3& operator+=(const Vec3& b) {
+    x += b.x;
+    y += b.y;
+    z += b.z;
+    return *this;
+  }
+  constexpr Vec3& operator-=(const Vec3& b) {
+    x -= b.x;
+    y -= b.y;
+    z -= b.z;
+    return *this;
+  }
+  constexpr Vec3& operator*=(double s) {
+    x *= s;
+    y *= s;
+    z *= s;
+    return *this;
+  }
   constexpr bool operator==(const Vec3&) const = default;
 };
 static_assert(sizeof(Vec3) == 3 * sizeof(double));
@@ -34,8 +50,12 @@ constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
 constexpr double squared_norm(const Vec3& a) { return dot(a, a); }
 inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalized(const Vec3& a) { return a / norm(a); }
-inline double max_abs(const Vec3& a) { return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z))); }
-inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+inline double max_abs(const Vec3& a) {
+  return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+}
+inline bool is_finite(const Vec3& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 
 /// 3x3 matrix, row-major.
 struct Mat3 {
@@ -71,7 +91,9 @@ constexpr Mat3 operator*(const Mat3& a, double s) {
   return c;
 }
 constexpr Mat3 operator*(double s, const Mat3& a) { return a * s; }
-constexpr Vec3 operator*(const Mat3& a, const Vec3& v) { return {dot(a.row(0), v), dot(a.row(1), v), dot(a.row(2), v)}; }
+constexpr Vec3 operator*(const Mat3& a, const Vec3& v) {
+  return {dot(a.row(0), v), dot(a.row(1), v), dot(a.row(2), v)};
+}
 constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
   Mat3 c;
   for (int i = 0; i < 3; ++i)
@@ -84,7 +106,8 @@ constexpr Mat3 transpose(const Mat3& a) {
 constexpr double trace(const Mat3& a) { return a.m[0] + a.m[4] + a.m[8]; }
 constexpr double determinant(const Mat3& a) { return dot(a.row(0), cross(a.row(1), a.row(2))); }
 constexpr Mat3 outer(const Vec3& a, const Vec3& b) {
-  return {{a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y, a.z * b.z}};
+  return {
+      {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y, a.z * b.z}};
 }
 /// Matrix of the cross product: skew(a) b = a x b.
 constexpr Mat3 skew(const Vec3& a) { return {{0, -a.z, a.y, a.z, 0, -a.x, -a.y, a.x, 0}}; }

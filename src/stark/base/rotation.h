@@ -15,8 +15,8 @@ struct Quaternion {
 Mat3 exp_rotation(const Vec3& w);
 /// Rotation vector w with |w| <= pi and exp_rotation(w) = R.
 Vec3 log_rotation(const Mat3& R);
-Mat3 to_matrix(const Quaternion& q);          ///< q is normalised first
-Quaternion to_quaternion(const Mat3& R);      ///< the representative with w >= 0
+Mat3 to_matrix(const Quaternion& q);      ///< q is normalised first
+Quaternion to_quaternion(const Mat3& R);  ///< the representative with w >= 0
 /// Nearest well-conditioned rotation to an almost orthogonal matrix (Gram-Schmidt on the columns).
 Mat3 orthonormalized(const Mat3& R);
 /// Point at `fraction` of the constant-velocity rotation from A to B.

@@ -11,7 +11,8 @@ constexpr int kSpinCount = 2000;
 
 ThreadPool::ThreadPool(int thread_count) {
   if (thread_count <= 0) thread_count = static_cast<int>(std::thread::hardware_concurrency());
-  for (int thread = 1; thread < thread_count; ++thread) workers_.emplace_back([this, thread] { work(thread); });
+  for (int thread = 1; thread < thread_count; ++thread)
+    workers_.emplace_back([this, thread] { work(thread); });
 }
 
 ThreadPool::~ThreadPool() {

@@ -1,6 +1,6 @@
-// Fixed-size pool of threads with one primitive: run a function over task indices. Determinism rule of the library:
-// a task writes only to its own outputs and reductions go over tasks in index order, so results do not depend on the
-// number of threads.
+// Fixed-size pool of threads with one primitive: run a function over task indices. Determinism rule of the
+// library: a task writes only to its own outputs and reductions go over tasks in index order, so results do
+// not depend on the number of threads.
 #pragma once
 
 #include <atomic>
@@ -24,16 +24,20 @@ class ThreadPool {
   int thread_count() const { return static_cast<int>(workers_.size()) + 1; }
 
   /// Calls body(task, thread) for every task in [0, task_count), in any order, on all threads; thread is in
-  /// [0, thread_count()). Returns when all are done. Exceptions of the body are rethrown here (the first by time).
+  /// [0, thread_count()). Returns when all are done. Exceptions of the body are rethrown here (the first by
+  /// time).
   template <typename Body>
   void for_each_task(int64_t task_count, Body&& body) {
-    run(task_count, [](void* context, int64_t task, int thread) {
-      (*static_cast<std::remove_reference_t<Body>*>(context))(task, thread);
-    }, const_cast<void*>(static_cast<const void*>(&body)));
+    run(
+        task_count,
+        [](void* context, int64_t task, int thread) {
+          (*static_cast<std::remove_reference_t<Body>*>(context))(task, thread);
+        },
+        const_cast<void*>(static_cast<const void*>(&body)));
   }
 
-  /// Calls body(begin, end) on consecutive ranges of [0, count) of `grain` items; the split does not depend on the
-  /// number of threads.
+  /// Calls body(begin, end) on consecutive ranges of [0, count) of `grain` items; the split does not depend
+  /// on the number of threads.
   template <typename Body>
   void for_each_range(int64_t count, int64_t grain, Body&& body) {
     const int64_t tasks = (count + grain - 1) / grain;

@@ -9,15 +9,26 @@
 namespace stark {
 
 enum class Phase : uint8_t {
-  Predict, BroadPhase, ActiveSet, Assemble, LinearSolve, StepBound, LineSearch, Friction, Stiffness, Commit, kCount
+  Predict,
+  BroadPhase,
+  ActiveSet,
+  Assemble,
+  LinearSolve,
+  StepBound,
+  LineSearch,
+  Friction,
+  Stiffness,
+  Commit,
+  kCount
 };
 inline constexpr std::array<std::string_view, static_cast<size_t>(Phase::kCount)> kPhaseNames{
-    "predict",     "broad_phase", "active_set", "assemble",  "linear_solve",
-    "step_bound",  "line_search", "friction",   "stiffness", "commit"};
+    "predict",    "broad_phase", "active_set", "assemble",  "linear_solve",
+    "step_bound", "line_search", "friction",   "stiffness", "commit"};
 
 class PhaseTimer {
  public:
-  /// Adds the time until the end of the scope to a phase; a phase entered inside another one is not counted twice.
+  /// Adds the time until the end of the scope to a phase; a phase entered inside another one is not counted
+  /// twice.
   class Scope {
    public:
     Scope(PhaseTimer& timer, Phase phase) : timer_(timer), outer_(timer.current_) { timer_.enter(phase); }

@@ -13,7 +13,8 @@ using symbolic::Order;
 
 namespace {
 
-constexpr double kParallelFactor = 1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
+constexpr double kParallelFactor =
+    1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
 constexpr int64_t kCandidatesPerTask = 2048;
 
 struct Box {
@@ -27,8 +28,8 @@ Box box_of(const Vec3& a, const Vec3& b) {
 
 /// Whether two boxes are farther apart than d along an axis: most candidates are, and the test is cheap.
 bool boxes_apart(const Box& a, const Box& b, double d) {
-  return a.low.x - b.high.x > d || b.low.x - a.high.x > d || a.low.y - b.high.y > d || b.low.y - a.high.y > d ||
-         a.low.z - b.high.z > d || b.low.z - a.high.z > d;
+  return a.low.x - b.high.x > d || b.low.x - a.high.x > d || a.low.y - b.high.y > d ||
+         b.low.y - a.high.y > d || a.low.z - b.high.z > d || b.low.z - a.high.z > d;
 }
 
 /// Fills a contact from vertex ids; unused points are left out.
@@ -47,7 +48,8 @@ void set_point_edge(Contact& contact, int32_t p, int32_t a, int32_t b, const std
 
 class Classifier {
  public:
-  Classifier(const ContactGeometry& geometry, std::span<const Vec3> x) : geometry_(geometry), mesh_(*geometry.mesh), x_(x) {}
+  Classifier(const ContactGeometry& geometry, std::span<const Vec3> x)
+      : geometry_(geometry), mesh_(*geometry.mesh), x_(x) {}
 
   bool classify(const PointTriangleCandidate& c, Contact& contact) const {
     const int32_t p = c.point;
@@ -57,7 +59,8 @@ class Classifier {
     const Box triangle{box_of(edge.low, x_[t[2]]).low, box_of(edge.high, x_[t[2]]).high};
     if (boxes_apart({x_[p], x_[p]}, triangle, contact.contact_distance)) return false;
     const auto type = point_triangle_type(x_[p], x_[t[0]], x_[t[1]], x_[t[2]]);
-    if (!within(contact, point_triangle_squared_distance(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type))) return false;
+    if (!within(contact, point_triangle_squared_distance(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type)))
+      return false;
     const auto w = point_triangle_weights(x_[p], x_[t[0]], x_[t[1]], x_[t[2]], type);
     const int k = static_cast<int>(type);
     if (k < 3) {
@@ -74,9 +77,11 @@ class Classifier {
   bool classify(const EdgeEdgeCandidate& c, Contact& contact) const {
     Index2 a = mesh_.edges[c.edge_a], b = mesh_.edges[c.edge_b];
     begin(contact, {1, c.edge_a, c.edge_b}, mesh_.edge_group[c.edge_a], mesh_.edge_group[c.edge_b]);
-    if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance)) return false;
+    if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance))
+      return false;
     auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);
-    if (!within(contact, edge_edge_squared_distance(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type))) return false;
+    if (!within(contact, edge_edge_squared_distance(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type)))
+      return false;
     const auto w = edge_edge_weights(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type);
     contact.parallel_threshold =
         kParallelFactor * geometry_.edge_squared_length[c.edge_a] * geometry_.edge_squared_length[c.edge_b];
@@ -84,26 +89,30 @@ class Classifier {
         squared_norm(cross(x_[a[1]] - x_[a[0]], x_[b[1]] - x_[b[0]])) < contact.parallel_threshold;
     using enum EdgeEdgeType;
     if (type == EA_EB) {
-      set_points(contact, mollified ? StencilKind::MollifiedEdgeEdge : StencilKind::EdgeEdge, 2, {a[0], a[1], b[0], b[1]},
-                 {w[0], w[1], -w[2], -w[3]});
+      set_points(contact, mollified ? StencilKind::MollifiedEdgeEdge : StencilKind::EdgeEdge, 2,
+                 {a[0], a[1], b[0], b[1]}, {w[0], w[1], -w[2], -w[3]});
     } else if (type == EA_EB0 || type == EA_EB1) {
       // An end of edge B against the inside of edge A: the point side comes first.
       const int i = type == EA_EB0 ? 0 : 1;
       std::swap(contact.group_a, contact.group_b);
       if (mollified)
-        set_points(contact, StencilKind::MollifiedPointEdge, 2, {b[i], b[1 - i], a[0], a[1]}, {1.0, 0.0, -w[0], -w[1]});
+        set_points(contact, StencilKind::MollifiedPointEdge, 2, {b[i], b[1 - i], a[0], a[1]},
+                   {1.0, 0.0, -w[0], -w[1]});
       else
         set_point_edge(contact, b[i], a[0], a[1], {w[0], w[1]});
     } else if (type == EA0_EB || type == EA1_EB) {
       const int i = type == EA0_EB ? 0 : 1;
       if (mollified)
-        set_points(contact, StencilKind::MollifiedPointEdge, 2, {a[i], a[1 - i], b[0], b[1]}, {1.0, 0.0, -w[2], -w[3]});
+        set_points(contact, StencilKind::MollifiedPointEdge, 2, {a[i], a[1 - i], b[0], b[1]},
+                   {1.0, 0.0, -w[2], -w[3]});
       else
         set_point_edge(contact, a[i], b[0], b[1], {w[2], w[3]});
     } else {
-      const int i = type == EA1_EB0 || type == EA1_EB1 ? 1 : 0, j = type == EA0_EB1 || type == EA1_EB1 ? 1 : 0;
+      const int i = type == EA1_EB0 || type == EA1_EB1 ? 1 : 0,
+                j = type == EA0_EB1 || type == EA1_EB1 ? 1 : 0;
       if (mollified)
-        set_points(contact, StencilKind::MollifiedPointPoint, 2, {a[i], a[1 - i], b[j], b[1 - j]}, {1.0, 0.0, -1.0, 0.0});
+        set_points(contact, StencilKind::MollifiedPointPoint, 2, {a[i], a[1 - i], b[j], b[1 - j]},
+                   {1.0, 0.0, -1.0, 0.0});
       else
         set_points(contact, StencilKind::PointPoint, 1, {a[i], b[j]}, {1.0, -1.0});
     }
@@ -118,7 +127,8 @@ class Classifier {
     if (type == PointEdgeType::P_E)
       set_point_edge(contact, c.point, e[0], e[1], point_edge_weights(x_[c.point], x_[e[0]], x_[e[1]], type));
     else
-      set_points(contact, StencilKind::PointPoint, 1, {c.point, e[type == PointEdgeType::P_E0 ? 0 : 1]}, {1.0, -1.0});
+      set_points(contact, StencilKind::PointPoint, 1, {c.point, e[type == PointEdgeType::P_E0 ? 0 : 1]},
+                 {1.0, -1.0});
     return true;
   }
 
@@ -179,9 +189,10 @@ namespace {
 template <typename Candidate, typename Predicate>
 void keep_near(std::vector<Candidate>& candidates, ThreadPool& pool, const Predicate& is_near) {
   std::vector<uint8_t> keep(candidates.size());
-  pool.for_each_range(static_cast<int64_t>(candidates.size()), kCandidatesPerTask, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) keep[i] = is_near(candidates[i]);
-  });
+  pool.for_each_range(static_cast<int64_t>(candidates.size()), kCandidatesPerTask,
+                      [&](int64_t begin, int64_t end) {
+                        for (int64_t i = begin; i < end; ++i) keep[i] = is_near(candidates[i]);
+                      });
   size_t count = 0;
   for (size_t i = 0; i < candidates.size(); ++i)
     if (keep[i]) candidates[count++] = candidates[i];
@@ -208,7 +219,8 @@ void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach
   });
 }
 
-ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers, ThreadPool& pool)
+ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers,
+                       ThreadPool& pool)
     : pool_(pool), contact_of_(kStencilKindCount) {
   for (const auto& barrier : barriers) batches_.emplace_back(barrier);
 }
@@ -221,7 +233,8 @@ void ContactSet::reset(std::vector<Contact> contacts) {
     contact_of_[kind].clear();
     for (size_t c = 0; c < contacts_.size(); ++c) {
       if (static_cast<int>(contacts_[c].kind) != kind) continue;
-      stencils.insert(stencils.end(), contacts_[c].sites.begin(), contacts_[c].sites.begin() + contacts_[c].point_count);
+      stencils.insert(stencils.end(), contacts_[c].sites.begin(),
+                      contacts_[c].sites.begin() + contacts_[c].point_count);
       contact_of_[kind].push_back(static_cast<int64_t>(c));
     }
     PotentialBatch& batch = batches_[kind];

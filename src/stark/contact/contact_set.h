@@ -1,5 +1,5 @@
-// Active contacts of a configuration: candidate pairs whose distance is below their contact distance, classified into
-// stencils and filled into one batch per barrier (step phase 4b).
+// Active contacts of a configuration: candidate pairs whose distance is below their contact distance,
+// classified into stencils and filled into one batch per barrier (step phase 4b).
 #pragma once
 
 #include <array>
@@ -14,7 +14,14 @@
 namespace stark {
 
 enum class StencilKind : uint8_t {
-  PointPoint, PointEdge, PointTriangle, EdgeEdge, MollifiedPointPoint, MollifiedPointEdge, MollifiedEdgeEdge, kCount
+  PointPoint,
+  PointEdge,
+  PointTriangle,
+  EdgeEdge,
+  MollifiedPointPoint,
+  MollifiedPointEdge,
+  MollifiedEdgeEdge,
+  kCount
 };
 inline constexpr int kStencilKindCount = static_cast<int>(StencilKind::kCount);
 
@@ -29,7 +36,7 @@ struct Contact {
   PairKey key;
   StencilKind kind = StencilKind::PointPoint;
   int8_t point_count = 2;
-  int8_t side_a_count = 1;          ///< the first vertices belong to side A
+  int8_t side_a_count = 1;  ///< the first vertices belong to side A
   int32_t group_a = 0, group_b = 0;
   std::array<int32_t, 4> sites{};   ///< as the barrier of `kind` orders them
   std::array<double, 4> weights{};  ///< separation = sum_i weights_i x_i, + on side A
@@ -42,23 +49,24 @@ struct Contact {
 /// What classification needs to know about the surfaces.
 struct ContactGeometry {
   const SurfaceMesh* mesh = nullptr;
-  std::vector<double> group_distance;      ///< contact distance per group [m]; a pair acts within the sum
-  std::vector<double> edge_squared_length; ///< of the rest shape, per edge [m^2]
+  std::vector<double> group_distance;       ///< contact distance per group [m]; a pair acts within the sum
+  std::vector<double> edge_squared_length;  ///< of the rest shape, per edge [m^2]
 };
 
 /// Contacts among the candidates at site positions x, in the order of the lists. Stiffness is left at zero.
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
                    ThreadPool& pool, std::vector<Contact>& out);
 
-/// Removes candidates whose distance at x is above the sum of their groups' reach [m]: boxes overlap far more often than
-/// primitives are near, and a list is read many times.
+/// Removes candidates whose distance at x is above the sum of their groups' reach [m]: boxes overlap far more
+/// often than primitives are near, and a list is read many times.
 void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach, std::span<const Vec3> x,
                     ThreadPool& pool, CandidateList& candidates);
 
 class ContactSet {
  public:
   /// barriers: one potential per StencilKind.
-  ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers, ThreadPool& pool);
+  ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers,
+             ThreadPool& pool);
 
   /// Takes the contacts (with stiffness) and fills the batches.
   void reset(std::vector<Contact> contacts);
@@ -74,8 +82,8 @@ class ContactSet {
 
  private:
   ThreadPool& pool_;
-  std::vector<PotentialBatch> batches_;             ///< by StencilKind
-  std::vector<std::vector<int64_t>> contact_of_;    ///< [kind][element] -> index into contacts_
+  std::vector<PotentialBatch> batches_;           ///< by StencilKind
+  std::vector<std::vector<int64_t>> contact_of_;  ///< [kind][element] -> index into contacts_
   std::vector<Contact> contacts_;
   std::vector<double> energies_;
 };

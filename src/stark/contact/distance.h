@@ -1,5 +1,5 @@
-// Distances of contact stencils as formulas of their vertices; the type of the closest features was found before
-// (geometry/distance.h), so each is smooth.
+// Distances of contact stencils as formulas of their vertices; the type of the closest features was found
+// before (geometry/distance.h), so each is smooth.
 #pragma once
 
 #include <stark/mechanics/define.h>

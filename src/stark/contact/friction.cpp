@@ -1,7 +1,8 @@
-// Smoothed Coulomb friction with lagged normal force and tangent plane: E = mu lambda f0(|u_T|), u_T the tangential part
-// of the relative displacement u = sum_i w_i (x_i - x_i^n) within the step, w the lagged weights of the closest points.
-// [Li et al. 2020, eq. 17] f0(y) = y^2/eps - y^3/(3 eps^2) + eps/3 below eps = stick_velocity * h, y above: C1 with
-// bounded curvature, so the force has magnitude mu lambda whenever the contact slips.
+// Smoothed Coulomb friction with lagged normal force and tangent plane: E = mu lambda f0(|u_T|), u_T the
+// tangential part of the relative displacement u = sum_i w_i (x_i - x_i^n) within the step, w the lagged
+// weights of the closest points. [Li et al. 2020, eq. 17] f0(y) = y^2/eps - y^3/(3 eps^2) + eps/3 below eps =
+// stick_velocity * h, y above: C1 with bounded curvature, so the force has magnitude mu lambda whenever the
+// contact slips.
 #include <stark/mechanics/define.h>
 
 namespace stark::models {
@@ -11,16 +12,20 @@ namespace {
 PotentialDefinition friction_potential(int point_count) {
   PotentialDefinition definition = define_potential(
       "friction_" + std::to_string(point_count), point_count,
-      "smoothed Coulomb friction of " + std::to_string(point_count) + " points", [point_count](PotentialBuilder& b) {
+      "smoothed Coulomb friction of " + std::to_string(point_count) + " points",
+      [point_count](PotentialBuilder& b) {
         const Scalar strength = b.data("strength", "N", "friction coefficient times normal force");
         const Vec3 normal = b.data3("normal", "1", "unit normal of the contact");
-        const Scalar eps = b.parameter("stick_velocity", "m/s", "speed below which the contact sticks") * b.time_step();
+        const Scalar eps =
+            b.parameter("stick_velocity", "m/s", "speed below which the contact sticks") * b.time_step();
         Vec3 u(0.0, 0.0, 0.0);
         for (int i = 0; i < point_count; ++i)
-          u = u + b.data("weight" + std::to_string(i), "1", "signed weight of the point") * (b.x(i) - b.x_prev(i));
+          u = u + b.data("weight" + std::to_string(i), "1", "signed weight of the point") *
+                      (b.x(i) - b.x_prev(i));
         const Vec3 tangential = u - normal * dot(normal, u);
         const Scalar s = squared_norm(tangential);
-        // Below 1e-8 eps the root is held constant: its curvature is unbounded there while the energy's is 2/eps.
+        // Below 1e-8 eps the root is held constant: its curvature is unbounded there while the energy's is
+        // 2/eps.
         const Scalar y = sqrt(max(s, square(1e-8 * eps)));
         const Scalar stick = s / eps - s * y / (3.0 * square(eps)) + eps / 3.0;
         return strength * select(s < square(eps), stick, y);

@@ -15,7 +15,8 @@ constexpr double kStrengthTolerance = 1e-3;
 
 }  // namespace
 
-FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity) {
+FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials,
+                         double stick_velocity) {
   for (const auto& potential : potentials) {
     batches_.emplace_back(potential);
     batches_.back().set_uniform("stick_velocity", stick_velocity);

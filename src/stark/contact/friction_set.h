@@ -1,5 +1,6 @@
-// Friction of the contacts of a configuration, with normal force, tangent plane and closest points frozen there and
-// displacements measured from the start of the step (step phase 2, refreshed when the iteration has converged).
+// Friction of the contacts of a configuration, with normal force, tangent plane and closest points frozen
+// there and displacements measured from the start of the step (step phase 2, refreshed when the iteration has
+// converged).
 #pragma once
 
 #include <functional>
@@ -17,10 +18,11 @@ class FrictionSet {
   /// potentials: friction of 2, 3 and 4 points.
   FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity);
 
-  /// Freezes friction at the contacts, with the forces on their sides A; x_start are site positions at the start of the
-  /// step. Returns the largest change of mu lambda of a pair [N], 0 when all are within 0.1 % of the largest of before.
-  double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces, const FrictionTable& coefficient,
-               std::span<const Vec3> x_start, double time_step);
+  /// Freezes friction at the contacts, with the forces on their sides A; x_start are site positions at the
+  /// start of the step. Returns the largest change of mu lambda of a pair [N], 0 when all are within 0.1 % of
+  /// the largest of before.
+  double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+               const FrictionTable& coefficient, std::span<const Vec3> x_start, double time_step);
 
   std::vector<const PotentialBatch*> batches() const;
   bool empty() const { return strengths_.empty(); }

@@ -10,8 +10,8 @@ namespace stark {
 
 namespace {
 
-/// A list is built with this part of the contact distance as motion budget. Longer motions are swept once instead of
-/// enlarging the list that all energy evaluations read.
+/// A list is built with this part of the contact distance as motion budget. Longer motions are swept once
+/// instead of enlarging the list that all energy evaluations read.
 constexpr double kMarginFactor = 0.5;
 
 std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
@@ -41,7 +41,8 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     geometry_.edge_squared_length.push_back(
         squared_norm(surfaces.rest_positions[edge[1]] - surfaces.rest_positions[edge[0]]));
   geometry_.group_distance = surfaces.group_distance;
-  for (const double d : surfaces.group_distance) group_separation_.push_back(options.min_separation_factor * d);
+  for (const double d : surfaces.group_distance)
+    group_separation_.push_back(options.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
   geometry_.mesh = &broad_phase_.mesh();
 }
@@ -91,8 +92,10 @@ void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, C
 void ContactPipeline::update(std::span<const Vec3> x) {
   if (!covers(candidates_, x)) {
     // The accepted trial point left a list behind.
-    if (covers(trial_candidates_, x)) std::swap(candidates_, trial_candidates_);
-    else build(x, candidates_);
+    if (covers(trial_candidates_, x))
+      std::swap(candidates_, trial_candidates_);
+    else
+      build(x, candidates_);
   }
   fill(candidates_.list, x, active_);
   friction_.remember(x);
@@ -135,7 +138,8 @@ double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
   update(x);
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
-  const double change = friction_.reset(active_.contacts(), forces, friction_coefficient_, x_start_, time_step_);
+  const double change =
+      friction_.reset(active_.contacts(), forces, friction_coefficient_, x_start_, time_step_);
   friction_.remember(x);
   return change;
 }

@@ -1,5 +1,5 @@
-// Contact of all kinds of bodies in one pipeline: candidates with a motion budget, active contacts, barrier, friction,
-// certified step bounds (step phases 2, 4b and 4h). It sees sites only, never bodies.
+// Contact of all kinds of bodies in one pipeline: candidates with a motion budget, active contacts, barrier,
+// friction, certified step bounds (step phases 2, 4b and 4h). It sees sites only, never bodies.
 #pragma once
 
 #include <memory>
@@ -40,8 +40,9 @@ struct ContactCounters {
 
 class ContactPipeline final : public ActiveSet {
  public:
-  ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials, const ContactOptions& options,
-                  const KinematicMap& map, ThreadPool& pool, PhaseTimer& timer);
+  ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials,
+                  const ContactOptions& options, const KinematicMap& map, ThreadPool& pool,
+                  PhaseTimer& timer);
 
   /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
   void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
@@ -64,7 +65,8 @@ class ContactPipeline final : public ActiveSet {
   const CcdReport& limiting_pair() const { return ccd_report_; }
 
  private:
-  /// Candidate list that is complete while no site is farther than its group's margin from where it was built.
+  /// Candidate list that is complete while no site is farther than its group's margin from where it was
+  /// built.
   struct Candidates {
     CandidateList list;
     std::vector<Vec3> x;

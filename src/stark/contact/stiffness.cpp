@@ -17,13 +17,15 @@ constexpr double kSmallestCompliance = 1e-30;
 
 }  // namespace
 
-void PairStiffness::begin_step(const Configuration& configuration, std::span<const Mat3> diagonal, double factor) {
+void PairStiffness::begin_step(const Configuration& configuration, std::span<const Mat3> diagonal,
+                               double factor) {
   configuration_ = configuration;
   factor_ = factor;
   frozen_.clear();
   inverse_diagonal_.clear();
   for (const Mat3& block : diagonal) {
-    // Indefinite blocks (buckled elements) lose their negative part; a multiple of the identity keeps them invertible.
+    // Indefinite blocks (buckled elements) lose their negative part; a multiple of the identity keeps them
+    // invertible.
     Mat3 safe = psd_project(block);
     const double shift = 1e-6 * trace(safe) + 1e-300;
     inverse_diagonal_.push_back(inverse(safe + Mat3::identity() * shift));
@@ -50,7 +52,8 @@ double PairStiffness::compliance(const Contact& contact, std::span<const Vec3> x
     }
   }
   double compliance = 0.0;
-  for (int k = 0; k < count; ++k) compliance += dot(terms[k].second, inverse_diagonal_[terms[k].first] * terms[k].second);
+  for (int k = 0; k < count; ++k)
+    compliance += dot(terms[k].second, inverse_diagonal_[terms[k].first] * terms[k].second);
   return std::max(compliance, kSmallestCompliance);
 }
 

@@ -1,9 +1,11 @@
-// Barrier stiffness of a pair from the mass and the elastic stiffness of what it separates, frozen within a step.
+// Barrier stiffness of a pair from the mass and the elastic stiffness of what it separates, frozen within a
+// step.
 //
-// A unit force along the contact normal moves the pair apart by the compliance s = sum_b j_b^T H_bb^-1 j_b, with H_bb
-// the diagonal blocks of inertia and elasticity at the start of the step and j_b the normal seen by block b. 1/s is the
-// effective stiffness of the pair; prescribed sides add no compliance. kappa is such that the barrier's curvature at
-// half the contact distance, kappa b''(d_hat/2), is `factor` / s. [theory eq. 18; Ando 2024, "elasticity-inclusive"]
+// A unit force along the contact normal moves the pair apart by the compliance s = sum_b j_b^T H_bb^-1 j_b,
+// with H_bb the diagonal blocks of inertia and elasticity at the start of the step and j_b the normal seen by
+// block b. 1/s is the effective stiffness of the pair; prescribed sides add no compliance. kappa is such that
+// the barrier's curvature at half the contact distance, kappa b''(d_hat/2), is `factor` / s. [theory eq. 18;
+// Ando 2024, "elasticity-inclusive"]
 #pragma once
 
 #include <map>

@@ -31,7 +31,9 @@ double smoothstep(double low, double high, double x) {
 }
 
 double linear_from_srgb(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
-Vec3 linear_from_srgb(const Vec3& c) { return {linear_from_srgb(c.x), linear_from_srgb(c.y), linear_from_srgb(c.z)}; }
+Vec3 linear_from_srgb(const Vec3& c) {
+  return {linear_from_srgb(c.x), linear_from_srgb(c.y), linear_from_srgb(c.z)};
+}
 uint8_t byte_from_linear(double c) {
   const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1.0 / 2.4) - 0.055;
   return static_cast<uint8_t>(std::clamp(255.0 * s + 0.5, 0.0, 255.0));
@@ -43,23 +45,25 @@ class Lighting {
   Lighting(const TriangleScene& scene, const RasterSettings& settings, ThreadPool& pool)
       : key_(normalized(settings.light)), key_count_(settings.key_lights) {
     const double reach = 1.9 * settings.scene_radius;
-    const Vec3 side = normalized(std::fabs(key_.z) < 0.9 ? cross(key_, Vec3{0, 0, 1}) : cross(key_, Vec3{0, 1, 0}));
+    const Vec3 side =
+        normalized(std::fabs(key_.z) < 0.9 ? cross(key_, Vec3{0, 0, 1}) : cross(key_, Vec3{0, 1, 0}));
     const Vec3 other = cross(key_, side);
     for (int i = 0; i < settings.key_lights; ++i) {
       const double r = kKeyLightRadius * std::sqrt((i + 0.5) / settings.key_lights), a = kGoldenAngle * i;
-      maps_.emplace_back(normalized(key_ + (r * std::cos(a)) * side + (r * std::sin(a)) * other), settings.scene_center,
-                         reach, 1024);
+      maps_.emplace_back(normalized(key_ + (r * std::cos(a)) * side + (r * std::sin(a)) * other),
+                         settings.scene_center, reach, 1024);
     }
     // Equal areas of the upper hemisphere, so that the sum over the lights is the integral over the sky.
     for (int i = 0; i < settings.sky_lights; ++i) {
       const double z = (i + 0.5) / settings.sky_lights, r = std::sqrt(1.0 - z * z), a = kGoldenAngle * i;
       maps_.emplace_back(Vec3{r * std::cos(a), r * std::sin(a), z}, settings.scene_center, reach, 512);
     }
-    pool.for_each_task(static_cast<int64_t>(maps_.size()), [&](int64_t i, int) { maps_[i].draw(scene.triangles); });
+    pool.for_each_task(static_cast<int64_t>(maps_.size()),
+                       [&](int64_t i, int) { maps_[i].draw(scene.triangles); });
   }
 
-  /// Light that a white diffuse surface sends back, and the visible share of the key light. `face` is the normal of
-  /// the triangle, `normal` the smooth one; both look towards the viewer.
+  /// Light that a white diffuse surface sends back, and the visible share of the key light. `face` is the
+  /// normal of the triangle, `normal` the smooth one; both look towards the viewer.
   Vec3 diffuse(const Vec3& point, const Vec3& normal, const Vec3& face, double& out_key) const {
     const double cosine = std::max(0.0, dot(normal, key_));
     double visible = 1.0;
@@ -68,7 +72,8 @@ class Lighting {
       for (int i = 0; i < key_count_; ++i) visible += maps_[i].visibility(point, face);
       visible /= key_count_;
     }
-    // A smooth normal may see the light although its triangle does not: fade instead of a hard, jagged border.
+    // A smooth normal may see the light although its triangle does not: fade instead of a hard, jagged
+    // border.
     visible *= smoothstep(-0.05, 0.12, dot(face, key_));
     out_key = visible;
     const int sky_count = static_cast<int>(maps_.size()) - key_count_;
@@ -102,9 +107,15 @@ class Shader {
  public:
   Shader(std::span<const RasterMesh> meshes, const TriangleScene& scene, const CameraFrame& frame,
          const RasterSettings& settings, const Lighting& lighting)
-      : meshes_(meshes), scene_(scene), frame_(frame), settings_(settings), lighting_(lighting),
-        top_(linear_from_srgb(settings.background_top)), bottom_(linear_from_srgb(settings.background_bottom)),
-        ground_(linear_from_srgb(kGroundColor)), pixel_angle_(2.0 * frame.half_height / settings.height) {
+      : meshes_(meshes),
+        scene_(scene),
+        frame_(frame),
+        settings_(settings),
+        lighting_(lighting),
+        top_(linear_from_srgb(settings.background_top)),
+        bottom_(linear_from_srgb(settings.background_bottom)),
+        ground_(linear_from_srgb(kGroundColor)),
+        pixel_angle_(2.0 * frame.half_height / settings.height) {
     for (const RasterMesh& mesh : meshes) colors_.push_back(linear_from_srgb(mesh.color));
   }
 
@@ -131,7 +142,8 @@ class Shader {
     double key = 1.0;
     const Vec3 light = lighting_.diffuse(point, normal, face, key);
     const Vec3 view = normalized(-ray);
-    const double gloss = 0.10 * key * std::pow(std::max(0.0, dot(normal, normalized(lighting_.key() + view))), 42.0);
+    const double gloss =
+        0.10 * key * std::pow(std::max(0.0, dot(normal, normalized(lighting_.key() + view))), 42.0);
     Vec3 color = tone(multiply(base, light) + Vec3{gloss, gloss, gloss});
     if (mesh.fades_out) color = mix(color, background, horizon(point));
     return color;
@@ -193,7 +205,8 @@ class Shader {
     const double width = footprint / spacing, stretched = width / std::max(slant, 0.02);
     const double fade = std::clamp(1.0 - 2.5 * stretched, 0.0, 1.0);
     double nearest = 1.0;
-    for (const double v : {p.x / spacing, p.y / spacing}) nearest = std::min(nearest, std::fabs(v - std::round(v)));
+    for (const double v : {p.x / spacing, p.y / spacing})
+      nearest = std::min(nearest, std::fabs(v - std::round(v)));
     return fade * (1.0 - smoothstep(0.4 * width, 1.1 * stretched, nearest));
   }
 
@@ -213,16 +226,17 @@ void check(const RasterCamera& camera, const RasterSettings& s) {
   };
   constexpr int kLargest = 16384;
   for (const int size : {s.width, s.height})
-    need(size >= 1 && size <= kLargest,
-         "picture: size " + std::to_string(s.width) + " x " + std::to_string(s.height) + " px; must be in [1, 16384]");
+    need(size >= 1 && size <= kLargest, "picture: size " + std::to_string(s.width) + " x " +
+                                            std::to_string(s.height) + " px; must be in [1, 16384]");
   need(s.samples >= 1 && s.samples <= 8,
        "picture: samples = " + std::to_string(s.samples) + " per pixel and axis; must be in [1, 8]");
   need(s.key_lights >= 0 && s.key_lights <= 256 && s.sky_lights >= 0 && s.sky_lights <= 1024,
        "picture: key_lights must be in [0, 256] and sky_lights in [0, 1024]");
-  need(is_finite(camera.eye) && is_finite(camera.target) && is_finite(camera.up), "camera: a vector is not finite");
+  need(is_finite(camera.eye) && is_finite(camera.target) && is_finite(camera.up),
+       "camera: a vector is not finite");
   need(camera.eye != camera.target, "camera: eye and target are the same point; move one of them");
-  need(camera.vertical_fov > 0.0 && camera.vertical_fov < 3.1, "camera: field of view = " +
-       std::to_string(camera.vertical_fov) + " rad; must be in (0, 3.1)");
+  need(camera.vertical_fov > 0.0 && camera.vertical_fov < 3.1,
+       "camera: field of view = " + std::to_string(camera.vertical_fov) + " rad; must be in (0, 3.1)");
   need(s.scene_radius > 0.0 && std::isfinite(s.scene_radius) && is_finite(s.scene_center),
        "picture: scene radius = " + std::to_string(s.scene_radius) + " m; must be positive and finite");
   need(is_finite(s.light) && squared_norm(s.light) > 0.0, "picture: the light's direction must not be zero");
@@ -230,7 +244,8 @@ void check(const RasterCamera& camera, const RasterSettings& s) {
 
 }  // namespace
 
-Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera, const RasterSettings& settings) {
+Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
+                const RasterSettings& settings) {
   check(camera, settings);
   ThreadPool pool(settings.threads);
   const TriangleScene scene = raster::flatten(meshes);
@@ -256,7 +271,8 @@ Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera, 
           color = shader.shade((x + 0.5) / width, (y + 0.5) / height, triangle_at(0));
         } else {
           for (int i = 0; i < n * n; ++i)
-            color += shader.shade((x + (i % n + 0.5) / n) / width, (y + (i / n + 0.5) / n) / height, triangle_at(i));
+            color += shader.shade((x + (i % n + 0.5) / n) / width, (y + (i / n + 0.5) / n) / height,
+                                  triangle_at(i));
           color *= 1.0 / (n * n);
         }
         uint8_t* pixel = &image.pixels[3 * (static_cast<size_t>(y) * width + x)];

@@ -1,6 +1,7 @@
-// Software rasteriser: pictures of triangle meshes on machines without a graphics stack. Visibility by a z-buffer over a
-// perspective camera; light from a soft key light and a sky, each sampled by directional lights with shadow maps, which
-// gives soft shadows and ambient occlusion from one mechanism. Output only; no phase of the time step uses it.
+// Software rasteriser: pictures of triangle meshes on machines without a graphics stack. Visibility by a
+// z-buffer over a perspective camera; light from a soft key light and a sky, each sampled by directional
+// lights with shadow maps, which gives soft shadows and ambient occlusion from one mechanism. Output only; no
+// phase of the time step uses it.
 #pragma once
 
 #include <array>
@@ -14,37 +15,37 @@ namespace stark {
 
 /// A mesh to draw. The spans must outlive the call of rasterise().
 struct RasterMesh {
-  std::span<const Vec3> positions;                 ///< vertices in the world [m]
+  std::span<const Vec3> positions;  ///< vertices in the world [m]
   std::span<const std::array<int32_t, 3>> triangles;
-  Vec3 color{0.6, 0.6, 0.6};                       ///< sRGB in [0, 1]
-  double crease_angle = 0.65;                      ///< sharper edges are drawn as edges [rad]; pi: all smooth
-  bool pale_back = false;                          ///< the side that looks along the normals' back is drawn paler
-  bool fades_out = false;                          ///< dissolves far from the scene, for floors and walls
+  Vec3 color{0.6, 0.6, 0.6};   ///< sRGB in [0, 1]
+  double crease_angle = 0.65;  ///< sharper edges are drawn as edges [rad]; pi: all smooth
+  bool pale_back = false;      ///< the side that looks along the normals' back is drawn paler
+  bool fades_out = false;      ///< dissolves far from the scene, for floors and walls
 };
 
 struct RasterCamera {
-  Vec3 eye{1.0, -1.0, 0.6};   ///< [m]
-  Vec3 target{0.0, 0.0, 0.0}; ///< [m]
+  Vec3 eye{1.0, -1.0, 0.6};    ///< [m]
+  Vec3 target{0.0, 0.0, 0.0};  ///< [m]
   Vec3 up{0.0, 0.0, 1.0};
-  double vertical_fov = 0.61; ///< full angle [rad]
+  double vertical_fov = 0.61;  ///< full angle [rad]
 };
 
 struct RasterSettings {
-  int width = 1280;            ///< [px]
-  int height = 720;            ///< [px]
-  int samples = 2;             ///< samples per pixel and axis
-  Vec3 scene_center;           ///< centre of what is looked at [m]: light and fading are laid around it
-  double scene_radius = 1.0;   ///< [m]
+  int width = 1280;               ///< [px]
+  int height = 720;               ///< [px]
+  int samples = 2;                ///< samples per pixel and axis
+  Vec3 scene_center;              ///< centre of what is looked at [m]: light and fading are laid around it
+  double scene_radius = 1.0;      ///< [m]
   Vec3 light{0.42, -0.38, 0.86};  ///< direction towards the key light
-  int key_lights = 16;         ///< samples of the key light; 0: no shadow of it
-  int sky_lights = 48;         ///< samples of the sky; 0: no ambient occlusion
-  bool ground = true;          ///< an endless ground plane
-  double ground_height = 0.0;  ///< z of the ground [m]
-  double grid_spacing = 0.0;   ///< distance of the lines on the ground [m]; 0: no lines
-  bool edges = false;          ///< mesh edges as thin lines
-  Vec3 background_top{0.985, 0.988, 0.992};    ///< sRGB
-  Vec3 background_bottom{0.89, 0.91, 0.93};    ///< sRGB
-  int threads = 1;             ///< the picture does not depend on it
+  int key_lights = 16;            ///< samples of the key light; 0: no shadow of it
+  int sky_lights = 48;            ///< samples of the sky; 0: no ambient occlusion
+  bool ground = true;             ///< an endless ground plane
+  double ground_height = 0.0;     ///< z of the ground [m]
+  double grid_spacing = 0.0;      ///< distance of the lines on the ground [m]; 0: no lines
+  bool edges = false;             ///< mesh edges as thin lines
+  Vec3 background_top{0.985, 0.988, 0.992};  ///< sRGB
+  Vec3 background_bottom{0.89, 0.91, 0.93};  ///< sRGB
+  int threads = 1;                           ///< the picture does not depend on it
 };
 
 /// sRGB picture, rows from the top, three bytes a pixel.
@@ -54,8 +55,9 @@ struct Image {
   std::vector<uint8_t> pixels;
 };
 
-/// Draws the meshes. Throws InvalidArgument on sizes outside [1, 16384], indices out of range, or numbers that are
-/// not finite. O(triangles * (lights + bands) + pixels * samples^2 * lights).
-Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera, const RasterSettings& settings);
+/// Draws the meshes. Throws InvalidArgument on sizes outside [1, 16384], indices out of range, or numbers
+/// that are not finite. O(triangles * (lights + bands) + pixels * samples^2 * lights).
+Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
+                const RasterSettings& settings);
 
 }  // namespace stark

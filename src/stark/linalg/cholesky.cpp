@@ -189,7 +189,8 @@ void Cholesky<Real>::analyze(const BlockPattern& pattern, std::span<const Vec3>)
   Implementation& s = *implementation_;
   const uint64_t hash = pattern.hash();
   const bool foreign = s.new_sequence && s.ordered_pattern != hash;
-  const bool keep = s.orderings > 0 && static_cast<int32_t>(s.order.size()) == pattern.block_count && !foreign;
+  const bool keep =
+      s.orderings > 0 && static_cast<int32_t>(s.order.size()) == pattern.block_count && !foreign;
   s.new_sequence = false;
   const auto reorder = [&] {
     s.order = fill_reducing_order(AdjacencyGraph::from_pattern(pattern));

@@ -30,13 +30,13 @@ class Cholesky {
   Cholesky& operator=(Cholesky&&) noexcept;
 
   /// Symbolic phase for a pattern. The fill-reducing ordering is kept while the number of block rows is
-  /// unchanged and the predicted flops stay below 1.3 times those at the last ordering; it is also redone some
-  /// time after a good part of the couplings has gone. `positions` [block_count] may be empty; they are a hint
-  /// that the present ordering, which works on the graph alone, does not need.
+  /// unchanged and the predicted flops stay below 1.3 times those at the last ordering; it is also redone
+  /// some time after a good part of the couplings has gone. `positions` [block_count] may be empty; they are
+  /// a hint that the present ordering, which works on the graph alone, does not need.
   void analyze(const BlockPattern& pattern, std::span<const Vec3> positions = {});
 
-  /// The next analyze() orders anew, unless its pattern is the one that the present ordering was made for: what follows
-  /// then depends on the patterns from here on only.
+  /// The next analyze() orders anew, unless its pattern is the one that the present ordering was made for:
+  /// what follows then depends on the patterns from here on only.
   void begin_sequence();
   /// Hash of the pattern that the present ordering was made for, 0 before the first.
   uint64_t ordered_pattern() const;

@@ -231,13 +231,14 @@ void LinearSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> po
   const double n = pattern.block_count, off_diagonal = static_cast<double>(pattern.slot_count()) - n;
   // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads
   // every block and its index, and passes over about ten vectors.
-  const double direct_cost = s.factor.cholesky.flops() / kFlopsPerSecond +
-                             4.0 * 8.0 * static_cast<double>(s.factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
+  const double direct_cost =
+      s.factor.cholesky.flops() / kFlopsPerSecond +
+      4.0 * 8.0 * static_cast<double>(s.factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
   const double iteration_cost = ((2.0 * off_diagonal + n) * 76.0 + 10.0 * 24.0 * n) / kBytesPerSecond;
   const double break_even = direct_cost / iteration_cost;
   s.starts_with_pcg = break_even > kProbeMinIterations;
-  s.iteration_cap = static_cast<int>(
-      std::clamp(break_even, static_cast<double>(kLeastIterationCap), static_cast<double>(s.settings.pcg_max_iterations)));
+  s.iteration_cap = static_cast<int>(std::clamp(break_even, static_cast<double>(kLeastIterationCap),
+                                                static_cast<double>(s.settings.pcg_max_iterations)));
 }
 
 void LinearSolver::begin_step() {

@@ -51,12 +51,13 @@ class LinearSolver {
   LinearSolveReport solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
                           double forcing_tolerance, std::span<const Vec3> positions = {});
 
-  /// Bases the automatic choice on the pattern without contact, once for a simulation: modelled costs of a direct
-  /// solve and of an iteration say whether steps start with conjugate gradients and when those give up.
+  /// Bases the automatic choice on the pattern without contact, once for a simulation: modelled costs of a
+  /// direct solve and of an iteration say whether steps start with conjugate gradients and when those give
+  /// up.
   void prepare(const BlockPattern& pattern, std::span<const Vec3> positions = {});
 
-  /// Marks the start of a time step and forgets what earlier steps taught: within a step the solver may go from
-  /// conjugate gradients to Cholesky, and keeps its ordering; a step depends on its own systems only.
+  /// Marks the start of a time step and forgets what earlier steps taught: within a step the solver may go
+  /// from conjugate gradients to Cholesky, and keeps its ordering; a step depends on its own systems only.
   void begin_step();
 
   const LinearSolverSettings& settings() const;

@@ -1,4 +1,5 @@
-// Energies whose stencils change with the configuration. Contact implements this; mechanics knows nothing of contact.
+// Energies whose stencils change with the configuration. Contact implements this; mechanics knows nothing of
+// contact.
 #pragma once
 
 #include <span>
@@ -12,16 +13,17 @@ class ActiveSet {
  public:
   virtual ~ActiveSet() = default;
 
-  /// Rebuilds the stencils active at site positions x and remembers their energies. Returns true when the batches'
-  /// stencils changed. The batches stay valid until the next call.
+  /// Rebuilds the stencils active at site positions x and remembers their energies. Returns true when the
+  /// batches' stencils changed. The batches stay valid until the next call.
   virtual void update(std::span<const Vec3> x) = 0;
   virtual std::vector<const PotentialBatch*> batches() const = 0;
 
-  /// Makes sure that no pair is missed while sites move from x0 to x1 and returns the largest safe fraction in [0, 1] of
-  /// the linear motion.
+  /// Makes sure that no pair is missed while sites move from x0 to x1 and returns the largest safe fraction
+  /// in [0, 1] of the linear motion.
   virtual double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) = 0;
 
-  /// Energies at x minus those at the last update(), pair by pair. x must be within the motion announced to max_step().
+  /// Energies at x minus those at the last update(), pair by pair. x must be within the motion announced to
+  /// max_step().
   virtual EnergyDifference energy_difference(std::span<const Vec3> x) = 0;
 
   /// Refreshes lagged quantities at x; returns the change of force [N].

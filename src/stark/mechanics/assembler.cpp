@@ -32,8 +32,8 @@ int64_t project_blocks(const PotentialBatch& batch, int64_t block_count, double*
   return count;
 }
 
-/// Blocks of lanes in a coloured chunk. Large chunks reuse the rows of the matrix while they are in cache; small meshes
-/// get smaller ones, so that there are some for each thread. Depends on the mesh only.
+/// Blocks of lanes in a coloured chunk. Large chunks reuse the rows of the matrix while they are in cache;
+/// small meshes get smaller ones, so that there are some for each thread. Depends on the mesh only.
 int64_t coloured_chunk_blocks(int64_t block_count) {
   return std::clamp<int64_t>(block_count / 32, kChunkBlocks, 8 * kChunkBlocks);
 }
@@ -54,7 +54,8 @@ Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), poo
   set_static_batches({});
 }
 
-void Assembler::append_pairs(const PotentialBatch& batch, std::vector<std::pair<int32_t, int32_t>>& out) const {
+void Assembler::append_pairs(const PotentialBatch& batch,
+                             std::vector<std::pair<int32_t, int32_t>>& out) const {
   std::vector<int32_t> blocks;
   for (int64_t e = 0; e < batch.size(); ++e) {
     blocks.clear();
@@ -109,7 +110,8 @@ void Assembler::colour_chunks(StaticPlan& plan) const {
     const int64_t begin = chunk.first_block * kLanes, end = std::min(chunk.last_block * kLanes, batch.size());
     uint64_t taken = 0;
     for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
-      if (const int32_t block = map_.point_block(batch.stencils()[s]); block != kNoBlock) taken |= used[block];
+      if (const int32_t block = map_.point_block(batch.stencils()[s]); block != kNoBlock)
+        taken |= used[block];
     size_t colour = static_cast<size_t>(std::countr_one(taken));
     if (colour < 64) {
       for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
@@ -132,8 +134,9 @@ void Assembler::set_dynamic_batches(std::vector<const PotentialBatch*> batches) 
   dynamic_pairs_ = std::move(pairs);
 }
 
-void Assembler::assemble(const Configuration& configuration, std::span<const Vec3> x, const AssemblyOptions& options,
-                         std::span<double> out_gradient, BlockMatrix& out_hessian) {
+void Assembler::assemble(const Configuration& configuration, std::span<const Vec3> x,
+                         const AssemblyOptions& options, std::span<double> out_gradient,
+                         BlockMatrix& out_hessian) {
   if (out_hessian.pattern != pattern_) out_hessian.pattern = pattern_;
   out_hessian.set_zero();
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
@@ -143,7 +146,8 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
     if (plan.is_plain)
       assemble_plain(plan, x, options, out_gradient, out_hessian);
     else
-      assemble_mapped(*plan.batch, configuration, x, options, out_gradient, out_hessian, plan.energies.data());
+      assemble_mapped(*plan.batch, configuration, x, options, out_gradient, out_hessian,
+                      plan.energies.data());
   }
   for (const PotentialBatch* batch : dynamic_batches_)
     assemble_mapped(*batch, configuration, x, options, out_gradient, out_hessian, nullptr);
@@ -166,7 +170,8 @@ void Assembler::prefetch_slots(const StaticPlan& plan, int64_t element, const Bl
 }
 
 void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
-                               const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian) {
+                               const AssemblyOptions& options, std::span<double> gradient,
+                               BlockMatrix& hessian) {
   const PotentialBatch& batch = *plan.batch;
   const int points = batch.point_count(), n = 3 * points, pairs = points * (points + 1) / 2;
   const int outputs = batch.potential().kernel().output_count(Order::Hessian);
@@ -209,8 +214,8 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
 }
 
 void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
-                                std::span<const Vec3> x, const AssemblyOptions& options, std::span<double> gradient,
-                                BlockMatrix& hessian, double* out_energies) {
+                                std::span<const Vec3> x, const AssemblyOptions& options,
+                                std::span<double> gradient, BlockMatrix& hessian, double* out_energies) {
   const int points = batch.point_count(), n = 3 * points;
   const int outputs = batch.potential().kernel().output_count(Order::Hessian);
   buffer_.resize(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
@@ -222,7 +227,8 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
   std::vector<SiteJacobian> jacobians(points);
   std::vector<Vec3> extra(options.pending.empty() ? 0 : points);
   for (int64_t e = 0; e < batch.size(); ++e) {
-    const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, n, static_cast<int>(e % kLanes));
+    const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, n,
+                              static_cast<int>(e % kLanes));
     const auto sites = batch.stencil(e);
     for (int p = 0; p < points; ++p) jacobians[p] = map_.jacobian(sites[p], configuration);
     if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);

@@ -1,9 +1,10 @@
 // Runs all batches, applies the maps and fills gradient and block matrix (step phases 4c to 4f).
 //
-// Batches are static (elasticity, inertia: their stencils never change) or dynamic (contact: set anew when the active
-// set changes). Large static batches on plain points are assembled chunk by chunk while the element Hessians are in
-// cache; chunks are coloured so that no two chunks of a colour share a block, hence no atomics and one order of sums
-// whatever the number of threads. All other batches are evaluated in parallel into a buffer and added in order.
+// Batches are static (elasticity, inertia: their stencils never change) or dynamic (contact: set anew when
+// the active set changes). Large static batches on plain points are assembled chunk by chunk while the
+// element Hessians are in cache; chunks are coloured so that no two chunks of a colour share a block, hence
+// no atomics and one order of sums whatever the number of threads. All other batches are evaluated in
+// parallel into a buffer and added in order.
 #pragma once
 
 #include <span>
@@ -24,8 +25,8 @@ struct EnergyDifference {
 
 struct AssemblyOptions {
   bool project = false;  ///< make every element Hessian and every rigid curvature positive semidefinite
-  /// Displacement that prescribed sites still have to make in this solve [m], by site; empty when there is none. The
-  /// gradient then is the one at the end of that motion to first order.
+  /// Displacement that prescribed sites still have to make in this solve [m], by site; empty when there is
+  /// none. The gradient then is the one at the end of that motion to first order.
   std::span<const Vec3> pending;
 };
 
@@ -39,8 +40,8 @@ class Assembler {
   /// Merges the pattern with the one of the dynamic batches.
   void set_dynamic_batches(std::vector<const PotentialBatch*> batches);
 
-  /// Gradient [N, N m] and Hessian of all batches at the configuration with site positions x; also remembers the
-  /// energy of every static element for energy_difference().
+  /// Gradient [N, N m] and Hessian of all batches at the configuration with site positions x; also remembers
+  /// the energy of every static element for energy_difference().
   void assemble(const Configuration& configuration, std::span<const Vec3> x, const AssemblyOptions& options,
                 std::span<double> out_gradient, BlockMatrix& out_hessian);
 
@@ -56,10 +57,10 @@ class Assembler {
   };
   struct StaticPlan {
     const PotentialBatch* batch = nullptr;
-    bool is_plain = false;                     ///< all sites are points: identity maps
-    std::vector<int32_t> slots;                ///< plain: slot in the static pattern per element and pair i <= j
-    std::vector<std::vector<Chunk>> colours;   ///< plain: chunks that may run at the same time
-    std::vector<double> energies;              ///< at the last assemble()
+    bool is_plain = false;       ///< all sites are points: identity maps
+    std::vector<int32_t> slots;  ///< plain: slot in the static pattern per element and pair i <= j
+    std::vector<std::vector<Chunk>> colours;  ///< plain: chunks that may run at the same time
+    std::vector<double> energies;             ///< at the last assemble()
   };
 
   StaticPlan plan(const PotentialBatch& batch) const;
@@ -67,13 +68,13 @@ class Assembler {
   void append_pairs(const PotentialBatch& batch, std::vector<std::pair<int32_t, int32_t>>& out) const;
   void assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const AssemblyOptions& options,
                       std::span<double> gradient, BlockMatrix& hessian);
-  void assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x, const AssemblyOptions& options,
-                      std::span<double> gradient, BlockMatrix& hessian);
+  void assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
+                      const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian);
   /// Brings the matrix blocks of an element into the cache while the one before it is added.
   void prefetch_slots(const StaticPlan& plan, int64_t element, const BlockMatrix& hessian) const;
-  void assemble_mapped(const PotentialBatch& batch, const Configuration& configuration, std::span<const Vec3> x,
-                       const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian,
-                       double* out_energies);
+  void assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
+                       std::span<const Vec3> x, const AssemblyOptions& options, std::span<double> gradient,
+                       BlockMatrix& hessian, double* out_energies);
   void add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const;
 
   const KinematicMap& map_;
@@ -84,7 +85,7 @@ class Assembler {
   std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with
   std::vector<int64_t> slot_of_static_;  ///< slot in pattern_ of each slot of static_pattern_
   AlignedVector<double> buffer_;
-  std::vector<Mat3> body_moment_;        ///< sum of g r^T per body
+  std::vector<Mat3> body_moment_;  ///< sum of g r^T per body
   std::atomic<int64_t> projected_count_{0};
 };
 

@@ -29,8 +29,8 @@ void pending_gradient(const ElementView& element, std::span<const int32_t> sites
 }
 
 void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
-                        std::span<const Vec3> extra_gradient, std::span<double> gradient, BlockMatrix& hessian,
-                        std::span<Mat3> body_moment) {
+                        std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                        BlockMatrix& hessian, std::span<Mat3> body_moment) {
   const int points = static_cast<int>(jacobians.size());
   for (int p = 0; p < points; ++p) {
     const SiteJacobian& site = jacobians[p];

@@ -1,5 +1,5 @@
-// Chain rule for one element: J^T g and J^T H J added to gradient and block matrix, and the moment sum that the rigid
-// curvature needs (step phase 4e; formulas in kinematic_map.h).
+// Chain rule for one element: J^T g and J^T H J added to gradient and block matrix, and the moment sum that
+// the rigid curvature needs (step phase 4e; formulas in kinematic_map.h).
 #pragma once
 
 #include <span>
@@ -15,9 +15,10 @@ namespace stark {
 void pending_gradient(const ElementView& element, std::span<const int32_t> sites, const KinematicMap& map,
                       std::span<const Vec3> pending, std::span<Vec3> out);
 
-/// Adds the mapped element. extra_gradient is added to the point gradients for the gradient only (empty: none).
+/// Adds the mapped element. extra_gradient is added to the point gradients for the gradient only (empty:
+/// none).
 void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
-                        std::span<const Vec3> extra_gradient, std::span<double> gradient, BlockMatrix& hessian,
-                        std::span<Mat3> body_moment);
+                        std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                        BlockMatrix& hessian, std::span<Mat3> body_moment);
 
 }  // namespace stark

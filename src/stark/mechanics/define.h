@@ -1,4 +1,5 @@
-// Vocabulary for writing energies: include this in a model file and write the formula in namespace stark::models.
+// Vocabulary for writing energies: include this in a model file and write the formula in namespace
+// stark::models.
 #pragma once
 
 #include <stark/mechanics/potential.h>

@@ -1,4 +1,5 @@
-// Access to one element (lane) of a kernel's lane-major output: energy, gradient, upper triangle of the Hessian.
+// Access to one element (lane) of a kernel's lane-major output: energy, gradient, upper triangle of the
+// Hessian.
 #pragma once
 
 #include <stark/base/math.h>

@@ -18,8 +18,9 @@ constexpr double kSafeFraction = 0.95;
 
 }  // namespace
 
-IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& assembler, ActiveSet* active_set,
-                                           std::vector<BlockScale> scales, PhaseTimer& timer)
+IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& assembler,
+                                           ActiveSet* active_set, std::vector<BlockScale> scales,
+                                           PhaseTimer& timer)
     : map_(map), assembler_(assembler), active_set_(active_set), scales_(std::move(scales)), timer_(timer) {
   STARK_CHECK(static_cast<int32_t>(scales_.size()) == block_count());
   for (const int32_t block : map_.layout().body_block)
@@ -52,14 +53,15 @@ void IncrementalPotential::begin(const Configuration& start, const Configuration
     if (layout.point_block[p] != kNoBlock) block_positions_[layout.point_block[p]] = start.point_position[p];
   for (size_t b = 0; b < layout.body_block.size(); ++b)
     if (layout.body_block[b] != kNoBlock)
-      block_positions_[layout.body_block[b]] = block_positions_[layout.body_block[b] + 1] = start.body_position[b];
+      block_positions_[layout.body_block[b]] = block_positions_[layout.body_block[b] + 1] =
+          start.body_position[b];
 }
 
 void IncrementalPotential::place_prescribed(double progress, std::span<Vec3> x) const {
   for (size_t k = 0; k < prescribed_sites_.size(); ++k)
-    x[prescribed_sites_[k]] = progress >= 1.0
-                                  ? prescribed_target_[k]
-                                  : prescribed_start_[k] + (prescribed_target_[k] - prescribed_start_[k]) * progress;
+    x[prescribed_sites_[k]] =
+        progress >= 1.0 ? prescribed_target_[k]
+                        : prescribed_start_[k] + (prescribed_target_[k] - prescribed_start_[k]) * progress;
 }
 
 void IncrementalPotential::linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) {
@@ -111,8 +113,8 @@ double IncrementalPotential::bound_step(std::span<const double> direction, doubl
   }
   certified_alpha_ = alpha;
   if (!active_set_) return alpha;
-  // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to the larger
-  // one, so a shortened step is tested again until it is safe as a whole.
+  // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to
+  // the larger one, so a shortened step is tested again until it is safe as a whole.
   while (alpha > 0.0) {
     set_trial(direction, alpha);
     const double fraction = active_set_->max_step(x_, x_trial_);

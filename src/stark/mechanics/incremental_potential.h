@@ -1,9 +1,10 @@
-// The objective of one time step: static batches (inertia, elasticity, loads) plus an active set (contact), as a
-// function of increments of the configuration.
+// The objective of one time step: static batches (inertia, elasticity, loads) plus an active set (contact),
+// as a function of increments of the configuration.
 //
-// Prescribed sites move during the minimisation: with progress s in [0, 1] they are at (1 - s) start + s target, each
-// Newton step carries s along by its step length, and the gradient anticipates the rest of the motion. So the path of
-// every vertex between iterates is linear, which is what the collision detection certifies.
+// Prescribed sites move during the minimisation: with progress s in [0, 1] they are at (1 - s) start + s
+// target, each Newton step carries s along by its step length, and the gradient anticipates the rest of the
+// motion. So the path of every vertex between iterates is linear, which is what the collision detection
+// certifies.
 #pragma once
 
 #include <memory>
@@ -15,8 +16,8 @@
 
 namespace stark {
 
-/// Converts forces on a block into accelerations of material: |M^-1 f| for points, and for the rotational block of a
-/// body the surface acceleration |J^-1 tau| r.
+/// Converts forces on a block into accelerations of material: |M^-1 f| for points, and for the rotational
+/// block of a body the surface acceleration |J^-1 tau| r.
 struct BlockScale {
   double inverse_inertia = 0.0;  ///< [1/kg], or r / J_min [1/(kg m)]
   double inverse_length = 1.0;   ///< 1, or 1/r for torques [1/m]
@@ -29,8 +30,8 @@ class IncrementalPotential final : public Objective {
   IncrementalPotential(const KinematicMap& map, Assembler& assembler, ActiveSet* active_set,
                        std::vector<BlockScale> scales, PhaseTimer& timer);
 
-  /// Starts a minimisation from `start` towards the prescribed poses and points of `target` (free parts of `target` are
-  /// ignored).
+  /// Starts a minimisation from `start` towards the prescribed poses and points of `target` (free parts of
+  /// `target` are ignored).
   void begin(const Configuration& start, const Configuration& target);
 
   const Configuration& configuration() const { return iterate_; }
@@ -57,7 +58,7 @@ class IncrementalPotential final : public Objective {
   std::vector<BlockScale> scales_;
   PhaseTimer& timer_;
   Configuration iterate_, trial_, target_;
-  std::vector<Vec3> x_, x_trial_;                 ///< by site [m]
+  std::vector<Vec3> x_, x_trial_;  ///< by site [m]
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
   std::vector<int32_t> prescribed_sites_;
   std::vector<int32_t> rotation_blocks_;

@@ -22,7 +22,8 @@ void KinematicMap::positions(const Configuration& configuration, std::span<Vec3>
         out_x[i] = configuration.point_position[site.index];
         break;
       case SiteKind::RigidPoint:
-        out_x[i] = configuration.body_position[site.index] + configuration.body_rotation[site.index] * site.local;
+        out_x[i] =
+            configuration.body_position[site.index] + configuration.body_rotation[site.index] * site.local;
         break;
       case SiteKind::RigidDirection:
         out_x[i] = configuration.body_rotation[site.index] * site.local;
@@ -42,7 +43,8 @@ SiteJacobian KinematicMap::jacobian(int32_t i, const Configuration& configuratio
   SiteJacobian jacobian;
   const auto add = [&](int32_t block, double weight) {
     if (block != kNoBlock && weight != 0.0)
-      jacobian.terms[jacobian.term_count++] = {.block = block, .is_identity = true, .weight = weight, .J = {}};
+      jacobian.terms[jacobian.term_count++] = {
+          .block = block, .is_identity = true, .weight = weight, .J = {}};
   };
   const auto add_rotation = [&] {
     const int32_t block = layout_.body_block[site.index];
@@ -93,14 +95,15 @@ void KinematicMap::append_blocks(int32_t i, std::vector<int32_t>& out_blocks) co
   }
 }
 
-void KinematicMap::retract(const Configuration& configuration, std::span<const double> direction, double alpha,
-                           Configuration& out) const {
+void KinematicMap::retract(const Configuration& configuration, std::span<const double> direction,
+                           double alpha, Configuration& out) const {
   const auto increment = [&](int32_t block) {
     return Vec3{direction[3 * block], direction[3 * block + 1], direction[3 * block + 2]} * alpha;
   };
   out = configuration;
   for (size_t p = 0; p < out.point_position.size(); ++p)
-    if (const int32_t block = layout_.point_block[p]; block != kNoBlock) out.point_position[p] += increment(block);
+    if (const int32_t block = layout_.point_block[p]; block != kNoBlock)
+      out.point_position[p] += increment(block);
   for (size_t b = 0; b < out.body_position.size(); ++b) {
     const int32_t block = layout_.body_block[b];
     if (block == kNoBlock) continue;

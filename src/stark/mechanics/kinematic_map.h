@@ -1,8 +1,8 @@
-// Positions of sites and the chain rule from sites to unknowns (step phases 4a and 4e). The only place, inertia and
-// importers aside, that knows kinds of bodies.
+// Positions of sites and the chain rule from sites to unknowns (step phases 4a and 4e). The only place,
+// inertia and importers aside, that knows kinds of bodies.
 //
-// With retraction coordinates x(dt, dw) = t + dt + exp([dw]x) R r at dt = dw = 0 the Jacobian of a rigid point is
-// [I, -[r]x] with the world lever r, and the curvature of the map adds, per body,
+// With retraction coordinates x(dt, dw) = t + dt + exp([dw]x) R r at dt = dw = 0 the Jacobian of a rigid
+// point is [I, -[r]x] with the world lever r, and the curvature of the map adds, per body,
 //     K = sym(M) - tr(M) I,   M = sum_sites g_i r_i^T,
 // to the rotational block: nine multiply-adds a site and one 3x3 a body, whatever the number of contacts.
 #pragma once
@@ -27,7 +27,7 @@ struct JacobianTerm {
   int32_t block = kNoBlock;
   bool is_identity = true;  ///< J = weight * I
   double weight = 1.0;
-  Mat3 J{};                 ///< used when not is_identity
+  Mat3 J{};  ///< used when not is_identity
 };
 
 struct SiteJacobian {

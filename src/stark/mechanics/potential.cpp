@@ -37,8 +37,9 @@ const std::vector<Scalar>& find_or_add(symbolic::Graph& graph, InputKind kind, F
   for (size_t k = 0; k < fields.size(); ++k)
     if (fields[k].name == field.name) {
       if (fields[k].width != field.width || fields[k].unit != field.unit)
-        throw InvalidArgument("potential input '" + field.name + "' is declared twice with different widths or units (" +
-                              fields[k].unit + " and " + field.unit + "); give the two inputs different names");
+        throw InvalidArgument("potential input '" + field.name +
+                              "' is declared twice with different widths or units (" + fields[k].unit +
+                              " and " + field.unit + "); give the two inputs different names");
       return values[k];
     }
   field.offset = total_width(fields);
@@ -62,14 +63,21 @@ const std::vector<Scalar>& PotentialBuilder::uniform_field(const UniformField& f
 symbolic::Vec3 PotentialBuilder::x(int point) { return x_.at(point); }
 
 symbolic::Vec3 PotentialBuilder::X(int point) {
-  return vector_of(element_field({.name = "X" + std::to_string(point), .unit = "m", .doc = "rest position",
-                                  .source = ElementField::Source::Rest, .point = point, .width = 3}));
+  return vector_of(element_field({.name = "X" + std::to_string(point),
+                                  .unit = "m",
+                                  .doc = "rest position",
+                                  .source = ElementField::Source::Rest,
+                                  .point = point,
+                                  .width = 3}));
 }
 
 symbolic::Vec3 PotentialBuilder::x_prev(int point) {
-  return vector_of(element_field({.name = "x_prev" + std::to_string(point), .unit = "m",
+  return vector_of(element_field({.name = "x_prev" + std::to_string(point),
+                                  .unit = "m",
                                   .doc = "position at the start of the step",
-                                  .source = ElementField::Source::Previous, .point = point, .width = 3}));
+                                  .source = ElementField::Source::Previous,
+                                  .point = point,
+                                  .width = 3}));
 }
 
 Scalar PotentialBuilder::time_step() {
@@ -80,7 +88,8 @@ Scalar PotentialBuilder::data(const std::string& name, const std::string& unit, 
   return element_field({.name = name, .unit = unit, .doc = doc})[0];
 }
 
-symbolic::Vec3 PotentialBuilder::data3(const std::string& name, const std::string& unit, const std::string& doc) {
+symbolic::Vec3 PotentialBuilder::data3(const std::string& name, const std::string& unit,
+                                       const std::string& doc) {
   return vector_of(element_field({.name = name, .unit = unit, .doc = doc, .width = 3}));
 }
 
@@ -88,7 +97,8 @@ Scalar PotentialBuilder::parameter(const std::string& name, const std::string& u
   return uniform_field({.name = name, .unit = unit, .doc = doc})[0];
 }
 
-symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::string& unit, const std::string& doc) {
+symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::string& unit,
+                                            const std::string& doc) {
   return vector_of(uniform_field({.name = name, .unit = unit, .doc = doc, .width = 3}));
 }
 

@@ -1,5 +1,5 @@
-// A potential: a named energy of n points with parameters, written once as a formula and compiled by the symbolic
-// engine. Built-in and user energies use exactly this mechanism; no derivative is written by hand.
+// A potential: a named energy of n points with parameters, written once as a formula and compiled by the
+// symbolic engine. Built-in and user energies use exactly this mechanism; no derivative is written by hand.
 //
 //   PotentialDefinition gravity() {
 //     return define_potential("gravity", 1, "...", [](PotentialBuilder& b) {
@@ -48,8 +48,9 @@ struct UniformField {
 
 class PotentialBuilder;
 
-/// Random feasible inputs of a potential, for the automatic tests of every registered one. Empty members are filled
-/// with defaults: a well-shaped simplex of about 1 m, strained by up to 20 %, parameters in [0.5, 1.5].
+/// Random feasible inputs of a potential, for the automatic tests of every registered one. Empty members are
+/// filled with defaults: a well-shaped simplex of about 1 m, strained by up to 20 %, parameters in
+/// [0.5, 1.5].
 struct PotentialSample {
   std::vector<Vec3> X, x_prev, x;
   std::map<std::string, std::vector<double>> values;  ///< element data and parameters by name
@@ -62,7 +63,7 @@ struct PotentialDefinition {
   std::function<symbolic::Scalar(PotentialBuilder&)> energy;
   bool translation_invariant = true;  ///< declared; checked by the registry sweep
   bool rotation_invariant = true;     ///< declared; checked by the registry sweep
-  bool zero_at_rest = false;          ///< declared: no energy and no force at x = x_prev = X; checked likewise
+  bool zero_at_rest = false;  ///< declared: no energy and no force at x = x_prev = X; checked likewise
   std::function<PotentialSample(std::mt19937_64&)> sample;  ///< empty: the defaults of PotentialSample
 };
 

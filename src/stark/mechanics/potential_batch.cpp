@@ -8,7 +8,8 @@ namespace stark {
 
 using symbolic::kLanes;
 
-PotentialBatch::PotentialBatch(std::shared_ptr<const Potential> potential) : potential_(std::move(potential)) {
+PotentialBatch::PotentialBatch(std::shared_ptr<const Potential> potential)
+    : potential_(std::move(potential)) {
   uniforms_.assign(std::max(1, potential_->uniform_width()), 0.0);
   for (const UniformField& field : potential_->uniform_fields())
     if (field.name == "time_step") time_step_offset_ = field.offset;
@@ -75,7 +76,9 @@ void PotentialBatch::fill(ElementField::Source source, std::span<const Vec3> val
 
 void PotentialBatch::set_rest(std::span<const Vec3> X) { fill(ElementField::Source::Rest, X); }
 
-void PotentialBatch::set_previous(std::span<const Vec3> x_prev) { fill(ElementField::Source::Previous, x_prev); }
+void PotentialBatch::set_previous(std::span<const Vec3> x_prev) {
+  fill(ElementField::Source::Previous, x_prev);
+}
 
 void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                               double* out) const {
@@ -99,9 +102,9 @@ void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, in
           lanes[(3 * p + 2) * kLanes + l] = position.z;
         }
       }
-    potential_->kernel().evaluate(order, unknowns.data(),
-                                  elements_.data() + group * potential_->element_width() * kLanes, uniforms_.data(),
-                                  out + (group - first) * outputs * kLanes, group_end - group);
+    potential_->kernel().evaluate(
+        order, unknowns.data(), elements_.data() + group * potential_->element_width() * kLanes,
+        uniforms_.data(), out + (group - first) * outputs * kLanes, group_end - group);
   }
 }
 

@@ -1,5 +1,6 @@
-// All elements of one potential with the same parameters: stencils of sites and their inputs in the lane-major layout
-// of the kernels, so that only the unknown positions are gathered at an evaluation (step phase 4c).
+// All elements of one potential with the same parameters: stencils of sites and their inputs in the
+// lane-major layout of the kernels, so that only the unknown positions are gathered at an evaluation (step
+// phase 4c).
 #pragma once
 
 #include <memory>
@@ -46,9 +47,10 @@ class PotentialBatch {
   void set_rest(std::span<const Vec3> X);           ///< fills the Rest fields; X by site [m]
   void set_previous(std::span<const Vec3> x_prev);  ///< fills the Previous fields; by site [m]
 
-  /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding lanes of the
-  /// last block repeat the last element.
-  void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last, double* out) const;
+  /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding
+  /// lanes of the last block repeat the last element.
+  void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
+                double* out) const;
 
  private:
   void fill(ElementField::Source source, std::span<const Vec3> values);

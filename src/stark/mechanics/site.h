@@ -1,5 +1,5 @@
-// A site is a material point or direction and how it moves with the unknowns. Energies are functions of sites; only
-// the kinematic map knows that bodies exist.
+// A site is a material point or direction and how it moves with the unknowns. Energies are functions of
+// sites; only the kinematic map knows that bodies exist.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// The state of a simulation: everything that changes in time, as plain arrays. A value: copying it is a snapshot,
-// assigning it is a rewind, and a rejected step is a copy thrown away (step phase 3 and 6).
+// The state of a simulation: everything that changes in time, as plain arrays. A value: copying it is a
+// snapshot, assigning it is a rewind, and a rejected step is a copy thrown away (step phase 3 and 6).
 #pragma once
 
 #include <cstdint>

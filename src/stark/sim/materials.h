@@ -19,12 +19,13 @@ struct ShellMaterial {
   double thickness = 1e-3;      ///< [m] of the membrane energy only; contact has its own distance
   double youngs_modulus = 5e3;  ///< [Pa]
   double poissons_ratio = 0.3;
-  double strain_limit = std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
-  double strain_limit_stiffness = 1e6;                            ///< [Pa]
-  double bending_stiffness = 1e-6;                                ///< [J]
-  double mass_damping = 0.0;                                      ///< [1/s]
-  double strain_damping = 0.0;                                    ///< [N s/m]
-  double bending_damping = 0.0;                                   ///< [J s]
+  double strain_limit =
+      std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
+  double strain_limit_stiffness = 1e6;          ///< [Pa]
+  double bending_stiffness = 1e-6;              ///< [J]
+  double mass_damping = 0.0;                    ///< [1/s]
+  double strain_damping = 0.0;                  ///< [N s/m]
+  double bending_damping = 0.0;                 ///< [J s]
   static const FieldTable& fields();
 };
 
@@ -33,10 +34,11 @@ struct SolidMaterial {
   double density = 1000.0;      ///< [kg/m^3]
   double youngs_modulus = 1e4;  ///< [Pa]
   double poissons_ratio = 0.3;
-  double strain_limit = std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
-  double strain_limit_stiffness = 1e2;                            ///< [Pa]
-  double mass_damping = 0.0;                                      ///< [1/s]
-  double strain_damping = 0.0;                                    ///< [Pa s]
+  double strain_limit =
+      std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
+  double strain_limit_stiffness = 1e2;          ///< [Pa]
+  double mass_damping = 0.0;                    ///< [1/s]
+  double strain_damping = 0.0;                  ///< [Pa s]
   static const FieldTable& fields();
 };
 

@@ -31,8 +31,8 @@ WeightedEdges solid_edges(const TetMesh& mesh) {
     for (int i = 0; i < 4; ++i)
       for (int j = i + 1; j < 4; ++j) {
         const Index2 edge{std::min(t[i], t[j]), std::max(t[i], t[j])};
-        result.weights[std::lower_bound(result.edges.begin(), result.edges.end(), edge) - result.edges.begin()] +=
-            volume / 6.0;
+        result.weights[std::lower_bound(result.edges.begin(), result.edges.end(), edge) -
+                       result.edges.begin()] += volume / 6.0;
       }
   }
   return result;
@@ -65,7 +65,8 @@ struct Model::Builder {
     return std::make_shared<Potential>(definition, to_backend(settings.execution.backend));
   }
 
-  // Points ------------------------------------------------------------------------------------------------------------
+  // Points
+  // ------------------------------------------------------------------------------------------------------------
 
   void add_deformables() {
     model.bodies_.resize(scene.body_count());
@@ -80,7 +81,11 @@ struct Model::Builder {
       body.site_count = static_cast<int32_t>(rest.size());
       body.pins = scene.pins(id).vertices;
       for (const Vec3& X : rest) {
-        sites.push_back({.kind = SiteKind::Point, .index = static_cast<int32_t>(sites.size()), .local = {}, .points = {}, .weights = {}});
+        sites.push_back({.kind = SiteKind::Point,
+                         .index = static_cast<int32_t>(sites.size()),
+                         .local = {},
+                         .points = {},
+                         .weights = {}});
         model.rest_positions_.push_back(X);
         point_prescribed.push_back(false);
         model.point_masses_.push_back(0.0);
@@ -108,12 +113,15 @@ struct Model::Builder {
     for (const Index4& t : solid.mesh.tets) {
       const auto& X = solid.mesh.vertices;
       const double volume = dot(X[t[1]] - X[t[0]], cross(X[t[2]] - X[t[0]], X[t[3]] - X[t[0]])) / 6.0;
-      for (const int32_t v : t) model.point_masses_[body.first_site + v] += solid.material.density * volume / 4.0;
+      for (const int32_t v : t)
+        model.point_masses_[body.first_site + v] += solid.material.density * volume / 4.0;
     }
-    for (int32_t v = 0; v < body.site_count; ++v) point_damping[body.first_site + v] = solid.material.mass_damping;
+    for (int32_t v = 0; v < body.site_count; ++v)
+      point_damping[body.first_site + v] = solid.material.mass_damping;
   }
 
-  // Rigid bodies ------------------------------------------------------------------------------------------------------
+  // Rigid bodies
+  // ------------------------------------------------------------------------------------------------------
 
   void add_rigids() {
     for (int32_t i = 0; i < scene.body_count(); ++i) {
@@ -151,8 +159,11 @@ struct Model::Builder {
       ModelBody& body = model.bodies_[i];
       body.first_site = static_cast<int32_t>(sites.size());
       for (const Vec3& v : scene.rigid(BodyId{i}).mesh.vertices) {
-        sites.push_back({.kind = SiteKind::RigidPoint, .index = body.rigid_index,
-                         .local = transpose(body.axes) * (v - body.centre), .points = {}, .weights = {}});
+        sites.push_back({.kind = SiteKind::RigidPoint,
+                         .index = body.rigid_index,
+                         .local = transpose(body.axes) * (v - body.centre),
+                         .points = {},
+                         .weights = {}});
         model.rest_positions_.push_back(v);
       }
     }
@@ -160,14 +171,23 @@ struct Model::Builder {
       const ModelBody& body = model.bodies_[i];
       if (body_prescribed[body.rigid_index]) continue;
       centre_sites.push_back(static_cast<int32_t>(sites.size()));
-      sites.push_back({.kind = SiteKind::RigidPoint, .index = body.rigid_index, .local = {}, .points = {}, .weights = {}});
+      sites.push_back({.kind = SiteKind::RigidPoint,
+                       .index = body.rigid_index,
+                       .local = {},
+                       .points = {},
+                       .weights = {}});
       for (int k = 0; k < 3; ++k)
-        sites.push_back({.kind = SiteKind::RigidDirection, .index = body.rigid_index, .local = identity.column(k), .points = {}, .weights = {}});
+        sites.push_back({.kind = SiteKind::RigidDirection,
+                         .index = body.rigid_index,
+                         .local = identity.column(k),
+                         .points = {},
+                         .weights = {}});
       model.rest_positions_.resize(sites.size());
     }
   }
 
-  // Energies ----------------------------------------------------------------------------------------------------------
+  // Energies
+  // ----------------------------------------------------------------------------------------------------------
 
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
                             const std::string& body) {
@@ -188,7 +208,8 @@ struct Model::Builder {
   void add_strain_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
                         const ModelBody& body, const std::string& name) {
     if (!std::isfinite(limit)) return;
-    PotentialBatch& batch = add_batch(models::strain_limit(), offset_stencils(edges.edges, body.first_site), name);
+    PotentialBatch& batch =
+        add_batch(models::strain_limit(), offset_stencils(edges.edges, body.first_site), name);
     for (int64_t e = 0; e < batch.size(); ++e) batch.set("volume", e, scale * edges.weights[e]);
     batch.set_uniform("strain_limit", limit);
     batch.set_uniform("strain_limit_stiffness", stiffness);
@@ -202,7 +223,8 @@ struct Model::Builder {
 
     std::vector<PotentialDefinition> terms{models::membrane_neo_hookean()};
     if (material.strain_damping > 0.0) terms.push_back(models::membrane_damping());
-    PotentialBatch& membrane = add_batch(compose("membrane", terms), offset_stencils(body.triangles, body.first_site), name);
+    PotentialBatch& membrane =
+        add_batch(compose("membrane", terms), offset_stencils(body.triangles, body.first_site), name);
     membrane.set_uniform("youngs_modulus", material.youngs_modulus);
     membrane.set_uniform("poissons_ratio", material.poissons_ratio);
     membrane.set_uniform("thickness", material.thickness);
@@ -210,15 +232,15 @@ struct Model::Builder {
 
     if (material.bending_stiffness > 0.0 || material.bending_damping > 0.0) {
       const std::vector<Index4> hinges = find_hinges(body.triangles);
-      PotentialBatch& bending = add_batch(cloth.rest_angles == RestAngles::Flat ? models::flat_bending()
-                                                                                : models::discrete_shell_bending(),
-                                          offset_stencils(hinges, body.first_site), name);
+      PotentialBatch& bending = add_batch(
+          cloth.rest_angles == RestAngles::Flat ? models::flat_bending() : models::discrete_shell_bending(),
+          offset_stencils(hinges, body.first_site), name);
       bending.set_uniform("bending_stiffness", material.bending_stiffness);
       bending.set_uniform("bending_damping", material.bending_damping);
     }
     const std::vector<Index2> edges = find_edges(std::span<const Index3>(body.triangles));
-    add_strain_limit({edges, compute_edge_areas(cloth.mesh.vertices, body.triangles, edges)}, material.thickness,
-                     material.strain_limit, material.strain_limit_stiffness, body, name);
+    add_strain_limit({edges, compute_edge_areas(cloth.mesh.vertices, body.triangles, edges)},
+                     material.thickness, material.strain_limit, material.strain_limit_stiffness, body, name);
   }
 
   void add_solid_energies(BodyId id) {
@@ -229,15 +251,18 @@ struct Model::Builder {
 
     std::vector<PotentialDefinition> terms{models::stable_neo_hookean()};
     if (material.strain_damping > 0.0) terms.push_back(models::solid_damping());
-    PotentialBatch& elastic = add_batch(compose("solid", terms), offset_stencils(solid.mesh.tets, body.first_site), name);
+    PotentialBatch& elastic =
+        add_batch(compose("solid", terms), offset_stencils(solid.mesh.tets, body.first_site), name);
     elastic.set_uniform("youngs_modulus", material.youngs_modulus);
     elastic.set_uniform("poissons_ratio", material.poissons_ratio);
     if (material.strain_damping > 0.0) elastic.set_uniform("strain_damping", material.strain_damping);
-    add_strain_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness, body, name);
+    add_strain_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness,
+                     body, name);
   }
 
   void add_inertia() {
-    // Translation of points and centres of mass, with gravity; rotation of bodies through their axis directions.
+    // Translation of points and centres of mass, with gravity; rotation of bodies through their axis
+    // directions.
     std::vector<int32_t> translations, rotations, translation_subjects, rotation_subjects;
     for (size_t p = 0; p < point_prescribed.size(); ++p)
       if (!point_prescribed[p]) {
@@ -259,8 +284,10 @@ struct Model::Builder {
         add_batch(compose("inertia", {models::point_inertia(), models::gravity()}), translations, "");
     for (int64_t e = 0; e < moving.size(); ++e) {
       const int32_t subject = translation_subjects[e];
-      moving.set("mass", e, subject >= 0 ? model.point_masses_[subject] : model.rigid_masses_[-1 - subject].mass);
-      moving.set("damping", e, subject >= 0 ? point_damping[subject] : model.rigid_masses_[-1 - subject].linear_damping);
+      moving.set("mass", e,
+                 subject >= 0 ? model.point_masses_[subject] : model.rigid_masses_[-1 - subject].mass);
+      moving.set("damping", e,
+                 subject >= 0 ? point_damping[subject] : model.rigid_masses_[-1 - subject].linear_damping);
     }
     moving.set_uniform("gravity", {&settings.gravity.x, 3});
     model.batches_.back().role = ModelBatch::Role::Inertia;
@@ -310,7 +337,8 @@ struct Model::Builder {
       state.body_position.push_back(rigid.position + rigid.rotation * body.centre);
       state.body_velocity.push_back(moves ? rigid.velocity : Vec3{});
       state.body_rotation.push_back(rigid.rotation * body.axes);
-      state.body_rotation_rate.push_back(moves ? skew(rigid.angular_velocity) * state.body_rotation.back() : Mat3{});
+      state.body_rotation_rate.push_back(moves ? skew(rigid.angular_velocity) * state.body_rotation.back()
+                                               : Mat3{});
     }
     state.script_position = state.body_position;
     state.script_rotation = state.body_rotation;
@@ -323,9 +351,11 @@ struct Model::Builder {
     model.contact_potentials_ = {
         .barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
                      compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
-                     compile(models::barrier_mollified_point_point()), compile(models::barrier_mollified_point_edge()),
+                     compile(models::barrier_mollified_point_point()),
+                     compile(models::barrier_mollified_point_edge()),
                      compile(models::barrier_mollified_edge_edge())},
-        .frictions = {compile(models::friction_2()), compile(models::friction_3()), compile(models::friction_4())}};
+        .frictions = {compile(models::friction_2()), compile(models::friction_3()),
+                      compile(models::friction_4())}};
   }
 
   Model& model;
@@ -367,13 +397,15 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
       mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});
       mesh.edge_group.push_back(group);
     }
-    surfaces.group_distance.push_back(scene.contact_distance(BodyId{group}).value_or(settings.contact.distance));
+    surfaces.group_distance.push_back(
+        scene.contact_distance(BodyId{group}).value_or(settings.contact.distance));
   }
   const int32_t groups = static_cast<int32_t>(bodies_.size());
   surfaces.filter = PairFilter(groups);
   for (int32_t a = 0; a < groups; ++a)
     for (int32_t b = a; b < groups; ++b)
-      surfaces.filter.set(a, b, scene.contact_enabled(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
+      surfaces.filter.set(
+          a, b, scene.contact_enabled(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
   surfaces.rest_positions = rest_positions_;
   std::vector<double> friction(static_cast<size_t>(groups) * groups);
   for (int32_t a = 0; a < groups; ++a)

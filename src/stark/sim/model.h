@@ -1,5 +1,6 @@
-// The frozen result of building a scene: dof layout, sites, batches of energies with their rest shapes and parameters,
-// collision surfaces. Immutable while a simulation runs, apart from the per-step inputs of the batches.
+// The frozen result of building a scene: dof layout, sites, batches of energies with their rest shapes and
+// parameters, collision surfaces. Immutable while a simulation runs, apart from the per-step inputs of the
+// batches.
 #pragma once
 
 #include <memory>
@@ -27,10 +28,10 @@ struct ModelBody {
 
 /// Mass distribution of a rigid body in its principal frame.
 struct RigidMass {
-  double mass = 0.0;   ///< [kg], 0 for fixed and scripted bodies
-  Vec3 moments;        ///< principal moments of inertia [kg m^2]
-  Vec3 second_moments; ///< tr(J)/2 - J_k: integral of rho x_k^2 [kg m^2]
-  double reach = 0.0;  ///< largest distance of a vertex from the centre of mass [m]
+  double mass = 0.0;    ///< [kg], 0 for fixed and scripted bodies
+  Vec3 moments;         ///< principal moments of inertia [kg m^2]
+  Vec3 second_moments;  ///< tr(J)/2 - J_k: integral of rho x_k^2 [kg m^2]
+  double reach = 0.0;   ///< largest distance of a vertex from the centre of mass [m]
   double linear_damping = 0.0, angular_damping = 0.0;  ///< [1/s]
 };
 
@@ -40,7 +41,8 @@ struct ModelBatch {
   Role role = Role::Elastic;
   std::string body;  ///< name of the body, empty for batches of all bodies
   PotentialBatch batch;
-  /// Inertia: what each element's site is; point index, or -1 - (3 body + axis) for directions, see Model::predict.
+  /// Inertia: what each element's site is; point index, or -1 - (3 body + axis) for directions, see
+  /// Model::predict.
   std::vector<int32_t> subject;
 };
 

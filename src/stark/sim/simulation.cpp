@@ -14,7 +14,9 @@ namespace stark {
 namespace {
 
 LinearSolverSettings to_solver_settings(const LinearSettings& linear) {
-  return {.kind = linear.solver, .pcg_tolerance = linear.pcg_tolerance, .pcg_max_iterations = linear.pcg_max_iterations};
+  return {.kind = linear.solver,
+          .pcg_tolerance = linear.pcg_tolerance,
+          .pcg_max_iterations = linear.pcg_max_iterations};
 }
 
 ContactOptions to_options(const ContactSettings& contact) {
@@ -24,7 +26,9 @@ ContactOptions to_options(const ContactSettings& contact) {
           .friction = contact.friction};
 }
 
-Vec3 axial(const Mat3& W) { return {0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)), 0.5 * (W(1, 0) - W(0, 1))}; }
+Vec3 axial(const Mat3& W) {
+  return {0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)), 0.5 * (W(1, 0) - W(0, 1))};
+}
 
 std::string point_text(const Vec3& p) {
   std::ostringstream out;
@@ -37,8 +41,8 @@ std::string point_text(const Vec3& p) {
 std::string StepReport::brief() const {
   std::ostringstream out;
   out.precision(4);
-  out << "step " << step << "  t " << time << " s  h " << 1e3 * time_step << " ms  " << solve.iterations << " iterations  "
-      << contact_count << " contacts  residual " << solve.residual << " N";
+  out << "step " << step << "  t " << time << " s  h " << 1e3 * time_step << " ms  " << solve.iterations
+      << " iterations  " << contact_count << " contacts  residual " << solve.residual << " N";
   if (rejected_steps > 0) out << "  " << rejected_steps << " rejected";
   if (failed()) out << "  FAILED: " << message;
   return out.str();
@@ -55,16 +59,17 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
   surface_mesh_ = surfaces.mesh;
   if (settings_.contact.enabled) {
-    contact_ = std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
-                                                 to_options(settings_.contact), model_->map(), *pool_, *timer_);
+    contact_ =
+        std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
+                                          to_options(settings_.contact), model_->map(), *pool_, *timer_);
     check_initial_state();
   }
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const ModelBatch& batch : model_->batches()) batches.push_back(&batch.batch);
   assembler_->set_static_batches(std::move(batches));
-  potential_ = std::make_unique<IncrementalPotential>(model_->map(), *assembler_, contact_.get(), model_->block_scales(),
-                                                      *timer_);
+  potential_ = std::make_unique<IncrementalPotential>(model_->map(), *assembler_, contact_.get(),
+                                                      model_->block_scales(), *timer_);
   linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
   linear_solver_->prepare(assembler_->static_pattern());
   newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
@@ -81,9 +86,10 @@ void Simulation::check_initial_state() const {
     const auto& first = intersections.front();
     const Vec3 where = (x[surface_mesh_.edges[first.edge][0]] + x[surface_mesh_.edges[first.edge][1]]) * 0.5;
     throw InitialIntersection(name(surface_mesh_.edge_group[first.edge]) + " and " +
-                              name(surface_mesh_.triangle_group[first.triangle]) + " intersect at time 0 at " +
-                              std::to_string(intersections.size()) + " edge-triangle pairs, the first near " +
-                              point_text(where) + "; move them apart, or disable contact between them");
+                              name(surface_mesh_.triangle_group[first.triangle]) +
+                              " intersect at time 0 at " + std::to_string(intersections.size()) +
+                              " edge-triangle pairs, the first near " + point_text(where) +
+                              "; move them apart, or disable contact between them");
   }
   const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_);
   if (!contained.empty()) {
@@ -96,13 +102,16 @@ void Simulation::check_initial_state() const {
 
 void Simulation::set_state(const State& state) {
   const State& mine = state_;
-  if (state.point_position.size() != mine.point_position.size() || state.point_velocity.size() != mine.point_velocity.size() ||
-      state.body_position.size() != mine.body_position.size() || state.body_rotation.size() != mine.body_rotation.size() ||
-      state.pin_target.size() != mine.pin_target.size() || state.script_remaining.size() != mine.script_remaining.size())
+  if (state.point_position.size() != mine.point_position.size() ||
+      state.point_velocity.size() != mine.point_velocity.size() ||
+      state.body_position.size() != mine.body_position.size() ||
+      state.body_rotation.size() != mine.body_rotation.size() ||
+      state.pin_target.size() != mine.pin_target.size() ||
+      state.script_remaining.size() != mine.script_remaining.size())
     throw InvalidArgument("state has " + std::to_string(state.point_position.size()) + " points and " +
                           std::to_string(state.body_position.size()) + " rigid bodies, the simulation has " +
-                          std::to_string(mine.point_position.size()) + " and " + std::to_string(mine.body_position.size()) +
-                          "; use a state of the same scene");
+                          std::to_string(mine.point_position.size()) + " and " +
+                          std::to_string(mine.body_position.size()) + "; use a state of the same scene");
   state_ = state;
 }
 
@@ -110,7 +119,8 @@ const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
   const std::string& name = scene_.name(body);  // throws for ids of another scene
   const ModelBody& b = model_->bodies()[body.index];
   if (b.kind != BodyKind::Rigid)
-    throw InvalidArgument("body '" + name + "' is a " + to_string(b.kind) + "; " + what + " is for rigid bodies");
+    throw InvalidArgument("body '" + name + "' is a " + to_string(b.kind) + "; " + what +
+                          " is for rigid bodies");
   return b;
 }
 
@@ -133,9 +143,10 @@ std::vector<Vec3> Simulation::velocities(BodyId body) const {
   const ModelBody& b = model_->bodies()[body.index];
   std::vector<Vec3> v(b.site_count);
   for (int32_t i = 0; i < b.site_count; ++i)
-    v[i] = b.kind == BodyKind::Rigid ? state_.body_velocity[b.rigid_index] + state_.body_rotation_rate[b.rigid_index] *
-                                                                                model_->map().site(b.first_site + i).local
-                                     : state_.point_velocity[b.first_site + i];
+    v[i] = b.kind == BodyKind::Rigid
+               ? state_.body_velocity[b.rigid_index] +
+                     state_.body_rotation_rate[b.rigid_index] * model_->map().site(b.first_site + i).local
+               : state_.point_velocity[b.first_site + i];
   return v;
 }
 
@@ -179,7 +190,8 @@ void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotatio
   const double defect = max_abs((transpose(rotation) * rotation - Mat3::identity()) * Vec3{1, 1, 1});
   if (!is_finite(position) || !(defect < 1e-6) || !(determinant(rotation) > 0.0))
     throw InvalidArgument("pose of body '" + scene_.name(body) + "': position " + point_text(position) +
-                          " must be finite and rotation orthogonal with determinant +1 (defect " + to_text(defect) + ")");
+                          " must be finite and rotation orthogonal with determinant +1 (defect " +
+                          to_text(defect) + ")");
   state_.script_position[b.rigid_index] = position;
   state_.script_rotation[b.rigid_index] = orthonormalized(rotation);
   state_.script_remaining[b.rigid_index] = settings_.time.step;
@@ -201,8 +213,9 @@ void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
   const std::string& name = scene_.name(body);
   const ModelBody& b = model_->bodies()[body.index];
   if (b.pins.size() != targets.size())
-    throw InvalidArgument("pin targets of body '" + name + "': " + std::to_string(targets.size()) + " positions for " +
-                          std::to_string(b.pins.size()) + " pinned vertices; give one position [m] for each");
+    throw InvalidArgument("pin targets of body '" + name + "': " + std::to_string(targets.size()) +
+                          " positions for " + std::to_string(b.pins.size()) +
+                          " pinned vertices; give one position [m] for each");
   for (const Vec3& target : targets)
     if (!is_finite(target))
       throw InvalidArgument("pin targets of body '" + name + "': " + point_text(target) + " must be finite");
@@ -218,7 +231,9 @@ std::vector<Vec3> Simulation::pin_targets(BodyId body) const {
   return targets;
 }
 
-void Simulation::set_interrupt(std::function<bool()> interrupted) { newton_->set_interrupt(std::move(interrupted)); }
+void Simulation::set_interrupt(std::function<bool()> interrupted) {
+  newton_->set_interrupt(std::move(interrupted));
+}
 
 const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }
 

@@ -14,14 +14,14 @@ namespace stark {
 
 class Simulation {
  public:
-  /// Builds the model. Throws InvalidArgument for settings or scenes that cannot be simulated and InitialIntersection
-  /// when surfaces intersect or contain each other at time 0.
+  /// Builds the model. Throws InvalidArgument for settings or scenes that cannot be simulated and
+  /// InitialIntersection when surfaces intersect or contain each other at time 0.
   explicit Simulation(const Scene& scene, const Settings& settings = {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
 
-  /// Advances by one time step: settings.time.step, or less after failures or when `max_time_step` [s] is smaller. On
-  /// failure the state is as before the call.
+  /// Advances by one time step: settings.time.step, or less after failures or when `max_time_step` [s] is
+  /// smaller. On failure the state is as before the call.
   const StepReport& step(double max_time_step = 1e300);
   const StepReport& report() const { return report_; }
 
@@ -38,7 +38,8 @@ class Simulation {
   std::vector<Vec3> positions(BodyId body) const;
   std::vector<Vec3> velocities(BodyId body) const;
   const std::vector<Index3>& triangles(BodyId body) const;
-  /// Pose of a rigid body's mesh frame, velocity [m/s] of its origin and angular velocity [rad/s], world axes.
+  /// Pose of a rigid body's mesh frame, velocity [m/s] of its origin and angular velocity [rad/s], world
+  /// axes.
   Vec3 position(BodyId body) const;
   Mat3 rotation(BodyId body) const;
   Vec3 linear_velocity(BodyId body) const;

@@ -33,11 +33,14 @@ void add_counters(SolveReport& total, const SolveReport& attempt) {
 const char* failure_text(SolveStatus status) {
   switch (status) {
     case SolveStatus::MaxIterations:
-      return "Newton's method did not converge within newton.max_iterations; raise it, or loosen the tolerances";
+      return "Newton's method did not converge within newton.max_iterations; raise it, or loosen the "
+             "tolerances";
     case SolveStatus::NotFinite:
-      return "the energy or its derivatives are not finite; look for collapsed elements and extreme stiffness";
+      return "the energy or its derivatives are not finite; look for collapsed elements and extreme "
+             "stiffness";
     case SolveStatus::LineSearchFailed:
-      return "no step along the Newton direction lowers the energy; look for over-constrained bodies and for tolerances "
+      return "no step along the Newton direction lowers the energy; look for over-constrained bodies and for "
+             "tolerances "
              "below rounding";
     case SolveStatus::LinearSolveFailed:
       return "the linear system could not be solved; look for free bodies without inertia";
@@ -64,9 +67,12 @@ const StepReport& Simulation::step(double max_time_step) {
     if (attempt(h, report_.solve)) {
       commit(h);
       report_.time_step = h;
-      // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink the next.
-      if (report_.rejected_steps > 0) state_.time_step = h;
-      else if (h >= state_.time_step) state_.time_step = std::min(settings_.time.step, h * settings_.time.growth);
+      // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink
+      // the next.
+      if (report_.rejected_steps > 0)
+        state_.time_step = h;
+      else if (h >= state_.time_step)
+        state_.time_step = std::min(settings_.time.step, h * settings_.time.growth);
       finish_report(report_.rejected_steps > 0 ? StepStatus::Retried : StepStatus::Accepted);
       return report_;
     }
@@ -92,8 +98,8 @@ bool Simulation::attempt(double h, SolveReport& total) {
   {
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     potential_->begin(start, target_configuration(h));
-    // Barriers are measured against the inertia of the full time step: one cut short would stiffen them under what
-    // already rests on them and throw it off.
+    // Barriers are measured against the inertia of the full time step: one cut short would stiffen them under
+    // what already rests on them and throw it off.
     predict(contact_ ? settings_.time.step : h);
   }
   if (contact_) {
@@ -102,12 +108,13 @@ bool Simulation::attempt(double h, SolveReport& total) {
     scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
     {
       const PhaseTimer::Scope scope(*timer_, Phase::Stiffness);
-      assembler_->assemble(start, potential_->site_positions(), {.project = false, .pending = {}}, scratch_gradient_,
-                           diagonal_hessian_);
+      assembler_->assemble(start, potential_->site_positions(), {.project = false, .pending = {}},
+                           scratch_gradient_, diagonal_hessian_);
     }
     std::vector<Mat3> diagonal(model_->map().layout().block_count);
     for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
-      std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9, diagonal[b].m.data());
+      std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9,
+                  diagonal[b].m.data());
     contact_->begin_step(start, potential_->site_positions(), diagonal, h);
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     predict(h);
@@ -129,7 +136,8 @@ Configuration Simulation::target_configuration(double h) const {
     for (size_t p = 0; p < blocks.size(); ++p)
       if (blocks[p] == kNoBlock) {
         const Vec3& from = target.point_position[p];
-        target.point_position[p] = fraction >= 1.0 ? state_.pin_target[p] : from + (state_.pin_target[p] - from) * fraction;
+        target.point_position[p] =
+            fraction >= 1.0 ? state_.pin_target[p] : from + (state_.pin_target[p] - from) * fraction;
       }
   }
   for (size_t b = 0; b < target.body_position.size(); ++b) {
@@ -137,9 +145,9 @@ Configuration Simulation::target_configuration(double h) const {
     if (state_.script_remaining[b] > 0.0) {
       const double fraction = std::min(1.0, h / state_.script_remaining[b]);
       target.body_position[b] += (state_.script_position[b] - target.body_position[b]) * fraction;
-      target.body_rotation[b] =
-          fraction >= 1.0 ? state_.script_rotation[b]
-                          : interpolate_rotation(target.body_rotation[b], state_.script_rotation[b], fraction);
+      target.body_rotation[b] = fraction >= 1.0 ? state_.script_rotation[b]
+                                                : interpolate_rotation(target.body_rotation[b],
+                                                                       state_.script_rotation[b], fraction);
     } else if (state_.script_remaining[b] == 0.0) {
       const Mat3 W = state_.body_rotation_rate[b] * transpose(target.body_rotation[b]);
       target.body_position[b] += state_.body_velocity[b] * h;
@@ -162,8 +170,10 @@ void Simulation::predict(double h) {
     for (int64_t e = 0; e < batch.batch.size(); ++e) {
       const int32_t subject = batch.subject[e];
       Vec3 velocity;
-      if (is_rotation) velocity = state_.body_rotation_rate[subject / 3].column(subject % 3);
-      else velocity = subject >= 0 ? state_.point_velocity[subject] : state_.body_velocity[-1 - subject];
+      if (is_rotation)
+        velocity = state_.body_rotation_rate[subject / 3].column(subject % 3);
+      else
+        velocity = subject >= 0 ? state_.point_velocity[subject] : state_.body_velocity[-1 - subject];
       const Vec3 predicted = x[batch.batch.stencil(e)[0]] + velocity * h;
       batch.batch.set(field, e, {&predicted.x, 3});
     }
@@ -197,11 +207,13 @@ void Simulation::commit(double h) {
       state_.body_rotation_rate[b] = skew(turn / h) * end.body_rotation[b];
       state_.body_rotation[b] = end.body_rotation[b];
       if (state_.script_remaining[b] > 0.0)
-        state_.script_remaining[b] = arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;
+        state_.script_remaining[b] =
+            arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;
     }
     state_.body_position[b] = end.body_position[b];
   }
-  if (state_.pin_remaining > 0.0) state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
+  if (state_.pin_remaining > 0.0)
+    state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   state_.time += h;
   ++state_.step_count;
 }
@@ -214,7 +226,8 @@ void Simulation::finish_report(StepStatus status) {
     report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
     report_.energy = energies(potential_->site_positions());
   }
-  for (size_t k = 0; k < report_.phases.size(); ++k) report_.phases[k] = timer_->seconds(static_cast<Phase>(k));
+  for (size_t k = 0; k < report_.phases.size(); ++k)
+    report_.phases[k] = timer_->seconds(static_cast<Phase>(k));
 }
 
 }  // namespace stark

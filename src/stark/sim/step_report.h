@@ -1,4 +1,5 @@
-// What a time step did: returned by Simulation::step(), complete whether the step succeeded or not (step phase 8).
+// What a time step did: returned by Simulation::step(), complete whether the step succeeded or not (step
+// phase 8).
 #pragma once
 
 #include <array>
@@ -9,7 +10,8 @@
 
 namespace stark {
 
-/// Accepted: at the first attempt. Retried: after at least one halving of the time step. Failed: the state is unchanged.
+/// Accepted: at the first attempt. Retried: after at least one halving of the time step. Failed: the state is
+/// unchanged.
 enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
 
 /// Energies at the end of the step [J].
@@ -22,14 +24,14 @@ struct EnergyLedger {
 
 struct StepReport {
   StepStatus status = StepStatus::Accepted;
-  std::string message;         ///< empty, or why the step was retried or failed, with the remedy
-  int64_t step = 0;            ///< number of this step, from 1
-  double time = 0.0;           ///< at its end [s]
-  double time_step = 0.0;      ///< [s]
-  int rejected_steps = 0;      ///< attempts thrown away before this one
-  SolveReport solve;           ///< of the accepted attempt; counters include the rejected ones
+  std::string message;     ///< empty, or why the step was retried or failed, with the remedy
+  int64_t step = 0;        ///< number of this step, from 1
+  double time = 0.0;       ///< at its end [s]
+  double time_step = 0.0;  ///< [s]
+  int rejected_steps = 0;  ///< attempts thrown away before this one
+  SolveReport solve;       ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;
-  double min_distance = 0.0;   ///< of the active contacts [m], infinity without any
+  double min_distance = 0.0;  ///< of the active contacts [m], infinity without any
   EnergyLedger energy;
   std::array<double, static_cast<size_t>(Phase::kCount)> phases{};  ///< seconds by Phase
 

@@ -7,11 +7,12 @@ namespace stark {
 
 namespace {
 
-constexpr int kProjectedIterations = 4;     ///< kept projected after an indefinite matrix (Newton slows down otherwise)
-constexpr int kRoundOffIterations = 4;      ///< full steps taken where energy differences are rounding errors
-constexpr double kEnergyRounding = 1e-15;   ///< relative rounding of a sum of element energies
-constexpr double kTinyStep = 1e-6;          ///< step lengths below it make no progress ...
-constexpr int kTinyStepLimit = 12;          ///< ... and so many in a row end the minimisation
+constexpr int kProjectedIterations =
+    4;  ///< kept projected after an indefinite matrix (Newton slows down otherwise)
+constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy differences are rounding errors
+constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
+constexpr double kTinyStep = 1e-6;         ///< step lengths below it make no progress ...
+constexpr int kTinyStepLimit = 12;         ///< ... and so many in a row end the minimisation
 
 bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -45,13 +46,17 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int m
     if (interrupted_ && interrupted_()) return finish(SolveStatus::Interrupted);
     const bool pending = objective.has_pending_motion();
     switch (find_direction(objective, report)) {
-      case Direction::Found: break;
-      case Direction::NotFinite: return finish(SolveStatus::NotFinite);
-      case Direction::Failed: return finish(SolveStatus::LinearSolveFailed);
+      case Direction::Found:
+        break;
+      case Direction::NotFinite:
+        return finish(SolveStatus::NotFinite);
+      case Direction::Failed:
+        return finish(SolveStatus::LinearSolveFailed);
     }
     report.last_motion = objective.motion(direction_);
     const bool converged = !pending && is_converged(objective, report, time_step);
-    if (!converged && report.iterations >= settings_.max_iterations) return finish(SolveStatus::MaxIterations);
+    if (!converged && report.iterations >= settings_.max_iterations)
+      return finish(SolveStatus::MaxIterations);
 
     // The last direction is known, so it is taken even when its size already says "converged".
     const SolveStatus searched = line_search(objective, report);
@@ -63,13 +68,15 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int m
       if (report.lag_residual == 0.0) return finish(SolveStatus::Converged);
       continue;
     }
-    if (searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations) return finish(searched);
+    if (searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations)
+      return finish(searched);
     if (searched == SolveStatus::LineSearchFailed) {
       if (projection_countdown_ > 0 || settings_.projection != Projection::OnDemand) return finish(searched);
       projection_countdown_ = kProjectedIterations;
     }
     tiny_steps = report.last_step_length < kTinyStep ? tiny_steps + 1 : 0;
-    if (tiny_steps >= kTinyStepLimit) return finish(pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed);
+    if (tiny_steps >= kTinyStepLimit)
+      return finish(pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed);
   }
 }
 
@@ -83,11 +90,12 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     right_hand_side_.resize(gradient_.size());
     for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
     const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
-    const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_, forcing_tolerance(),
-                                                          objective.block_positions());
+    const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_,
+                                                          forcing_tolerance(), objective.block_positions());
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
-    const bool usable = solved.ok && all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
+    const bool usable =
+        solved.ok && all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
     if (usable) break;
     if (project || settings_.projection == Projection::Never) return Direction::Failed;
     project = true;
@@ -109,7 +117,8 @@ double NewtonSolver::forcing_tolerance() {
   return std::clamp(0.9 * ratio * ratio, 1e-4, 0.1);
 }
 
-bool NewtonSolver::is_converged(const Objective& objective, const SolveReport& report, double time_step) const {
+bool NewtonSolver::is_converged(const Objective& objective, const SolveReport& report,
+                                double time_step) const {
   (void)objective;
   bool all = true, any = false;
   const auto test = [&](double tolerance, double value) {

@@ -1,5 +1,5 @@
-// Newton's method with line search (step phases 4, 4h to 4j): raw Hessians, projected ones where the matrix turns out
-// indefinite; steps bounded by continuous collision detection; Armijo's rule on energy differences.
+// Newton's method with line search (step phases 4, 4h to 4j): raw Hessians, projected ones where the matrix
+// turns out indefinite; steps bounded by continuous collision detection; Armijo's rule on energy differences.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,8 @@ class NewtonSolver {
   /// Asked between iterations; returning true ends the minimisation with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
-  /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step` [s] turns
-  /// the motion of a Newton step into a velocity.
+  /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step`
+  /// [s] turns the motion of a Newton step into a velocity.
   SolveReport minimize(Objective& objective, double time_step, int max_lag_updates);
 
  private:

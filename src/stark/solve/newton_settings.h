@@ -7,7 +7,8 @@ namespace stark {
 
 /// Whether a step has converged when all active tolerances hold, or when any of them does.
 enum class Termination : uint8_t { All, Any };
-/// When element Hessians are made positive semidefinite: never; where the global matrix turned out indefinite; always.
+/// When element Hessians are made positive semidefinite: never; where the global matrix turned out
+/// indefinite; always.
 enum class Projection : uint8_t { Never, OnDemand, Always };
 template <>
 struct EnumNames<Termination> {
@@ -21,13 +22,14 @@ struct EnumNames<Projection> {
 struct NewtonSettings {
   double acceleration_tolerance = 1e-2;  ///< [m/s^2] largest |M^-1 residual| of a node or body
   double residual_tolerance = 0.0;       ///< [N] largest unbalanced force of a node or body
-  double step_tolerance = 1e-3;          ///< [m/s] largest site motion of the next full Newton step, over the time step
+  double step_tolerance =
+      1e-3;  ///< [m/s] largest site motion of the next full Newton step, over the time step
   Termination termination = Termination::All;
-  int max_iterations = 200;              ///< then the step is retried with half the length
+  int max_iterations = 200;  ///< then the step is retried with half the length
   Projection projection = Projection::OnDemand;
-  double armijo = 1e-4;                  ///< demanded share of the predicted decrease of the energy
-  int max_backtracks = 40;               ///< halvings of one line search
-  double max_rotation = 1.0;             ///< [rad] largest rotation of a rigid body in one iteration
+  double armijo = 1e-4;       ///< demanded share of the predicted decrease of the energy
+  int max_backtracks = 40;    ///< halvings of one line search
+  double max_rotation = 1.0;  ///< [rad] largest rotation of a rigid body in one iteration
   static const FieldTable& fields();
 };
 

@@ -1,5 +1,6 @@
-// What Newton's method minimises: a function of increments on a manifold, seen through blocks of three unknowns. The
-// solver knows nothing of bodies or contact; the objective owns the current iterate and a trial point.
+// What Newton's method minimises: a function of increments on a manifold, seen through blocks of three
+// unknowns. The solver knows nothing of bodies or contact; the objective owns the current iterate and a trial
+// point.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,8 @@ struct Residual {
 struct TrialEnergy {
   bool feasible = false;    ///< finite energy and, for the whole path, no intersection
   double difference = 0.0;  ///< [J], summed element by element
-  double magnitude = 0.0;   ///< sum of the elements' magnitudes [J]: rounding of `difference` is about 1e-16 of it
+  double magnitude =
+      0.0;  ///< sum of the elements' magnitudes [J]: rounding of `difference` is about 1e-16 of it
 };
 
 class Objective {
@@ -32,8 +34,9 @@ class Objective {
   /// Gradient and Hessian at the iterate. `project`: element Hessians made positive semidefinite.
   virtual void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) = 0;
 
-  /// True while prescribed parts still have to move within this minimisation. The gradient then anticipates their motion
-  /// to first order, each accepted step brings them closer, and energies along a step are not comparable.
+  /// True while prescribed parts still have to move within this minimisation. The gradient then anticipates
+  /// their motion to first order, each accepted step brings them closer, and energies along a step are not
+  /// comparable.
   virtual bool has_pending_motion() const = 0;
 
   virtual Residual residual(std::span<const double> gradient) const = 0;
@@ -49,8 +52,8 @@ class Objective {
   /// The trial point becomes the iterate.
   virtual void accept_trial() = 0;
 
-  /// Called between iterations once the residual is small: brings lagged quantities (friction) up to date. Returns the
-  /// change of force it caused [N], 0 when nothing was refreshed.
+  /// Called between iterations once the residual is small: brings lagged quantities (friction) up to date.
+  /// Returns the change of force it caused [N], 0 when nothing was refreshed.
   virtual double refresh_lagged() { return 0.0; }
 
   /// Positions of the blocks, for fill-reducing orderings; may be empty.

@@ -8,12 +8,12 @@ namespace stark {
 
 enum class SolveStatus : uint8_t {
   Converged,
-  RoundOff,         ///< stopped where energies cannot be told apart any more; counts as success
+  RoundOff,  ///< stopped where energies cannot be told apart any more; counts as success
   MaxIterations,
-  NotFinite,        ///< the objective or its derivatives are not finite at the iterate
+  NotFinite,  ///< the objective or its derivatives are not finite at the iterate
   LineSearchFailed,
   LinearSolveFailed,
-  Blocked,          ///< prescribed motion cannot go on: an obstacle is in the way
+  Blocked,  ///< prescribed motion cannot go on: an obstacle is in the way
   Interrupted,
 };
 
@@ -23,16 +23,16 @@ constexpr bool is_success(SolveStatus status) {
 
 struct SolveReport {
   SolveStatus status = SolveStatus::Converged;
-  int iterations = 0;               ///< linear systems solved for a direction and stepped along
+  int iterations = 0;  ///< linear systems solved for a direction and stepped along
   int64_t linear_iterations = 0;
   int factorizations = 0;
   int backtracks = 0;
-  int projected_iterations = 0;     ///< iterations that needed projected Hessians
+  int projected_iterations = 0;  ///< iterations that needed projected Hessians
   int lag_updates = 0;
-  double residual = 0.0;            ///< last evaluated [N]
-  double acceleration = 0.0;        ///< last evaluated [m/s^2]
-  double lag_residual = 0.0;        ///< change of the lagged forces at their last update [N]
-  double last_motion = 0.0;         ///< of the last full Newton step [m]
+  double residual = 0.0;      ///< last evaluated [N]
+  double acceleration = 0.0;  ///< last evaluated [m/s^2]
+  double lag_residual = 0.0;  ///< change of the lagged forces at their last update [N]
+  double last_motion = 0.0;   ///< of the last full Newton step [m]
   double last_step_length = 1.0;
 };
 

@@ -1,4 +1,5 @@
-// Corner normals of the rasteriser: across sharp edges each face keeps its own, across smooth ones they agree.
+// Corner normals of the rasteriser: across sharp edges each face keeps its own, across smooth ones they
+// agree.
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -15,8 +16,12 @@ using Triangles = std::vector<std::array<int32_t, 3>>;
 /// A roof of two squares that meet along the y axis under the angle `fold` between their normals [rad].
 stark::raster::TriangleScene roof(double fold, double crease_angle) {
   const double a = 0.5 * fold;
-  const std::vector<Vec3> points{{0, 0, 0}, {0, 1, 0}, {std::cos(a), 0, -std::sin(a)}, {std::cos(a), 1, -std::sin(a)},
-                                 {-std::cos(a), 0, -std::sin(a)}, {-std::cos(a), 1, -std::sin(a)}};
+  const std::vector<Vec3> points{{0, 0, 0},
+                                 {0, 1, 0},
+                                 {std::cos(a), 0, -std::sin(a)},
+                                 {std::cos(a), 1, -std::sin(a)},
+                                 {-std::cos(a), 0, -std::sin(a)},
+                                 {-std::cos(a), 1, -std::sin(a)}};
   const Triangles triangles{{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}};
   stark::RasterMesh mesh;
   mesh.positions = points;
@@ -31,14 +36,13 @@ TEST_CASE("an edge sharper than the crease angle keeps the normals of its faces"
   const auto scene = roof(1.0, 0.9);
   REQUIRE(scene.triangles.size() == 4);
   for (size_t t = 0; t < 4; ++t)
-    for (int e = 0; e < 3; ++e)
-      CHECK(norm(scene.corner_normals[t][e] - scene.triangles[t].normal) < 1e-14);
+    for (int e = 0; e < 3; ++e) CHECK(norm(scene.corner_normals[t][e] - scene.triangles[t].normal) < 1e-14);
 }
 
 TEST_CASE("an edge blunter than the crease angle gets one normal on the ridge") {
   const auto scene = roof(1.0, 1.1);
-  // Both squares have the same area, so by symmetry the ridge looks straight up; vertex 0 lies in all four triangles
-  // with equal weights, vertex 1 in one of the right and one of the left.
+  // Both squares have the same area, so by symmetry the ridge looks straight up; vertex 0 lies in all four
+  // triangles with equal weights, vertex 1 in one of the right and one of the left.
   CHECK(norm(scene.corner_normals[0][0] - Vec3{0, 0, 1}) < 1e-14);
   CHECK(norm(scene.corner_normals[1][2] - Vec3{0, 0, 1}) < 1e-14);
   CHECK(norm(scene.corner_normals[2][1] - Vec3{0, 0, 1}) < 1e-14);

@@ -14,7 +14,8 @@ namespace {
 using stark::Vec3;
 using stark::raster::Triangle;
 
-/// Distance along the ray in units of its direction, and how far inside the triangle the hit is (0 on its border).
+/// Distance along the ray in units of its direction, and how far inside the triangle the hit is (0 on its
+/// border).
 struct Hit {
   double distance, margin;
 };
@@ -114,7 +115,8 @@ TEST_CASE("a shadow map tells lit from shaded points away from borders") {
     for (const Triangle& t : scene.triangles) {
       const auto hit = intersect(t, point, light);
       if (!hit || hit->distance < -0.1) continue;
-      // Least height of the triangle as the light sees it [m]: turns the margin into a distance from the border.
+      // Least height of the triangle as the light sees it [m]: turns the margin into a distance from the
+      // border.
       const auto& c = t.corners;
       const double longest = std::fmax(norm(c[1] - c[0]), std::fmax(norm(c[2] - c[1]), norm(c[0] - c[2])));
       const double height = std::fabs(dot(cross(c[1] - c[0], c[2] - c[0]), light)) / longest;

@@ -48,7 +48,9 @@ FLOORS = [(1, 0.0), (40, 0.0), (40, 31.0)]
 
 @pytest.mark.parametrize(("cells", "turn"), FLOORS)
 @pytest.mark.parametrize(("angle", "mu"), [(20.0, 0.3), (30.0, 0.2)])
-def test_rigid_box_slides_with_coulombs_acceleration(angle: float, mu: float, cells: int, turn: float) -> None:
+def test_rigid_box_slides_with_coulombs_acceleration(
+    angle: float, mu: float, cells: int, turn: float
+) -> None:
     sim, box, axes = box_on_incline(angle, mu, cells=cells, turn=turn)
     a = angle * stark.deg
     # 1 % of the difference of gravity and friction is 0.2 % of the friction itself at 20 degrees.
@@ -90,7 +92,9 @@ def test_limit_angle_of_sticking() -> None:
 @pytest.mark.parametrize(("cells", "turn"), [(1, 0.0), (20, 31.0)])
 def test_soft_box_slides_like_a_rigid_one_less_its_damping(cells: int, turn: float) -> None:
     angle, mu, damping, density = 20.0 * stark.deg, 0.3, 0.4, 1000.0
-    material = stark.SolidMaterial(density=density, youngs_modulus=2e5, poissons_ratio=0.3, mass_damping=damping)
+    material = stark.SolidMaterial(
+        density=density, youngs_modulus=2e5, poissons_ratio=0.3, mass_damping=damping
+    )
     scene = stark.Scene()
     axes = inclined_floor(scene, 20.0, cells=cells, turn=turn)
     box = scene.add_solid(

@@ -43,7 +43,11 @@ def test_barrier_carries_the_weight_of_a_rigid_box(mass: float, cells: int, turn
 
 
 def test_weight_is_carried_to_the_residual_that_is_asked_for() -> None:
-    settings = {"newton.residual_tolerance": 1e-6, "newton.acceleration_tolerance": 0.0, "newton.step_tolerance": 0.0}
+    settings = {
+        "newton.residual_tolerance": 1e-6,
+        "newton.acceleration_tolerance": 0.0,
+        "newton.step_tolerance": 0.0,
+    }
     box, report = settled_rigid_box(1, 0.0, **settings)
     assert report.residual < 1e-6
     gap = box.positions[:, 2].min()

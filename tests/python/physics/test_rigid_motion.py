@@ -11,7 +11,11 @@ from _helpers import G, advance
 import stark
 
 SIZE = (0.10, 0.06, 0.02)  # a block with three different moments of inertia
-TIGHT = {"newton.residual_tolerance": 1e-10, "newton.acceleration_tolerance": 0.0, "newton.step_tolerance": 0.0}
+TIGHT = {
+    "newton.residual_tolerance": 1e-10,
+    "newton.acceleration_tolerance": 0.0,
+    "newton.step_tolerance": 0.0,
+}
 
 
 def angular_momentum(body: Any) -> np.ndarray:
@@ -93,7 +97,9 @@ def test_intermediate_axis_flips() -> None:
 @pytest.mark.parametrize("mu", [0.0, 0.6])
 def test_collision_of_two_free_bodies_keeps_momentum(mu: float) -> None:
     scene = stark.Scene()
-    a = scene.add_box(SIZE, density=800.0, velocity=(1.0, 0.1, 0.0), angular_velocity=(0.0, 0.0, 2.0), name="a")
+    a = scene.add_box(
+        SIZE, density=800.0, velocity=(1.0, 0.1, 0.0), angular_velocity=(0.0, 0.0, 2.0), name="a"
+    )
     b = scene.add_sphere(
         0.03, subdivisions=2, density=500.0, position=(0.12, 0.02, 0.004), velocity=(-0.5, 0, 0), name="b"
     )

@@ -15,12 +15,13 @@ void check(const RasterMesh& mesh, size_t index) {
   const std::string name = "mesh " + std::to_string(index);
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     if (!is_finite(mesh.positions[v]))
-      throw InvalidArgument(name + ": vertex " + std::to_string(v) + " is not finite; only finite positions can be drawn");
+      throw InvalidArgument(name + ": vertex " + std::to_string(v) +
+                            " is not finite; only finite positions can be drawn");
   for (size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const int32_t v : mesh.triangles[t])
       if (v < 0 || static_cast<size_t>(v) >= mesh.positions.size())
-        throw InvalidArgument(name + ": triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
-                              "; the mesh has " + std::to_string(mesh.positions.size()));
+        throw InvalidArgument(name + ": triangle " + std::to_string(t) + " names vertex " +
+                              std::to_string(v) + "; the mesh has " + std::to_string(mesh.positions.size()));
 }
 
 int32_t find(std::vector<int32_t>& parent, int32_t i) {
@@ -87,7 +88,8 @@ TriangleScene flatten(std::span<const RasterMesh> meshes) {
     check(mesh, m);
     const size_t begin = scene.triangles.size();
     for (const auto& t : mesh.triangles) {
-      Triangle triangle{{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]}, {}, static_cast<int32_t>(m)};
+      Triangle triangle{
+          {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]}, {}, static_cast<int32_t>(m)};
       const auto& c = triangle.corners;
       const Vec3 area = cross(c[1] - c[0], c[2] - c[0]);
       const double length = norm(area);

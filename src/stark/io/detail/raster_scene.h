@@ -20,7 +20,8 @@ struct Triangle {
 
 struct TriangleScene {
   std::vector<Triangle> triangles;
-  std::vector<std::array<Vec3, 3>> corner_normals;  ///< unit, smooth across edges below the mesh's crease angle
+  std::vector<std::array<Vec3, 3>>
+      corner_normals;  ///< unit, smooth across edges below the mesh's crease angle
 };
 
 /// Checks the meshes and flattens them. Throws InvalidArgument.
@@ -57,7 +58,8 @@ struct VisibilityBuffer {
 /// Orthonormal camera frame with the extent of the picture at unit distance.
 struct CameraFrame {
   CameraFrame(const RasterCamera& camera, double aspect);
-  /// Direction through picture coordinates x, y in [0, 1] from the top left; its component along `forward` is 1.
+  /// Direction through picture coordinates x, y in [0, 1] from the top left; its component along `forward`
+  /// is 1.
   Vec3 ray(double x, double y) const {
     return forward + ((2.0 * x - 1.0) * half_width) * right + ((1.0 - 2.0 * y) * half_height) * up;
   }

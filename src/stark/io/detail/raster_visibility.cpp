@@ -29,8 +29,8 @@ void scan(const std::array<ScreenPoint, 3>& p, int width, int row_begin, int row
   const int x1 = static_cast<int>(std::min(width - 1.0, std::floor(x_max - 0.5)));
   const int y0 = static_cast<int>(std::max<double>(row_begin, std::ceil(y_min - 0.5)));
   const int y1 = static_cast<int>(std::min<double>(row_end - 1.0, std::floor(y_max - 0.5)));
-  // Barycentric weights are affine in x: b_i = start_i + x * slope_i. Solving for the interval of each row skips the
-  // empty part of the bounding box, which matters for large slanted triangles.
+  // Barycentric weights are affine in x: b_i = start_i + x * slope_i. Solving for the interval of each row
+  // skips the empty part of the bounding box, which matters for large slanted triangles.
   for (int y = y0; y <= y1; ++y) {
     const double cy = y + 0.5;
     double low = x0, high = x1;
@@ -52,7 +52,8 @@ void scan(const std::array<ScreenPoint, 3>& p, int width, int row_begin, int row
   }
 }
 
-/// Cuts a triangle in camera space (x right, y up, z ahead) at z = near; returns the number of corners, 0, 3 or 4.
+/// Cuts a triangle in camera space (x right, y up, z ahead) at z = near; returns the number of corners, 0, 3
+/// or 4.
 int clip_near(const std::array<Vec3, 3>& in, double near_distance, std::array<Vec3, 4>& out) {
   int count = 0;
   for (int i = 0; i < 3; ++i) {
@@ -139,8 +140,8 @@ void ShadowMap::draw(std::span<const Triangle> triangles) {
 
 double ShadowMap::visibility(const Vec3& point, const Vec3& normal) const {
   const double texel = 2.0 * reach_ / resolution_;
-  // Lifting by the texel over which the surface is sampled removes the stripes of self-shadowing; the steeper the
-  // light, the less is needed.
+  // Lifting by the texel over which the surface is sampled removes the stripes of self-shadowing; the steeper
+  // the light, the less is needed.
   const double cosine = std::max(0.1, dot(normal, towards_light_));
   const double lift = texel * std::min(2.0, std::sqrt(1.0 - std::min(1.0, cosine * cosine)) / cosine);
   const Vec3 d = point + (1.3 * texel) * normal - center_;

@@ -1,4 +1,5 @@
-// Kinematics of a hinge: vertices 0, 1 of the shared edge and 2, 3 opposite to it, triangles (0, 1, 2) and (1, 0, 3).
+// Kinematics of a hinge: vertices 0, 1 of the shared edge and 2, 3 opposite to it, triangles (0, 1, 2) and
+// (1, 0, 3).
 #pragma once
 
 #include <stark/mechanics/define.h>
@@ -9,8 +10,7 @@ struct HingeGeometry {
   Vec3 edge, normal_a, normal_b;  ///< edge 0 -> 1; normals with twice the areas as lengths
 };
 
-inline HingeGeometry hinge(const Vec3& p0, const Vec3& p1, const Vec3& p2,
-                           const Vec3& p3) {
+inline HingeGeometry hinge(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3) {
   const Vec3 e = p1 - p0;
   return {e, cross(e, p2 - p0), cross(p3 - p0, e)};
 }

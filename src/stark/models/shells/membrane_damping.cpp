@@ -1,5 +1,5 @@
-// Strain-rate damping of triangles as an incremental potential: E = d A/(2 h) |E(x) - E(x_n)|^2 with the Green strain
-// E = (C - I)/2. d is the Rayleigh factor times thickness times Young's modulus. [theory eq. 15]
+// Strain-rate damping of triangles as an incremental potential: E = d A/(2 h) |E(x) - E(x_n)|^2 with the
+// Green strain E = (C - I)/2. d is the Rayleigh factor times thickness times Young's modulus. [theory eq. 15]
 #include <stark/models/shells/metric.h>
 
 namespace stark::models {

@@ -1,5 +1,6 @@
-// Kinematics of triangles shared by the membrane laws, from edge metrics: with g_ij = e_i . e_j of the deformed and G of
-// the rest edges, C = G^-1 g is the right Cauchy-Green tensor of the 3x2 deformation gradient in mixed components.
+// Kinematics of triangles shared by the membrane laws, from edge metrics: with g_ij = e_i . e_j of the
+// deformed and G of the rest edges, C = G^-1 g is the right Cauchy-Green tensor of the 3x2 deformation
+// gradient in mixed components.
 #pragma once
 
 #include <stark/mechanics/define.h>

@@ -5,8 +5,7 @@
 
 namespace stark::models {
 
-inline Mat3 edge_matrix(const Vec3& p0, const Vec3& p1, const Vec3& p2,
-                                  const Vec3& p3) {
+inline Mat3 edge_matrix(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3) {
   return Mat3::from_columns(p1 - p0, p2 - p0, p3 - p0);
 }
 

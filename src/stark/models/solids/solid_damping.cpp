@@ -1,6 +1,7 @@
 // Strain-rate (Kelvin-Voigt) damping of linear tetrahedra as an incremental potential:
-// E = eta V/(2 h) |E(x) - E(x_n)|^2 with the Green strain E = (F^T F - I)/2. It is invariant under rotations, and its
-// force eta dE/dt does not depend on the time step. eta is the Rayleigh factor times the stiffness. [theory eq. 15]
+// E = eta V/(2 h) |E(x) - E(x_n)|^2 with the Green strain E = (F^T F - I)/2. It is invariant under rotations,
+// and its force eta dE/dt does not depend on the time step. eta is the Rayleigh factor times the stiffness.
+// [theory eq. 15]
 #include <stark/models/solids/deformation.h>
 
 namespace stark::models {

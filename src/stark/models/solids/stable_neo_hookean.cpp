@@ -1,6 +1,7 @@
 // Stable Neo-Hookean elasticity of linear tetrahedra.
-// [Smith, de Goes, Kim 2018, "Stable Neo-Hookean Flesh Simulation", eq. 14, with the Lame reparametrisation of sec. 3.4
-// for the log term, so that small strains agree with linear elasticity.] The energy of the rest state is subtracted.
+// [Smith, de Goes, Kim 2018, "Stable Neo-Hookean Flesh Simulation", eq. 14, with the Lame reparametrisation
+// of sec. 3.4 for the log term, so that small strains agree with linear elasticity.] The energy of the rest
+// state is subtracted.
 #include <stark/models/solids/deformation.h>
 
 namespace stark::models {
@@ -19,8 +20,8 @@ PotentialDefinition stable_neo_hookean() {
         const Mat3 F = deformation_gradient(b);
         const Scalar I_C = squared_norm(F), J = determinant(F);
         const Scalar rest = 0.5 * lambda * square(1.0 - alpha) - 0.5 * mu * std::log(4.0);
-        const Scalar psi =
-            0.5 * mu * (I_C - 3.0) + 0.5 * lambda * square(J - alpha) - 0.5 * mu * log(I_C + 1.0) - rest;  // [J/m^3]
+        const Scalar psi = 0.5 * mu * (I_C - 3.0) + 0.5 * lambda * square(J - alpha) -
+                           0.5 * mu * log(I_C + 1.0) - rest;  // [J/m^3]
         return psi * rest_volume(b);
       });
   definition.zero_at_rest = true;
