@@ -18,7 +18,11 @@ namespace {
 // must not depend on the machine, or runs would not repeat elsewhere.
 constexpr double kFlopsPerSecond = 30e9;
 constexpr double kBytesPerSecond = 12e9;
-constexpr double kProbeMinIterations = 60;  // no conjugate gradients where direct costs less than this many
+// No conjugate gradients where direct costs less than this many: cloth never pays, soft solids do from there
+// on.
+constexpr double kProbeMinIterations = 150;
+// Above, single precision with refinement is faster than double.
+constexpr double kFloatFlops = 1e9;
 constexpr int kLeastIterationCap = 50;
 
 constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of direct solvers
@@ -82,6 +86,7 @@ struct LinearSolver::Implementation {
   // Automatic choice: conjugate gradients start a step if they could win, with this many iterations at most.
   // Both follow from prepare(), never from earlier steps, so that a resumed run continues bit for bit.
   bool starts_with_pcg = false;
+  LinearSolverKind direct_kind = LinearSolverKind::Cholesky;
   int iteration_cap = kLeastIterationCap;
 
   bool solve_direct(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
@@ -216,11 +221,13 @@ LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const doub
     const int cap = automatic ? s.iteration_cap : s.settings.pcg_max_iterations;
     const bool solved = s.solve_pcg(A, b, x, tolerance, cap, report);
     if (solved || report.indefinite || !automatic) return report;
-    s.current = LinearSolverKind::Cholesky;  // for the rest of the step
+    s.current = s.direct_kind;  // for the rest of the step
   }
-  if (s.current == LinearSolverKind::CholeskyFloat && s.solve_float(A, hash, b, x, positions, report))
-    return report;
-  s.solve_direct(A, hash, b, x, positions, report);
+  const bool try_float = s.current == LinearSolverKind::CholeskyFloat;
+  if (try_float && s.solve_float(A, hash, b, x, positions, report)) return report;
+  const bool solved = s.solve_direct(A, hash, b, x, positions, report);
+  // Too ill-conditioned for single precision: double for the rest of the step.
+  if (try_float && solved && automatic) s.current = LinearSolverKind::Cholesky;
   return report;
 }
 
@@ -236,6 +243,8 @@ void LinearSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> po
       4.0 * 8.0 * static_cast<double>(s.factor.cholesky.factor_nonzeros()) / kBytesPerSecond;
   const double iteration_cost = ((2.0 * off_diagonal + n) * 76.0 + 10.0 * 24.0 * n) / kBytesPerSecond;
   const double break_even = direct_cost / iteration_cost;
+  s.direct_kind =
+      s.factor.cholesky.flops() > kFloatFlops ? LinearSolverKind::CholeskyFloat : LinearSolverKind::Cholesky;
   s.starts_with_pcg = break_even > kProbeMinIterations;
   s.iteration_cap = static_cast<int>(std::clamp(break_even, static_cast<double>(kLeastIterationCap),
                                                 static_cast<double>(s.settings.pcg_max_iterations)));
@@ -244,7 +253,7 @@ void LinearSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> po
 void LinearSolver::begin_step() {
   Implementation& s = *implementation_;
   if (s.settings.kind == LinearSolverKind::Automatic)
-    s.current = s.starts_with_pcg ? LinearSolverKind::Pcg : LinearSolverKind::Cholesky;
+    s.current = s.starts_with_pcg ? LinearSolverKind::Pcg : s.direct_kind;
   s.factor.begin_step();
   s.factor_float.begin_step();
 }

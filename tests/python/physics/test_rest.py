@@ -20,11 +20,13 @@ def floor_of(scene: stark.Scene, cells: int, turn: float) -> None:
 
 
 def settled_rigid_box(cells: int, turn: float, mass: float = 1.0, **settings: Any) -> tuple[Any, Any]:
+    """The body, bound to its simulation, and the report of the last step."""
     scene = stark.Scene()
     floor_of(scene, cells, turn)
     box = scene.add_box(0.1, mass=mass, name="box", position=(0.03, 0.17, 0.05 + 0.9 * _GAP))
     sim = stark.Simulation(scene, time_step=1 / 60, contact_distance=0.5 * _GAP, **settings)
-    return box, advance(sim, 1.5)[-1]
+    report = advance(sim, 1.5)[-1]
+    return sim[box], report
 
 
 @pytest.mark.parametrize("mass", [0.01, 1.0, 100.0])
@@ -79,6 +81,7 @@ def test_soft_box_rests_on_contact_forces_of_its_weight(cells: int) -> None:
         name="box",
         position=(0.03, 0.17, 0.5 * size + 0.9 * _GAP),
     )
+    scene.friction["box", "floor"] = 0.0
     sim = stark.Simulation(scene, time_step=1 / 60, contact_distance=0.5 * _GAP)
     report = advance(sim, 1.5)[-1]
     assert np.abs(box.velocities).max() < 1e-4
@@ -86,10 +89,12 @@ def test_soft_box_rests_on_contact_forces_of_its_weight(cells: int) -> None:
     gap = box.positions[:, 2].min()
     assert 0.0 < gap < _GAP
     assert 0.0 < report.min_distance <= gap * (1.0 + 1e-9)
-    # It is compressed by its own weight: rho g L / 2E of its height in a bar with free sides. The sides stick below
-    # (Poisson's contraction is hindered there): 10 %.
-    height = np.ptp(box.positions[:, 2])
-    assert size - height == pytest.approx(density * G * size**2 / (2.0 * modulus), rel=0.1)
+    # It is compressed by its own weight, by rho g L^2 / 2E. Free to slide on the floor, its sides stay free: what is
+    # left is that the pressure below is not spread evenly by the few points of contact, 5 % of the mean.
+    top = box.mesh.vertices[:, 2] > 0.499 * size
+    bottom = box.mesh.vertices[:, 2] < -0.499 * size
+    height = box.positions[top, 2].mean() - box.positions[bottom, 2].mean()
+    assert size - height == pytest.approx(density * G * size**2 / (2.0 * modulus), rel=0.05)
 
 
 def test_momentum_balance_gives_the_contact_force_of_a_stack() -> None:

