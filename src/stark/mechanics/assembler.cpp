@@ -225,14 +225,25 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
     if (options.project) projected_count_ += project_blocks(batch, last - first, out);
   });
   std::vector<SiteJacobian> jacobians(points);
+  std::vector<int32_t> blocks(points);
   std::vector<Vec3> extra(options.pending.empty() ? 0 : points);
   for (int64_t e = 0; e < batch.size(); ++e) {
     const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, n,
                               static_cast<int>(e % kLanes));
     const auto sites = batch.stencil(e);
-    for (int p = 0; p < points; ++p) jacobians[p] = map_.jacobian(sites[p], configuration);
     if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);
     if (out_energies) out_energies[e] = element.energy();
+    bool only_points = true;
+    for (int p = 0; p < points; ++p) {
+      const bool is_prescribed = map_.is_prescribed(sites[p]);
+      blocks[p] = is_prescribed || !map_.is_point(sites[p]) ? kNoBlock : map_.point_block(sites[p]);
+      only_points = only_points && (is_prescribed || map_.is_point(sites[p]));
+    }
+    if (only_points) {
+      add_point_element(element, blocks, extra, gradient, hessian);
+      continue;
+    }
+    for (int p = 0; p < points; ++p) jacobians[p] = map_.jacobian(sites[p], configuration);
     add_mapped_element(element, jacobians, extra, gradient, hessian, body_moment_);
   }
 }

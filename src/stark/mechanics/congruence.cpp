@@ -28,6 +28,24 @@ void pending_gradient(const ElementView& element, std::span<const int32_t> sites
   }
 }
 
+void add_point_element(const ElementView& element, std::span<const int32_t> blocks,
+                       std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                       BlockMatrix& hessian) {
+  const int points = static_cast<int>(blocks.size());
+  for (int p = 0; p < points; ++p) {
+    if (blocks[p] == kNoBlock) continue;
+    Vec3 g = element.point_gradient(p);
+    if (!extra_gradient.empty()) g += extra_gradient[p];
+    for (int c = 0; c < 3; ++c) gradient[3 * blocks[p] + c] += g[c];
+    for (int q = 0; q < points; ++q) {
+      if (blocks[q] < blocks[p]) continue;  // prescribed, or the transposed pair adds it
+      double* values = hessian.values.data() + 9 * hessian.pattern.slot(blocks[p], blocks[q]);
+      const Mat3 H = element.point_hessian(p, q);
+      for (int c = 0; c < 9; ++c) values[c] += H.m[c];
+    }
+  }
+}
+
 void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
                         std::span<const Vec3> extra_gradient, std::span<double> gradient,
                         BlockMatrix& hessian, std::span<Mat3> body_moment) {

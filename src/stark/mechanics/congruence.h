@@ -15,6 +15,12 @@ namespace stark {
 void pending_gradient(const ElementView& element, std::span<const int32_t> sites, const KinematicMap& map,
                       std::span<const Vec3> pending, std::span<Vec3> out);
 
+/// Adds an element whose sites are points or prescribed: the map is the identity on `blocks`, kNoBlock for
+/// prescribed sites. Same result as add_mapped_element, without Jacobians.
+void add_point_element(const ElementView& element, std::span<const int32_t> blocks,
+                       std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                       BlockMatrix& hessian);
+
 /// Adds the mapped element. extra_gradient is added to the point gradients for the gradient only (empty:
 /// none).
 void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,

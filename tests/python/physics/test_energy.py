@@ -1,0 +1,69 @@
+"""Energy is never made: implicit Euler without damping may only lose it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from _helpers import G, advance, lumped_masses, mean_velocity
+
+import stark
+
+
+def total(report: object) -> float:
+    return float(sum(report.energy.values()))  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("step", [1 / 60, 1 / 250])
+@pytest.mark.parametrize("angle", [0.0, 25.0])
+def test_bouncing_elastic_block_gains_no_energy(step: float, angle: float) -> None:
+    drop, size, density = 0.2, 0.1, 1000.0
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    scene.default_friction = 0.0
+    block = scene.add_solid(
+        stark.mesh.tet_box(size, 3),
+        stark.SolidMaterial(density=density, youngs_modulus=1e5, poissons_ratio=0.3),
+        rotation=stark.rotation(axis="x", angle=angle * stark.deg),
+        position=(0.03, 0.11, drop + 0.06),
+    )
+    mass = lumped_masses(block, density).sum()
+    sim = stark.Simulation(scene, time_step=step, contact_distance=1e-3)
+    available = mass * G * drop
+    previous = None
+    bounced, gained = False, 0.0
+    for report in sim.run(0.6):
+        assert not report.failed, report.message
+        energy = total(report)
+        if previous is not None:
+            gained += max(0.0, energy - previous)
+        previous = energy
+        bounced |= sim.time > 0.2 and bool(mean_velocity(block, density)[2] > 0.05)
+    assert bounced
+    # The stiffness of barriers is chosen anew in every step: what they hold at that moment may jump. All gains together
+    # stay below 1 % of the energy of the fall.
+    assert gained < 0.01 * available
+
+
+def test_free_vibration_decays_as_implicit_euler_says() -> None:
+    """An oscillator of frequency w keeps 1 / (1 + h^2 w^2) of its energy in a step. Here the first longitudinal mode of
+    a free bar, w = pi c / L with c^2 = E / rho."""
+    length, width, modulus, density, nu = 0.2, 0.02, 1e5, 1000.0, 0.3
+    mesh = stark.mesh.tet_box((length, width, width), (20, 2, 2))
+    x = mesh.vertices[:, 0]
+    amplitude = 1e-3 * length
+    strain = amplitude * np.pi / length * np.cos(np.pi * x / length)
+    start = mesh.vertices.copy()
+    start[:, 0] += amplitude * np.sin(np.pi * x / length)
+    start[:, 1:] *= 1.0 - nu * strain[:, None]
+    omega = np.pi / length * np.sqrt(modulus / density)
+    for step in (2e-4, 1e-4):
+        scene = stark.Scene()
+        material = stark.SolidMaterial(density=density, youngs_modulus=modulus, poissons_ratio=nu)
+        scene.add_solid(mesh, material, initial_positions=start)
+        settings = {"newton.acceleration_tolerance": 1e-3, "newton.step_tolerance": 1e-6, "contact.enabled": False}
+        sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **settings)
+        energies = np.array([total(report) for report in advance(sim, 0.04)])  # one period
+        assert np.all(np.diff(energies) < 1e-9 * energies[0])
+        rate = -np.log(energies[-1] / energies[0]) / (len(energies) - 1)
+        # 5 %: the frequency of this mesh and of the thick bar, twice its relative error.
+        assert rate == pytest.approx(np.log(1.0 + (step * omega) ** 2), rel=0.05)
