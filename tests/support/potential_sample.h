@@ -61,15 +61,11 @@ inline FilledSample fill_sample(const PotentialDefinition& definition, const Pot
   return sample;
 }
 
-/// All outputs of a kernel for one element: energy, gradient, upper triangle of the Hessian.
-inline std::vector<double> evaluate(const Potential& potential, const FilledSample& sample,
-                                    symbolic::Order order, const std::vector<Vec3>& x) {
+/// Writes the sample, with points at x, into all lanes of one block of each kind of input.
+inline void fill_inputs(const Potential& potential, const FilledSample& sample, const std::vector<Vec3>& x,
+                        double* unknowns, double* elements, double* uniforms) {
   using symbolic::kLanes;
-  const symbolic::Kernel& kernel = potential.kernel();
-  AlignedVector<double> unknowns(kernel.unknown_count() * kLanes),
-      elements(potential.element_width() * kLanes + 1), uniforms(potential.uniform_width() + 1),
-      out(kernel.output_count(order) * kLanes);
-  const auto spread = [](AlignedVector<double>& array, int row, double value) {
+  const auto spread = [](double* array, int row, double value) {
     for (int l = 0; l < kLanes; ++l) array[row * kLanes + l] = value;
   };
   for (int p = 0; p < potential.point_count(); ++p)
@@ -92,6 +88,17 @@ inline std::vector<double> evaluate(const Potential& potential, const FilledSamp
     }
   for (const UniformField& field : potential.uniform_fields())
     for (int c = 0; c < field.width; ++c) uniforms[field.offset + c] = sample.values.at(field.name)[c];
+}
+
+/// All outputs of a kernel for one element: energy, gradient, upper triangle of the Hessian.
+inline std::vector<double> evaluate(const Potential& potential, const FilledSample& sample,
+                                    symbolic::Order order, const std::vector<Vec3>& x) {
+  using symbolic::kLanes;
+  const symbolic::Kernel& kernel = potential.kernel();
+  AlignedVector<double> unknowns(kernel.unknown_count() * kLanes),
+      elements(potential.element_width() * kLanes + 1), uniforms(potential.uniform_width() + 1),
+      out(kernel.output_count(order) * kLanes);
+  fill_inputs(potential, sample, x, unknowns.data(), elements.data(), uniforms.data());
   kernel.evaluate(order, unknowns.data(), elements.data(), uniforms.data(), out.data(), 1);
   std::vector<double> result;
   for (int k = 0; k < kernel.output_count(order); ++k) result.push_back(out[k * kLanes]);

@@ -87,7 +87,9 @@ def test_hanging_bar_stretches_as_the_material_law_says() -> None:
     rest = bar.mesh.vertices
     bar.pin(rest[:, 2] > 0.499 * length)
     bar = settle(scene)[bar]
-    z = np.unique(np.round(rest[:, 2], 9))[::2]  # layers of cell corners, from below; centres lie between them
+    z = np.unique(np.round(rest[:, 2], 9))[
+        ::2
+    ]  # layers of cell corners, from below; centres lie between them
     layers = [np.abs(rest[:, 2] - level) < 1e-6 for level in z]
     heights = np.array([bar.positions[layer, 2].mean() for layer in layers])
     # Below a section hangs density (z + L/2) A: nominal stress. Away from the clamp (one width) it is uniaxial.
@@ -129,7 +131,11 @@ def test_hanging_strip_stretches_as_the_membrane_law_says() -> None:
 
     scene = stark.Scene()
     material = stark.ShellMaterial(
-        density=density, thickness=thickness, youngs_modulus=modulus, poissons_ratio=nu, bending_stiffness=1e-9
+        density=density,
+        thickness=thickness,
+        youngs_modulus=modulus,
+        poissons_ratio=nu,
+        bending_stiffness=1e-9,
     )
     grid = stark.mesh.grid(width, length, (4, 40))
     y = grid.vertices[:, 1]
@@ -205,18 +211,19 @@ def heavy_elastica(gamma: float) -> float:
 
 
 # What hinges of stiffness k do on a structured grid. With curvatures xx, yy, xy the fold angles are, for cells of size h,
-# h (xx - xy) and h (yy - xy) at the two kinds of grid lines (the triangles on both sides of a line are shifted by a
+# h (xx + xy) and h (yy + xy) at the two kinds of grid lines (the triangles on both sides of a line are shifted by a
 # cell) and sqrt(2) h xy at the diagonals, for diagonals along (1, 1); with theory eq. 13 the energy of an area is
-#     k/2 (3 (xx - xy)^2 + 3 (yy - xy)^2 + 12 xy^2).
+#     k/2 (3 (xx + xy)^2 + 3 (yy + xy)^2 + 12 xy^2).
 # Rolled on a cylinder: 3 k along the grid, 3 k to 9 k between. A narrow strip is free to twist: minimal over yy and xy
 # this is 2.4 k.
 
 
-def grid_rigidity(direction: float) -> float:
-    """D / k of a sheet rolled up in the direction [deg] from the x axis."""
+def grid_rigidity(direction: float, cells: int) -> float:
+    """D / k of a square sheet rolled up in the direction [deg] from the x axis. One of ``cells`` + 1 grid lines is the
+    border on each side, half a cell each, and has no hinges."""
     c, s = np.cos(direction * stark.deg), np.sin(direction * stark.deg)
     xx, yy, xy = c * c, s * s, c * s
-    return 3 * (xx - xy) ** 2 + 3 * (yy - xy) ** 2 + 12 * xy**2
+    return 3 * ((xx + xy) ** 2 + (yy + xy) ** 2) * (1 - 1 / cells) + 12 * xy**2
 
 
 @pytest.mark.parametrize("direction", [0.0, 22.5, 45.0, 90.0, 112.5, 135.0])
@@ -240,24 +247,26 @@ def test_rolled_square_stores_the_energy_of_its_grid(direction: float, rest_angl
     scene.add_cloth(grid, material, initial_positions=rolled, rest_angles=rest_angles, pins=pins)
     sim = stark.Simulation(scene, gravity=(0, 0, 0), **{"contact.enabled": False})
     energy = sim.step().energy["elastic"]
-    expected = 0.5 * grid_rigidity(sign * direction) * k / radius**2
-    # The border has no hinges: 1 / cells of the lines are missing.
-    assert energy == pytest.approx(expected, rel=1.0 / cells)
+    expected = 0.5 * grid_rigidity(sign * direction, cells) * k / radius**2
+    # Chords instead of arcs: (h / radius)^2 = 4e-5, and the membrane that is not quite without stiffness.
+    assert energy == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize("gamma", [0.5, 5.0])
 def test_bent_strip_follows_the_elastica(gamma: float) -> None:
-    k, length = 1e-5, 0.2
+    k, length = 1e-3, 0.2
     density = gamma * 2.4 * k / (G * length**3)
     material = stark.ShellMaterial(
-        density=density, thickness=1e-3, youngs_modulus=1e6, poissons_ratio=0.0, bending_stiffness=k
+        density=density, thickness=1e-3, youngs_modulus=1e5, poissons_ratio=0.0, bending_stiffness=k
     )
     drops = []
     for cells in (20, 40):
         edge = length / cells
         scene = stark.Scene()
         # One more row of cells lies in the clamp.
-        strip = scene.add_cloth(stark.mesh.grid(length + edge, length / 20, (cells + 1, cells // 20)), material)
+        strip = scene.add_cloth(
+            stark.mesh.grid(length + edge, length / 20, (cells + 1, cells // 20)), material
+        )
         x = strip.mesh.vertices[:, 0]
         strip.pin(x < x.min() + 1.5 * edge)
         strip = settle(scene)[strip]

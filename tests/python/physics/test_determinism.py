@@ -13,7 +13,9 @@ def cluttered() -> stark.Scene:
     scene.default_friction = 0.4
     scene.add_floor(1.0)
     scene.add_solid(
-        stark.mesh.tet_box(0.08, 3), stark.materials.soft_rubber.replace(youngs_modulus=5e4), position=(0, 0, 0.0415)
+        stark.mesh.tet_box(0.08, 3),
+        stark.materials.soft_rubber.replace(youngs_modulus=5e4),
+        position=(0, 0, 0.0415),
     )
     scene.add_cloth(stark.mesh.grid(0.2, 0.2, 14), position=(0.01, 0, 0.084), velocity=(0.2, 0, -0.5))
     scene.add_sphere(0.03, subdivisions=2, mass=0.05, position=(0.01, 0.005, 0.117), velocity=(0.2, 0, -0.5))

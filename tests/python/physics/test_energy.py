@@ -60,7 +60,11 @@ def test_free_vibration_decays_as_implicit_euler_says() -> None:
         scene = stark.Scene()
         material = stark.SolidMaterial(density=density, youngs_modulus=modulus, poissons_ratio=nu)
         scene.add_solid(mesh, material, initial_positions=start)
-        settings = {"newton.acceleration_tolerance": 1e-3, "newton.step_tolerance": 1e-6, "contact.enabled": False}
+        settings = {
+            "newton.acceleration_tolerance": 1e-3,
+            "newton.step_tolerance": 1e-6,
+            "contact.enabled": False,
+        }
         sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **settings)
         energies = np.array([total(report) for report in advance(sim, 0.04)])  # one period
         assert np.all(np.diff(energies) < 1e-9 * energies[0])

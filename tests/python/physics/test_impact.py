@@ -19,7 +19,11 @@ def shoot(kind: str, sheet: str, *, cells: int, position: Any = (0.003, 0.002, 0
     """A 5 mm steel ball at 100 m/s or a 1 mm aluminium plate at 200 m/s, aimed at a sheet that is pinned all around."""
     scene = stark.Scene()
     if sheet == "cloth":
-        mesh, add, material = stark.mesh.grid(2 * _HALF, 2 * _HALF, cells), scene.add_cloth, stark.materials.cotton
+        mesh, add, material = (
+            stark.mesh.grid(2 * _HALF, 2 * _HALF, cells),
+            scene.add_cloth,
+            stark.materials.cotton,
+        )
     else:
         mesh = stark.mesh.tet_box((2 * _HALF, 2 * _HALF, 0.004), (cells, cells, 1))
         add, material = scene.add_solid, stark.materials.soft_rubber
@@ -29,24 +33,27 @@ def shoot(kind: str, sheet: str, *, cells: int, position: Any = (0.003, 0.002, 0
             0.0025, subdivisions=2, density=7800.0, position=position, velocity=(0, 0, -100.0), name="missile"
         )
     else:
-        scene.add_box((0.05, 0.05, 0.001), density=2700.0, position=position, velocity=(0, 0, -200.0), name="missile")
+        scene.add_box(
+            (0.05, 0.05, 0.001), density=2700.0, position=position, velocity=(0, 0, -200.0), name="missile"
+        )
     return scene
 
 
 def is_above(missile: Any, sheet: Any) -> bool:
-    """Whether the missile lies on the side of the sheet that it came from, by the sign of the crossings of a ray from
-    the missile straight up: an even number of sheet triangles of a cloth above it."""
+    """Whether the missile is still on the side of the sheet that it came from: a ray straight up from it crosses the
+    sheet, of a solid its upper face, an even number of times. (Past its border at rest the sheet cannot be drawn.)"""
     centre = missile.position
-    x = sheet.positions[sheet.triangles]
+    rest = sheet.mesh.vertices[:, 2]
+    upper = (rest[sheet.triangles] > rest.max() - 1e-9).all(axis=1)
+    x = sheet.positions[sheet.triangles[upper]]
     a, b, c = (x[:, i, :2] - centre[:2] for i in range(3))
 
     def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
         return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
 
-    u, v, w = cross(b, c), cross(c, a), cross(a, b)
-    inside = ((u > 0) & (v > 0) & (w > 0)) | ((u < 0) & (v < 0) & (w < 0))
-    weights = np.stack([u, v, w], axis=1)[inside]
-    heights = (weights * x[inside][:, :, 2]).sum(axis=1) / weights.sum(axis=1)
+    weights = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
+    hit = (weights > 0).all(axis=1) | (weights < 0).all(axis=1)
+    heights = (weights[hit] * x[hit][:, :, 2]).sum(axis=1) / weights[hit].sum(axis=1)
     return int((heights > centre[2]).sum()) % 2 == 0
 
 
@@ -66,8 +73,7 @@ def stop_missile(scene: stark.Scene, step: float, count: int) -> None:
             break
         touched |= report.contact_count > 0
         assert not judge.intersects()
-        if sheet.kind == "cloth":
-            assert is_above(missile, sheet)
+        assert is_above(missile, sheet)
     # Had the sheet not been there, it would be metres below.
     assert touched
     assert np.linalg.norm(missile.velocity) < 0.9 * speed
@@ -88,12 +94,15 @@ def test_thin_solid_stops_missiles(kind: str, step: float) -> None:
     stop_missile(scene, step, 2)
 
 
-def test_missile_that_misses_flies_on() -> None:
-    """The same test bench without anything in the way: the closed form of free flight."""
-    scene = shoot("ball", "cloth", cells=4, position=(0.5, 0.0, 0.5))
+def test_missile_without_contact_flies_on() -> None:
+    """The same test bench without contact: free flight through the sheet, which the bench notices."""
+    scene = shoot("ball", "cloth", cells=4, position=(0.003, 0.002, 0.5))
+    scene.disable_contact("missile", "sheet")
     sim = stark.Simulation(scene, time_step=0.01, contact_distance=5e-4)
+    assert is_above(sim["missile"], sim["sheet"])
     for _ in range(3):
         assert not sim.step().failed
+    assert not is_above(sim["missile"], sim["sheet"])
     assert sim["missile"].position[2] == pytest.approx(0.5 - 3.0 - 9.81 * 1e-4 * 6, abs=1e-9)
 
 
@@ -118,7 +127,7 @@ def test_taut_crossing_strips_hold_each_other(kind: str) -> None:
     judge = Judge(sim)
     targets = upper.pin_targets
     contacts = 0
-    for k in range(80):
+    for k in range(40):
         moved = targets.copy()
         moved[:, 2] -= 0.002 * min(k + 1, 20)  # 40 mm in all, through the rest plane of the lower one
         sim["upper"].pin_targets = moved
@@ -126,13 +135,13 @@ def test_taut_crossing_strips_hold_each_other(kind: str) -> None:
         assert not report.failed, report.message
         assert not judge.intersects()
         contacts = report.contact_count
-    middle = np.argmin(np.linalg.norm(mesh.vertices, axis=1))
-    low, up = sim["lower"].positions[middle], sim["upper"].positions[middle]
+    middle = np.abs(mesh.vertices[:, 0]) < 1e-6
+    low, up = (sim[name].positions[middle].mean(axis=0) for name in ("lower", "upper"))
     assert contacts > 0
     assert up[2] > low[2]
     # Two equal springs share what their middles were moved by, the 30 mm that the ends passed each other and the
-    # distance of the middles. What is left of the vibration: a tenth.
-    assert low[2] == pytest.approx(-0.5 * (0.03 + up[2] - low[2]), rel=0.1)
+    # distance of the middles. What is left of the vibration: 1 %.
+    assert low[2] == pytest.approx(-0.5 * (0.03 + up[2] - low[2]), rel=0.01)
 
 
 @pytest.mark.parametrize("inner", ["rigid", "solid"])
