@@ -5,7 +5,9 @@ Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra
 
 from __future__ import annotations
 
+import contextlib
 import os
+import tempfile
 from collections.abc import Sequence
 from typing import Any, TypeAlias, TypeVar
 
@@ -425,7 +427,9 @@ def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: fl
         raise ImportError(
             "stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'"
         ) from error
-    vertices, tets = pytetwild.tetrahedralize(
-        surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
-    )
+    # fTetWild leaves a file in the current folder.
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        vertices, tets = pytetwild.tetrahedralize(
+            surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
+        )
     return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))

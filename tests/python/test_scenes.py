@@ -138,14 +138,14 @@ def test_first_step_of_larger_scenes(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not _HAS_MESH_EXTRA, reason="needs the extra 'mesh'")
+@pytest.mark.skipif(not _HAS_MESH_EXTRA, reason="needs the extra 'samples'")
 def test_first_step_of_drop(tmp_path: Path) -> None:
     test_first_step("drop", tmp_path)
 
 
-@pytest.mark.skipif(_HAS_MESH_EXTRA, reason="the extra 'mesh' is installed")
+@pytest.mark.skipif(_HAS_MESH_EXTRA, reason="the extra 'samples' is installed")
 def test_drop_names_the_extra_it_needs() -> None:
-    with pytest.raises(ImportError, match=r"pip install 'stark-sim\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"pip install 'stark-sim\[samples\]'"):
         scenes.load("drop").build()
 
 

@@ -1,6 +1,6 @@
 """A soft CAD part, a nut, falls into a cloth hammock and presses it on the floor.
 
-The mesh is ``nut.ply`` of the package pyvista (MIT licence), which the extra ``mesh`` brings along;
+The mesh is ``nut.ply`` of the package pyvista (MIT licence), which the extra ``samples`` brings along;
 pytetwild fills it with tetrahedra.
 """
 
@@ -28,7 +28,7 @@ def nut() -> stark.TetMesh:
     package = importlib.util.find_spec("pyvista")
     if package is None or package.origin is None:
         raise ImportError(
-            "the scene 'drop' needs the packages of the extra 'mesh': pip install 'stark-sim[mesh]'"
+            "the scene 'drop' needs the packages of the extra 'samples': pip install 'stark-sim[samples]'"
         )
     surface = stark.mesh.load(Path(package.origin).parent / "examples" / "nut.ply").centered()
     surface = surface.scaled(_SIZE / float(np.ptp(surface.vertices, axis=0).max()))

@@ -11,6 +11,7 @@ constexpr int kProjectedIterations =
     4;  ///< kept projected after an indefinite matrix (Newton slows down otherwise)
 constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy differences are rounding errors
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
+constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 constexpr double kTinyStep = 1e-6;         ///< step lengths below it make no progress ...
 constexpr int kTinyStepLimit = 12;         ///< ... and so many in a row end the minimisation
 
@@ -36,7 +37,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int m
   direction_.assign(n, 0.0);
   projection_countdown_ = 0;
   previous_gradient_norm_ = 0.0;
-  int tiny_steps = 0, round_off_steps = 0;
+  int tiny_steps = 0, round_off_steps = 0, unsure_steps = 0;
   const auto finish = [&](SolveStatus status) {
     report.status = status;
     return report;
@@ -71,10 +72,17 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int m
     if (searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations)
       return finish(searched);
     if (searched == SolveStatus::LineSearchFailed) {
+      // Descent for certain, and yet no step lowers the energy: differences are rounding errors that the
+      // magnitude does not show, as in stiff elements whose energy is a difference of large terms. The
+      // gradient is exact still, so a few full steps are taken on its word.
+      if (!pending && ++unsure_steps <= kRoundOffIterations && take_full_step(objective, report)) continue;
       if (projection_countdown_ > 0 || settings_.projection != Projection::OnDemand) return finish(searched);
       projection_countdown_ = kProjectedIterations;
     }
     tiny_steps = report.last_step_length < kTinyStep ? tiny_steps + 1 : 0;
+    if (tiny_steps > 1 && !pending && ++unsure_steps <= kRoundOffIterations &&
+        take_full_step(objective, report))
+      tiny_steps = 0;
     if (tiny_steps >= kTinyStepLimit)
       return finish(pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed);
   }
@@ -153,6 +161,15 @@ SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report)
   }
   report.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;
+}
+
+bool NewtonSolver::take_full_step(Objective& objective, SolveReport& report) {
+  const double alpha = objective.bound_step(direction_, settings_.max_rotation);
+  const TrialEnergy trial = objective.try_step(direction_, alpha);
+  if (alpha < 1.0 || !trial.feasible || !(trial.difference <= kUnsureRise * trial.magnitude)) return false;
+  objective.accept_trial();
+  report.last_step_length = alpha;
+  return true;
 }
 
 }  // namespace stark

@@ -28,6 +28,7 @@ class NewtonSolver {
   Direction find_direction(Objective& objective, SolveReport& report);
   bool is_converged(const Objective& objective, const SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
+  bool take_full_step(Objective& objective, SolveReport& report);
   double slope() const;
   double forcing_tolerance();
 

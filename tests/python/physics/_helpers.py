@@ -21,8 +21,8 @@ def advance(sim: stark.Simulation, until: float) -> list[Any]:
 
 
 def inclined_floor(scene: stark.Scene, angle: float, *, cells: int = 1, turn: float = 0.0) -> np.ndarray:
-    """Adds a fixed square of 3 m, inclined by ``angle`` [deg] about y, its mesh of ``cells`` x ``cells`` turned
-    in its own plane by ``turn`` [deg]. Returns the columns downhill, across, normal."""
+    """Adds a fixed square of 3 m, inclined by ``angle`` [deg] about y, its mesh of ``cells`` x ``cells``
+    turned in its own plane by ``turn`` [deg]. Returns the columns downhill, across, normal."""
     slope = stark.rotation(axis="y", angle=angle * stark.deg)
     grid = stark.mesh.grid(3.0, 3.0, cells).rotated(stark.rotation(axis="z", angle=turn * stark.deg))
     scene.add_rigid(grid, motion="fixed", name="floor", rotation=slope)

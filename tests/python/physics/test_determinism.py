@@ -8,7 +8,8 @@ import stark
 
 
 def cluttered() -> stark.Scene:
-    """All kinds of bodies in frictional contact at once: a cloth between a ball and a soft box, on a floor."""
+    """All kinds of bodies in frictional contact at once: a cloth between a ball and a soft box, on a
+    floor."""
     scene = stark.Scene()
     scene.default_friction = 0.4
     scene.add_floor(1.0)

@@ -39,14 +39,14 @@ def test_bouncing_elastic_block_gains_no_energy(step: float, angle: float) -> No
         previous = energy
         bounced |= sim.time > 0.2 and bool(mean_velocity(block, density)[2] > 0.05)
     assert bounced
-    # The stiffness of barriers is chosen anew in every step: what they hold at that moment may jump. All gains together
-    # stay below 1 % of the energy of the fall.
-    assert gained < 0.01 * available
+    # Implicit Euler only loses. The stiffness of barriers is chosen anew in every step, so what they hold may
+    # jump between steps: all gains together stay below 1e-4 of the energy of the fall.
+    assert gained < 1e-4 * available
 
 
 def test_free_vibration_decays_as_implicit_euler_says() -> None:
-    """An oscillator of frequency w keeps 1 / (1 + h^2 w^2) of its energy in a step. Here the first longitudinal mode of
-    a free bar, w = pi c / L with c^2 = E / rho."""
+    """An oscillator of frequency w keeps 1 / (1 + h^2 w^2) of its energy in a step. Here the first
+    longitudinal mode of a free bar, w = pi c / L with c^2 = E / rho."""
     length, width, modulus, density, nu = 0.2, 0.02, 1e5, 1000.0, 0.3
     mesh = stark.mesh.tet_box((length, width, width), (20, 2, 2))
     x = mesh.vertices[:, 0]

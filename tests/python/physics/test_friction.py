@@ -1,5 +1,5 @@
-"""Coulomb friction on an inclined plane: sticking with the creep of the regularisation, sliding at
-g (sin - mu cos), for rigid and soft bodies on coarse, fine and turned floor meshes; which coefficient holds."""
+"""Coulomb friction on an inclined plane: sticking with the creep of the regularisation, sliding at g (sin -
+mu cos), for rigid and soft bodies on coarse, fine and turned floor meshes; which coefficient holds."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def box_on_incline(
     box = scene.add_box(0.1, mass=1.0, name="box", rotation=axes, position=position, **options)
     if mu is not None:
         scene.friction["box", "floor"] = mu
-    # Where the box crosses an edge of the floor, the contact with it presses obliquely over a few d^. That is a
-    # small bump, which averages out if the step is short enough to resolve it.
+    # Where the box crosses an edge of the floor, the contact with it presses obliquely over a few d^. That is
+    # a small bump, which averages out if the step is short enough to resolve it.
     step = 1 / 60 if cells == 1 and turn == 0.0 else 1 / 240
     options = {"contact.stick_velocity": _STICK}
     sim = stark.Simulation(scene, time_step=step, contact_distance=_GAP, **options)
@@ -42,7 +42,8 @@ def acceleration_downhill(sim: stark.Simulation, box: Any, axes: np.ndarray) -> 
     return float((box.velocity @ axes[:, 0] - v0) / (sim.time - start))
 
 
-# The floors: two triangles, cells smaller than the box, and those turned, so that edges cross in all directions.
+# The floors: two triangles, cells smaller than the box, and those turned, so that edges cross in all
+# directions.
 FLOORS = [(1, 0.0), (40, 0.0), (40, 31.0)]
 
 
@@ -72,7 +73,8 @@ def test_rigid_box_sticks_below_the_limit_and_creeps_as_the_law_says(cells: int,
     # mu N (2 - y) y = m g sin with N = m g cos. All contacts move alike, so how they share N does not matter.
     y = 1.0 - np.sqrt(1.0 - np.tan(angle * stark.deg) / mu)
     # Exact on a plain floor (the last digits: settling). A contact with an edge of the fine floors may stand
-    # obliquely and carry up to a twentieth of the weight along the plane; 0 < creep < stick velocity in any case.
+    # obliquely and carry up to a twentieth of the weight along the plane; 0 < creep < stick velocity in any
+    # case.
     assert creep == pytest.approx(y * _STICK, rel=1e-3 if cells == 1 else 0.15)
 
 

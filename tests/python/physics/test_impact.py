@@ -1,4 +1,5 @@
-"""Nothing passes through: fast balls and plates against thin sheets, taut crossing strips, contained bodies."""
+"""Nothing passes through: fast balls and plates against thin sheets, taut crossing strips, contained
+bodies."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ _HALF = 0.1  # half the width of the sheets [m]
 
 
 def shoot(kind: str, sheet: str, *, cells: int, position: Any = (0.003, 0.002, 0.5)) -> stark.Scene:
-    """A 5 mm steel ball at 100 m/s or a 1 mm aluminium plate at 200 m/s, aimed at a sheet that is pinned all around."""
+    """A 5 mm steel ball at 100 m/s or a 1 mm aluminium plate at 200 m/s, aimed at a sheet that is pinned all
+    around."""
     scene = stark.Scene()
     if sheet == "cloth":
         mesh, add, material = (
@@ -40,8 +42,9 @@ def shoot(kind: str, sheet: str, *, cells: int, position: Any = (0.003, 0.002, 0
 
 
 def is_above(missile: Any, sheet: Any) -> bool:
-    """Whether the missile is still on the side of the sheet that it came from: a ray straight up from it crosses the
-    sheet, of a solid its upper face, an even number of times. (Past its border at rest the sheet cannot be drawn.)"""
+    """Whether the missile is still on the side of the sheet that it came from: a ray straight up from it
+    crosses the sheet, of a solid its upper face, an even number of times. (Past its border at rest the sheet
+    cannot be drawn.)"""
     centre = missile.position
     rest = sheet.mesh.vertices[:, 2]
     upper = (rest[sheet.triangles] > rest.max() - 1e-9).all(axis=1)
@@ -108,8 +111,8 @@ def test_missile_without_contact_flies_on() -> None:
 
 @pytest.mark.parametrize("kind", ["cloth", "solid"])
 def test_taut_crossing_strips_hold_each_other(kind: str) -> None:
-    """Two taut strips cross at a right angle; the ends of the upper one are pulled down below the lower one. They must
-    press, bend each other and never swap sides."""
+    """Two taut strips cross at a right angle; the ends of the upper one are pulled down below the lower one.
+    They must press, bend each other and never swap sides."""
     scene = stark.Scene()
     if kind == "cloth":
         mesh = stark.mesh.grid(0.2, 0.01, (16, 1))
@@ -139,8 +142,8 @@ def test_taut_crossing_strips_hold_each_other(kind: str) -> None:
     low, up = (sim[name].positions[middle].mean(axis=0) for name in ("lower", "upper"))
     assert contacts > 0
     assert up[2] > low[2]
-    # Two equal springs share what their middles were moved by, the 30 mm that the ends passed each other and the
-    # distance of the middles. What is left of the vibration: 1 %.
+    # Two equal springs share what their middles were moved by, the 30 mm that the ends passed each other and
+    # the distance of the middles. What is left of the vibration: 1 %.
     assert low[2] == pytest.approx(-0.5 * (0.03 + up[2] - low[2]), rel=0.01)
 
 

@@ -1,5 +1,5 @@
-"""Resting contact: the contact forces carry the weight, read from the energy of the barrier and independent of the
-momentum balance; the gap at rest lies within the contact distance, for any mesh of the floor."""
+"""Resting contact: the contact forces carry the weight, read from the energy of the barrier and independent
+of the momentum balance; the gap at rest lies within the contact distance, for any mesh of the floor."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def test_barrier_carries_the_weight_of_a_rigid_box(mass: float, cells: int, turn
     assert 0.0 < gap < _GAP
     assert report.min_distance == pytest.approx(gap, rel=1e-3)
     if cells == 1:
-        # All pairs are equally far apart: the energy of the barrier tells their force, whatever their number. The
-        # acceleration tolerance of 0.01 m/s^2 is 1e-3 of the weight.
+        # All pairs are equally far apart: the energy of the barrier tells their force, whatever their number.
+        # The acceleration tolerance of 0.01 m/s^2 is 1e-3 of the weight.
         force = report.energy["contact"] * barrier_force_over_energy(gap, _GAP)
         assert force == pytest.approx(mass * G, rel=2e-3)
 
@@ -89,8 +89,9 @@ def test_soft_box_rests_on_contact_forces_of_its_weight(cells: int) -> None:
     gap = box.positions[:, 2].min()
     assert 0.0 < gap < _GAP
     assert 0.0 < report.min_distance <= gap * (1.0 + 1e-9)
-    # It is compressed by its own weight, by rho g L^2 / 2E. Free to slide on the floor, its sides stay free: what is
-    # left is that the pressure below is not spread evenly by the few points of contact, 5 % of the mean.
+    # It is compressed by its own weight, by rho g L^2 / 2E. Free to slide on the floor, its sides stay free:
+    # what is left is that the pressure below is not spread evenly by the few points of contact, 5 % of the
+    # mean.
     top = box.mesh.vertices[:, 2] > 0.499 * size
     bottom = box.mesh.vertices[:, 2] < -0.499 * size
     height = box.positions[top, 2].mean() - box.positions[bottom, 2].mean()
@@ -110,8 +111,8 @@ def test_momentum_balance_gives_the_contact_force_of_a_stack() -> None:
     lower, upper = sim["lower"], sim["upper"]
     gap_below = lower.positions[:, 2].min()
     gap_between = upper.positions[:, 2].min() - lower.positions[:, 2].max()
-    # One number for two unknown energies: their forces over their energies are known from the gaps, and the weights
-    # fix the forces, so the sum of the energies is predicted.
+    # One number for two unknown energies: their forces over their energies are known from the gaps, and the
+    # weights fix the forces, so the sum of the energies is predicted.
     predicted = 1.5 * G / barrier_force_over_energy(gap_below, _GAP) + 0.5 * G / barrier_force_over_energy(
         gap_between, _GAP
     )

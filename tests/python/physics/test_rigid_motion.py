@@ -28,7 +28,8 @@ def test_free_fall_is_implicit_eulers() -> None:
     h, n = 0.01, 100
     sim = stark.Simulation(scene, time_step=h)
     advance(sim, n * h)
-    # Exact up to the residual; at 0.01 m/s^2 that would be 5e-3 m, here the first iteration solves a quadratic.
+    # Exact up to the residual; at 0.01 m/s^2 that would be 5e-3 m, here the first iteration solves a
+    # quadratic.
     assert body.position == pytest.approx((1.0, 0.0, 2.0 - G * h * h * n * (n + 1) / 2), abs=1e-9)
     assert body.velocity == pytest.approx((1.0, 0.0, 2.0 - G * n * h), abs=1e-9)
 
@@ -68,8 +69,8 @@ def test_rotation_stays_a_rotation() -> None:
 
 
 def test_intermediate_axis_flips() -> None:
-    """Dzhanibekov: rotation about the middle axis turns over, the first time after 0.965 s (Euler's equations,
-    integrated for w = (0.1, 10, 0) rad/s); those about the other axes do not."""
+    """Dzhanibekov: rotation about the middle axis turns over, the first time after 0.965 s (Euler's
+    equations, integrated for w = (0.1, 10, 0) rad/s); those about the other axes do not."""
     scene = stark.Scene()
     middle = scene.add_box(SIZE, density=800.0, angular_velocity=(0.1, 10.0, 0.0), name="middle")
     for name, w, place in (("long", (10.0, 0.1, 0.0), 1.0), ("short", (0.1, 0.0, 10.0), 2.0)):
@@ -87,8 +88,8 @@ def test_intermediate_axis_flips() -> None:
             if name == "middle" and flipped is None and along < 0.0:
                 flipped = sim.time
     assert lowest["middle"] < -0.8 and flipped is not None
-    # The component of the angular velocity passes zero at 0.965 s. Implicit Euler is of first order: it damps the
-    # spin by the order of h w^2 t = 2 %, which moves the time of this instability by more; 5 %.
+    # The component of the angular velocity passes zero at 0.965 s. Implicit Euler is of first order: it damps
+    # the spin by the order of h w^2 t = 2 %, which moves the time of this instability by more; 5 %.
     assert flipped == pytest.approx(0.965, rel=0.05)
     assert lowest["long"] > 0.9 and lowest["short"] > 0.9
     assert middle.position == pytest.approx((0, 0, 0), abs=1e-12)
@@ -121,13 +122,14 @@ def test_collision_of_two_free_bodies_keeps_momentum(mu: float) -> None:
     scale = a.mass * 1.0 + b.mass * 0.5
     # Internal forces cancel pair by pair; what is left is the residual, 1e-10 N for 0.15 s.
     assert np.linalg.norm(momentum() - linear) < 1e-9 * scale
-    # Implicit Euler keeps angular momentum to first order only: levers turn within the step (w h = 2e-3 to 2e-2).
+    # Implicit Euler keeps angular momentum to first order only: levers turn within the step (w h = 2e-3 to
+    # 2e-2).
     assert np.linalg.norm(total_angular() - angular) < 0.03 * scale * 0.05
 
 
 def test_spin_about_a_symmetry_axis_is_the_closed_form_of_the_trace_form() -> None:
-    """Turning by p in a step, then by q in the next: the minimum of the trace form is at 2 sin q = sin(q + p), so the
-    spin decays by h w^2 in a second: first order, and known exactly."""
+    """Turning by p in a step, then by q in the next: the minimum of the trace form is at 2 sin q = sin(q +
+    p), so the spin decays by h w^2 in a second: first order, and known exactly."""
     scene = stark.Scene()
     body = scene.add_sphere(0.05, subdivisions=2, density=500.0, angular_velocity=(0, 0, 5.0))
     h = 1e-3

@@ -9,8 +9,8 @@ from _helpers import G, advance
 import stark
 
 STEP, COUNT = 1e-3, 200
-# Position and velocity after COUNT steps of implicit Euler from rest. A step that stops short of its minimum leaves at
-# most the acceleration tolerance: 0.01 m/s^2 of 9.81, 0.1 %.
+# Position and velocity after COUNT steps of implicit Euler from rest. A step that stops short of its minimum
+# leaves at most the acceleration tolerance: 0.01 m/s^2 of 9.81, 0.1 %.
 DROP = G * STEP * STEP * COUNT * (COUNT + 1) / 2
 SPEED = G * STEP * COUNT
 
