@@ -15,6 +15,7 @@ void bind_geometry(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
+void bind_potentials(nb::module_& m);
 
 namespace {
 
@@ -98,4 +99,5 @@ NB_MODULE(_core, m) {
   bind_scene(m);
   bind_simulation(m);
   bind_io(m);
+  bind_potentials(m);
 }

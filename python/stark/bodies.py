@@ -98,7 +98,19 @@ class Body:
         return handle
 
     def _bind(self, simulation: Simulation) -> None:
-        self._simulation = weakref.ref(simulation)
+        # Weak, or a body would keep its simulation alive; a handle that outlives it says so.
+        reference = weakref.ref(simulation)
+
+        def bound() -> Simulation:
+            alive = reference()
+            if alive is None:
+                raise InvalidArgument(
+                    f"'{self.name}': its simulation is gone; keep the stark.Simulation in a variable while "
+                    f"its bodies are used"
+                )
+            return alive
+
+        self._simulation = bound
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other._scene is self._scene and other._index == self._index

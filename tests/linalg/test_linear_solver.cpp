@@ -108,7 +108,7 @@ TEST_CASE(
     "stiff") {
   ThreadPool pool(1);
   int32_t count = 0;
-  const test::Pairs pairs = test::solid_pairs(16, count);
+  const test::Pairs pairs = test::solid_pairs(24, count);
   // Inertia dominates: a handful of iterations suffice, while the factorisation has solid fill.
   BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(count, pairs), 3, 1.0);
   for (int32_t i = 0; i < count; ++i)

@@ -289,8 +289,8 @@ def test_bent_strip_follows_the_elastica(gamma: float) -> None:
 def test_stiff_solids_converge_without_halving_the_step(
     modulus: float, density: float, integrator: str
 ) -> None:
-    """Up to steel. The energy of such elements is a small difference of large terms, with rounding errors above
-    the decrease that the line search asks for; steps must not fail on it."""
+    """Up to steel. The energy of such elements is a small difference of large terms, with rounding errors
+    above the decrease that the line search asks for; steps must not fail on it."""
     scene = stark.Scene()
     mesh = stark.mesh.tet_box((0.5, 0.05, 0.05), (20, 2, 2))
     material = stark.SolidMaterial(density=density, youngs_modulus=modulus, poissons_ratio=0.3)

@@ -1,0 +1,129 @@
+"""Barrier, mollifier and friction potentials against the independent implementation ipctk."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stark import InvalidArgument, _core
+
+ipctk = pytest.importorskip("ipctk")
+
+D_HAT, KAPPA = 0.3, 2.0
+
+
+def evaluate(name: str, x: np.ndarray, **values: Any) -> tuple[float, np.ndarray, np.ndarray]:
+    energy, gradient, hessian = _core.evaluate_potential(name, x, values=values)
+    n = 3 * len(x)
+    return energy, gradient.reshape(n), hessian.reshape(n, n)
+
+
+def apart(a: list[list[float]], b: list[list[float]], rng: np.random.Generator) -> np.ndarray:
+    """The two sides at a random distance below D_HAT along z, with noise in the plane."""
+    x = np.array(a + b, dtype=float)
+    x[:, :2] += rng.uniform(-0.05, 0.05, (len(x), 2))
+    x[: len(a), 2] += D_HAT * rng.uniform(0.05, 0.95)
+    return x
+
+
+def chain(d: float, gradient: np.ndarray, hessian: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """kappa b(d) and its derivatives from those of the squared distance, with ipctk's barrier of d."""
+    d_gradient = gradient / (2.0 * d)
+    d_hessian = hessian / (2.0 * d) - np.outer(gradient, gradient) / (4.0 * d**3)
+    first, second = ipctk.barrier_first_derivative(d, D_HAT), ipctk.barrier_second_derivative(d, D_HAT)
+    energy = KAPPA * ipctk.barrier(d, D_HAT)
+    curvature = second * np.outer(d_gradient, d_gradient) + first * d_hessian
+    return energy, KAPPA * first * d_gradient, KAPPA * curvature
+
+
+def assert_close(ours: tuple[Any, ...], theirs: tuple[Any, ...]) -> None:
+    # Both are exact formulas: what is left is rounding, magnified by the barrier's curvature near contact.
+    for mine, other in zip(ours, theirs, strict=True):
+        np.testing.assert_allclose(mine, other, rtol=1e-9, atol=1e-10 * np.abs(other).max())
+
+
+STENCILS: dict[str, tuple[list[list[float]], list[list[float]], str]] = {
+    "barrier_point_point": ([[0, 0, 0]], [[0, 0, 0]], "point_point"),
+    "barrier_point_edge": ([[0, 0, 0]], [[-1, 0, 0], [1, 0, 0]], "point_line"),
+    "barrier_point_triangle": ([[0, 0, 0]], [[-1, -1, 0], [1, -1, 0], [0, 1, 0]], "point_plane"),
+    "barrier_edge_edge": ([[-1, 0, 0], [1, 0, 0]], [[0, -1, 0], [0, 1, 0]], "line_line"),
+}
+
+
+@pytest.mark.parametrize("name", STENCILS)
+def test_barrier_agrees(name: str) -> None:
+    a, b, distance = STENCILS[name]
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        x = apart(a, b, rng)
+        squared = getattr(ipctk, f"{distance}_distance")(*x)
+        gradient = getattr(ipctk, f"{distance}_distance_gradient")(*x)
+        hessian = getattr(ipctk, f"{distance}_distance_hessian")(*x)
+        expected = chain(float(np.sqrt(squared)), np.asarray(gradient), np.asarray(hessian))
+        assert_close(evaluate(name, x, stiffness=KAPPA, contact_distance=D_HAT), expected)
+
+
+def test_mollified_edge_edge_agrees() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        x = apart([[-1, 0.2, 0], [1, -0.2, 0]], [[-1, 0, 0], [1, 0, 0]], rng)
+        threshold = 4.0
+        squared = ipctk.line_line_distance(*x)
+        e, g, H = chain(
+            float(np.sqrt(squared)),
+            np.asarray(ipctk.line_line_distance_gradient(*x)),
+            np.asarray(ipctk.line_line_distance_hessian(*x)),
+        )
+        m = ipctk.edge_edge_mollifier(*x, threshold)
+        mg = np.asarray(ipctk.edge_edge_mollifier_gradient(*x, threshold))
+        mH = np.asarray(ipctk.edge_edge_mollifier_hessian(*x, threshold))
+        assert 0.0 < m < 1.0
+        expected = (m * e, m * g + e * mg, m * H + np.outer(mg, g) + np.outer(g, mg) + e * mH)
+        ours = evaluate(
+            "barrier_mollified_edge_edge",
+            x,
+            stiffness=KAPPA,
+            contact_distance=D_HAT,
+            parallel_threshold=threshold,
+        )
+        assert_close(ours, expected)
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-3, 0.3, 0.999, 1.001, 5.0])
+def test_friction_agrees(speed: float) -> None:
+    """The friction of two points slipping by `speed` stick distances, against f0, f1/y and f2 of ipctk."""
+    strength, stick_velocity, h = 3.0, 0.2, 0.05
+    eps, y = stick_velocity * h, speed * stick_velocity * h
+    x_prev = np.zeros((2, 3))
+    x = np.array([[y, 0.0, 0.4], [0.0, 0.0, 0.0]])  # the part along the normal does no work
+    values = {
+        "strength": strength,
+        "normal": [0.0, 0.0, 1.0],
+        "weight0": 1.0,
+        "weight1": -1.0,
+        "stick_velocity": stick_velocity,
+        "time_step": h,
+    }
+    energy, gradient, hessian = _core.evaluate_potential("friction_2", x, x_prev=x_prev, values=values)
+    along = strength * ipctk.smooth_friction_f2(y, eps)
+    across = strength * ipctk.smooth_friction_f1_over_x(y, eps)
+    force = strength * ipctk.smooth_friction_f1(y, eps)
+    scale = 2.0 * strength / eps
+    assert energy == pytest.approx(strength * ipctk.smooth_friction_f0(y, eps), rel=1e-9)
+    np.testing.assert_allclose(gradient, [[force, 0, 0], [-force, 0, 0]], atol=1e-9 * strength)
+    # Below 1e-8 of the stick distance our curvature is that of y = 0, hence the 1e-7.
+    block = hessian.reshape(6, 6)[:3, :3]
+    np.testing.assert_allclose(block, np.diag([along, across, 0.0]), atol=1e-7 * scale)
+
+
+def test_potentials_are_listed_and_checked() -> None:
+    names = [row["name"] for row in _core.potentials()]
+    assert len(names) == len(set(names)) >= 19
+    with pytest.raises(InvalidArgument, match="did you mean 'friction_2'"):
+        _core.evaluate_potential("frition_2", np.zeros((2, 3)), values={})
+    with pytest.raises(InvalidArgument, match=r"'mass' .* is missing"):
+        _core.evaluate_potential("gravity", np.zeros((1, 3)), values={})
+    with pytest.raises(InvalidArgument, match="need 1"):
+        _core.evaluate_potential("gravity", np.zeros((2, 3)), values={"mass": 1.0})
