@@ -149,13 +149,6 @@ def test_drop_names_the_extra_it_needs() -> None:
         scenes.load("drop").build()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["stack"])
-def test_cheap_examples_pass_their_own_check(name: str, tmp_path: Path) -> None:
-    result = scenes.run(name, out=tmp_path / name, replay=False, picture=False)
-    assert (result.status, result.message) == ("complete", "check passed")
-
-
 def test_scene_lookup_suggests_names() -> None:
     with pytest.raises(stark.InvalidArgument, match="did you mean 'soft_drop'"):
         scenes.load("sof_drop")
