@@ -28,7 +28,7 @@ using front::kTile;
 using front::strips_of;
 using front::triangle_offset;
 
-constexpr double kReorderFactor = 1.3;  // fill tolerated, in flops, before a new ordering
+constexpr double kReorderFactor = 2.0;  // fill tolerated, in flops, before a new ordering
 // An ordering made for many contacts is poor for few: it is redone when this share of the blocks is left, but
 // not until so many analyses later, as contacts may come back.
 constexpr double kShrinkFactor = 0.95;

@@ -30,7 +30,7 @@ class Cholesky {
   Cholesky& operator=(Cholesky&&) noexcept;
 
   /// Symbolic phase for a pattern. The fill-reducing ordering is kept while the number of block rows is
-  /// unchanged and the predicted flops stay below 1.3 times those at the last ordering; it is also redone
+  /// unchanged and the predicted flops stay below twice those at the last ordering; it is also redone
   /// some time after a good part of the couplings has gone. `positions` [block_count] may be empty; they are
   /// a hint that the present ordering, which works on the graph alone, does not need.
   void analyze(const BlockPattern& pattern, std::span<const Vec3> positions = {});
