@@ -21,19 +21,7 @@ PotentialDefinition friction_4();
 namespace stark::test {
 
 inline const ContactPotentials& contact_potentials() {
-  static const ContactPotentials potentials = [] {
-    const auto compile = [](const PotentialDefinition& d) {
-      return std::make_shared<const Potential>(d, symbolic::Backend::Automatic);
-    };
-    return ContactPotentials{
-        .barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
-                     compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
-                     compile(models::barrier_mollified_point_point()),
-                     compile(models::barrier_mollified_point_edge()),
-                     compile(models::barrier_mollified_edge_edge())},
-        .frictions = {compile(models::friction_2()), compile(models::friction_3()),
-                      compile(models::friction_4())}};
-  }();
+  static const ContactPotentials potentials = compile_contact_potentials(symbolic::Backend::Automatic);
   return potentials;
 }
 

@@ -34,6 +34,9 @@ struct ContactPotentials {
   std::array<std::shared_ptr<const Potential>, 3> frictions;
 };
 
+/// One barrier per StencilKind and friction of 2, 3 and 4 points, compiled for the back end.
+ContactPotentials compile_contact_potentials(symbolic::Backend backend);
+
 struct ContactCounters {
   int64_t candidate_builds = 0, swept_builds = 0, candidates = 0;
 };

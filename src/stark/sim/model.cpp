@@ -347,15 +347,8 @@ struct Model::Builder {
   }
 
   void compile_contact() {
-    if (!settings.contact.enabled) return;
-    model.contact_potentials_ = {
-        .barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
-                     compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
-                     compile(models::barrier_mollified_point_point()),
-                     compile(models::barrier_mollified_point_edge()),
-                     compile(models::barrier_mollified_edge_edge())},
-        .frictions = {compile(models::friction_2()), compile(models::friction_3()),
-                      compile(models::friction_4())}};
+    if (settings.contact.enabled)
+      model.contact_potentials_ = compile_contact_potentials(to_backend(settings.execution.backend));
   }
 
   Model& model;

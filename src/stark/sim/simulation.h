@@ -62,7 +62,6 @@ class Simulation {
   std::vector<Vec3> site_positions() const;
 
  private:
-  struct Attempt;
   void check_initial_state() const;
   const ModelBody& rigid(BodyId body, const char* what) const;
   Configuration start_configuration() const;

@@ -55,7 +55,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int m
         return finish(SolveStatus::LinearSolveFailed);
     }
     report.last_motion = objective.motion(direction_);
-    const bool converged = !pending && is_converged(objective, report, time_step);
+    const bool converged = !pending && is_converged(report, time_step);
     if (!converged && report.iterations >= settings_.max_iterations)
       return finish(SolveStatus::MaxIterations);
 
@@ -125,9 +125,7 @@ double NewtonSolver::forcing_tolerance() {
   return std::clamp(0.9 * ratio * ratio, 1e-4, 0.1);
 }
 
-bool NewtonSolver::is_converged(const Objective& objective, const SolveReport& report,
-                                double time_step) const {
-  (void)objective;
+bool NewtonSolver::is_converged(const SolveReport& report, double time_step) const {
   bool all = true, any = false;
   const auto test = [&](double tolerance, double value) {
     if (tolerance <= 0.0) return;

@@ -26,7 +26,7 @@ class NewtonSolver {
  private:
   enum class Direction : uint8_t { Found, NotFinite, Failed };
   Direction find_direction(Objective& objective, SolveReport& report);
-  bool is_converged(const Objective& objective, const SolveReport& report, double time_step) const;
+  bool is_converged(const SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
   bool take_full_step(Objective& objective, SolveReport& report);
   double slope() const;

@@ -1,0 +1,32 @@
+// The potentials of contact and friction, compiled once for a model, in the order of StencilKind.
+#include <stark/contact/pipeline.h>
+
+namespace stark {
+
+namespace models {
+PotentialDefinition barrier_point_point();
+PotentialDefinition barrier_point_edge();
+PotentialDefinition barrier_point_triangle();
+PotentialDefinition barrier_edge_edge();
+PotentialDefinition barrier_mollified_point_point();
+PotentialDefinition barrier_mollified_point_edge();
+PotentialDefinition barrier_mollified_edge_edge();
+PotentialDefinition friction_2();
+PotentialDefinition friction_3();
+PotentialDefinition friction_4();
+}  // namespace models
+
+ContactPotentials compile_contact_potentials(symbolic::Backend backend) {
+  const auto compile = [&](const PotentialDefinition& definition) {
+    return std::make_shared<const Potential>(definition, backend);
+  };
+  return {.barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
+                       compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
+                       compile(models::barrier_mollified_point_point()),
+                       compile(models::barrier_mollified_point_edge()),
+                       compile(models::barrier_mollified_edge_edge())},
+          .frictions = {compile(models::friction_2()), compile(models::friction_3()),
+                        compile(models::friction_4())}};
+}
+
+}  // namespace stark
