@@ -1,0 +1,66 @@
+// Turns a scene into a model, body by body: one file per kind of body, one method per family of energies.
+// Internal to sim.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <stark/sim/model.h>
+#include <stark/sim/registry.h>
+
+namespace stark {
+
+/// Edges of a mesh and the part of a measure (area, volume) of its elements that each stands for.
+struct WeightedEdges {
+  std::vector<Index2> edges;
+  std::vector<double> weights;
+};
+
+struct Model::Builder {
+  Builder(Model& m, const Scene& s, const Settings& t) : model(m), scene(s), settings(t) {}
+
+  void build();
+
+  // Points and rigid bodies (model_deformables.cpp, model_rigids.cpp)
+  void add_deformables();
+  void lump_cloth(const ClothDescription& cloth, ModelBody& body);
+  void lump_solid(const SolidDescription& solid, ModelBody& body);
+  void add_rigids();
+  void add_rigid_sites();
+
+  // Energies
+  void add_cloth_energies(BodyId id);
+  void add_solid_energies(BodyId id);
+  void add_strain_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
+                        const ModelBody& body, const std::string& name);
+  void add_inertia();
+
+  // Everything else (model.cpp)
+  std::shared_ptr<const Potential> compile(const PotentialDefinition& definition) const;
+  PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
+                            const std::string& body);
+  void set_block_scales();
+  void set_initial_state();
+  void compile_contact();
+
+  template <typename Element>
+  static std::vector<int32_t> offset_stencils(const std::vector<Element>& elements, int32_t first_site) {
+    std::vector<int32_t> stencils;
+    for (const Element& element : elements)
+      for (const int32_t v : element) stencils.push_back(first_site + v);
+    return stencils;
+  }
+
+  Model& model;
+  const Scene& scene;
+  const Settings& settings;
+  std::vector<Site> sites;
+  std::vector<bool> point_prescribed, body_prescribed;
+  std::vector<double> point_damping;
+  std::vector<int32_t> rigid_bodies;  ///< body ids in the order of the state's body arrays
+  std::vector<int32_t> centre_sites;  ///< of the dynamic ones; the three directions follow
+};
+
+}  // namespace stark
