@@ -70,7 +70,7 @@ TEST_CASE("energies follow the inputs of their element; padding lanes repeat the
     PotentialBatch batch = make_batch(probe(), stencils);
     batch.set_rest(X);
     batch.set_previous(x_prev);
-    batch.set_time_step(0.25);
+    batch.set_time(0.25, 1.0);
     batch.set_uniform("scale", 3.0);
     std::vector<Vec3> weight;
     for (int e = 0; e < count; ++e) {
@@ -111,7 +111,7 @@ TEST_CASE("new elements start from zero and empty batches do nothing") {
 TEST_CASE("potentials without a time step ignore it") {
   PotentialBatch batch = make_batch(spring(), {0, 1});
   batch.set_uniform("stiffness", 2.0);
-  batch.set_time_step(0.1);
+  batch.set_time(0.1, 1.0);
   AlignedVector<double> out(kLanes);
   batch.evaluate(Order::Energy, std::vector<Vec3>{{0, 0, 0}, {3, 0, 0}}, 0, 1, out.data());
   CHECK(out[0] == doctest::Approx(9.0).epsilon(1e-15));

@@ -41,7 +41,7 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     PotentialBatch& batch = batches_[k];
     batch.resize(stencils[k]);
     batch.set_previous(x_start);
-    batch.set_time_step(time_step);
+    batch.set_time(time_step, 0.0);
     const int strength = batch.field_index("strength"), normal = batch.field_index("normal");
     for (int64_t e = 0; e < batch.size(); ++e) {
       const size_t c = members[k][e];

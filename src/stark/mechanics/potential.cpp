@@ -9,7 +9,8 @@ namespace stark {
 using symbolic::InputKind;
 using symbolic::Scalar;
 
-PotentialBuilder::PotentialBuilder(int point_count) : graph_(std::make_shared<symbolic::Graph>()) {
+PotentialBuilder::PotentialBuilder(int point_count, std::set<std::string> per_element)
+    : graph_(std::make_shared<symbolic::Graph>()), per_element_(std::move(per_element)) {
   for (int i = 0; i < point_count; ++i) {
     symbolic::Vec3 p;
     for (int c = 0; c < 3; ++c) p[c] = graph_->input(InputKind::Unknown);
@@ -30,16 +31,20 @@ int total_width(const std::vector<Field>& fields) {
   return fields.empty() ? 0 : fields.back().offset + fields.back().width;
 }
 
+bool is_same_role(const ElementField& a, const ElementField& b) { return a.source == b.source; }
+bool is_same_role(const UniformField&, const UniformField&) { return true; }
+
 /// Finds the field by name or appends it with fresh inputs of the given kind.
 template <typename Field>
 const std::vector<Scalar>& find_or_add(symbolic::Graph& graph, InputKind kind, Field field,
                                        std::vector<Field>& fields, std::vector<std::vector<Scalar>>& values) {
   for (size_t k = 0; k < fields.size(); ++k)
     if (fields[k].name == field.name) {
-      if (fields[k].width != field.width || fields[k].unit != field.unit)
+      if (fields[k].width != field.width || fields[k].unit != field.unit || !is_same_role(fields[k], field))
         throw InvalidArgument("potential input '" + field.name +
-                              "' is declared twice with different widths or units (" + fields[k].unit +
-                              " and " + field.unit + "); give the two inputs different names");
+                              "' is declared twice with different meanings, widths or units (" +
+                              fields[k].unit + " and " + field.unit +
+                              "); give the two inputs different names");
       return values[k];
     }
   field.offset = total_width(fields);
@@ -80,33 +85,63 @@ symbolic::Vec3 PotentialBuilder::x_prev(int point) {
                                   .width = 3}));
 }
 
+symbolic::Vec3 PotentialBuilder::x_initial(int point) {
+  return vector_of(element_field({.name = "x_initial" + std::to_string(point),
+                                  .unit = "m",
+                                  .doc = "position in the world at time 0",
+                                  .source = ElementField::Source::Initial,
+                                  .point = point,
+                                  .width = 3}));
+}
+
+symbolic::Vec3 PotentialBuilder::velocity(int point) { return (x(point) - x_prev(point)) / time_step(); }
+
 Scalar PotentialBuilder::time_step() {
   return uniform_field({.name = "time_step", .unit = "s", .doc = "size of the time step"})[0];
 }
 
+Scalar PotentialBuilder::time() {
+  return uniform_field({.name = "time", .unit = "s", .doc = "time at the end of the step"})[0];
+}
+
+std::vector<Scalar> PotentialBuilder::data_array(const std::string& name, int width, const std::string& unit,
+                                                 const std::string& doc) {
+  return element_field({.name = name, .unit = unit, .doc = doc, .width = width});
+}
+
 Scalar PotentialBuilder::data(const std::string& name, const std::string& unit, const std::string& doc) {
-  return element_field({.name = name, .unit = unit, .doc = doc})[0];
+  return data_array(name, 1, unit, doc)[0];
 }
 
 symbolic::Vec3 PotentialBuilder::data3(const std::string& name, const std::string& unit,
                                        const std::string& doc) {
-  return vector_of(element_field({.name = name, .unit = unit, .doc = doc, .width = 3}));
+  return vector_of(data_array(name, 3, unit, doc));
+}
+
+std::vector<Scalar> PotentialBuilder::parameter_array(const std::string& name, int width,
+                                                      const std::string& unit, const std::string& doc) {
+  if (name == "time" || name == "time_step")
+    throw InvalidArgument("potential parameter '" + name +
+                          "' has the name of a built-in input; choose another one, or use " + name + "()");
+  if (per_element_.contains(name)) return data_array(name, width, unit, doc);
+  return uniform_field({.name = name, .unit = unit, .doc = doc, .width = width});
 }
 
 Scalar PotentialBuilder::parameter(const std::string& name, const std::string& unit, const std::string& doc) {
-  return uniform_field({.name = name, .unit = unit, .doc = doc})[0];
+  return parameter_array(name, 1, unit, doc)[0];
 }
 
 symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::string& unit,
                                             const std::string& doc) {
-  return vector_of(uniform_field({.name = name, .unit = unit, .doc = doc, .width = 3}));
+  return vector_of(parameter_array(name, 3, unit, doc));
 }
 
-Potential::Potential(const PotentialDefinition& definition, symbolic::Backend backend)
+Potential::Potential(const PotentialDefinition& definition, symbolic::Backend backend,
+                     const std::set<std::string>& per_element)
     : name_(definition.name),
       point_count_(definition.point_count),
       translation_invariant_(definition.translation_invariant) {
-  PotentialBuilder builder(definition.point_count);
+  PotentialBuilder builder(definition.point_count, per_element);
   const Scalar energy = definition.energy(builder);
   kernel_ = symbolic::compile(energy, backend);
   element_fields_ = builder.element_fields();

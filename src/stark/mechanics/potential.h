@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct ElementField {
     Data,      ///< set by the model (PotentialBatch::set)
     Rest,      ///< rest position of point `point` [m]
     Previous,  ///< position of point `point` at the start of the time step [m], refreshed every step
+    Initial,   ///< position of point `point` in the world at time 0 [m]
   };
   std::string name;
   std::string unit;
@@ -37,7 +39,8 @@ struct ElementField {
   int offset = 0;  ///< first number within the element's inputs
 };
 
-/// An input shared by all elements of a batch. "time_step" is set by the integrator, the others by the model.
+/// An input shared by all elements of a batch. "time_step" and "time" are set by the integrator, the others
+/// by the model.
 struct UniformField {
   std::string name;
   std::string unit;
@@ -70,18 +73,30 @@ struct PotentialDefinition {
 /// Vocabulary in which an energy is written. Every method may be called again with the same name.
 class PotentialBuilder {
  public:
-  explicit PotentialBuilder(int point_count);
+  /// `per_element`: names of parameters that differ from element to element in the batch at hand.
+  explicit PotentialBuilder(int point_count, std::set<std::string> per_element = {});
 
-  symbolic::Vec3 x(int point);       ///< unknown position [m]
-  symbolic::Vec3 X(int point);       ///< rest position [m]
-  symbolic::Vec3 x_prev(int point);  ///< position at the start of the step [m]
-  symbolic::Scalar time_step();      ///< [s]
+  symbolic::Vec3 x(int point);          ///< unknown position [m]
+  symbolic::Vec3 X(int point);          ///< rest position, in the frame of its body [m]
+  symbolic::Vec3 x_prev(int point);     ///< position at the start of the step [m]
+  symbolic::Vec3 x_initial(int point);  ///< position in the world at time 0 [m]
+  symbolic::Vec3 velocity(int point);   ///< (x - x_prev) / h [m/s]
+  symbolic::Scalar time_step();         ///< h [s]
+  symbolic::Scalar time();              ///< at the end of the step [s]
 
+  /// Input that every element has a value of. `parameter` is shared by all elements instead, unless the batch
+  /// has a value for each: which of the two does not concern the formula.
   symbolic::Scalar data(const std::string& name, const std::string& unit, const std::string& doc);
   symbolic::Vec3 data3(const std::string& name, const std::string& unit, const std::string& doc);
+  std::vector<symbolic::Scalar> data_array(const std::string& name, int width, const std::string& unit,
+                                           const std::string& doc);
   symbolic::Scalar parameter(const std::string& name, const std::string& unit, const std::string& doc);
   symbolic::Vec3 parameter3(const std::string& name, const std::string& unit, const std::string& doc);
+  /// A parameter of any width, in row-major order for matrices.
+  std::vector<symbolic::Scalar> parameter_array(const std::string& name, int width, const std::string& unit,
+                                                const std::string& doc);
 
+  const std::shared_ptr<symbolic::Graph>& graph() const { return graph_; }
   int point_count() const { return static_cast<int>(x_.size()); }
   const std::vector<ElementField>& element_fields() const { return element_fields_; }
   const std::vector<UniformField>& uniform_fields() const { return uniform_fields_; }
@@ -91,18 +106,19 @@ class PotentialBuilder {
   const std::vector<symbolic::Scalar>& uniform_field(const UniformField& field);
 
   std::shared_ptr<symbolic::Graph> graph_;
+  std::set<std::string> per_element_;
   std::vector<symbolic::Vec3> x_;
   std::vector<ElementField> element_fields_;
   std::vector<UniformField> uniform_fields_;
   std::vector<std::vector<symbolic::Scalar>> element_values_, uniform_values_;
-
-  friend class Potential;
 };
 
 /// A compiled potential. Immutable; shared by all batches that use it.
 class Potential {
  public:
-  Potential(const PotentialDefinition& definition, symbolic::Backend backend);
+  /// `per_element`: names of parameters that get a value for each element (ElementField::Source::Data).
+  Potential(const PotentialDefinition& definition, symbolic::Backend backend,
+            const std::set<std::string>& per_element = {});
 
   const std::string& name() const { return name_; }
   int point_count() const { return point_count_; }

@@ -11,8 +11,10 @@ using symbolic::kLanes;
 PotentialBatch::PotentialBatch(std::shared_ptr<const Potential> potential)
     : potential_(std::move(potential)) {
   uniforms_.assign(std::max(1, potential_->uniform_width()), 0.0);
-  for (const UniformField& field : potential_->uniform_fields())
+  for (const UniformField& field : potential_->uniform_fields()) {
     if (field.name == "time_step") time_step_offset_ = field.offset;
+    if (field.name == "time") time_offset_ = field.offset;
+  }
 }
 
 void PotentialBatch::resize(std::span<const int32_t> stencils) {
@@ -58,8 +60,9 @@ void PotentialBatch::set_uniform(const std::string& name, std::span<const double
   throw InternalError("potential '" + potential_->name() + "' has no parameter '" + name + "'");
 }
 
-void PotentialBatch::set_time_step(double h) {
+void PotentialBatch::set_time(double h, double time) {
   if (time_step_offset_ >= 0) uniforms_[time_step_offset_] = h;
+  if (time_offset_ >= 0) uniforms_[time_offset_] = time;
 }
 
 void PotentialBatch::fill(ElementField::Source source, std::span<const Vec3> values) {
@@ -79,6 +82,8 @@ void PotentialBatch::set_rest(std::span<const Vec3> X) { fill(ElementField::Sour
 void PotentialBatch::set_previous(std::span<const Vec3> x_prev) {
   fill(ElementField::Source::Previous, x_prev);
 }
+
+void PotentialBatch::set_initial(std::span<const Vec3> x) { fill(ElementField::Source::Initial, x); }
 
 void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                               double* out) const {

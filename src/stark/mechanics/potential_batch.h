@@ -41,11 +41,12 @@ class PotentialBatch {
   /// Sets a shared parameter; unknown names throw.
   void set_uniform(const std::string& name, std::span<const double> values);
   void set_uniform(const std::string& name, double value) { set_uniform(name, {&value, 1}); }
-  /// Sets "time_step" where the potential uses it.
-  void set_time_step(double h);
+  /// Sets "time_step" and "time" (at the end of the step) where the potential uses them.
+  void set_time(double h, double time);
 
   void set_rest(std::span<const Vec3> X);           ///< fills the Rest fields; X by site [m]
   void set_previous(std::span<const Vec3> x_prev);  ///< fills the Previous fields; by site [m]
+  void set_initial(std::span<const Vec3> x);        ///< fills the Initial fields; by site [m]
 
   /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding
   /// lanes of the last block repeat the last element.
@@ -65,7 +66,7 @@ class PotentialBatch {
   std::vector<int32_t> stencils_;
   AlignedVector<double> elements_;
   AlignedVector<double> uniforms_;
-  int time_step_offset_ = -1;
+  int time_step_offset_ = -1, time_offset_ = -1;
 };
 
 }  // namespace stark

@@ -162,7 +162,7 @@ void Simulation::predict(double h) {
   const std::span<const Vec3> x = potential_->site_positions();
   for (ModelBatch& batch : model_->batches()) {
     batch.batch.set_previous(x);
-    batch.batch.set_time_step(quasistatic ? kQuasistaticStep : h);
+    batch.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
     if (batch.role != ModelBatch::Role::Inertia) continue;
     batch.batch.set_uniform("inverse_scale_squared", quasistatic ? 0.0 : 1.0 / (h * h));
     const int field = batch.batch.field_index("predicted");

@@ -1,0 +1,73 @@
+#include <stark/mechanics/formula.h>
+
+#include <algorithm>
+
+#include <stark/base/error.h>
+#include <stark/symbolic/substitute.h>
+
+namespace stark {
+
+using symbolic::InputKind;
+using symbolic::Scalar;
+
+namespace {
+
+/// Field that holds input number `index` of its kind.
+template <typename Field>
+const Field& field_at(const std::vector<Field>& fields, int index) {
+  const auto next = std::ranges::upper_bound(fields, index, {}, &Field::offset);
+  STARK_CHECK(next != fields.begin());
+  return *std::prev(next);
+}
+
+bool is_clock(const UniformField& field) { return field.name == "time_step" || field.name == "time"; }
+
+}  // namespace
+
+Formula::Formula(std::shared_ptr<PotentialBuilder> builder, std::vector<Scalar> outputs)
+    : builder_(std::move(builder)), outputs_(std::move(outputs)) {
+  for (const Scalar& output : outputs_)
+    STARK_CHECK(output.is_literal() || output.graph() == builder_->graph().get());
+}
+
+std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpressions& points,
+                                    const std::string& prefix) const {
+  const auto point = [&](const std::vector<symbolic::Vec3>& given, auto position, int index) {
+    const int p = index / 3;
+    return (given.empty() ? (target.*position)(p) : given.at(p))[index % 3];
+  };
+  const auto element = [&](int index) {
+    const ElementField& field = field_at(builder_->element_fields(), index);
+    const int c = index - field.offset;
+    switch (field.source) {
+      case ElementField::Source::Rest:
+        return point(points.X, &PotentialBuilder::X, 3 * field.point + c);
+      case ElementField::Source::Previous:
+        return point(points.x_prev, &PotentialBuilder::x_prev, 3 * field.point + c);
+      case ElementField::Source::Initial:
+        return point(points.x_initial, &PotentialBuilder::x_initial, 3 * field.point + c);
+      case ElementField::Source::Data:
+        break;
+    }
+    return target.data_array(prefix + field.name, field.width, field.unit, field.doc)[c];
+  };
+  const auto uniform = [&](int index) {
+    const UniformField& field = field_at(builder_->uniform_fields(), index);
+    if (is_clock(field)) return field.name == "time" ? target.time() : target.time_step();
+    return target.parameter_array(prefix + field.name, field.width, field.unit,
+                                  field.doc)[index - field.offset];
+  };
+  return symbolic::substitute(outputs_, [&](InputKind kind, int index) -> Scalar {
+    if (kind == InputKind::Unknown) return point(points.x, &PotentialBuilder::x, index);
+    return kind == InputKind::Element ? element(index) : uniform(index);
+  });
+}
+
+PotentialDefinition define_potential(std::string name, std::string doc, Formula formula) {
+  const int points = formula.point_count();
+  return define_potential(
+      std::move(name), points, std::move(doc),
+      [formula = std::move(formula)](PotentialBuilder& builder) { return formula.repeat(builder).at(0); });
+}
+
+}  // namespace stark

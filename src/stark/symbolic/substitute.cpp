@@ -1,0 +1,117 @@
+#include <stark/symbolic/substitute.h>
+
+#include <stark/base/error.h>
+#include <stark/symbolic/diff.h>
+
+namespace stark::symbolic {
+
+namespace {
+
+Scalar rebuild(const Node& node, const Scalar* x) {
+  switch (node.op) {
+    case Op::Neg:
+      return -x[0];
+    case Op::Abs:
+      return abs(x[0]);
+    case Op::Sqrt:
+      return sqrt(x[0]);
+    case Op::Exp:
+      return exp(x[0]);
+    case Op::Log:
+      return log(x[0]);
+    case Op::Sin:
+      return sin(x[0]);
+    case Op::Cos:
+      return cos(x[0]);
+    case Op::Tan:
+      return tan(x[0]);
+    case Op::Asin:
+      return asin(x[0]);
+    case Op::Acos:
+      return acos(x[0]);
+    case Op::Atan:
+      return atan(x[0]);
+    case Op::Tanh:
+      return tanh(x[0]);
+    case Op::Add:
+      return x[0] + x[1];
+    case Op::Sub:
+      return x[0] - x[1];
+    case Op::Mul:
+      return x[0] * x[1];
+    case Op::Div:
+      return x[0] / x[1];
+    case Op::Min:
+      return min(x[0], x[1]);
+    case Op::Max:
+      return max(x[0], x[1]);
+    case Op::Pow:
+      return pow(x[0], x[1]);
+    case Op::Atan2:
+      return atan2(x[0], x[1]);
+    case Op::Fma:
+      return fma(x[0], x[1], x[2]);
+    case Op::Select:
+      return select(x[0], x[1], x[2]);
+    case Op::Less:
+      return x[0] < x[1];
+    case Op::LessEqual:
+      return x[0] <= x[1];
+    case Op::And:
+      return x[0] && x[1];
+    case Op::Or:
+      return x[0] || x[1];
+    case Op::Not:
+      return !x[0];
+    case Op::Constant:
+    case Op::Unknown:
+    case Op::Element:
+    case Op::Uniform:
+      break;
+  }
+  throw InternalError("substitute: unknown operation.");
+}
+
+InputKind kind_of(Op op) {
+  return op == Op::Unknown ? InputKind::Unknown
+                           : (op == Op::Element ? InputKind::Element : InputKind::Uniform);
+}
+
+}  // namespace
+
+std::vector<Scalar> substitute(std::span<const Scalar> outputs, const InputSubstitution& input) {
+  const Graph* source = nullptr;
+  std::vector<NodeId> roots;
+  for (const Scalar& output : outputs) {
+    if (output.is_literal()) continue;
+    STARK_CHECK(source == nullptr || source == output.graph());
+    source = output.graph();
+    roots.push_back(output.id());
+  }
+  std::vector<Scalar> image;
+  if (source) {
+    const std::vector<char> needed = reachable(*source, roots);
+    image.resize(needed.size());
+    for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
+      if (!needed[id]) continue;
+      const Node& node = source->node(id);
+      if (node.op == Op::Constant) {
+        image[id] = node.value;
+      } else if (operand_count(node.op) == 0) {
+        image[id] = input(kind_of(node.op), node.operands[0]);
+      } else {
+        Scalar x[3];
+        for (int k = 0; k < operand_count(node.op); ++k) x[k] = image[node.operands[k]];
+        image[id] = rebuild(node, x);
+      }
+    }
+    for (const NodeId stage : source->stages())
+      if (stage < static_cast<NodeId>(needed.size()) && needed[stage] && !image[stage].is_literal())
+        image[stage].graph()->mark_stage(image[stage]);
+  }
+  std::vector<Scalar> result;
+  for (const Scalar& output : outputs) result.push_back(output.is_literal() ? output : image[output.id()]);
+  return result;
+}
+
+}  // namespace stark::symbolic
