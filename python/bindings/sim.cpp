@@ -187,7 +187,7 @@ nb::list kernel_list(const Simulation& sim) {
     const Potential& potential = batch.batch.potential();
     nb::dict row;
     row["name"] = potential.name();
-    row["body"] = batch.body;
+    row["body"] = batch.owner;
     row["elements"] = batch.batch.size();
     row["backend"] = symbolic::to_string(potential.kernel().backend());
     kernels.append(row);

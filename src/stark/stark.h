@@ -9,7 +9,11 @@
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/define.h>
+#include <stark/mechanics/formula.h>
+#include <stark/sim/energy.h>
 #include <stark/sim/materials.h>
+#include <stark/sim/point_set.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
 #include <stark/sim/simulation.h>

@@ -28,12 +28,18 @@ IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& a
   // Sites that nothing moves and that can be scripted; directions of prescribed bodies enter no energy.
   for (int32_t i = 0; i < map_.site_count(); ++i)
     if (map_.is_prescribed(i)) prescribed_sites_.push_back(i);
+  // Points embedded between free and prescribed ones follow both.
+  for (int32_t i = 0; i < map_.site_count(); ++i)
+    if (map_.site(i).kind == SiteKind::Barycentric && !map_.is_prescribed(i)) embedded_sites_.push_back(i);
+  for (size_t p = 0; p < map_.layout().point_block.size(); ++p)
+    if (map_.layout().point_block[p] == kNoBlock) prescribed_points_.push_back(static_cast<int32_t>(p));
   x_.resize(map_.site_count());
   x_trial_.resize(map_.site_count());
   block_positions_.resize(block_count());
 }
 
 void IncrementalPotential::begin(const Configuration& start, const Configuration& target) {
+  start_ = start;
   iterate_ = start;
   target_ = target;
   map_.positions(start, x_);
@@ -76,6 +82,12 @@ void IncrementalPotential::linearize(bool project, std::span<double> out_gradien
     pending_.assign(map_.site_count(), Vec3{});
     for (size_t k = 0; k < prescribed_sites_.size(); ++k)
       pending_[prescribed_sites_[k]] = prescribed_target_[k] - x_[prescribed_sites_[k]];
+    for (const int32_t i : embedded_sites_) {
+      const Site& site = map_.site(i);
+      for (int k = 0; k < 4; ++k)
+        if (const int32_t p = site.points[k]; map_.layout().point_block[p] == kNoBlock)
+          pending_[i] += (target_.point_position[p] - iterate_.point_position[p]) * site.weights[k];
+    }
     options.pending = pending_;
   }
   assembler_.assemble(iterate_, x_, options, out_gradient, out_hessian);
@@ -100,8 +112,13 @@ double IncrementalPotential::motion(std::span<const double> direction) const {
 
 void IncrementalPotential::set_trial(std::span<const double> direction, double alpha) {
   map_.retract(iterate_, direction, alpha, trial_);
-  map_.positions(trial_, x_trial_);
   trial_progress_ = alpha >= 1.0 ? 1.0 : progress_ + alpha * (1.0 - progress_);
+  for (const int32_t p : prescribed_points_)
+    trial_.point_position[p] =
+        trial_progress_ >= 1.0 ? target_.point_position[p]
+                               : start_.point_position[p] +
+                                     (target_.point_position[p] - start_.point_position[p]) * trial_progress_;
+  map_.positions(trial_, x_trial_);
   place_prescribed(trial_progress_, x_trial_);
 }
 
@@ -153,8 +170,6 @@ void IncrementalPotential::accept_trial() {
   if (progress_ >= 1.0) {
     // Prescribed parts have arrived: from here on the configuration holds their exact target.
     const DofLayout& layout = map_.layout();
-    for (size_t p = 0; p < layout.point_block.size(); ++p)
-      if (layout.point_block[p] == kNoBlock) iterate_.point_position[p] = target_.point_position[p];
     for (size_t b = 0; b < layout.body_block.size(); ++b)
       if (layout.body_block[b] == kNoBlock) {
         iterate_.body_position[b] = target_.body_position[b];

@@ -57,10 +57,10 @@ class IncrementalPotential final : public Objective {
   ActiveSet* active_set_;
   std::vector<BlockScale> scales_;
   PhaseTimer& timer_;
-  Configuration iterate_, trial_, target_;
+  Configuration start_, iterate_, trial_, target_;
   std::vector<Vec3> x_, x_trial_;  ///< by site [m]
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
-  std::vector<int32_t> prescribed_sites_;
+  std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;
   std::vector<int32_t> rotation_blocks_;
   std::vector<Vec3> block_positions_;
   double progress_ = 1.0, trial_progress_ = 1.0;

@@ -34,6 +34,9 @@ void KinematicMap::positions(const Configuration& configuration, std::span<Vec3>
         out_x[i] = x;
         break;
       }
+      case SiteKind::World:
+        out_x[i] = site.local;
+        break;
     }
   }
 }
@@ -68,6 +71,8 @@ SiteJacobian KinematicMap::jacobian(int32_t i, const Configuration& configuratio
     case SiteKind::Barycentric:
       for (int k = 0; k < 4; ++k) add(layout_.point_block[site.points[k]], site.weights[k]);
       break;
+    case SiteKind::World:
+      break;
   }
   return jacobian;
 }
@@ -91,6 +96,8 @@ void KinematicMap::append_blocks(int32_t i, std::vector<int32_t>& out_blocks) co
     case SiteKind::Barycentric:
       for (int k = 0; k < 4; ++k)
         if (site.weights[k] != 0.0) add(layout_.point_block[site.points[k]]);
+      break;
+    case SiteKind::World:
       break;
   }
 }

@@ -21,26 +21,28 @@ void Model::Builder::build() {
   add_rigids();
   DofLayout layout = DofLayout::build(point_prescribed, body_prescribed);
   add_rigid_sites();
+  add_energy_sites();
   model.map_ = KinematicMap(std::move(layout), std::move(sites));
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     if (scene.kind(BodyId{i}) == BodyKind::Cloth) add_cloth_energies(BodyId{i});
     if (scene.kind(BodyId{i}) == BodyKind::Solid) add_solid_energies(BodyId{i});
   }
   add_inertia();
+  add_energies();
   for (ModelBatch& batch : model.batches_) batch.batch.set_rest(model.rest_positions_);
   set_block_scales();
   set_initial_state();
+  set_initial_sites();
   compile_contact();
 }
 
-std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition) const {
-  return std::make_shared<Potential>(definition, to_backend(settings.execution.backend));
-}
-
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
-                                          std::span<const int32_t> stencils, const std::string& body) {
+                                          std::span<const int32_t> stencils, const std::string& owner,
+                                          const std::set<std::string>& per_element) {
+  auto potential =
+      std::make_shared<Potential>(definition, to_backend(settings.execution.backend), per_element);
   ModelBatch& batch = model.batches_.emplace_back(
-      ModelBatch{ModelBatch::Role::Elastic, body, PotentialBatch(compile(definition)), {}});
+      ModelBatch{ModelBatch::Role::Elastic, owner, PotentialBatch(std::move(potential)), {}});
   batch.batch.resize(stencils);
   return batch.batch;
 }
@@ -87,6 +89,13 @@ void Model::Builder::set_initial_state() {
   state.script_rotation = state.body_rotation;
   state.script_remaining.assign(state.body_position.size(), 0.0);
   state.pin_target = state.point_position;
+}
+
+void Model::Builder::set_initial_sites() {
+  const State& state = model.initial_state_;
+  std::vector<Vec3> x(model.map_.site_count());
+  model.map_.positions({state.point_position, state.body_position, state.body_rotation}, x);
+  for (ModelBatch& batch : model.batches_) batch.batch.set_initial(x);
 }
 
 void Model::Builder::compile_contact() {

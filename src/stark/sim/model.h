@@ -39,7 +39,7 @@ struct RigidMass {
 struct ModelBatch {
   enum class Role : uint8_t { Inertia, Elastic };
   Role role = Role::Elastic;
-  std::string body;  ///< name of the body, empty for batches of all bodies
+  std::string owner;  ///< name of the body or of the user's energy, empty for batches of all bodies
   PotentialBatch batch;
   /// Inertia: what each element's site is; point index, or -1 - (3 body + axis) for directions, see
   /// Model::predict.
@@ -57,6 +57,8 @@ class Model {
   const std::vector<BlockScale>& block_scales() const { return block_scales_; }
   std::vector<ModelBatch>& batches() { return batches_; }
   const std::vector<ModelBatch>& batches() const { return batches_; }
+  /// Position in batches() of an energy of the scene.
+  int32_t energy_batch(EnergyId energy) const { return energy_batches_.at(energy.index); }
   const State& initial_state() const { return initial_state_; }
   ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
   ContactPotentials contact_potentials() const { return contact_potentials_; }
@@ -73,7 +75,8 @@ class Model {
   std::vector<double> point_masses_;
   std::vector<BlockScale> block_scales_;
   std::vector<ModelBatch> batches_;
-  std::vector<Vec3> rest_positions_;  ///< by site [m]
+  std::vector<int32_t> energy_batches_;  ///< by energy of the scene
+  std::vector<Vec3> rest_positions_;     ///< by site [m]
   State initial_state_;
   ContactPotentials contact_potentials_;
   uint64_t fingerprint_ = 0;

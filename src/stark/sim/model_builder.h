@@ -2,7 +2,7 @@
 // Internal to sim.
 #pragma once
 
-#include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,12 +37,18 @@ struct Model::Builder {
                         const ModelBody& body, const std::string& name);
   void add_inertia();
 
+  // The user's own energies (model_energies.cpp)
+  std::vector<int32_t> add_point_sites(const PointSet& points);
+  void add_energy_sites();
+  void add_energies();
+
   // Everything else (model.cpp)
-  std::shared_ptr<const Potential> compile(const PotentialDefinition& definition) const;
+  /// `owner`: name of the body or energy; `per_element`: parameters with a value for each element.
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
-                            const std::string& body);
+                            const std::string& owner, const std::set<std::string>& per_element = {});
   void set_block_scales();
   void set_initial_state();
+  void set_initial_sites();
   void compile_contact();
 
   template <typename Element>
@@ -59,8 +65,9 @@ struct Model::Builder {
   std::vector<Site> sites;
   std::vector<bool> point_prescribed, body_prescribed;
   std::vector<double> point_damping;
-  std::vector<int32_t> rigid_bodies;  ///< body ids in the order of the state's body arrays
-  std::vector<int32_t> centre_sites;  ///< of the dynamic ones; the three directions follow
+  std::vector<int32_t> rigid_bodies;                  ///< body ids in the order of the state's body arrays
+  std::vector<int32_t> centre_sites;                  ///< of the dynamic ones; the three directions follow
+  std::vector<std::vector<int32_t>> energy_stencils;  ///< by energy of the scene
 };
 
 }  // namespace stark

@@ -1,9 +1,9 @@
 // Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction,
-// pairs without contact. Everything is validated when it is added, so a scene that exists is a scene that can
-// be built; no numerics happen here. sim/model turns it into stencils and parameter tables. SI units.
+// pairs without contact, energies of the user's own. Everything is validated when it is added, so a scene
+// that exists is a scene that can be built; no numerics happen here. sim/model turns it into stencils and
+// parameter tables. SI units.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -16,17 +16,12 @@
 
 #include <stark/base/math.h>
 #include <stark/geometry/mesh.h>
+#include <stark/sim/energy.h>
+#include <stark/sim/ids.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/settings.h>
 
 namespace stark {
-
-/// Index of a body in its scene, in the order of the add_* calls. Valid in copies of the scene and in the
-/// simulation.
-struct BodyId {
-  int32_t index = -1;
-  auto operator<=>(const BodyId&) const = default;
-};
 
 enum class BodyKind : uint8_t { Cloth, Solid, Rigid };
 /// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or
@@ -126,6 +121,12 @@ class Scene {
   /// Prescribes vertices of a cloth or a solid; vertices that are pinned already stay pinned.
   void pin(BodyId body, std::span<const int32_t> vertices);
 
+  /// Adds an energy of n points (mechanics/potential.h) between points of bodies and of the world. Throws
+  /// InvalidArgument for points that do not exist, missing, unknown or non-finite values.
+  EnergyId add_energy(EnergyDescription description);
+  const std::vector<EnergyDescription>& energies() const { return energies_; }
+  const EnergyDescription& energy(EnergyId energy) const;
+
   /// Coefficient of a pair; a == b is the self-contact of a body.
   void set_friction(BodyId a, BodyId b, double coefficient);
   /// Coefficient of bodies that were given none.
@@ -181,6 +182,7 @@ class Scene {
   const Body& at(BodyId body) const { return bodies_[at_index(body)]; }
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
   std::string unique_name(const std::string& name, BodyKind kind) const;
+  void check_points(const std::string& owner, const PointSet& points) const;
   Pair ordered(BodyId a, BodyId b) const;
 
   std::vector<Body> bodies_;
@@ -189,6 +191,7 @@ class Scene {
   std::vector<RigidDescription> rigids_;
   std::vector<RigidInertia> inertias_;  // parallel to rigids_
   std::vector<Pins> pins_;              // parallel to bodies_
+  std::vector<EnergyDescription> energies_;
   std::map<Pair, double> friction_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;

@@ -64,6 +64,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
                                           to_options(settings_.contact), model_->map(), *pool_, *timer_);
     check_initial_state();
   }
+  check_energies();
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const ModelBatch& batch : model_->batches()) batches.push_back(&batch.batch);
@@ -113,6 +114,7 @@ void Simulation::set_state(const State& state) {
                           std::to_string(mine.point_position.size()) + " and " +
                           std::to_string(mine.body_position.size()) + "; use a state of the same scene");
   state_ = state;
+  for (ModelBatch& batch : model_->batches()) batch.batch.set_previous(site_positions());
 }
 
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
@@ -270,6 +272,7 @@ EnergyLedger Simulation::energies(std::span<const Vec3> x) const {
   }
   if (contact_)
     for (const double energy : contact_->active_set().energies()) ledger.contact += energy;
+  for (ModelBatch& batch : model_->batches()) batch.batch.set_previous(step_start_);  // as the step had it
   return ledger;
 }
 

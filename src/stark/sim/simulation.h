@@ -54,6 +54,15 @@ class Simulation {
   /// Where the pinned vertices are or are going to [m], in the order of pinning.
   std::vector<Vec3> pin_targets(BodyId body) const;
 
+  /// Replaces a value of an energy of the scene from now on, without rebuilding anything: as many numbers as
+  /// it was added with. Throws InvalidArgument for unknown names, wrong counts and numbers that are not
+  /// finite.
+  void set_energy_value(EnergyId energy, const std::string& name, std::span<const double> values);
+  /// Energies [J] of its elements in the state of the last step.
+  std::vector<double> element_energies(EnergyId energy) const;
+  /// Forces [N] on the points of its elements in the last step, [element][point].
+  std::vector<Vec3> element_forces(EnergyId energy) const;
+
   /// Asked between Newton iterations; returning true ends the step with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);
 
@@ -63,6 +72,9 @@ class Simulation {
 
  private:
   void check_initial_state() const;
+  void check_energies();
+  void check_invariance(const PotentialBatch& batch, std::span<const double> element,
+                        const std::string& where) const;
   const ModelBody& rigid(BodyId body, const char* what) const;
   Configuration start_configuration() const;
   Configuration target_configuration(double h) const;
@@ -85,6 +97,7 @@ class Simulation {
   SurfaceMesh surface_mesh_;
   State state_;
   StepReport report_;
+  std::vector<Vec3> step_start_;  ///< site positions that the last step started from [m]
   BlockMatrix diagonal_hessian_;
   std::vector<double> scratch_gradient_;
 };

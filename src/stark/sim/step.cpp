@@ -98,6 +98,7 @@ bool Simulation::attempt(double h, SolveReport& total) {
   {
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     potential_->begin(start, target_configuration(h));
+    step_start_.assign(potential_->site_positions().begin(), potential_->site_positions().end());
     // Barriers are measured against the inertia of the full time step: one cut short would stiffen them under
     // what already rests on them and throw it off.
     predict(contact_ ? settings_.time.step : h);

@@ -1,0 +1,33 @@
+// An energy of the user's own in a scene: a formula, the points it acts on, the values of its parameters.
+// Built-in energies are made of the same parts by sim/model; there is no other way.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <stark/mechanics/field_values.h>
+#include <stark/mechanics/potential.h>
+#include <stark/sim/point_set.h>
+
+namespace stark {
+
+struct EnergyDescription {
+  std::string name{};  ///< unique among the energies of the scene; empty: the potential's, numbered
+  PotentialDefinition potential{};
+  /// One set for each point of the potential. Sets of more than one point have the same size, the number of
+  /// elements; a set of one point serves all elements.
+  std::vector<PointSet> points{};
+  FieldValueMap values{};  ///< of all data and parameters of the potential
+
+  int64_t element_count() const;
+};
+
+/// Inputs of a potential that the scene has to give values for: name, unit, width. Traces the formula.
+struct RequiredField {
+  std::string name, unit, doc;
+  int width = 1;
+  bool is_data = false;  ///< a value for each element is a must
+};
+std::vector<RequiredField> required_fields(const PotentialDefinition& potential);
+
+}  // namespace stark

@@ -1,0 +1,21 @@
+// Typed indices of what a scene holds. Valid in copies of the scene and in simulations made from it.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace stark {
+
+/// Index of a body in its scene, in the order of the add_* calls.
+struct BodyId {
+  int32_t index = -1;
+  auto operator<=>(const BodyId&) const = default;
+};
+
+/// Index of an energy that was added to a scene.
+struct EnergyId {
+  int32_t index = -1;
+  auto operator<=>(const EnergyId&) const = default;
+};
+
+}  // namespace stark

@@ -1,0 +1,88 @@
+// The user's energies of a model: sites of their points, batches with their values.
+#include <stark/base/error.h>
+#include <stark/sim/model_builder.h>
+
+namespace stark {
+
+namespace {
+
+/// Values of all elements, element by element, whatever they were given as.
+void set_values(PotentialBatch& batch, const std::string& name, const FieldValues& given) {
+  if (!given.per_element) return batch.set_uniform(name, given.values);
+  const int field = batch.field_index(name);
+  const size_t width = given.values.size() / static_cast<size_t>(batch.size());
+  for (int64_t e = 0; e < batch.size(); ++e)
+    batch.set(field, e, std::span<const double>(given.values).subspan(e * width, width));
+}
+
+}  // namespace
+
+std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
+  std::vector<int32_t> result;
+  const auto add = [&](Site site, const Vec3& rest) {
+    result.push_back(static_cast<int32_t>(sites.size()));
+    sites.push_back(site);
+    model.rest_positions_.push_back(rest);
+  };
+  const auto add_local = [&](SiteKind kind, int32_t index, const Vec3& local, const Vec3& rest) {
+    add({.kind = kind, .index = index, .local = local, .points = {}, .weights = {}}, rest);
+  };
+  if (points.kind == PointKind::WorldPoints) {
+    for (const Vec3& p : points.local) add_local(SiteKind::World, 0, p, p);
+    return result;
+  }
+  const ModelBody& body = model.bodies_[points.body.index];
+  switch (points.kind) {
+    case PointKind::Vertices:
+      for (const int32_t v : points.vertices) result.push_back(body.first_site + v);
+      break;
+    case PointKind::BodyPoints:
+      for (const Vec3& p : points.local)
+        add_local(SiteKind::RigidPoint, body.rigid_index, transpose(body.axes) * (p - body.centre), p);
+      break;
+    case PointKind::BodyDirections:
+      for (const Vec3& d : points.local)
+        add_local(SiteKind::RigidDirection, body.rigid_index, transpose(body.axes) * d, d);
+      break;
+    case PointKind::Embedded:
+      for (size_t k = 0; k < points.supports.size(); ++k) {
+        Site site{.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {}, .weights = {}};
+        Vec3 rest;
+        for (int i = 0; i < 4; ++i) {
+          site.points[i] = body.first_site + points.supports[k][i];  // points come first among the sites
+          site.weights[i] = points.weights[k][i];
+          rest += model.rest_positions_[site.points[i]] * site.weights[i];
+        }
+        add(site, rest);
+      }
+      break;
+    case PointKind::WorldPoints:
+      break;
+  }
+  return result;
+}
+
+void Model::Builder::add_energy_sites() {
+  for (const EnergyDescription& energy : scene.energies()) {
+    std::vector<std::vector<int32_t>> columns;
+    for (const PointSet& set : energy.points) columns.push_back(add_point_sites(set));
+    std::vector<int32_t>& stencils = energy_stencils.emplace_back();
+    for (int64_t e = 0; e < energy.element_count(); ++e)
+      for (const std::vector<int32_t>& column : columns)
+        stencils.push_back(column[column.size() == 1 ? 0 : e]);
+  }
+}
+
+void Model::Builder::add_energies() {
+  for (size_t k = 0; k < scene.energies().size(); ++k) {
+    const EnergyDescription& energy = scene.energies()[k];
+    std::set<std::string> per_element;
+    for (const auto& [name, values] : energy.values)
+      if (values.per_element) per_element.insert(name);
+    PotentialBatch& batch = add_batch(energy.potential, energy_stencils[k], energy.name, per_element);
+    for (const auto& [name, values] : energy.values) set_values(batch, name, values);
+    model.energy_batches_.push_back(static_cast<int32_t>(model.batches_.size()) - 1);
+  }
+}
+
+}  // namespace stark

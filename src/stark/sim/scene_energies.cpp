@@ -1,0 +1,155 @@
+// Scene: checks of the energies that users add.
+#include <algorithm>
+#include <cmath>
+
+#include <stark/base/error.h>
+#include <stark/sim/scene.h>
+#include <stark/sim/validation.h>
+
+namespace stark {
+
+namespace {
+
+std::string count_text(int64_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+void check_values(const std::string& owner, const RequiredField& field, const FieldValues& given,
+                  int64_t element_count) {
+  const std::string name = owner + ": '" + field.name + "' [" + field.unit + "]";
+  if (field.is_data && !given.per_element)
+    throw InvalidArgument(name + ": got one value for all: must have one for each of the " +
+                          count_text(element_count, "element"));
+  const size_t expected = static_cast<size_t>(field.width) * (given.per_element ? element_count : 1);
+  if (given.values.size() != expected)
+    throw InvalidArgument(name + ": got " + std::to_string(given.values.size()) + " numbers: must be " +
+                          std::to_string(expected) + ", " + std::to_string(field.width) +
+                          (given.per_element ? " for each of the " + count_text(element_count, "element")
+                                             : std::string(" shared by all elements")));
+  for (size_t k = 0; k < given.values.size(); ++k)
+    if (!std::isfinite(given.values[k]))
+      throw InvalidArgument(name + ": number " + std::to_string(k) + " is " + to_text(given.values[k]) +
+                            ": must be finite; check where it is computed");
+}
+
+}  // namespace
+
+int64_t EnergyDescription::element_count() const {
+  int64_t count = points.empty() ? 0 : points.front().size();
+  for (const PointSet& set : points)
+    if (set.size() != 1) count = set.size();
+  return count;
+}
+
+std::vector<RequiredField> required_fields(const PotentialDefinition& potential) {
+  PotentialBuilder builder(potential.point_count);
+  potential.energy(builder);
+  std::vector<RequiredField> fields;
+  for (const ElementField& field : builder.element_fields())
+    if (field.source == ElementField::Source::Data)
+      fields.push_back({field.name, field.unit, field.doc, field.width, true});
+  for (const UniformField& field : builder.uniform_fields())
+    if (field.name != "time" && field.name != "time_step")
+      fields.push_back({field.name, field.unit, field.doc, field.width, false});
+  return fields;
+}
+
+void Scene::check_points(const std::string& owner, const PointSet& points) const {
+  const auto check_finite_points = [&] {
+    for (const Vec3& p : points.local) check_finite(owner, "point", p, "m");
+  };
+  if (points.kind == PointKind::WorldPoints) return check_finite_points();
+  const std::string where = owner + ": points of '" + name(points.body) + "'";
+  const bool is_rigid = kind(points.body) == BodyKind::Rigid;
+  const auto check_vertex = [&,
+                             count = static_cast<int32_t>(initial_positions(points.body).size())](int32_t v) {
+    if (v < 0 || v >= count)
+      throw InvalidArgument(where + ": vertex " + std::to_string(v) + ": must be in [0, " +
+                            std::to_string(count) + "); give indices of vertices of the mesh");
+  };
+  switch (points.kind) {
+    case PointKind::Vertices:
+      for (const int32_t v : points.vertices) check_vertex(v);
+      break;
+    case PointKind::BodyPoints:
+    case PointKind::BodyDirections:
+      if (!is_rigid)
+        throw InvalidArgument(where +
+                              ": only rigid bodies have points and directions in their frame; use "
+                              "vertices, or points embedded in an element");
+      check_finite_points();
+      break;
+    case PointKind::Embedded:
+      if (is_rigid)
+        throw InvalidArgument(where +
+                              ": points are embedded in cloth and solids only; use points in the "
+                              "frame of the rigid body");
+      if (points.weights.size() != points.supports.size())
+        throw InvalidArgument(where + ": " + std::to_string(points.weights.size()) + " rows of weights for " +
+                              count_text(points.size(), "point") + ": must be as many");
+      for (size_t k = 0; k < points.supports.size(); ++k) {
+        double sum = 0.0;
+        for (int i = 0; i < 4; ++i) check_vertex(points.supports[k][i]), sum += points.weights[k][i];
+        if (!(std::fabs(sum - 1.0) < 1e-9))
+          throw InvalidArgument(where + ": the weights of point " + std::to_string(k) + " sum to " +
+                                to_text(sum) + ": must sum to 1");
+      }
+      break;
+    case PointKind::WorldPoints:
+      break;
+  }
+}
+
+EnergyId Scene::add_energy(EnergyDescription energy) {
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(energies_.begin(), energies_.end(), [&](const auto& e) { return e.name == name; });
+  };
+  if (energy.name.empty()) {
+    energy.name = energy.potential.name;
+    for (int i = 2; taken(energy.name); ++i) energy.name = energy.potential.name + "_" + std::to_string(i);
+  } else if (taken(energy.name)) {
+    throw InvalidArgument("energy '" + energy.name +
+                          "': the name is taken: names of energies must be unique in a scene; choose another "
+                          "or leave it out");
+  }
+  const std::string owner = "energy '" + energy.name + "'";
+  if (!energy.potential.energy || static_cast<int>(energy.points.size()) != energy.potential.point_count)
+    throw InvalidArgument(owner + ": " + count_text(energy.points.size(), "set") + " of points for " +
+                          count_text(energy.potential.point_count, "point") + ": must be one for each point");
+  const int64_t count = energy.element_count();
+  for (const PointSet& set : energy.points) {
+    check_points(owner, set);
+    if (set.size() != 1 && set.size() != count)
+      throw InvalidArgument(owner + ": sets of " + std::to_string(count) + " and of " +
+                            std::to_string(set.size()) +
+                            " points: must all have the same number of points, or one point");
+  }
+  if (count == 0)
+    throw InvalidArgument(owner +
+                          ": acts on 0 elements: must have at least one; check the selection of points");
+  const std::vector<RequiredField> fields = required_fields(energy.potential);
+  std::vector<std::string> names;
+  for (const RequiredField& field : fields) {
+    names.push_back(field.name);
+    const auto given = energy.values.find(field.name);
+    if (given == energy.values.end())
+      throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "] is missing: " + field.doc);
+    check_values(owner, field, given->second, count);
+  }
+  for (const auto& [name, values] : energy.values)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw InvalidArgument(owner + ": unknown value '" + name + "'" + nearest_name_hint(name, names) +
+                            ": must be an input of the formula; remove it");
+  energies_.push_back(std::move(energy));
+  return {static_cast<int32_t>(energies_.size()) - 1};
+}
+
+const EnergyDescription& Scene::energy(EnergyId energy) const {
+  if (energy.index < 0 || energy.index >= static_cast<int32_t>(energies_.size()))
+    throw InvalidArgument("energy id " + std::to_string(energy.index) + ": must be in [0, " +
+                          std::to_string(energies_.size()) +
+                          ") for this scene; use the ids that add_energy returned");
+  return energies_[energy.index];
+}
+
+}  // namespace stark

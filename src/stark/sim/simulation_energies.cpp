@@ -1,0 +1,144 @@
+// Simulation: the user's energies. Checks before the first step, live values, energies and forces.
+#include <cmath>
+
+#include <stark/base/error.h>
+#include <stark/sim/simulation.h>
+
+namespace stark {
+
+using symbolic::kLanes;
+using symbolic::Order;
+
+namespace {
+
+constexpr double kInvarianceTolerance = 1e-8;  ///< of the sum of point forces over the largest one
+
+std::string owner_text(const EnergyDescription& energy) { return "energy '" + energy.name + "'"; }
+
+/// All outputs of an order for all elements, [element][output].
+std::vector<double> evaluate_all(const PotentialBatch& batch, Order order, std::span<const Vec3> x) {
+  const int outputs = batch.potential().kernel().output_count(order);
+  AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
+  batch.evaluate(order, x, 0, batch.block_count(), lanes.data());
+  std::vector<double> result(static_cast<size_t>(batch.size()) * outputs);
+  for (int64_t e = 0; e < batch.size(); ++e)
+    for (int k = 0; k < outputs; ++k)
+      result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
+  return result;
+}
+
+std::string positions_text(const PotentialBatch& batch, int64_t element, std::span<const Vec3> x) {
+  std::string text;
+  for (const int32_t site : batch.stencil(element)) {
+    if (!text.empty()) text += ", ";
+    text += to_text(FieldValue(x[site]));
+  }
+  return text + " m";
+}
+
+/// Position of the first number that is not finite, -1 if all are.
+int first_not_finite(std::span<const double> values) {
+  for (size_t k = 0; k < values.size(); ++k)
+    if (!std::isfinite(values[k])) return static_cast<int>(k);
+  return -1;
+}
+
+}  // namespace
+
+void Simulation::check_energies() {
+  const std::vector<Vec3> x = site_positions();
+  for (int32_t k = 0; k < static_cast<int32_t>(scene_.energies().size()); ++k) {
+    PotentialBatch& batch = model_->batches()[model_->energy_batch({k})].batch;
+    batch.set_previous(x);
+    batch.set_time(settings_.time.step, settings_.time.step);
+    const std::vector<double> values = evaluate_all(batch, Order::Hessian, x);
+    const size_t outputs = values.size() / batch.size();
+    const int n = 3 * batch.point_count();
+    for (int64_t e = 0; e < batch.size(); ++e) {
+      const std::span<const double> element(values.data() + e * outputs, outputs);
+      const std::string where = owner_text(scene_.energies()[k]) + ": element " + std::to_string(e);
+      if (const int bad = first_not_finite(element); bad >= 0)
+        throw InvalidArgument(where + " has " +
+                              (bad == 0   ? "an energy of "
+                               : bad <= n ? "a force of "
+                                          : "a stiffness of ") +
+                              to_text(element[bad]) + " at time 0, with its points at " +
+                              positions_text(batch, e, x) +
+                              ": must be finite; look for a square root, logarithm or division of zero, and "
+                              "guard it with where/select "
+                              "or a small offset");
+      if (batch.potential().is_translation_invariant()) check_invariance(batch, element, where);
+    }
+  }
+}
+
+void Simulation::check_invariance(const PotentialBatch& batch, std::span<const double> element,
+                                  const std::string& where) const {
+  Vec3 sum;
+  double largest = 0.0;
+  for (int p = 0; p < batch.point_count(); ++p)
+    for (int c = 0; c < 3; ++c) {
+      sum[c] += element[1 + 3 * p + c];
+      largest = std::max(largest, std::fabs(element[1 + 3 * p + c]));
+    }
+  if (max_abs(sum) > kInvarianceTolerance * largest)
+    throw InvalidArgument(where +
+                          " is declared invariant under translation, but the forces on its points sum to " +
+                          to_text(FieldValue(sum)) +
+                          " N: must sum to zero; set translation_invariant = false in its definition");
+}
+
+namespace {
+
+/// Width of a value of the energy; throws for unknown names.
+int width_of(const EnergyDescription& energy, const std::string& name) {
+  std::vector<std::string> names;
+  for (const RequiredField& field : required_fields(energy.potential)) {
+    if (field.name == name) return field.width;
+    names.push_back(field.name);
+  }
+  throw InvalidArgument(owner_text(energy) + ": unknown value '" + name + "'" +
+                        nearest_name_hint(name, names) + ": must be an input of the formula");
+}
+
+}  // namespace
+
+void Simulation::set_energy_value(EnergyId id, const std::string& name, std::span<const double> values) {
+  const EnergyDescription& energy = scene_.energy(id);
+  const auto width = static_cast<size_t>(width_of(energy, name));
+  PotentialBatch& batch = model_->batches()[model_->energy_batch(id)].batch;
+  const bool per_element = energy.values.at(name).per_element;
+  const size_t expected = per_element ? width * batch.size() : width;
+  const std::string owner = owner_text(energy) + ": '" + name + "'";
+  if (values.size() != expected)
+    throw InvalidArgument(owner + ": got " + std::to_string(values.size()) + " numbers: must be " +
+                          std::to_string(expected) +
+                          (per_element ? ", as it was given one value for each element when it was added"
+                                       : ", as it was given one value for all elements when it was added"));
+  if (const int bad = first_not_finite(values); bad >= 0)
+    throw InvalidArgument(owner + ": number " + std::to_string(bad) + " is " + to_text(values[bad]) +
+                          ": must be finite; check where it is computed");
+  if (!per_element) return batch.set_uniform(name, values);
+  const int field = batch.field_index(name);
+  for (int64_t e = 0; e < batch.size(); ++e) batch.set(field, e, values.subspan(e * width, width));
+}
+
+std::vector<double> Simulation::element_energies(EnergyId id) const {
+  scene_.energy(id);
+  return evaluate_all(model_->batches()[model_->energy_batch(id)].batch, Order::Energy, site_positions());
+}
+
+std::vector<Vec3> Simulation::element_forces(EnergyId id) const {
+  scene_.energy(id);
+  const PotentialBatch& batch = model_->batches()[model_->energy_batch(id)].batch;
+  const std::vector<double> values = evaluate_all(batch, Order::Gradient, site_positions());
+  const int points = batch.point_count();
+  std::vector<Vec3> forces(batch.size() * points);
+  for (size_t k = 0; k < forces.size(); ++k) {
+    const size_t first = (k / points) * (1 + 3 * points) + 1 + 3 * (k % points);
+    forces[k] = Vec3{values[first], values[first + 1], values[first + 2]} * -1.0;
+  }
+  return forces;
+}
+
+}  // namespace stark
