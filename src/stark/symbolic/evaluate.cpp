@@ -119,8 +119,74 @@ std::string number_text(double value) {
   return std::strtod(shorter, nullptr) == value ? shorter : text;
 }
 
-const char* function_name(Op op) {
+// Writes infix text until it is longer than a limit.
+class Printer {
+ public:
+  Printer(const Graph& graph, size_t limit) : graph_(graph), limit_(limit) {}
+
+  void write(NodeId id) {
+    if (text_.size() > limit_) return;
+    const Node& n = graph_.node(id);
+    const std::string name = graph_.name(id);
+    if (!name.empty()) {
+      text_ += name;
+    } else if (n.op == Op::Constant) {
+      text_ += number_text(n.value);
+    } else if (operand_count(n.op) == 0) {
+      text_ += (n.op == Op::Unknown ? "u" : n.op == Op::Element ? "e" : "p") + std::to_string(n.operands[0]);
+    } else if (n.op == Op::Neg || n.op == Op::Not) {
+      text_ += n.op == Op::Neg ? "-" : "!";
+      write(n.operands[0]);
+    } else {
+      write_operation(n);
+    }
+  }
+
+  std::string take() {
+    if (text_.size() > limit_) text_ = text_.substr(0, limit_) + "...";
+    return std::move(text_);
+  }
+
+ private:
+  void write_operation(const Node& n) {
+    const std::string name = name_of(n.op);
+    const bool infix = std::string("+-*/<&|").find(name[0]) != std::string::npos;
+    text_ += infix ? "(" : name + "(";
+    for (int k = 0; k < operand_count(n.op); ++k) {
+      if (k > 0) text_ += infix ? " " + name + " " : ", ";
+      write(n.operands[k]);
+    }
+    text_ += ")";
+  }
+
+  const Graph& graph_;
+  size_t limit_;
+  std::string text_;
+};
+
+}  // namespace
+
+double evaluate(const Scalar& expression, const InputValues& values) {
+  if (expression.is_condition())
+    throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
+  return evaluate_any(expression, values);
+}
+
+bool evaluate_condition(const Scalar& condition, const InputValues& values) {
+  if (!condition.is_condition())
+    throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
+  return evaluate_any(condition, values) != 0.0;
+}
+
+std::string name_of(Op op) {
   switch (op) {
+    case Op::Constant:
+    case Op::Unknown:
+    case Op::Element:
+    case Op::Uniform:
+      return "";
+    case Op::Neg:
+      return "-";
     case Op::Abs:
       return "abs";
     case Op::Sqrt:
@@ -143,6 +209,14 @@ const char* function_name(Op op) {
       return "atan";
     case Op::Tanh:
       return "tanh";
+    case Op::Add:
+      return "+";
+    case Op::Sub:
+      return "-";
+    case Op::Mul:
+      return "*";
+    case Op::Div:
+      return "/";
     case Op::Min:
       return "min";
     case Op::Max:
@@ -155,72 +229,28 @@ const char* function_name(Op op) {
       return "fma";
     case Op::Select:
       return "select";
-    default:
-      return nullptr;
-  }
-}
-
-std::string node_text(const Graph& graph, NodeId id) {
-  const Node& n = graph.node(id);
-  const auto operand = [&](int k) { return node_text(graph, n.operands[k]); };
-  const auto infix = [&](const char* sign) { return "(" + operand(0) + " " + sign + " " + operand(1) + ")"; };
-  switch (n.op) {
-    case Op::Constant:
-      return number_text(n.value);
-    case Op::Unknown:
-      return "u" + std::to_string(n.operands[0]);
-    case Op::Element:
-      return "e" + std::to_string(n.operands[0]);
-    case Op::Uniform:
-      return "p" + std::to_string(n.operands[0]);
-    case Op::Neg:
-      return "-" + operand(0);
-    case Op::Not:
-      return "!" + operand(0);
-    case Op::Add:
-      return infix("+");
-    case Op::Sub:
-      return infix("-");
-    case Op::Mul:
-      return infix("*");
-    case Op::Div:
-      return infix("/");
     case Op::Less:
-      return infix("<");
+      return "<";
     case Op::LessEqual:
-      return infix("<=");
+      return "<=";
     case Op::And:
-      return infix("&&");
+      return "&&";
     case Op::Or:
-      return infix("||");
-    default:
-      break;
+      return "||";
+    case Op::Not:
+      return "!";
   }
-  std::string text = std::string(function_name(n.op)) + "(" + operand(0);
-  for (int k = 1; k < operand_count(n.op); ++k) text += ", " + operand(k);
-  return text + ")";
+  return "";
 }
 
-}  // namespace
-
-double evaluate(const Scalar& expression, const InputValues& values) {
-  if (expression.is_condition())
-    throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
-  return evaluate_any(expression, values);
-}
-
-bool evaluate_condition(const Scalar& condition, const InputValues& values) {
-  if (!condition.is_condition())
-    throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
-  return evaluate_any(condition, values) != 0.0;
-}
-
-std::string to_string(const Scalar& expression) {
+std::string to_string(const Scalar& expression, size_t limit) {
   if (expression.is_literal()) {
     return expression.is_condition() ? (expression.value() != 0.0 ? "true" : "false")
                                      : number_text(expression.value());
   }
-  return node_text(*expression.graph(), expression.id());
+  Printer printer(*expression.graph(), limit);
+  printer.write(expression.id());
+  return printer.take();
 }
 
 struct FunctionState {

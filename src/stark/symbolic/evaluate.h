@@ -25,8 +25,11 @@ double evaluate(const Scalar& expression, const InputValues& values);
 /// Value of a condition.
 bool evaluate_condition(const Scalar& condition, const InputValues& values);
 
-/// Infix text with inputs named u0, e0, p0; shared sub-expressions are written out each time.
-std::string to_string(const Scalar& expression);
+/// Infix text with inputs by their names, or u0, e0, p0; shared sub-expressions are written out each time.
+/// After `limit` characters the text stops with "...".
+std::string to_string(const Scalar& expression, size_t limit = std::string::npos);
+/// What an operation is called in text: "sqrt", "+", "where"; empty for leaves.
+std::string name_of(Op op);
 
 struct FunctionState;
 

@@ -1,0 +1,69 @@
+"""Formulas: written in Python, differentiated exactly, compiled to machine code in process.
+
+    import stark.symbolic as sym
+
+    @sym.function
+    def rosenbrock(x: sym.Vector[2], a: float = 1.0, b: float = 100.0):
+        return (a - x[0]) ** 2 + b * (x[1] - x[0] ** 2) ** 2
+
+    rosenbrock(x)            # x (..., 2) -> (...)
+    rosenbrock.gradient(x)   # (..., 2)
+    rosenbrock.hessian(x)    # (..., 2, 2)
+
+A formula is recorded once, by running the function on symbols, and then evaluated over arrays. docs/symbolic.md has
+what is supported and what is not."""
+
+from stark._core import TraceError
+from stark._core.symbolic import Graph, Scalar
+from stark.symbolic import numpy_protocol as _numpy_protocol  # installs NumPy's hooks
+from stark.symbolic.functions import (
+    abs,  # noqa: A004
+    acos,
+    asin,
+    atan,
+    atan2,
+    clip,
+    cos,
+    cosh,
+    exp,
+    fma,
+    gradient,
+    hessian,
+    is_same,
+    jacobian,
+    log,
+    mark_stage,
+    maximum,
+    minimum,
+    pow,  # noqa: A004
+    sin,
+    sinh,
+    sqrt,
+    square,
+    tan,
+    tanh,
+    where,
+)
+from stark.symbolic.tensor import (
+    Mat,
+    Vec,
+    columns,
+    cross,
+    determinant,
+    diag,
+    dot,
+    identity,
+    invariants,
+    inverse,
+    mat,
+    norm,
+    normalized,
+    outer,
+    skew,
+    squared_norm,
+    trace,
+    transpose,
+    vec,
+)
+
+__all__ = [name for name in dir() if not name.startswith("_") and name not in ("functions", "numpy_protocol", "tensor")]
