@@ -424,4 +424,5 @@ void bind_symbolic(nanobind::module_& parent) {
       .def_prop_ro(
           "is_condition", [](const TracedScalar& x) { return x.value.is_condition(); }, "Made by a comparison?");
   bind_functions(m);
+  bind_array_functions(m);
 }

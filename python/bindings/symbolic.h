@@ -40,4 +40,7 @@ TracedScalar require_traced(nb::handle object, const std::string& name);
 /// The items of a sequence; throws TraceError naming the place of one that is not a scalar.
 std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::string& name);
 
+/// Compiled functions of arrays (symbolic_functions.cpp).
+void bind_array_functions(nb::module_& m);
+
 }  // namespace stark::bindings

@@ -16,8 +16,9 @@ what is supported and what is not."""
 from stark._core import TraceError
 from stark._core.symbolic import Graph, Scalar
 from stark.symbolic import numpy_protocol as _numpy_protocol  # installs NumPy's hooks
+from stark.symbolic.function import Function, compile, function
 from stark.symbolic.functions import (
-    abs,  # noqa: A004
+    abs,
     acos,
     asin,
     atan,
@@ -35,7 +36,7 @@ from stark.symbolic.functions import (
     mark_stage,
     maximum,
     minimum,
-    pow,  # noqa: A004
+    pow,
     sin,
     sinh,
     sqrt,
@@ -44,6 +45,9 @@ from stark.symbolic.functions import (
     tanh,
     where,
 )
+from stark.symbolic.graph import ExpressionGraph
+from stark.symbolic.signature import Matrix, Real, Vector, symbols
+from stark.symbolic.statistics import Statistics
 from stark.symbolic.tensor import (
     Mat,
     Vec,
@@ -66,4 +70,62 @@ from stark.symbolic.tensor import (
     vec,
 )
 
-__all__ = [name for name in dir() if not name.startswith("_") and name not in ("functions", "numpy_protocol", "tensor")]
+__all__ = [
+    "ExpressionGraph",
+    "Function",
+    "Graph",
+    "Mat",
+    "Matrix",
+    "Real",
+    "Scalar",
+    "Statistics",
+    "TraceError",
+    "Vec",
+    "Vector",
+    "abs",
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "clip",
+    "columns",
+    "compile",
+    "cos",
+    "cosh",
+    "cross",
+    "determinant",
+    "diag",
+    "dot",
+    "exp",
+    "fma",
+    "function",
+    "gradient",
+    "hessian",
+    "identity",
+    "invariants",
+    "inverse",
+    "is_same",
+    "jacobian",
+    "log",
+    "mark_stage",
+    "mat",
+    "maximum",
+    "minimum",
+    "norm",
+    "normalized",
+    "outer",
+    "pow",
+    "sin",
+    "sinh",
+    "skew",
+    "sqrt",
+    "square",
+    "squared_norm",
+    "symbols",
+    "tan",
+    "tanh",
+    "trace",
+    "transpose",
+    "vec",
+    "where",
+]

@@ -32,7 +32,7 @@ def _binary(name: str, doc: str) -> Callable[[object, object], Scalar | Vec | Ma
     return function
 
 
-abs = _unary("abs")  # noqa: A001
+abs = _unary("abs")
 sqrt = _unary("sqrt")
 square = _unary("square")
 exp = _unary("exp")
@@ -49,7 +49,7 @@ tanh = _unary("tanh")
 minimum = _binary("minimum", "The smaller of two: a < b ? a : b.")
 maximum = _binary("maximum", "The larger of two: a > b ? a : b.")
 atan2 = _binary("atan2", "Angle [rad] of the direction (x, y); arguments y, x.")
-pow = _binary("pow", "Power: products for integer exponents, else the real power of a base >= 0.")  # noqa: A001
+pow = _binary("pow", "Power: products for integer exponents, else the real power of a base >= 0.")
 
 
 def fma(a: object, b: object, c: object) -> Scalar | Vec | Mat:
@@ -69,7 +69,9 @@ def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
     if isinstance(condition, (Tensor, list, tuple)):
         return elementwise(core.where, "where", condition, a, b)
     if not (core.is_scalar_like(condition) or isinstance(condition, bool)):
-        raise TraceError(f"where: got {type(condition).__name__} as the condition, need a comparison such as x > 0.0")
+        raise TraceError(
+            f"where: got {type(condition).__name__} as the condition, need a comparison such as x > 0.0"
+        )
     return elementwise(lambda x, y: core.where(condition, x, y), "where", a, b)
 
 
@@ -88,7 +90,9 @@ def jacobian(output: object, wrt: object) -> Scalar | Vec | Mat:
     output, variable = convert(output, "jacobian"), convert(wrt, "jacobian: wrt")
     shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())
     if len(shape) > 2:
-        raise TraceError(f"jacobian: the result has {len(shape)} dimensions, need scalars or vectors on both sides")
+        raise TraceError(
+            f"jacobian: the result has {len(shape)} dimensions, need scalars or vectors on both sides"
+        )
     rows = core.jacobian(_entries(output), _entries(variable))
     return from_shape([entry for row in rows for entry in row], shape)
 

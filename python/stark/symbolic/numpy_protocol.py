@@ -70,7 +70,9 @@ _FUNCTIONS: dict[Callable[..., object], Callable[..., object]] = {
     np.stack: tensor.mat,
     np.vstack: tensor.mat,
     np.column_stack: lambda parts: tensor.columns(*parts),
-    np.concatenate: lambda parts: tensor.Vec([entry for part in parts for entry in tensor.convert(part, "concatenate")]),
+    np.concatenate: lambda parts: tensor.Vec(
+        [entry for part in parts for entry in tensor.convert(part, "concatenate")]
+    ),
     np.shape: lambda a: getattr(a, "shape", ()),
     np.ndim: lambda a: len(getattr(a, "shape", ())),
     np.size: lambda a: getattr(a, "size", 1),

@@ -73,7 +73,9 @@ class Tensor:
         if places.ndim == 0:
             return self._entries[int(places)]
         if places.ndim > 2:
-            raise TraceError(f"index {key!r} of {describe(self)}: the result has {places.ndim} dimensions, need 0 to 2")
+            raise TraceError(
+                f"index {key!r} of {describe(self)}: the result has {places.ndim} dimensions, need 0 to 2"
+            )
         return from_shape([self._entries[i] for i in places.ravel()], places.shape)
 
     def __setitem__(self, key: object, value: object) -> None:
@@ -255,7 +257,9 @@ class Mat(Tensor):
         if not vectors:
             raise TraceError("Mat: got no rows, need at least one")
         if len({len(v) for v in vectors}) > 1:
-            raise TraceError(f"Mat: rows of {', '.join(str(len(v)) for v in vectors)} entries, need equal lengths")
+            raise TraceError(
+                f"Mat: rows of {', '.join(str(len(v)) for v in vectors)} entries, need equal lengths"
+            )
         super().__init__([entry for v in vectors for entry in v.entries], (len(vectors), len(vectors[0])))
 
     @property
@@ -351,7 +355,9 @@ def elementwise(function: Callable[..., object], sign: str, *operands: object) -
 def _vectors(name: str, a: object, b: object) -> tuple[Vec, Vec]:
     a, b = convert(a, name), convert(b, name)
     if not (isinstance(a, Vec) and isinstance(b, Vec)) or (name != "outer" and len(a) != len(b)):
-        raise TraceError(f"{name}: {describe(a)} and {describe(b)} do not fit, need two vectors of equal length")
+        raise TraceError(
+            f"{name}: {describe(a)} and {describe(b)} do not fit, need two vectors of equal length"
+        )
     return a, b
 
 

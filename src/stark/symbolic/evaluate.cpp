@@ -4,10 +4,13 @@
 
 #include <stark/base/error.h>
 #include <stark/symbolic/backend/executable.h>
+#include <stark/symbolic/diff.h>
 #include <stark/symbolic/lower.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace stark::symbolic {
 
@@ -257,6 +260,7 @@ struct FunctionState {
   std::unique_ptr<Executable> code;
   int unknown_count = 0, element_count = 0, uniform_count = 0, output_count = 0;
   Backend backend = Backend::Interpreter;
+  FunctionStatistics statistics;
 };
 
 int Function::unknown_count() const { return state_->unknown_count; }
@@ -264,38 +268,74 @@ int Function::element_count() const { return state_->element_count; }
 int Function::uniform_count() const { return state_->uniform_count; }
 int Function::output_count() const { return state_->output_count; }
 Backend Function::backend() const { return state_->backend; }
+const FunctionStatistics& Function::statistics() const { return state_->statistics; }
 
 void Function::evaluate(const double* unknowns, const double* elements, const double* uniforms,
                         double* out_values, int64_t block_count) const {
   state_->code->run(unknowns, elements, uniforms, out_values, block_count);
 }
 
-Function compile_function(std::span<const Scalar> outputs, Backend backend) {
+namespace {
+
+/// The one graph of all outputs, null if all are numbers.
+Graph* graph_of(std::span<const std::vector<Scalar>> groups) {
   Graph* graph = nullptr;
-  for (const Scalar& s : outputs) {
-    if (s.is_condition())
-      throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
-    if (s.is_literal()) continue;
-    if (graph && s.graph() != graph)
-      throw InvalidArgument(
-          "compile_function: the outputs belong to different graphs; build them in one graph.");
-    graph = s.graph();
+  for (const auto& group : groups) {
+    for (const Scalar& s : group) {
+      if (s.is_condition())
+        throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
+      if (s.is_literal()) continue;
+      if (graph && s.graph() != graph)
+        throw InvalidArgument(
+            "compile_function: the outputs belong to different graphs; build them in one graph.");
+      graph = s.graph();
+    }
   }
+  return graph;
+}
+
+}  // namespace
+
+Function compile_function(std::span<const Scalar> outputs, Backend backend) {
+  const std::vector<Scalar> group(outputs.begin(), outputs.end());
+  return compile_function(std::span(&group, 1), backend);
+}
+
+Function compile_function(std::span<const std::vector<Scalar>> groups, Backend backend) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Graph* source = graph_of(groups);
   Graph own;
-  std::vector<std::vector<NodeId>> groups(1);
-  for (const Scalar& s : outputs) {
-    groups[0].push_back(s.is_literal() ? (graph ? graph->constant(s.value()) : own.constant(s.value()))
-                                       : s.id());
+  std::vector<NodeId> roots;
+  for (const auto& group : groups) {
+    for (const Scalar& s : group) {
+      if (!s.is_literal()) roots.push_back(s.id());
+    }
   }
-  if (graph) groups[0] = import_expressions(*graph, groups[0], own);
-  const Program program = lower(own, groups);
+  std::vector<NodeId> images;
+  if (source) images = import_expressions(*source, roots, own);
+  std::vector<std::vector<NodeId>> nodes;
+  std::vector<NodeId> outputs;
+  size_t next = 0;
+  for (const auto& group : groups) {
+    nodes.emplace_back();
+    for (const Scalar& s : group)
+      nodes.back().push_back(s.is_literal() ? own.constant(s.value()) : images[next++]);
+    outputs.insert(outputs.end(), nodes.back().begin(), nodes.back().end());
+  }
+  const Program program = lower(own, nodes);
+  auto state = std::make_shared<FunctionState>();
+  state->code = make_executable(program, resolve_backend(backend), state->backend);
+  state->unknown_count = program.unknown_count;
+  state->element_count = program.element_count;
+  state->uniform_count = program.uniform_count;
+  state->output_count = static_cast<int>(outputs.size());
+  state->statistics.operations = operation_total(own, outputs);
+  state->statistics.instructions = static_cast<int>(program.instructions.size());
+  state->statistics.code_bytes = state->code->code_bytes;
+  state->statistics.build_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   Function f;
-  f.state_ = std::make_shared<FunctionState>();
-  f.state_->code = make_executable(program, resolve_backend(backend), f.state_->backend);
-  f.state_->unknown_count = program.unknown_count;
-  f.state_->element_count = program.element_count;
-  f.state_->uniform_count = program.uniform_count;
-  f.state_->output_count = static_cast<int>(outputs.size());
+  f.state_ = std::move(state);
   return f;
 }
 
