@@ -16,6 +16,7 @@ void bind_scene(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_potentials(nb::module_& m);
+void bind_symbolic(nb::module_& m);
 
 namespace {
 
@@ -27,6 +28,7 @@ struct ExceptionTypes {
   PyObject* invalid_setting = nullptr;
   PyObject* invalid_mesh = nullptr;
   PyObject* initial_intersection = nullptr;
+  PyObject* trace_error = nullptr;
   PyObject* internal_error = nullptr;
 };
 
@@ -48,6 +50,8 @@ void translate(const std::exception_ptr& exception, void* payload) {
     std::rethrow_exception(exception);
   } catch (const stark::InitialIntersection& e) {
     PyErr_SetString(types.initial_intersection, e.what());
+  } catch (const stark::TraceError& e) {
+    PyErr_SetString(types.trace_error, e.what());
   } catch (const stark::InvalidMesh& e) {
     PyErr_SetString(types.invalid_mesh, e.what());
   } catch (const stark::InvalidSetting& e) {
@@ -74,6 +78,10 @@ void bind_exceptions(nb::module_& m) {
       types.invalid_argument);
   types.initial_intersection = add_exception(
       m, "InitialIntersection", "Surfaces intersect in the initial configuration.", types.invalid_argument);
+  types.trace_error = add_exception(
+      m, "TraceError",
+      "A formula that cannot be recorded or compiled: control flow that depends on its values, wrong shapes.",
+      types.invalid_argument);
   types.internal_error =
       add_exception(m, "InternalError", "A defect of Stark itself, never of its input.", types.error);
   nb::register_exception_translator(translate, &types);
@@ -100,4 +108,5 @@ NB_MODULE(_core, m) {
   bind_simulation(m);
   bind_io(m);
   bind_potentials(m);
+  bind_symbolic(m);
 }

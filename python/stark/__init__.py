@@ -24,6 +24,7 @@ from stark._core import (  # noqa: E402
     InvalidArgument,
     InvalidMesh,
     InvalidSetting,
+    TraceError,
     __version__,
 )
 from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
@@ -35,11 +36,19 @@ from stark.settings import Settings  # noqa: E402
 from stark.simulation import Simulation, StepFailed  # noqa: E402
 
 # Tracebacks and pickles name the public place of the exceptions.
-for _exception in (Error, InvalidArgument, InvalidSetting, InvalidMesh, InitialIntersection, InternalError):
+for _exception in (
+    Error,
+    InvalidArgument,
+    InvalidSetting,
+    InvalidMesh,
+    InitialIntersection,
+    TraceError,
+    InternalError,
+):
     _exception.__module__ = "stark"
 
 # Imported when first used, to keep `import stark` fast.
-_ON_DEMAND = ("recording", "render", "replay", "scenes", "telemetry")
+_ON_DEMAND = ("recording", "render", "replay", "scenes", "symbolic", "telemetry")
 
 
 def __getattr__(name: str) -> object:
@@ -69,6 +78,7 @@ __all__ = [
     "StarkWarning",
     "StepFailed",
     "TetMesh",
+    "TraceError",
     "TriangleMesh",
     "__version__",
     "deg",

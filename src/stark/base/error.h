@@ -38,6 +38,12 @@ class InitialIntersection : public InvalidArgument {
   using InvalidArgument::InvalidArgument;
 };
 
+/// A formula that cannot be traced or compiled: control flow that depends on its values, wrong shapes.
+class TraceError : public InvalidArgument {
+ public:
+  using InvalidArgument::InvalidArgument;
+};
+
 /// A defect of the library itself, never of its input.
 class InternalError : public Error {
  public:

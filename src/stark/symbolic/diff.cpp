@@ -18,34 +18,6 @@ using Seed = EdgePushing::Seed;
 
 size_t upper_index(size_t n, size_t i, size_t j) { return i * n - i * (i + 1) / 2 + j; }  // i <= j
 
-// Forward derivative of `outputs` with respect to one input; -1 is zero.
-std::vector<NodeId> forward(Graph& graph, std::span<const NodeId> outputs, const std::vector<char>& needed,
-                            NodeId input) {
-  std::vector<NodeId> tangent(needed.size(), -1);
-  for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
-    if (!needed[id]) continue;
-    const Node n = graph.node(id);
-    if (id == input) {
-      tangent[id] = graph.constant(1.0);
-    } else if (is_choice(n.op)) {
-      const Arms arms = choice_arms(graph, id);
-      const NodeId a = tangent[arms.taken], b = tangent[arms.other], zero = graph.constant(0.0);
-      if (a >= 0 || b >= 0) tangent[id] = graph.select(arms.condition, a < 0 ? zero : a, b < 0 ? zero : b);
-    } else if (!is_condition(n.op)) {
-      bool any = false;
-      for (int k = 0; k < operand_count(n.op); ++k) any |= tangent[n.operands[k]] >= 0;
-      if (!any) continue;
-      const Partials p = local_partials(graph, id, false);
-      for (int k = 0; k < p.count; ++k) {
-        tangent[id] = add_term(graph, tangent[id], multiply_term(graph, p.first[k], tangent[p.operand[k]]));
-      }
-    }
-  }
-  std::vector<NodeId> result;
-  for (const NodeId id : outputs) result.push_back(tangent[id]);
-  return result;
-}
-
 // Replaces absent terms by a zero node.
 void fill_zeros(Graph& graph, std::vector<NodeId>& values) {
   for (NodeId& v : values) {
@@ -159,6 +131,33 @@ std::vector<char> reachable(const Graph& graph, std::span<const NodeId> outputs)
     for (int k = 0; k < operand_count(n.op); ++k) seen[n.operands[k]] = 1;
   }
   return seen;
+}
+
+std::vector<NodeId> forward(Graph& graph, std::span<const NodeId> outputs, const std::vector<char>& needed,
+                            NodeId input) {
+  std::vector<NodeId> tangent(needed.size(), -1);
+  for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
+    if (!needed[id]) continue;
+    const Node n = graph.node(id);
+    if (id == input) {
+      tangent[id] = graph.constant(1.0);
+    } else if (is_choice(n.op)) {
+      const Arms arms = choice_arms(graph, id);
+      const NodeId a = tangent[arms.taken], b = tangent[arms.other], zero = graph.constant(0.0);
+      if (a >= 0 || b >= 0) tangent[id] = graph.select(arms.condition, a < 0 ? zero : a, b < 0 ? zero : b);
+    } else if (!is_condition(n.op)) {
+      bool any = false;
+      for (int k = 0; k < operand_count(n.op); ++k) any |= tangent[n.operands[k]] >= 0;
+      if (!any) continue;
+      const Partials p = local_partials(graph, id, false);
+      for (int k = 0; k < p.count; ++k) {
+        tangent[id] = add_term(graph, tangent[id], multiply_term(graph, p.first[k], tangent[p.operand[k]]));
+      }
+    }
+  }
+  std::vector<NodeId> result;
+  for (const NodeId id : outputs) result.push_back(tangent[id]);
+  return result;
 }
 
 std::string to_string(Algorithm algorithm) {

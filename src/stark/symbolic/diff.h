@@ -46,6 +46,11 @@ bool hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages, Algori
 /// Gradient and Hessian by the cheapest of the algorithms B, C, D.
 Derivatives cheapest_hessian(Graph& graph, NodeId energy, std::span<const NodeId> stages);
 
+/// Forward sweep: derivative of each output with respect to one input; -1 is zero. `needed` flags what the
+/// outputs need, as reachable() does.
+std::vector<NodeId> forward(Graph& graph, std::span<const NodeId> outputs, const std::vector<char>& needed,
+                            NodeId input);
+
 /// Number of operations that are needed for these outputs.
 int operation_total(const Graph& graph, std::span<const NodeId> outputs);
 /// The same, weighted by throughput (a division costs several multiplications, a function some tens).

@@ -4,10 +4,13 @@
 
 #include <stark/base/error.h>
 #include <stark/symbolic/backend/executable.h>
+#include <stark/symbolic/diff.h>
 #include <stark/symbolic/lower.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace stark::symbolic {
 
@@ -119,8 +122,74 @@ std::string number_text(double value) {
   return std::strtod(shorter, nullptr) == value ? shorter : text;
 }
 
-const char* function_name(Op op) {
+// Writes infix text until it is longer than a limit.
+class Printer {
+ public:
+  Printer(const Graph& graph, size_t limit) : graph_(graph), limit_(limit) {}
+
+  void write(NodeId id) {
+    if (text_.size() > limit_) return;
+    const Node& n = graph_.node(id);
+    const std::string name = graph_.name(id);
+    if (!name.empty()) {
+      text_ += name;
+    } else if (n.op == Op::Constant) {
+      text_ += number_text(n.value);
+    } else if (operand_count(n.op) == 0) {
+      text_ += (n.op == Op::Unknown ? "u" : n.op == Op::Element ? "e" : "p") + std::to_string(n.operands[0]);
+    } else if (n.op == Op::Neg || n.op == Op::Not) {
+      text_ += n.op == Op::Neg ? "-" : "!";
+      write(n.operands[0]);
+    } else {
+      write_operation(n);
+    }
+  }
+
+  std::string take() {
+    if (text_.size() > limit_) text_ = text_.substr(0, limit_) + "...";
+    return std::move(text_);
+  }
+
+ private:
+  void write_operation(const Node& n) {
+    const std::string name = name_of(n.op);
+    const bool infix = std::string("+-*/<&|").find(name[0]) != std::string::npos;
+    text_ += infix ? "(" : name + "(";
+    for (int k = 0; k < operand_count(n.op); ++k) {
+      if (k > 0) text_ += infix ? " " + name + " " : ", ";
+      write(n.operands[k]);
+    }
+    text_ += ")";
+  }
+
+  const Graph& graph_;
+  size_t limit_;
+  std::string text_;
+};
+
+}  // namespace
+
+double evaluate(const Scalar& expression, const InputValues& values) {
+  if (expression.is_condition())
+    throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
+  return evaluate_any(expression, values);
+}
+
+bool evaluate_condition(const Scalar& condition, const InputValues& values) {
+  if (!condition.is_condition())
+    throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
+  return evaluate_any(condition, values) != 0.0;
+}
+
+std::string name_of(Op op) {
   switch (op) {
+    case Op::Constant:
+    case Op::Unknown:
+    case Op::Element:
+    case Op::Uniform:
+      return "";
+    case Op::Neg:
+      return "-";
     case Op::Abs:
       return "abs";
     case Op::Sqrt:
@@ -143,6 +212,14 @@ const char* function_name(Op op) {
       return "atan";
     case Op::Tanh:
       return "tanh";
+    case Op::Add:
+      return "+";
+    case Op::Sub:
+      return "-";
+    case Op::Mul:
+      return "*";
+    case Op::Div:
+      return "/";
     case Op::Min:
       return "min";
     case Op::Max:
@@ -155,78 +232,35 @@ const char* function_name(Op op) {
       return "fma";
     case Op::Select:
       return "select";
-    default:
-      return nullptr;
-  }
-}
-
-std::string node_text(const Graph& graph, NodeId id) {
-  const Node& n = graph.node(id);
-  const auto operand = [&](int k) { return node_text(graph, n.operands[k]); };
-  const auto infix = [&](const char* sign) { return "(" + operand(0) + " " + sign + " " + operand(1) + ")"; };
-  switch (n.op) {
-    case Op::Constant:
-      return number_text(n.value);
-    case Op::Unknown:
-      return "u" + std::to_string(n.operands[0]);
-    case Op::Element:
-      return "e" + std::to_string(n.operands[0]);
-    case Op::Uniform:
-      return "p" + std::to_string(n.operands[0]);
-    case Op::Neg:
-      return "-" + operand(0);
-    case Op::Not:
-      return "!" + operand(0);
-    case Op::Add:
-      return infix("+");
-    case Op::Sub:
-      return infix("-");
-    case Op::Mul:
-      return infix("*");
-    case Op::Div:
-      return infix("/");
     case Op::Less:
-      return infix("<");
+      return "<";
     case Op::LessEqual:
-      return infix("<=");
+      return "<=";
     case Op::And:
-      return infix("&&");
+      return "&&";
     case Op::Or:
-      return infix("||");
-    default:
-      break;
+      return "||";
+    case Op::Not:
+      return "!";
   }
-  std::string text = std::string(function_name(n.op)) + "(" + operand(0);
-  for (int k = 1; k < operand_count(n.op); ++k) text += ", " + operand(k);
-  return text + ")";
+  return "";
 }
 
-}  // namespace
-
-double evaluate(const Scalar& expression, const InputValues& values) {
-  if (expression.is_condition())
-    throw InvalidArgument("evaluate: the expression is a condition; use evaluate_condition.");
-  return evaluate_any(expression, values);
-}
-
-bool evaluate_condition(const Scalar& condition, const InputValues& values) {
-  if (!condition.is_condition())
-    throw InvalidArgument("evaluate_condition: the expression is a number; use evaluate.");
-  return evaluate_any(condition, values) != 0.0;
-}
-
-std::string to_string(const Scalar& expression) {
+std::string to_string(const Scalar& expression, size_t limit) {
   if (expression.is_literal()) {
     return expression.is_condition() ? (expression.value() != 0.0 ? "true" : "false")
                                      : number_text(expression.value());
   }
-  return node_text(*expression.graph(), expression.id());
+  Printer printer(*expression.graph(), limit);
+  printer.write(expression.id());
+  return printer.take();
 }
 
 struct FunctionState {
   std::unique_ptr<Executable> code;
   int unknown_count = 0, element_count = 0, uniform_count = 0, output_count = 0;
   Backend backend = Backend::Interpreter;
+  FunctionStatistics statistics;
 };
 
 int Function::unknown_count() const { return state_->unknown_count; }
@@ -234,38 +268,74 @@ int Function::element_count() const { return state_->element_count; }
 int Function::uniform_count() const { return state_->uniform_count; }
 int Function::output_count() const { return state_->output_count; }
 Backend Function::backend() const { return state_->backend; }
+const FunctionStatistics& Function::statistics() const { return state_->statistics; }
 
 void Function::evaluate(const double* unknowns, const double* elements, const double* uniforms,
                         double* out_values, int64_t block_count) const {
   state_->code->run(unknowns, elements, uniforms, out_values, block_count);
 }
 
-Function compile_function(std::span<const Scalar> outputs, Backend backend) {
+namespace {
+
+/// The one graph of all outputs, null if all are numbers.
+Graph* graph_of(std::span<const std::vector<Scalar>> groups) {
   Graph* graph = nullptr;
-  for (const Scalar& s : outputs) {
-    if (s.is_condition())
-      throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
-    if (s.is_literal()) continue;
-    if (graph && s.graph() != graph)
-      throw InvalidArgument(
-          "compile_function: the outputs belong to different graphs; build them in one graph.");
-    graph = s.graph();
+  for (const auto& group : groups) {
+    for (const Scalar& s : group) {
+      if (s.is_condition())
+        throw InvalidArgument("compile_function: an output is a condition; use select(condition, 1.0, 0.0).");
+      if (s.is_literal()) continue;
+      if (graph && s.graph() != graph)
+        throw InvalidArgument(
+            "compile_function: the outputs belong to different graphs; build them in one graph.");
+      graph = s.graph();
+    }
   }
+  return graph;
+}
+
+}  // namespace
+
+Function compile_function(std::span<const Scalar> outputs, Backend backend) {
+  const std::vector<Scalar> group(outputs.begin(), outputs.end());
+  return compile_function(std::span(&group, 1), backend);
+}
+
+Function compile_function(std::span<const std::vector<Scalar>> groups, Backend backend) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Graph* source = graph_of(groups);
   Graph own;
-  std::vector<std::vector<NodeId>> groups(1);
-  for (const Scalar& s : outputs) {
-    groups[0].push_back(s.is_literal() ? (graph ? graph->constant(s.value()) : own.constant(s.value()))
-                                       : s.id());
+  std::vector<NodeId> roots;
+  for (const auto& group : groups) {
+    for (const Scalar& s : group) {
+      if (!s.is_literal()) roots.push_back(s.id());
+    }
   }
-  if (graph) groups[0] = import_expressions(*graph, groups[0], own);
-  const Program program = lower(own, groups);
+  std::vector<NodeId> images;
+  if (source) images = import_expressions(*source, roots, own);
+  std::vector<std::vector<NodeId>> nodes;
+  std::vector<NodeId> outputs;
+  size_t next = 0;
+  for (const auto& group : groups) {
+    nodes.emplace_back();
+    for (const Scalar& s : group)
+      nodes.back().push_back(s.is_literal() ? own.constant(s.value()) : images[next++]);
+    outputs.insert(outputs.end(), nodes.back().begin(), nodes.back().end());
+  }
+  const Program program = lower(own, nodes);
+  auto state = std::make_shared<FunctionState>();
+  state->code = make_executable(program, resolve_backend(backend), state->backend);
+  state->unknown_count = program.unknown_count;
+  state->element_count = program.element_count;
+  state->uniform_count = program.uniform_count;
+  state->output_count = static_cast<int>(outputs.size());
+  state->statistics.operations = operation_total(own, outputs);
+  state->statistics.instructions = static_cast<int>(program.instructions.size());
+  state->statistics.code_bytes = state->code->code_bytes;
+  state->statistics.build_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   Function f;
-  f.state_ = std::make_shared<FunctionState>();
-  f.state_->code = make_executable(program, resolve_backend(backend), f.state_->backend);
-  f.state_->unknown_count = program.unknown_count;
-  f.state_->element_count = program.element_count;
-  f.state_->uniform_count = program.uniform_count;
-  f.state_->output_count = static_cast<int>(outputs.size());
+  f.state_ = std::move(state);
   return f;
 }
 

@@ -25,8 +25,18 @@ double evaluate(const Scalar& expression, const InputValues& values);
 /// Value of a condition.
 bool evaluate_condition(const Scalar& condition, const InputValues& values);
 
-/// Infix text with inputs named u0, e0, p0; shared sub-expressions are written out each time.
-std::string to_string(const Scalar& expression);
+/// Infix text with inputs by their names, or u0, e0, p0; shared sub-expressions are written out each time.
+/// After `limit` characters the text stops with "...".
+std::string to_string(const Scalar& expression, size_t limit = std::string::npos);
+/// What an operation is called in text: "sqrt", "+", "where"; empty for leaves.
+std::string name_of(Op op);
+
+struct FunctionStatistics {
+  int operations = 0;        // scalar operations of the expression graph
+  int instructions = 0;      // after expansion of functions and fusion
+  size_t code_bytes = 0;     // machine code only, with its constants
+  double build_seconds = 0;  // lowering + code
+};
 
 struct FunctionState;
 
@@ -40,15 +50,18 @@ class Function {
   int uniform_count() const;
   int output_count() const;
   Backend backend() const;
+  const FunctionStatistics& statistics() const;
   /// Array layout as Kernel::evaluate, with output_count() outputs.
   void evaluate(const double* unknowns, const double* elements, const double* uniforms, double* out_values,
                 int64_t block_count) const;
 
  private:
-  friend Function compile_function(std::span<const Scalar>, Backend);
+  friend Function compile_function(std::span<const std::vector<Scalar>>, Backend);
   std::shared_ptr<FunctionState> state_;
 };
 
 Function compile_function(std::span<const Scalar> outputs, Backend backend = Backend::Automatic);
+/// Outputs of all groups, in order. Later groups do not change how earlier ones are rounded.
+Function compile_function(std::span<const std::vector<Scalar>> groups, Backend backend = Backend::Automatic);
 
 }  // namespace stark::symbolic

@@ -149,6 +149,17 @@ void Graph::mark_stage(const Scalar& value) {
   if (operand_count(nodes_[value.id()].op) > 0) stages_.push_back(value.id());
 }
 
+void Graph::set_name(const Scalar& value, std::string name) {
+  if (value.graph() != this)
+    throw InvalidArgument("Graph::set_name: the value is a number or belongs to another graph.");
+  names_[value.id()] = std::move(name);
+}
+
+std::string Graph::name(NodeId id) const {
+  const auto found = names_.find(id);
+  return found == names_.end() ? std::string() : found->second;
+}
+
 NodeId Graph::constant(double value) { return intern(Op::Constant, -1, -1, -1, value); }
 
 NodeId Graph::neg(NodeId a) {

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace stark::symbolic {
@@ -79,6 +81,11 @@ class Graph {
   /// Marks a value as a cut for staged differentiation (points of a body, deformation gradient). A hint: it
   /// can make derivatives cheaper and never changes their meaning.
   void mark_stage(const Scalar& value);
+  /// Names a node for printing; the last name holds. Names change no result and are not copied with
+  /// expressions.
+  void set_name(const Scalar& value, std::string name);
+  /// Empty if the node has no name.
+  std::string name(NodeId id) const;
 
   int input_count(InputKind kind) const { return input_count_[static_cast<int>(kind)]; }
   int size() const { return static_cast<int>(nodes_.size()); }
@@ -110,6 +117,7 @@ class Graph {
   std::vector<Node> nodes_;
   std::vector<NodeId> table_;  // open addressing, power of two, -1 is empty
   std::vector<NodeId> stages_;
+  std::unordered_map<NodeId, std::string> names_;
   std::array<int, 3> input_count_{0, 0, 0};
 };
 

@@ -11,10 +11,23 @@ namespace stark::symbolic {
 
 std::vector<NodeId> import_expressions(const Graph& source, std::span<const NodeId> outputs, Graph& target) {
   std::vector<NodeId> image(source.size(), -1);
-  std::vector<char> active;  // by target id: depends on an Unknown
   for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform}) {
     for (int i = 0; i < source.input_count(kind); ++i) target.input_node(kind, i);
   }
+  const auto kind_of = [](Op op) {
+    return op == Op::Unknown ? InputKind::Unknown : op == Op::Element ? InputKind::Element : InputKind::Uniform;
+  };
+  for (NodeId id = 0; id < source.size(); ++id) {
+    const Node& n = source.node(id);
+    if (n.op != Op::Constant && operand_count(n.op) == 0)
+      image[id] = target.input_node(kind_of(n.op), n.operands[0]);
+  }
+  return import_expressions(source, outputs, target, std::move(image));
+}
+
+std::vector<NodeId> import_expressions(const Graph& source, std::span<const NodeId> outputs, Graph& target,
+                                       std::vector<NodeId> image) {
+  std::vector<char> active;  // by target id: depends on an Unknown
   const auto is_active = [&](NodeId id) {
     for (NodeId k = static_cast<NodeId>(active.size()); k < target.size(); ++k) {
       const Node& n = target.node(k);
@@ -51,14 +64,9 @@ std::vector<NodeId> import_expressions(const Graph& source, std::span<const Node
           image[id] = target.constant(n.value);
           break;
         case Op::Unknown:
-          image[id] = target.input_node(InputKind::Unknown, n.operands[0]);
-          break;
         case Op::Element:
-          image[id] = target.input_node(InputKind::Element, n.operands[0]);
-          break;
         case Op::Uniform:
-          image[id] = target.input_node(InputKind::Uniform, n.operands[0]);
-          break;
+          throw InvalidArgument("import_expressions: the expression uses an input that is not given.");
         case Op::Select:
           image[id] = target.select(x[0], x[1], x[2]);
           break;

@@ -1,0 +1,428 @@
+// Bindings of the expression graph: traced scalars with the operators of Python, and graphs. Formulas are
+// built by running Python code on traced scalars, so whatever would need their values raises TraceError.
+#include "symbolic.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <limits>
+
+#include <stark/base/settings.h>
+#include <stark/symbolic/evaluate.h>
+#include <stark/symbolic/partial_derivatives.h>
+
+#include "arrays.h"
+
+namespace stark::bindings {
+
+using namespace nb::literals;
+using symbolic::Graph;
+using symbolic::InputKind;
+using symbolic::NodeId;
+using symbolic::Op;
+using symbolic::Scalar;
+
+std::optional<TracedScalar> to_traced(nb::handle object) {
+  TracedScalar* traced = nullptr;
+  if (nb::try_cast(object, traced, false)) return *traced;
+  // NumPy's scalars and arrays without dimensions have a shape; arrays with dimensions are not scalars.
+  const bool number = PyFloat_Check(object.ptr()) || PyLong_Check(object.ptr());
+  if (!number) {
+    if (!nb::hasattr(object, "dtype") || !nb::hasattr(object, "ndim")) return std::nullopt;
+    if (nb::cast<int>(object.attr("ndim")) != 0) return std::nullopt;
+    const std::string kind = text(object.attr("dtype").attr("kind"));
+    if (kind == "O") return to_traced(object.attr("item")());
+    if (std::string("biuf").find(kind) == std::string::npos) return std::nullopt;
+  }
+  const double value = PyFloat_AsDouble(object.ptr());
+  if (value == -1.0 && PyErr_Occurred()) throw nb::python_error();
+  return TracedScalar{nullptr, Scalar(value)};
+}
+
+TracedScalar require_traced(nb::handle object, const std::string& name) {
+  if (auto traced = to_traced(object)) return *traced;
+  throw TraceError(name + ": got " + text(object.type().attr("__name__")) + ", need a scalar or a number");
+}
+
+std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::string& name) {
+  std::vector<TracedScalar> result;
+  for (const nb::handle item : sequence)
+    result.push_back(require_traced(item, name + "[" + std::to_string(result.size()) + "]"));
+  return result;
+}
+
+namespace {
+
+const char* const kNoBranches =
+    "a formula is recorded once and then run for many inputs, so its values cannot steer Python code: write "
+    "stark.where(condition, a, b) for if, `&`, `|`, `~` for and, or, not, and stark.minimum, stark.maximum "
+    "for min, max; write both bounds of a < x < b with `&`";
+
+std::string short_text(const TracedScalar& x) { return to_string(x.value, 60); }
+
+// Operators.
+
+using Binary = Scalar (*)(const Scalar&, const Scalar&);
+using Unary = Scalar (*)(const Scalar&);
+
+/// bool becomes a condition where one is meant.
+std::optional<TracedScalar> to_condition(nb::handle object) {
+  if (PyBool_Check(object.ptr()) || (nb::hasattr(object, "dtype") && text(object.attr("dtype")) == "bool"))
+    return TracedScalar{nullptr, Scalar::literal_condition(nb::cast<bool>(nb::bool_(object)))};
+  return to_traced(object);
+}
+
+void require_kind(const TracedScalar& x, bool condition, const std::string& operation) {
+  if (x.value.is_condition() == condition) return;
+  if (condition)
+    throw TraceError(operation + ": " + short_text(x) +
+                     " is a number, not a condition; compare it first, as in x > 0.0");
+  throw TraceError(operation + ": " + short_text(x) +
+                   " is a condition, not a number; turn it into one by stark.where(condition, a, b)");
+}
+
+TracedScalar apply(Binary function, const TracedScalar& a, const TracedScalar& b, bool conditions,
+                   const char* operation) {
+  require_kind(a, conditions, operation);
+  require_kind(b, conditions, operation);
+  auto graph = common_graph(a, b, operation);
+  const Scalar value = function(a.value, b.value);
+  return {value.graph() ? std::move(graph) : nullptr, value};
+}
+
+TracedScalar apply(Unary function, const TracedScalar& a, const char* operation) {
+  require_kind(a, false, operation);
+  const Scalar value = function(a.value);
+  return {value.graph() ? a.graph : nullptr, value};
+}
+
+/// The operator of Python; other types get their turn by NotImplemented.
+template <bool Swap, bool Conditions = false>
+auto python_operator(Binary function, const char* operation) {
+  return [function, operation](const TracedScalar& a, nb::handle other) -> nb::object {
+    const auto b = Conditions ? to_condition(other) : to_traced(other);
+    if (!b) return nb::borrow(Py_NotImplemented);
+    return nb::cast(Swap ? apply(function, *b, a, Conditions, operation)
+                         : apply(function, a, *b, Conditions, operation));
+  };
+}
+
+Scalar add(const Scalar& a, const Scalar& b) { return a + b; }
+Scalar subtract(const Scalar& a, const Scalar& b) { return a - b; }
+Scalar multiply(const Scalar& a, const Scalar& b) { return a * b; }
+Scalar divide(const Scalar& a, const Scalar& b) { return a / b; }
+Scalar less(const Scalar& a, const Scalar& b) { return a < b; }
+Scalar less_equal(const Scalar& a, const Scalar& b) { return a <= b; }
+Scalar greater(const Scalar& a, const Scalar& b) { return a > b; }
+Scalar greater_equal(const Scalar& a, const Scalar& b) { return a >= b; }
+Scalar both(const Scalar& a, const Scalar& b) { return a && b; }
+Scalar either(const Scalar& a, const Scalar& b) { return a || b; }
+Scalar differ(const Scalar& a, const Scalar& b) { return (a && !b) || (!a && b); }
+Scalar negative(const Scalar& a) { return -a; }
+
+/// Integer exponents are products, other numbers real powers of a base >= 0.
+Scalar power(const Scalar& a, const Scalar& b) { return symbolic::pow(a, b); }
+
+nb::object python_power(const TracedScalar& a, nb::handle exponent) {
+  if (PyLong_Check(exponent.ptr())) {
+    const long long n = PyLong_AsLongLong(exponent.ptr());
+    if (n == -1 && PyErr_Occurred()) throw nb::python_error();
+    if (n > std::numeric_limits<int>::max() || n < -std::numeric_limits<int>::max())
+      throw TraceError("power: the exponent " + std::to_string(n) + " is too large; write it as a float");
+    require_kind(a, false, "power");
+    const Scalar value = symbolic::pow(a.value, static_cast<int>(n));
+    return nb::cast(TracedScalar{value.graph() ? a.graph : nullptr, value});
+  }
+  return python_operator<false>(power, "power")(a, exponent);
+}
+
+double constant_value(const TracedScalar& x, const char* conversion) {
+  if (x.value.is_constant() && !x.value.is_condition()) return x.value.value();
+  throw TraceError(std::string(conversion) + " of the traced value " + short_text(x) +
+                   ": a formula is recorded once and then run for many inputs, so its values are not numbers "
+                   "yet; use the functions of stark (stark.sqrt, stark.sin, ...) instead of those of math, "
+                   "and only fixed numbers as indices, lengths and counts");
+}
+
+bool constant_truth(const TracedScalar& x) {
+  if (x.value.is_constant()) return x.value.value() != 0.0;
+  throw TraceError("the truth of the traced value " + short_text(x) + " was asked for (if, while, and, or, " +
+                   "not, min, max, sorted): " + kNoBranches);
+}
+
+[[noreturn]] void no_equality(const TracedScalar& x, nb::handle) {
+  throw TraceError("== or != of the traced value " + short_text(x) +
+                   ": equality of computed numbers is not part of formulas; compare with <= and >=, or use "
+                   "stark.symbolic.is_same(a, b) to ask whether two expressions are the same");
+}
+
+[[noreturn]] void no_such_operator(const TracedScalar& x, nb::handle) {
+  throw TraceError("// and % of the traced value " + short_text(x) +
+                   ": rounding has no derivative and is not part of formulas");
+}
+
+// Functions.
+
+struct NamedUnary {
+  const char* name;
+  Unary function;
+  const char* doc;
+};
+
+Scalar sinh(const Scalar& x) {
+  // Near zero the difference of exponentials cancels: sinh x = 2 t / (1 - t^2), t = tanh(x / 2).
+  const Scalar t = symbolic::tanh(0.5 * x);
+  const Scalar far = 0.5 * (symbolic::exp(x) - symbolic::exp(-x));
+  return symbolic::select(symbolic::abs(x) < 1.0, 2.0 * t / (1.0 - t * t), far);
+}
+Scalar cosh(const Scalar& x) { return 0.5 * (symbolic::exp(x) + symbolic::exp(-x)); }
+
+constexpr NamedUnary kUnary[] = {
+    {"abs", symbolic::abs, "Absolute value; its derivative at 0 is that of -x."},
+    {"sqrt", symbolic::sqrt, "Square root."},
+    {"square", symbolic::square, "x x."},
+    {"exp", symbolic::exp, "e to the power x."},
+    {"log", symbolic::log, "Natural logarithm."},
+    {"sin", symbolic::sin, "Sine of an angle [rad], |x| <= 1e9."},
+    {"cos", symbolic::cos, "Cosine of an angle [rad], |x| <= 1e9."},
+    {"tan", symbolic::tan, "Tangent of an angle [rad], |x| <= 1e9."},
+    {"asin", symbolic::asin, "Inverse sine [rad]."},
+    {"acos", symbolic::acos, "Inverse cosine [rad]."},
+    {"atan", symbolic::atan, "Inverse tangent [rad]."},
+    {"sinh", sinh, "Hyperbolic sine."},
+    {"cosh", cosh, "Hyperbolic cosine."},
+    {"tanh", symbolic::tanh, "Hyperbolic tangent."},
+};
+
+TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {
+  auto c = to_condition(condition);
+  if (!c) c = require_traced(condition, "where: the condition");
+  const TracedScalar x = require_traced(a, "where"), y = require_traced(b, "where");
+  require_kind(*c, true, "where");
+  require_kind(x, false, "where");
+  require_kind(y, false, "where");
+  common_graph(x, y, "where");
+  common_graph(*c, x, "where");
+  auto graph = common_graph(*c, y, "where");
+  if (!graph) graph = x.graph;
+  const Scalar value = symbolic::select(c->value, x.value, y.value);
+  return {value.graph() ? std::move(graph) : nullptr, value};
+}
+
+TracedScalar fused_multiply_add(nb::handle a, nb::handle b, nb::handle c) {
+  const TracedScalar x = require_traced(a, "fma"), y = require_traced(b, "fma"), z = require_traced(c, "fma");
+  for (const auto* operand : {&x, &y, &z}) require_kind(*operand, false, "fma");
+  common_graph(x, y, "fma");
+  common_graph(x, z, "fma");
+  auto graph = common_graph(y, z, "fma");
+  if (!graph) graph = x.graph;
+  const Scalar value = symbolic::fma(x.value, y.value, z.value);
+  return {value.graph() ? std::move(graph) : nullptr, value};
+}
+
+// Graphs and their nodes.
+
+InputKind input_kind(const std::string& kind) {
+  if (kind == "unknown") return InputKind::Unknown;
+  if (kind == "element") return InputKind::Element;
+  if (kind == "uniform") return InputKind::Uniform;
+  throw InvalidArgument("input kind '" + kind + "': need 'unknown', 'element' or 'uniform'" +
+                        nearest_name_hint(kind, {"unknown", "element", "uniform"}));
+}
+
+TracedScalar new_input(const std::shared_ptr<Graph>& graph, const std::string& kind,
+                       const std::string& name) {
+  const TracedScalar input{graph, graph->input(input_kind(kind))};
+  if (!name.empty()) graph->set_name(input.value, name);
+  return input;
+}
+
+std::string operation_of(const TracedScalar& x) {
+  if (!x.graph) return "constant";
+  const Op op = x.graph->node(x.value.id()).op;
+  if (op == Op::Constant) return "constant";
+  return symbolic::operand_count(op) == 0 ? "input" : symbolic::name_of(op);
+}
+
+std::vector<TracedScalar> operands_of(const TracedScalar& x) {
+  std::vector<TracedScalar> result;
+  if (!x.graph) return result;
+  const symbolic::Node& n = x.graph->node(x.value.id());
+  for (int k = 0; k < symbolic::operand_count(n.op); ++k)
+    result.push_back({x.graph, Scalar(x.graph.get(), n.operands[k])});
+  return result;
+}
+
+std::string name_of(const TracedScalar& x) { return x.graph ? x.graph->name(x.value.id()) : ""; }
+
+std::string representation(const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; }
+
+// Derivatives as expressions.
+
+std::vector<NodeId> nodes_of(const std::vector<TracedScalar>& values, const TracedScalar& anchor,
+                             const std::string& name) {
+  std::vector<NodeId> ids;
+  for (const TracedScalar& value : values) {
+    common_graph(anchor, value, name);
+    require_kind(value, false, name);
+    if (value.value.is_constant())
+      throw TraceError(name + ": cannot differentiate with respect to a number, " + short_text(value));
+    ids.push_back(value.value.id());
+  }
+  return ids;
+}
+
+std::vector<TracedScalar> traced(const std::shared_ptr<Graph>& graph, const std::vector<NodeId>& ids) {
+  std::vector<TracedScalar> result;
+  for (const NodeId id : ids) result.push_back({graph, Scalar(graph.get(), id)});
+  return result;
+}
+
+/// Rows of d outputs / d targets.
+std::vector<std::vector<TracedScalar>> jacobian(nb::handle outputs, nb::handle targets) {
+  const auto wrt = require_traced_list(targets, "jacobian: wrt");
+  std::vector<std::vector<TracedScalar>> rows;
+  for (const TracedScalar& y : require_traced_list(outputs, "jacobian: outputs")) {
+    require_kind(y, false, "jacobian");
+    if (!y.graph) {
+      rows.emplace_back(wrt.size(), TracedScalar{nullptr, Scalar(0.0)});
+      continue;
+    }
+    const auto ids = nodes_of(wrt, y, "jacobian");
+    rows.push_back(traced(y.graph, symbolic::partial_derivatives(*y.graph, y.value.id(), ids)));
+  }
+  return rows;
+}
+
+/// Full rows of the second derivatives of y.
+std::vector<std::vector<TracedScalar>> hessian(nb::handle output, nb::handle targets) {
+  const TracedScalar y = require_traced(output, "hessian: the output");
+  require_kind(y, false, "hessian");
+  const auto wrt = require_traced_list(targets, "hessian: wrt");
+  const size_t n = wrt.size();
+  std::vector<std::vector<TracedScalar>> rows(n, std::vector<TracedScalar>(n, {nullptr, Scalar(0.0)}));
+  if (!y.graph) return rows;
+  const auto entries =
+      symbolic::second_partial_derivatives(*y.graph, y.value.id(), nodes_of(wrt, y, "hessian"));
+  for (size_t i = 0, k = 0; i < n; ++i)
+    for (size_t j = i; j < n; ++j, ++k)
+      rows[i][j] = rows[j][i] = {y.graph, Scalar(y.graph.get(), entries[k])};
+  return rows;
+}
+
+void bind_operators(nb::class_<TracedScalar>& c) {
+  const nb::is_operator op;
+  c.def("__add__", python_operator<false>(add, "+"), op);
+  c.def("__radd__", python_operator<true>(add, "+"), op);
+  c.def("__sub__", python_operator<false>(subtract, "-"), op);
+  c.def("__rsub__", python_operator<true>(subtract, "-"), op);
+  c.def("__mul__", python_operator<false>(multiply, "*"), op);
+  c.def("__rmul__", python_operator<true>(multiply, "*"), op);
+  c.def("__truediv__", python_operator<false>(divide, "/"), op);
+  c.def("__rtruediv__", python_operator<true>(divide, "/"), op);
+  c.def("__pow__", python_power, op);
+  c.def("__rpow__", python_operator<true>(power, "power"), op);
+  c.def("__lt__", python_operator<false>(less, "<"), op);
+  c.def("__le__", python_operator<false>(less_equal, "<="), op);
+  c.def("__gt__", python_operator<false>(greater, ">"), op);
+  c.def("__ge__", python_operator<false>(greater_equal, ">="), op);
+  c.def("__and__", python_operator<false, true>(both, "&"), op);
+  c.def("__rand__", python_operator<true, true>(both, "&"), op);
+  c.def("__or__", python_operator<false, true>(either, "|"), op);
+  c.def("__ror__", python_operator<true, true>(either, "|"), op);
+  c.def("__xor__", python_operator<false, true>(differ, "^"), op);
+  c.def("__rxor__", python_operator<true, true>(differ, "^"), op);
+  c.def("__invert__", [](const TracedScalar& a) {
+    require_kind(a, true, "~");
+    return TracedScalar{a.graph, !a.value};
+  });
+  c.def("__neg__", [](const TracedScalar& a) { return apply(negative, a, "-"); });
+  c.def("__pos__", [](const TracedScalar& a) { return a; });
+  c.def("__abs__", [](const TracedScalar& a) { return apply(symbolic::abs, a, "abs"); });
+  c.def("__eq__", no_equality, "other"_a.none());
+  c.def("__ne__", no_equality, "other"_a.none());
+  c.def("__hash__", [](nb::handle self) { return reinterpret_cast<Py_ssize_t>(self.ptr()) >> 4; });
+  for (const char* name : {"__mod__", "__rmod__", "__floordiv__", "__rfloordiv__"})
+    c.def(name, no_such_operator);
+  c.def("__bool__", constant_truth);
+  c.def("__float__", [](const TracedScalar& x) { return constant_value(x, "float()"); });
+  c.def("__int__", [](const TracedScalar& x) { return static_cast<long long>(constant_value(x, "int()")); });
+  c.def("__index__", [](const TracedScalar& x) -> long long {
+    throw TraceError("the traced value " + short_text(x) +
+                     " was used as an index or a count; only fixed integers can be");
+  });
+  c.def("__repr__", representation);
+}
+
+void bind_graph(nb::module_& m) {
+  nb::class_<Graph>(m, "Graph", "Expression graph: equal expressions are one node. Not for two threads.")
+      .def(nb::init<>())
+      .def("input", new_input, "kind"_a = "unknown", "name"_a = "",
+           "New input. kind: 'unknown' (differentiated), 'element' (one value per element) or 'uniform'.")
+      .def("input_count", [](const Graph& g, const std::string& kind) { return g.input_count(input_kind(kind)); },
+           "kind"_a, "Number of inputs of a kind.")
+      .def("mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
+           "Hint for differentiation: derivatives may go through this value. Never changes results.")
+      .def("__len__", &Graph::size);
+}
+
+void bind_functions(nb::module_& m) {
+  for (const NamedUnary& f : kUnary)
+    m.def(
+        f.name,
+        [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); }, "x"_a, f.doc);
+  const auto binary = [&m](const char* name, Binary function, const char* first, const char* second,
+                           const char* doc) {
+    m.def(
+        name,
+        [function, name](nb::handle a, nb::handle b) {
+          return apply(function, require_traced(a, name), require_traced(b, name), false, name);
+        },
+        nb::arg(first), nb::arg(second), doc);
+  };
+  binary("minimum", symbolic::min, "a", "b", "a < b ? a : b.");
+  binary("maximum", symbolic::max, "a", "b", "a > b ? a : b.");
+  binary("atan2", symbolic::atan2, "y", "x", "Angle [rad] of the direction (x, y).");
+  m.def(
+      "pow", [](nb::handle a, nb::handle b) { return python_power(require_traced(a, "pow"), b); }, "base"_a,
+      "exponent"_a, "Power: products for integer exponents, else the real power of a base >= 0.");
+  m.def("where", where, "condition"_a, "a"_a, "b"_a,
+        "a where the condition holds, else b. The other branch never contributes, not even as NaN.");
+  m.def("fma", fused_multiply_add, "a"_a, "b"_a, "c"_a, "a b + c with one rounding.");
+  m.def(
+      "is_same",
+      [](const TracedScalar& a, const TracedScalar& b) { return symbolic::is_same(a.value, b.value); }, "a"_a,
+      "b"_a, "Whether two scalars are the same expression.");
+  m.def("constant", [](nb::handle x) { return require_traced(x, "constant"); }, "x"_a,
+        "The scalar that stands for a number; scalars are returned as they are.");
+  m.def("is_scalar_like", [](nb::handle x) { return to_traced(x).has_value(); }, "x"_a.none(),
+        "Whether the value is a scalar or a number.");
+  m.def("jacobian", jacobian, "outputs"_a, "wrt"_a,
+        "Rows of derivatives of the outputs with respect to any values they are made of.");
+  m.def("hessian", hessian, "output"_a, "wrt"_a,
+        "Rows of second derivatives of an output with respect to any values it is made of.");
+}
+
+}  // namespace
+}  // namespace stark::bindings
+
+void bind_symbolic(nanobind::module_& parent) {
+  using namespace stark::bindings;
+  nb::module_ m = parent.def_submodule("symbolic", "Expression graphs, derivatives, machine code.");
+  bind_graph(m);
+  nb::class_<TracedScalar> scalar(m, "Scalar", "A number of a formula: recorded, not computed.");
+  bind_operators(scalar);
+  scalar.def_prop_ro("graph", [](const TracedScalar& x) { return x.graph; }, "Graph, or None for a number.")
+      .def_prop_ro("id", [](const TracedScalar& x) { return x.value.id(); }, "Number of the node in its graph.")
+      .def_prop_ro("name", name_of, "Name of an input, else ''.")
+      .def_prop_ro("operation", operation_of, "'constant', 'input', or the operation: '+', 'sqrt', ...")
+      .def_prop_ro("operands", operands_of, "Scalars that the operation is applied to.")
+      .def_prop_ro("is_constant", [](const TracedScalar& x) { return x.value.is_constant(); }, "Known number?")
+      .def_prop_ro(
+          "is_condition", [](const TracedScalar& x) { return x.value.is_condition(); }, "Made by a comparison?");
+  bind_functions(m);
+  bind_array_functions(m);
+}

@@ -1,0 +1,355 @@
+"""Compiled functions: a formula recorded once, then evaluated over arrays of any batch shape, with derivatives."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from stark._core import InvalidArgument, TraceError
+from stark._core import symbolic as core
+from stark.symbolic.errors import formula_error, recording
+from stark.symbolic.graph import ExpressionGraph
+from stark.symbolic.signature import Argument, new_symbols, read_signature
+from stark.symbolic.statistics import Statistics
+from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, describe
+
+Wrt = str | Sequence[str] | None
+_ORDERS = ("value", "gradient", "hessian")
+
+
+class Formula:
+    """Arguments and result of a recorded function, with the code for it by the arguments that are differentiated."""
+
+    def __init__(
+        self,
+        name: str,
+        arguments: Sequence[Argument],
+        result: Scalar | Vec | Mat,
+        backend: str,
+        function: Callable[..., object] | None = None,
+    ) -> None:
+        self.name = name
+        self.arguments = tuple(arguments)
+        self.result = result
+        self.shape: tuple[int, ...] = getattr(result, "shape", ())
+        self.outputs = list(result.entries) if isinstance(result, Tensor) else [result]
+        self.backend = backend
+        self._compiled: dict[tuple[int, ...], core.ArrayFunction] = {}
+        self._lock = threading.Lock()
+        self._check(function)
+
+    def compiled(self, wrt: tuple[int, ...]) -> core.ArrayFunction:
+        """Code that differentiates the arguments with these numbers."""
+        with self._lock:
+            if wrt not in self._compiled:
+                # Derivatives come in the order of the arguments; blocks() puts them in the order of wrt.
+                arguments = [(a.name, a.entries, i in wrt) for i, a in enumerate(self.arguments)]
+                self._compiled[wrt] = core.compile_arrays(self.outputs, arguments, self.backend)
+            return self._compiled[wrt]
+
+    def blocks(self, wrt: tuple[int, ...]) -> list[slice]:
+        """Where each argument of wrt is among all variables."""
+        places, begin = {}, 0
+        for i in sorted(wrt):
+            size = len(self.arguments[i].entries)
+            places[i] = slice(begin, begin + size)
+            begin += size
+        return [places[i] for i in wrt]
+
+    def _check(self, function: Callable[..., object] | None) -> None:
+        compiled = self.compiled((0,))
+        unused = [a.name for i, a in enumerate(self.arguments) if not compiled.uses(i)]
+        if unused:
+            names = ", ".join(f"'{name}'" for name in unused)
+            raise formula_error(
+                self.name,
+                f"the result does not depend on {names}; use every argument, or remove it from the signature",
+                function,
+            )
+
+
+class Function:
+    """A compiled function. Calling it evaluates it; gradient, jacobian and hessian are its derivatives.
+
+    Arguments are numbers or arrays: own dimensions last, any leading batch dimensions, which broadcast as in NumPy.
+    Derivatives are with respect to the first argument, or to those that `wrt` names: one name gives one array, a
+    tuple of names a tuple of arrays."""
+
+    def __init__(
+        self, name: str, signature: inspect.Signature, record: Callable[[], Formula], inline: Callable | None
+    ) -> None:
+        self.__name__ = self.__qualname__ = name
+        self.__signature__ = signature
+        self._record = record
+        self._inline = inline
+        self._formula: Formula | None = None
+        self._lock = threading.RLock()
+
+    @property
+    def formula(self) -> Formula:
+        """The recorded formula; recorded at first use."""
+        if self._formula is None:
+            with self._lock:
+                if self._formula is None:
+                    self._formula = self._record()
+        return self._formula
+
+    def __call__(self, *args: object, **kwargs: object) -> object:
+        """Values, shape batch + shape of the result. Symbols as arguments give the formula of them."""
+        if any(isinstance(value, (Scalar, Tensor)) for value in (*args, *kwargs.values())):
+            return self._of_symbols(args, kwargs)
+        formula = self.formula
+        arrays, batch = self._arrays(args, kwargs)
+        values, _, _ = self._run(0, True, False, (0,), arrays, batch)
+        return values.reshape(batch + formula.shape)[()]
+
+    def gradient(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
+        """First derivatives of a scalar function: batch + shape of the argument."""
+        return self._first("gradient", args, kwargs, wrt, False)[1]
+
+    def jacobian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
+        """First derivatives: batch + shape of the result + shape of the argument."""
+        return self._first("jacobian", args, kwargs, wrt, False)[1]
+
+    def value_and_gradient(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[object, object]:
+        """(values, gradient) of one evaluation."""
+        return self._first("gradient", args, kwargs, wrt, True)
+
+    def value_and_jacobian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[object, object]:
+        """(values, jacobian) of one evaluation."""
+        return self._first("jacobian", args, kwargs, wrt, True)
+
+    def hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
+        """Second derivatives of a scalar function: batch + shape of the argument, twice; for several arguments a
+        tuple of rows of blocks."""
+        return self._second(args, kwargs, wrt, False)[2]
+
+    def value_gradient_hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple:
+        """(values, gradient, hessian) of one evaluation."""
+        return self._second(args, kwargs, wrt, True)
+
+    def graph(self) -> ExpressionGraph:
+        """The recorded operations; print it for a listing."""
+        arguments = ", ".join(
+            a.name + (str(list(a.shape)).replace(" ", "") if a.shape else "") for a in self.formula.arguments
+        )
+        return ExpressionGraph(f"{self.__name__}({arguments})", self.formula.outputs)
+
+    @property
+    def statistics(self) -> Statistics:
+        """Counts of the code for values and derivatives with respect to the first argument; builds what is missing."""
+        compiled = self.formula.compiled((0,))
+        orders = _ORDERS if len(self.formula.outputs) == 1 else ("value", "jacobian")
+        return Statistics.of(
+            compiled.backend, {name: compiled.statistics(k) for k, name in enumerate(orders)}
+        )
+
+    def __repr__(self) -> str:
+        return f"<stark.symbolic.Function {self.__name__}{self.__signature__}>"
+
+    def _of_symbols(self, args: tuple, kwargs: dict) -> object:
+        if self._inline is None:
+            raise TraceError(f"{self.__name__}: symbols go only into functions made by @sym.function")
+        bound = self._bind(args, kwargs)
+        values = []
+        for argument in self.formula.arguments:
+            value = convert(bound[argument.name], f"{self.__name__}: argument '{argument.name}'")
+            if getattr(value, "shape", ()) != argument.shape:
+                raise TraceError(
+                    f"{self.__name__}: argument '{argument.name}' is {describe(value)}, "
+                    f"need {describe(argument.value)}"
+                )
+            values.append(value)
+        return self._inline(values)
+
+    def _bind(self, args: tuple, kwargs: dict) -> dict[str, object]:
+        try:
+            bound = self.__signature__.bind(*args, **kwargs)
+        except TypeError as error:
+            raise TypeError(f"{self.__name__}{self.__signature__}: {error}") from None
+        bound.apply_defaults()
+        return bound.arguments
+
+    def _arrays(self, args: tuple, kwargs: dict) -> tuple[list[np.ndarray], tuple[int, ...]]:
+        formula = self.formula
+        bound = self._bind(args, kwargs)
+        arrays = [_array(self.__name__, a.name, bound[a.name], a.shape) for a in formula.arguments]
+        leading = [x.shape[: x.ndim - len(a.shape)] for x, a in zip(arrays, formula.arguments, strict=True)]
+        try:
+            return arrays, np.broadcast_shapes(*leading)
+        except ValueError:
+            shapes = ", ".join(f"{a.name} {s}" for a, s in zip(formula.arguments, leading, strict=True))
+            raise InvalidArgument(
+                f"{self.__name__}: the batch shapes {shapes} do not broadcast; leading dimensions must be "
+                "equal or 1"
+            ) from None
+
+    def _wrt(self, wrt: Wrt) -> tuple[int, ...]:
+        names = [a.name for a in self.formula.arguments]
+        wanted = (names[0],) if wrt is None else (wrt,) if isinstance(wrt, str) else tuple(wrt)
+        for name in wanted:
+            if name not in names:
+                raise InvalidArgument(
+                    f"{self.__name__}: wrt={name!r} is no argument; there are {', '.join(names)}"
+                )
+        if not wanted or len(set(wanted)) < len(wanted):
+            raise InvalidArgument(f"{self.__name__}: wrt={wrt!r} must name at least one argument, each once")
+        return tuple(names.index(name) for name in wanted)
+
+    def _run(
+        self, order: int, values: bool, first: bool, wrt: tuple[int, ...], arrays: list, batch: tuple
+    ) -> tuple:
+        own = [a.shape for a in self.formula.arguments]
+        return self.formula.compiled(wrt).evaluate(order, values, first, arrays, own, batch)
+
+    def _require_scalar(self, what: str) -> None:
+        if len(self.formula.outputs) > 1 or self.formula.shape:
+            raise InvalidArgument(
+                f"{self.__name__}: {what} needs a scalar result, this function returns "
+                f"{describe(self.formula.result)}; use jacobian"
+            )
+
+    def _first(self, what: str, args: tuple, kwargs: dict, wrt: Wrt, with_values: bool) -> tuple:
+        if what == "gradient":
+            self._require_scalar(what)
+        formula, which = self.formula, self._wrt(wrt)
+        arrays, batch = self._arrays(args, kwargs)
+        values, first, _ = self._run(1, with_values, True, which, arrays, batch)
+        blocks = tuple(
+            np.ascontiguousarray(first[..., place]).reshape(
+                batch + formula.shape + formula.arguments[i].shape
+            )[()]
+            for i, place in zip(which, formula.blocks(which), strict=True)
+        )
+        if with_values:
+            values = values.reshape(batch + formula.shape)[()]
+        return values, _single(blocks, wrt)
+
+    def _second(self, args: tuple, kwargs: dict, wrt: Wrt, with_lower: bool) -> tuple:
+        self._require_scalar("hessian")
+        formula, which = self.formula, self._wrt(wrt)
+        arrays, batch = self._arrays(args, kwargs)
+        values, first, second = self._run(2, with_lower, with_lower, which, arrays, batch)
+        shapes = [formula.arguments[i].shape for i in which]
+        places = formula.blocks(which)
+        rows = tuple(
+            _single(
+                tuple(
+                    np.ascontiguousarray(second[..., p, q]).reshape(batch + a + b)[()]
+                    for q, b in zip(places, shapes, strict=True)
+                ),
+                wrt,
+            )
+            for p, a in zip(places, shapes, strict=True)
+        )
+        if not with_lower:
+            return None, None, _single(rows, wrt)
+        slopes = tuple(
+            np.ascontiguousarray(first[..., 0, p]).reshape(batch + a)[()]
+            for p, a in zip(places, shapes, strict=True)
+        )
+        return values.reshape(batch)[()], _single(slopes, wrt), _single(rows, wrt)
+
+
+def _single(blocks: tuple, wrt: Wrt) -> object:
+    return blocks[0] if wrt is None or isinstance(wrt, str) else blocks
+
+
+def _array(formula: str, name: str, value: object, shape: tuple[int, ...]) -> np.ndarray:
+    """The argument as an array of float64 whose strides are whole numbers of float64."""
+    try:
+        given = np.asarray(value)
+    except ValueError as error:
+        raise InvalidArgument(f"{formula}: argument '{name}' is no array: {error}") from None
+    if given.dtype.kind not in "biuf":
+        raise InvalidArgument(f"{formula}: argument '{name}' has the type {given.dtype}, need real numbers")
+    if shape and given.shape[max(given.ndim - len(shape), 0) :] != shape:
+        need = ", ".join(["...", *map(str, shape)])
+        raise InvalidArgument(f"{formula}: argument '{name}' has the shape {given.shape}, need ({need})")
+    given = given.astype(np.float64, copy=False)
+    if not given.flags.aligned or any(stride % 8 for stride in given.strides):
+        given = given.copy()
+    return given
+
+
+def _result(name: str, value: object, function: Callable[..., object] | None) -> Scalar | Vec | Mat:
+    if value is None:
+        raise formula_error(name, "it returns None; return a number, vec(...) or mat(...)", function)
+    try:
+        result = convert(value, "the result")
+    except TraceError as error:
+        raise formula_error(name, str(error), function) from None
+    entries = result.entries if isinstance(result, Tensor) else [result]
+    if any(entry.is_condition for entry in entries):
+        raise formula_error(
+            name, "it returns a condition, not a number; return stark.where(condition, a, b)", function
+        )
+    return result
+
+
+def function(
+    f: Callable[..., object] | None = None, /, *, backend: str = "automatic"
+) -> Function | Callable[[Callable[..., object]], Function]:
+    """Decorator: makes a compiled function of a Python function whose arguments are annotated with float, Vector[n] or
+    Matrix[r, c]. It runs once with symbols, at first use; numbers from outside are fixed then.
+
+    backend: "automatic" (machine code where possible), "avx512", "avx2" or "interpreter"; all give the same bits."""
+    if f is None:
+        return functools.partial(function, backend=backend)
+    name = f.__name__
+    outer = dict(sys._getframe(1).f_locals)
+    signature, shapes = read_signature(f, name, outer)
+
+    def run(values: Sequence[object]) -> object:
+        given = dict(zip(shapes, values, strict=True))
+        keyword_only = {p.name for p in signature.parameters.values() if p.kind is p.KEYWORD_ONLY}
+        positional = [given[n] for n in shapes if n not in keyword_only]
+        return f(*positional, **{n: given[n] for n in keyword_only})
+
+    def record() -> Formula:
+        graph = core.Graph()
+        arguments = [Argument(n, shape, new_symbols(graph, n, shape)) for n, shape in shapes.items()]
+        with recording(name):
+            value = run([a.value for a in arguments])
+        result = _result(name, value, f)
+        with recording(name):
+            return Formula(name, arguments, result, backend, f)
+
+    compiled = Function(name, signature, record, run)
+    functools.update_wrapper(compiled, f)
+    return compiled
+
+
+def compile(
+    inputs: Mapping[str, object] | Sequence[object],
+    outputs: object,
+    *,
+    name: str = "function",
+    backend: str = "automatic",
+) -> Function:
+    """Compiled function of expressions that are made of symbols.
+
+        x, a = sym.symbols("x[2] a")
+        f = sym.compile([x, a], a * (x @ x))
+
+    inputs: symbols in the order of the arguments, or a mapping from names to symbols."""
+    named = inputs.items() if isinstance(inputs, Mapping) else [(None, value) for value in inputs]
+    arguments = []
+    for key, value in named:
+        symbol = convert(value, f"{name}: input {len(arguments)}")
+        first = symbol.entries[0] if isinstance(symbol, Tensor) else symbol
+        label = key or first.name.split("[")[0] or f"x{len(arguments)}"
+        arguments.append(Argument(label, getattr(symbol, "shape", ()), symbol))
+    if not arguments:
+        raise TraceError(f"{name}: there are no inputs; a function needs at least one")
+    if len({a.name for a in arguments}) < len(arguments):
+        raise TraceError(f"{name}: two inputs have the same name; give a mapping from names to symbols")
+    parameters = [inspect.Parameter(a.name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for a in arguments]
+    with recording(name):
+        formula = Formula(name, arguments, _result(name, outputs, None), backend)
+    return Function(name, inspect.Signature(parameters), lambda: formula, None)

@@ -1,0 +1,122 @@
+"""Functions of scalars, applied entry by entry to vectors and matrices. Of numbers alone they give a constant
+scalar, which float() turns into a number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from stark._core import TraceError
+from stark._core import symbolic as core
+from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, elementwise, from_shape
+
+
+def _unary(name: str) -> Callable[[object], Scalar | Vec | Mat]:
+    compiled = getattr(core, name)
+
+    def function(x: object) -> Scalar | Vec | Mat:
+        return elementwise(compiled, name, x)
+
+    function.__name__ = function.__qualname__ = name
+    function.__doc__ = compiled.__doc__.splitlines()[-1]
+    return function
+
+
+def _binary(name: str, doc: str) -> Callable[[object, object], Scalar | Vec | Mat]:
+    compiled = getattr(core, name)
+
+    def function(a: object, b: object) -> Scalar | Vec | Mat:
+        return elementwise(compiled, name, a, b)
+
+    function.__name__ = function.__qualname__ = name
+    function.__doc__ = doc
+    return function
+
+
+abs = _unary("abs")
+sqrt = _unary("sqrt")
+square = _unary("square")
+exp = _unary("exp")
+log = _unary("log")
+sin = _unary("sin")
+cos = _unary("cos")
+tan = _unary("tan")
+asin = _unary("asin")
+acos = _unary("acos")
+atan = _unary("atan")
+sinh = _unary("sinh")
+cosh = _unary("cosh")
+tanh = _unary("tanh")
+minimum = _binary("minimum", "The smaller of two: a < b ? a : b.")
+maximum = _binary("maximum", "The larger of two: a > b ? a : b.")
+atan2 = _binary("atan2", "Angle [rad] of the direction (x, y); arguments y, x.")
+pow = _binary("pow", "Power: products for integer exponents, else the real power of a base >= 0.")
+
+
+def fma(a: object, b: object, c: object) -> Scalar | Vec | Mat:
+    """a b + c with one rounding."""
+    return elementwise(core.fma, "fma", a, b, c)
+
+
+def clip(x: object, lower: object, upper: object) -> Scalar | Vec | Mat:
+    """x, at least `lower` and at most `upper`."""
+    return minimum(maximum(x, lower), upper)
+
+
+def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
+    """a where the condition holds, else b. The branch that is not taken never contributes to value or derivatives,
+    not even as NaN. One condition may choose between vectors or matrices."""
+    a, b = convert(a, "where"), convert(b, "where")
+    if isinstance(condition, (Tensor, list, tuple)):
+        return elementwise(core.where, "where", condition, a, b)
+    if not (core.is_scalar_like(condition) or isinstance(condition, bool)):
+        raise TraceError(
+            f"where: got {type(condition).__name__} as the condition, need a comparison such as x > 0.0"
+        )
+    return elementwise(lambda x, y: core.where(condition, x, y), "where", a, b)
+
+
+def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
+    """Derivative of a scalar expression with respect to a value that it is made of, in the shape of that value: the
+    stress gradient(psi, F), say. Behind that value nothing is looked at: it counts as the variable."""
+    output, variable = convert(output, "gradient"), convert(wrt, "gradient: wrt")
+    if isinstance(output, Tensor):
+        raise TraceError("gradient: the output is not a scalar; use jacobian")
+    shape = getattr(variable, "shape", ())
+    return from_shape(core.jacobian([output], _entries(variable))[0], shape)
+
+
+def jacobian(output: object, wrt: object) -> Scalar | Vec | Mat:
+    """Derivatives of the entries of a vector expression (rows) with respect to those of a vector (columns)."""
+    output, variable = convert(output, "jacobian"), convert(wrt, "jacobian: wrt")
+    shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())
+    if len(shape) > 2:
+        raise TraceError(
+            f"jacobian: the result has {len(shape)} dimensions, need scalars or vectors on both sides"
+        )
+    rows = core.jacobian(_entries(output), _entries(variable))
+    return from_shape([entry for row in rows for entry in row], shape)
+
+
+def hessian(output: object, wrt: object) -> Scalar | Mat:
+    """Second derivatives of a scalar expression with respect to a scalar or vector that it is made of."""
+    output, variable = convert(output, "hessian"), convert(wrt, "hessian: wrt")
+    if isinstance(output, Tensor) or isinstance(variable, Mat):
+        raise TraceError("hessian: need a scalar output and a scalar or vector variable")
+    rows = core.hessian(output, _entries(variable))
+    return from_shape([entry for row in rows for entry in row], 2 * getattr(variable, "shape", ()))
+
+
+def _entries(value: Scalar | Vec | Mat) -> list[Scalar]:
+    return list(value.entries) if isinstance(value, Tensor) else [value]
+
+
+def mark_stage(value: Scalar | Vec | Mat) -> Scalar | Vec | Mat:
+    """Hint for second derivatives: they may be formed through this value (points of a body, a deformation gradient).
+    Never changes results. Returns the value."""
+    for entry in _entries(convert(value, "mark_stage")):
+        if entry.graph is not None:
+            entry.graph.mark_stage(entry)
+    return value
+
+
+is_same = core.is_same

@@ -1,0 +1,511 @@
+"""Small vectors and matrices of symbolic scalars. They only build scalar expressions, with the order of operations
+of src/stark/symbolic/tensor.h, so that a formula gives the same graph from Python as from C++.
+
+Operators are those of NumPy: `*` and `/` act entry by entry, `@` is the product of matrices and vectors. Tuples,
+lists and arrays of numbers mix freely with them. Values are immutable; shapes are checked when a formula is built."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from stark._core import TraceError
+from stark._core import symbolic as core
+
+Scalar = core.Scalar
+
+
+def describe(value: object) -> str:
+    """What a value is, for messages: 'a scalar', 'Vec of 3', 'Mat of 3 x 2', or its type."""
+    if isinstance(value, Vec):
+        return f"Vec of {len(value)}"
+    if isinstance(value, Mat):
+        return f"Mat of {value.shape[0]} x {value.shape[1]}"
+    return "a scalar" if core.is_scalar_like(value) else type(value).__name__
+
+
+class Tensor:
+    """What Vec and Mat have in common: entries in row-major order, a shape, operators entry by entry."""
+
+    __slots__ = ("_entries", "shape")
+    _entries: tuple[Scalar, ...]
+    shape: tuple[int, ...]
+
+    def __init__(self, entries: Sequence[object], shape: tuple[int, ...]) -> None:
+        self._entries = tuple(entry if type(entry) is Scalar else core.constant(entry) for entry in entries)
+        self.shape = shape
+
+    @property
+    def entries(self) -> tuple[Scalar, ...]:
+        """Scalars, row by row."""
+        return self._entries
+
+    @property
+    def ndim(self) -> int:
+        return len(self.shape)
+
+    @property
+    def size(self) -> int:
+        return len(self._entries)
+
+    def map(self, function: Callable[[Scalar], object]) -> Tensor:
+        """The function of every entry."""
+        return type(self)._of([function(entry) for entry in self._entries], self.shape)
+
+    @classmethod
+    def _of(cls, entries: Sequence[object], shape: tuple[int, ...]) -> Tensor:
+        result = object.__new__(cls)
+        Tensor.__init__(result, entries, shape)
+        return result
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __iter__(self) -> Iterator[Scalar | Vec]:
+        return (self[i] for i in range(len(self)))
+
+    def __getitem__(self, key: object) -> Scalar | Vec | Mat:
+        if type(key) is int and len(self.shape) == 1:
+            return self._entries[key]
+        places = np.arange(self.size).reshape(self.shape)[key]
+        if places.ndim == 0:
+            return self._entries[int(places)]
+        if places.ndim > 2:
+            raise TraceError(
+                f"index {key!r} of {describe(self)}: the result has {places.ndim} dimensions, need 0 to 2"
+            )
+        return from_shape([self._entries[i] for i in places.ravel()], places.shape)
+
+    def __setitem__(self, key: object, value: object) -> None:
+        raise TraceError(
+            f"{describe(self)} cannot be changed; collect the entries in a Python list and use "
+            "stark.vec(entries) or stark.mat(rows)"
+        )
+
+    def __add__(self, other: object) -> Tensor:
+        return elementwise(operator.add, "+", self, other)
+
+    def __radd__(self, other: object) -> Tensor:
+        return elementwise(operator.add, "+", other, self)
+
+    def __sub__(self, other: object) -> Tensor:
+        return elementwise(operator.sub, "-", self, other)
+
+    def __rsub__(self, other: object) -> Tensor:
+        return elementwise(operator.sub, "-", other, self)
+
+    def __mul__(self, other: object) -> Tensor:
+        return elementwise(operator.mul, "*", self, other)
+
+    def __rmul__(self, other: object) -> Tensor:
+        return elementwise(operator.mul, "*", other, self)
+
+    def __truediv__(self, other: object) -> Tensor:
+        return elementwise(operator.truediv, "/", self, other)
+
+    def __rtruediv__(self, other: object) -> Tensor:
+        return elementwise(operator.truediv, "/", other, self)
+
+    def __pow__(self, other: object) -> Tensor:
+        return elementwise(core.pow, "**", self, other)
+
+    def __rpow__(self, other: object) -> Tensor:
+        return elementwise(core.pow, "**", other, self)
+
+    def __lt__(self, other: object) -> Tensor:
+        return elementwise(operator.lt, "<", self, other)
+
+    def __le__(self, other: object) -> Tensor:
+        return elementwise(operator.le, "<=", self, other)
+
+    def __gt__(self, other: object) -> Tensor:
+        return elementwise(operator.gt, ">", self, other)
+
+    def __ge__(self, other: object) -> Tensor:
+        return elementwise(operator.ge, ">=", self, other)
+
+    def __and__(self, other: object) -> Tensor:
+        return elementwise(operator.and_, "&", self, other)
+
+    def __or__(self, other: object) -> Tensor:
+        return elementwise(operator.or_, "|", self, other)
+
+    def __invert__(self) -> Tensor:
+        return self.map(operator.invert)
+
+    def __neg__(self) -> Tensor:
+        return self.map(operator.neg)
+
+    def __pos__(self) -> Tensor:
+        return self
+
+    def __abs__(self) -> Tensor:
+        return self.map(core.abs)
+
+    def __matmul__(self, other: object) -> Scalar | Vec | Mat:
+        return matmul(self, other)
+
+    def __rmatmul__(self, other: object) -> Scalar | Vec | Mat:
+        return matmul(other, self)
+
+    def __eq__(self, other: object) -> bool:
+        raise TraceError(
+            f"== or != of {describe(self)}: equality of computed numbers is not part of formulas; compare with <= and >="
+        )
+
+    __ne__ = __eq__
+    __hash__ = object.__hash__
+
+    def __bool__(self) -> bool:
+        raise TraceError(
+            f"the truth of {describe(self)} was asked for (if, while, and, or, not): a formula is recorded once and "
+            "then run for many inputs, so its values cannot steer Python code: write stark.where(condition, a, b) "
+            "for if, and `&`, `|`, `~` for and, or, not"
+        )
+
+    def __float__(self) -> float:
+        raise TraceError(
+            f"float() of {describe(self)}: a formula is recorded once and then run for many inputs; use the "
+            "functions of stark (stark.sqrt, stark.norm, ...) instead of those of math"
+        )
+
+    def sum(self) -> Scalar:
+        """Sum of all entries, from the first to the last."""
+        total = self._entries[0]
+        for entry in self._entries[1:]:
+            total = total + entry
+        return total
+
+    def all(self) -> Scalar:
+        """Whether all entries, which are conditions, hold."""
+        return self._fold(operator.and_)
+
+    def any(self) -> Scalar:
+        """Whether at least one entry, which is a condition, holds."""
+        return self._fold(operator.or_)
+
+    def min(self) -> Scalar:
+        """Smallest entry."""
+        return self._fold(core.minimum)
+
+    def max(self) -> Scalar:
+        """Largest entry."""
+        return self._fold(core.maximum)
+
+    def _fold(self, function: Callable[[Scalar, Scalar], Scalar]) -> Scalar:
+        result = self._entries[0]
+        for entry in self._entries[1:]:
+            result = function(result, entry)
+        return result
+
+    def __repr__(self) -> str:
+        def text(entry: Scalar) -> str:
+            written = repr(entry)[len("Scalar(") : -1]
+            return written if len(written) <= 40 else written[:37] + "..."
+
+        if len(self.shape) == 1:
+            return f"Vec({', '.join(map(text, self._entries))})"
+        return f"Mat({', '.join('[' + ', '.join(map(text, row.entries)) + ']' for row in self)})"
+
+
+class Vec(Tensor):
+    """Vector of scalars."""
+
+    __slots__ = ()
+
+    def __init__(self, entries: Sequence[object]) -> None:
+        entries = list(entries)
+        if not entries:
+            raise TraceError("Vec: got no entries, need at least one")
+        for entry in entries:
+            if not core.is_scalar_like(entry):
+                raise TraceError(f"Vec: got {describe(entry)} as an entry, need scalars and numbers")
+        super().__init__(entries, (len(entries),))
+
+    @property
+    def x(self) -> Scalar:
+        return self._component(0, "x")
+
+    @property
+    def y(self) -> Scalar:
+        return self._component(1, "y")
+
+    @property
+    def z(self) -> Scalar:
+        return self._component(2, "z")
+
+    @property
+    def T(self) -> Vec:
+        """Itself, as in NumPy; outer(a, b) is the matrix."""
+        return self
+
+    def _component(self, place: int, name: str) -> Scalar:
+        if len(self) <= place:
+            raise AttributeError(f"{describe(self)} has no component {name}")
+        return self._entries[place]
+
+
+class Mat(Tensor):
+    """Matrix of scalars."""
+
+    __slots__ = ()
+
+    def __init__(self, rows: Sequence[Sequence[object]]) -> None:
+        vectors = [vec(row) for row in rows]
+        if not vectors:
+            raise TraceError("Mat: got no rows, need at least one")
+        if len({len(v) for v in vectors}) > 1:
+            raise TraceError(
+                f"Mat: rows of {', '.join(str(len(v)) for v in vectors)} entries, need equal lengths"
+            )
+        super().__init__([entry for v in vectors for entry in v.entries], (len(vectors), len(vectors[0])))
+
+    @property
+    def T(self) -> Mat:
+        """Transpose."""
+        return transpose(self)
+
+    def row(self, i: int) -> Vec:
+        return self[i, :]
+
+    def column(self, j: int) -> Vec:
+        return self[:, j]
+
+
+def from_shape(entries: Sequence[object], shape: tuple[int, ...]) -> Scalar | Vec | Mat:
+    """Scalar, Vec or Mat of row-major entries."""
+    if len(shape) == 0:
+        return core.constant(entries[0])
+    if 0 in shape:
+        raise TraceError(f"shape {tuple(shape)}: vectors and matrices have at least one entry")
+    return (Vec if len(shape) == 1 else Mat)._of(entries, tuple(shape))
+
+
+def convert(value: object, what: str) -> Scalar | Vec | Mat:
+    """A scalar, number, sequence or array as Scalar, Vec or Mat; `what` names it in the message."""
+    if isinstance(value, (Scalar, Tensor)):
+        return value
+    if core.is_scalar_like(value):
+        return core.constant(value)
+    if isinstance(value, (list, tuple)):
+        if any(isinstance(item, (list, tuple, Vec, np.ndarray)) for item in value):
+            return Mat(value)
+        return Vec(value)
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biufO":
+        if value.ndim > 2:
+            raise TraceError(f"{what}: an array of {value.ndim} dimensions, need at most 2")
+        return from_shape(value.ravel().tolist(), value.shape)
+    raise TraceError(f"{what}: got {type(value).__name__}, need a scalar, Vec, Mat or numbers")
+
+
+def vec(*entries: object) -> Vec:
+    """vec(a, b, c) or vec([a, b, c])."""
+    if len(entries) == 1 and not core.is_scalar_like(entries[0]):
+        if isinstance(entries[0], Vec):
+            return entries[0]
+        if isinstance(entries[0], Mat):
+            raise TraceError(f"vec: got {describe(entries[0])}, need scalars and numbers")
+        return Vec(list(entries[0]))
+    return Vec(entries)
+
+
+def mat(rows: Sequence[Sequence[object]]) -> Mat:
+    """Matrix of rows: mat([[a, b], [c, d]]) or mat([u, v])."""
+    return rows if isinstance(rows, Mat) else Mat(list(rows))
+
+
+def columns(*vectors: object) -> Mat:
+    """Matrix with these columns."""
+    return transpose(Mat(vectors[0] if len(vectors) == 1 and not isinstance(vectors[0], Vec) else vectors))
+
+
+def identity(n: int) -> Mat:
+    """Unit matrix of n rows."""
+    return Mat([[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)])
+
+
+def diag(value: object) -> Mat | Vec:
+    """Matrix with this diagonal; of a matrix, its diagonal."""
+    value = convert(value, "diag")
+    if isinstance(value, Mat):
+        return Vec([value[i, i] for i in range(min(value.shape))])
+    if not isinstance(value, Vec):
+        raise TraceError("diag: got a scalar, need a vector or a matrix")
+    n = len(value)
+    return Mat([[value[i] if i == j else 0.0 for j in range(n)] for i in range(n)])
+
+
+def elementwise(function: Callable[..., object], sign: str, *operands: object) -> Scalar | Vec | Mat:
+    """The function entry by entry; scalars go with every entry, other shapes have to be equal."""
+    values = [convert(operand, f"operator {sign}" if not sign.isalpha() else sign) for operand in operands]
+    tensors = [value for value in values if isinstance(value, Tensor)]
+    if not tensors:
+        return function(*values)
+    first = tensors[0]
+    for other in tensors[1:]:
+        if other.shape != first.shape:
+            raise TraceError(f"{sign}: {describe(first)} and {describe(other)} do not fit, need equal shapes")
+    size = first.size
+    entries = zip(*[v.entries if isinstance(v, Tensor) else [v] * size for v in values], strict=True)
+    return type(first)._of([function(*items) for items in entries], first.shape)
+
+
+def _vectors(name: str, a: object, b: object) -> tuple[Vec, Vec]:
+    a, b = convert(a, name), convert(b, name)
+    if not (isinstance(a, Vec) and isinstance(b, Vec)) or (name != "outer" and len(a) != len(b)):
+        raise TraceError(
+            f"{name}: {describe(a)} and {describe(b)} do not fit, need two vectors of equal length"
+        )
+    return a, b
+
+
+def _square(name: str, a: object) -> Mat:
+    a = convert(a, name)
+    if not isinstance(a, Mat) or a.shape[0] != a.shape[1]:
+        raise TraceError(f"{name}: got {describe(a)}, need a square matrix")
+    return a
+
+
+def dot(a: object, b: object) -> Scalar:
+    """Sum of products of two vectors."""
+    a, b = _vectors("dot", a, b)
+    return _dot(a.entries, b.entries)
+
+
+def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    total = a[0] * b[0]
+    for i in range(1, len(a)):
+        total = total + a[i] * b[i]
+    return total
+
+
+def matmul(a: object, b: object) -> Scalar | Vec | Mat:
+    """Product of matrices and vectors, the operator @."""
+    a, b = convert(a, "@"), convert(b, "@")
+    if not (isinstance(a, Tensor) and isinstance(b, Tensor)):
+        raise TraceError(f"@: {describe(a)} and {describe(b)} do not fit; a scalar factor is written with *")
+    if a.shape[-1] != b.shape[0]:
+        raise TraceError(
+            f"@: {describe(a)} and {describe(b)} do not fit, {a.shape[-1]} columns meet {b.shape[0]} rows"
+        )
+    rows = list(a) if isinstance(a, Mat) else [a]
+    cols = list(transpose(b)) if isinstance(b, Mat) else [b]
+    entries = [_dot(row.entries, column.entries) for row in rows for column in cols]
+    return from_shape(entries, a.shape[:-1] + b.shape[1:])
+
+
+def cross(a: object, b: object) -> Vec | Scalar:
+    """Cross product of vectors of 3; of vectors of 2, its out-of-plane component."""
+    a, b = _vectors("cross", a, b)
+    if len(a) == 2:
+        return a[0] * b[1] - a[1] * b[0]
+    if len(a) != 3:
+        raise TraceError(f"cross: got {describe(a)} and {describe(b)}, need vectors of 2 or 3")
+    return Vec([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def squared_norm(a: object) -> Scalar:
+    """Sum of the squares of all entries."""
+    a = convert(a, "squared_norm")
+    return _dot(a.entries, a.entries) if isinstance(a, Tensor) else a * a
+
+
+def norm(a: object) -> Scalar:
+    """Square root of the sum of squares. Its derivative at zero is not a number; see the documentation."""
+    return core.sqrt(squared_norm(a))
+
+
+def normalized(a: object) -> Vec:
+    """The vector divided by its norm."""
+    a = convert(a, "normalized")
+    if not isinstance(a, Vec):
+        raise TraceError(f"normalized: got {describe(a)}, need a vector")
+    return a / norm(a)
+
+
+def outer(a: object, b: object) -> Mat:
+    """Matrix of the products a_i b_j."""
+    a, b = _vectors("outer", a, b)
+    return Mat._of([x * y for x in a.entries for y in b.entries], (len(a), len(b)))
+
+
+def skew(a: object) -> Mat:
+    """Matrix of the cross product: skew(a) @ b = cross(a, b)."""
+    a = convert(a, "skew")
+    if not isinstance(a, Vec) or len(a) != 3:
+        raise TraceError(f"skew: got {describe(a)}, need a vector of 3")
+    return Mat([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def transpose(a: object) -> Mat:
+    """Rows become columns."""
+    a = convert(a, "transpose")
+    if not isinstance(a, Mat):
+        raise TraceError(f"transpose: got {describe(a)}, need a matrix")
+    rows, cols = a.shape
+    return Mat._of([a.entries[i * cols + j] for j in range(cols) for i in range(rows)], (cols, rows))
+
+
+def trace(a: object) -> Scalar:
+    """Sum of the diagonal of a square matrix."""
+    a = _square("trace", a)
+    total = a[0, 0]
+    for i in range(1, len(a)):
+        total = total + a[i, i]
+    return total
+
+
+def determinant(a: object) -> Scalar:
+    """Determinant of a square matrix of at most 4 rows."""
+    a = _square("determinant", a)
+    n = len(a)
+    if n == 1:
+        return a[0, 0]
+    if n == 2:
+        return a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]
+    if n == 3:
+        return dot(a.column(0), cross(a.column(1), a.column(2)))
+    if n == 4:
+        return dot(a[0], _cofactors(a)[0])
+    raise TraceError(f"determinant: got {describe(a)}, need at most 4 rows")
+
+
+def inverse(a: object) -> Mat:
+    """Inverse of a square matrix of at most 4 rows."""
+    a = _square("inverse", a)
+    n = len(a)
+    if n == 1:
+        return Mat([[1.0 / a[0, 0]]])
+    if n == 2:
+        return Mat([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]]) * (1.0 / determinant(a))
+    if n == 3:
+        r0 = cross(a.column(1), a.column(2))
+        r1 = cross(a.column(2), a.column(0))
+        r2 = cross(a.column(0), a.column(1))
+        return Mat([r0, r1, r2]) * (1.0 / dot(a.column(0), r0))
+    if n == 4:
+        cofactors = _cofactors(a)
+        return transpose(cofactors) * (1.0 / dot(a[0], cofactors[0]))
+    raise TraceError(f"inverse: got {describe(a)}, need at most 4 rows")
+
+
+def _cofactors(a: Mat) -> Mat:
+    n = len(a)
+
+    def minor(i: int, j: int) -> Mat:
+        return Mat([[a[k, m] for m in range(n) if m != j] for k in range(n) if k != i])
+
+    return Mat([[(-1) ** (i + j) * determinant(minor(i, j)) for j in range(n)] for i in range(n)])
+
+
+def invariants(a: object) -> tuple[Scalar, ...]:
+    """(I1, I2, I3) = (tr A, (tr(A)^2 - tr(A A)) / 2, det A) of a 3 x 3 matrix; (tr A, det A) of a 2 x 2 matrix."""
+    a = _square("invariants", a)
+    if len(a) == 2:
+        return trace(a), determinant(a)
+    if len(a) != 3:
+        raise TraceError(f"invariants: got {describe(a)}, need a matrix of 2 x 2 or 3 x 3")
+    first = trace(a)
+    return first, 0.5 * (first * first - trace(a @ a)), determinant(a)
