@@ -16,6 +16,7 @@ void bind_scene(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_potentials(nb::module_& m);
+void bind_formulas(nb::module_& m);
 void bind_symbolic(nb::module_& m);
 
 namespace {
@@ -108,5 +109,6 @@ NB_MODULE(_core, m) {
   bind_simulation(m);
   bind_io(m);
   bind_potentials(m);
+  bind_formulas(m);
   bind_symbolic(m);
 }

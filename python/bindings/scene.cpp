@@ -11,6 +11,7 @@
 #include <stark/sim/settings.h>
 
 #include "arrays.h"
+#include "formulas.h"
 
 namespace {
 
@@ -340,6 +341,9 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "inertia", [](const Scene& s, int32_t body) { return inertia_to_dict(s.rigid_inertia({body})); },
           "body"_a)
+      .def("add_energy", &add_energy, "description"_a, "Adds an energy of the user's own; returns its index.")
+      .def(
+          "energy_name", [](const Scene& s, int32_t energy) { return s.energy({energy}).name; }, "energy"_a)
       .def_prop_ro("warnings", &Scene::warnings)
       .def(
           "check_contact_distances",

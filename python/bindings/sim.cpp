@@ -10,6 +10,7 @@
 #include <stark/sim/simulation.h>
 
 #include "arrays.h"
+#include "formulas.h"
 
 namespace {
 
@@ -241,6 +242,15 @@ void bind_simulation(nb::module_& m) {
              const auto t = array<Rows<double, 3>>(targets, "targets", "an (n, 3) array of positions");
              s.set_pin_targets(BodyId{body}, rows<Vec3>(t));
            })
+      .def("set_energy_value", &set_energy_value, "energy"_a, "name"_a, "values"_a)
+      .def(
+          "element_energies",
+          [](const Simulation& s, int32_t energy) { return to_numpy<double>(s.element_energies({energy})); },
+          "energy"_a, "Energies of its elements (n,) [J].")
+      .def(
+          "element_forces",
+          [](const Simulation& s, int32_t energy) { return to_numpy<double>(s.element_forces({energy})); },
+          "energy"_a, "Forces on the points of its elements in the last step (n * points, 3) [N].")
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
 }

@@ -1,0 +1,251 @@
+// Bindings of what user energies are made of: the builder in which Python writes a formula, the finished
+// formula, its evaluation for checks, and energies of scenes and simulations. The front end is
+// stark/formulas.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <stark/mechanics/formula.h>
+#include <stark/mechanics/potential_batch.h>
+#include <stark/sim/registry.h>
+#include <stark/sim/simulation.h>
+
+#include "formulas.h"
+#include "symbolic.h"
+
+namespace stark::bindings {
+
+using namespace nb::literals;
+using symbolic::kLanes;
+using symbolic::Order;
+
+namespace {
+
+/// Inputs and graph of a formula that is being written.
+using Builder = std::shared_ptr<PotentialBuilder>;
+
+TracedScalar traced(const Builder& builder, const symbolic::Scalar& value) {
+  return {builder->graph(), value};
+}
+
+nb::list traced_list(const Builder& builder, std::span<const symbolic::Scalar> values) {
+  nb::list list;
+  for (const symbolic::Scalar& value : values) list.append(traced(builder, value));
+  return list;
+}
+
+Formula finish(const Builder& builder, nb::handle outputs) {
+  std::vector<symbolic::Scalar> values;
+  for (const TracedScalar& output : require_traced_list(outputs, "outputs of the formula")) {
+    if (output.graph && output.graph != builder->graph())
+      throw TraceError("the formula returns values of another formula; use its own arguments only");
+    values.push_back(output.value);
+  }
+  return Formula(builder, std::move(values));
+}
+
+Formula registered_formula(const std::string& name) {
+  for (const PotentialDefinition& definition : registered_potentials()) {
+    if (definition.name != name) continue;
+    const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
+    const symbolic::Scalar energy = definition.energy(*builder);
+    return Formula(builder, {energy});
+  }
+  throw InvalidArgument("potential '" + name + "' is not registered; stark._core.potentials() lists all");
+}
+
+nb::list field_list(const Formula& formula) {
+  nb::list rows;
+  for (const RequiredField& field : required_fields(define_potential("formula", "", formula))) {
+    nb::dict row;
+    row["name"] = field.name;
+    row["unit"] = field.unit;
+    row["doc"] = field.doc;
+    row["width"] = field.width;
+    row["is_data"] = field.is_data;
+    rows.append(row);
+  }
+  return rows;
+}
+
+std::set<std::string> names_of(const std::vector<RequiredField>& fields) {
+  std::set<std::string> names;
+  for (const RequiredField& field : fields) names.insert(field.name);
+  return names;
+}
+
+/// A formula's potential with a batch of given elements, to be evaluated outside of any simulation.
+struct Sample {
+  PotentialBatch batch;
+  std::vector<Vec3> x;
+};
+
+std::vector<Vec3> positions(const nb::dict& given, const char* name, size_t expected) {
+  const auto array_of_points = array<Rows<double, 3>>(given[name], name, "an (n, 3) array of positions");
+  const std::span<const Vec3> points = rows<Vec3>(array_of_points);
+  if (points.size() != expected)
+    throw InvalidArgument(std::string(name) + ": got " + std::to_string(points.size()) + " points, need " +
+                          std::to_string(expected));
+  return {points.begin(), points.end()};
+}
+
+Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Backend backend) {
+  const PotentialDefinition definition = define_potential("formula", "", formula);
+  const std::vector<RequiredField> fields = required_fields(definition);
+  Sample sample{PotentialBatch(std::make_shared<Potential>(definition, backend, names_of(fields))), {}};
+  const auto x = array<Rows<double, 3>>(given["x"], "x", "an (n, 3) array of positions");
+  const std::span<const Vec3> points = rows<Vec3>(x);
+  sample.x.assign(points.begin(), points.end());
+  std::vector<int32_t> stencils(points.size());
+  for (size_t k = 0; k < stencils.size(); ++k) stencils[k] = static_cast<int32_t>(k);
+  sample.batch.resize(stencils);
+  sample.batch.set_rest(positions(given, "X", points.size()));
+  sample.batch.set_previous(positions(given, "x_prev", points.size()));
+  sample.batch.set_initial(positions(given, "x_initial", points.size()));
+  sample.batch.set_time(nb::cast<double>(given["time_step"]), nb::cast<double>(given["time"]));
+  const nb::dict values = nb::cast<nb::dict>(given["values"]);
+  for (const RequiredField& field : fields) {
+    const auto column =
+        array<Column<double>>(values[field.name.c_str()], field.name, "a flat array of numbers");
+    const std::span<const double> numbers = stark::bindings::values(column);
+    const size_t width = field.width;
+    if (numbers.size() != width * sample.batch.size())
+      throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers, need " +
+                            std::to_string(width * sample.batch.size()));
+    for (int64_t e = 0; e < sample.batch.size(); ++e)
+      sample.batch.set(field.name, e, numbers.subspan(e * width, width));
+  }
+  return sample;
+}
+
+/// [element][output]: energy, gradient, upper triangle of the Hessian.
+nb::tuple evaluate(const Formula& formula, const nb::dict& given, int order, const std::string& backend) {
+  const Sample sample = make_sample(formula, given, to_backend(backend));
+  const PotentialBatch& batch = sample.batch;
+  const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
+  AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
+  batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
+  std::vector<double> result(static_cast<size_t>(batch.size()) * outputs);
+  for (int64_t e = 0; e < batch.size(); ++e)
+    for (int k = 0; k < outputs; ++k)
+      result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
+  return nb::make_tuple(to_numpy<double>(std::move(result)), outputs);
+}
+
+nb::dict statistics(const Formula& formula, const std::string& backend) {
+  const Potential potential(define_potential("formula", "", formula), to_backend(backend));
+  const symbolic::KernelStatistics& s = potential.kernel().statistics();
+  nb::dict d;
+  const auto triple = [](const auto& v) { return nb::make_tuple(v[0], v[1], v[2]); };
+  d["operations"] = triple(s.operations);
+  d["instructions"] = triple(s.instructions);
+  d["code_bytes"] = triple(s.code_bytes);
+  d["build_seconds"] = triple(s.build_seconds);
+  d["algorithm"] = s.algorithm;
+  d["backend"] = symbolic::to_string(s.backend);
+  d["unknowns"] = potential.kernel().unknown_count();
+  return d;
+}
+
+}  // namespace
+
+symbolic::Backend to_backend(const std::string& name) {
+  const auto& names = EnumNames<KernelBackend>::kNames;
+  for (size_t k = 0; k < names.size(); ++k)
+    if (names[k] == name) return static_cast<symbolic::Backend>(k);
+  throw InvalidArgument("backend = '" + name + "': must be automatic, interpreter, avx2 or avx512");
+}
+
+PointSet to_point_set(const nb::dict& given) {
+  const auto kind = nb::cast<std::string>(given["kind"]);
+  const auto body = [&] { return BodyId{nb::cast<int32_t>(given["body"])}; };
+  const auto local = [&] {
+    const auto points = array<Rows<double, 3>>(given["local"], "points", "an (n, 3) array");
+    const std::span<const Vec3> p = rows<Vec3>(points);
+    return std::vector<Vec3>(p.begin(), p.end());
+  };
+  if (kind == "world") return world_points(local());
+  if (kind == "point") return body_points(body(), local());
+  if (kind == "direction") return body_directions(body(), local());
+  if (kind == "vertices") {
+    const auto indices =
+        array<Column<int32_t>>(given["vertices"], "vertices", "a flat array of vertex indices");
+    return vertex_points(body(), {indices.data(), indices.data() + indices.shape(0)});
+  }
+  const auto supports = array<Rows<int32_t, 4>>(given["supports"], "supports", "an (n, 4) array of vertices");
+  const auto weights = array<Rows<double, 4>>(given["weights"], "weights", "an (n, 4) array");
+  const auto s = rows<std::array<int32_t, 4>>(supports);
+  const auto w = rows<std::array<double, 4>>(weights);
+  return embedded_points(body(), {s.begin(), s.end()}, {w.begin(), w.end()});
+}
+
+FieldValueMap to_field_values(const nb::dict& given) {
+  FieldValueMap map;
+  for (auto [name, entry] : given) {
+    const auto pair = nb::cast<nb::tuple>(entry);
+    const auto numbers = array<Column<double>>(pair[0], text(name), "numbers");
+    map[text(name)] = {{numbers.data(), numbers.data() + numbers.shape(0)}, nb::cast<bool>(pair[1])};
+  }
+  return map;
+}
+
+int32_t add_energy(Scene& scene, const nb::dict& given) {
+  EnergyDescription energy;
+  energy.name = nb::cast<std::string>(given["name"]);
+  energy.potential =
+      define_potential(nb::cast<std::string>(given["formula_name"]), nb::cast<std::string>(given["doc"]),
+                       nb::cast<Formula>(given["formula"]));
+  energy.potential.translation_invariant = nb::cast<bool>(given["translation_invariant"]);
+  for (nb::handle set : nb::cast<nb::list>(given["points"]))
+    energy.points.push_back(to_point_set(nb::cast<nb::dict>(set)));
+  energy.values = to_field_values(nb::cast<nb::dict>(given["values"]));
+  return scene.add_energy(std::move(energy)).index;
+}
+
+void set_energy_value(Simulation& simulation, int32_t energy, const std::string& name, nb::handle values) {
+  const auto numbers = array<Column<double>>(values, name, "a flat array of numbers");
+  simulation.set_energy_value({energy}, name, stark::bindings::values(numbers));
+}
+
+}  // namespace stark::bindings
+
+void bind_formulas(nanobind::module_& m) {
+  using namespace stark;
+  using namespace stark::bindings;
+  nb::class_<Builder>(m, "FormulaBuilder", "Inputs of a formula of n points while it is being written.")
+      .def("__init__",
+           [](Builder* self, int points) { new (self) Builder(std::make_shared<PotentialBuilder>(points)); })
+      .def(
+          "x", [](const Builder& b, int p) { return traced_list(b, b->x(p).v); }, "Unknown position [m].")
+      .def(
+          "X", [](const Builder& b, int p) { return traced_list(b, b->X(p).v); }, "Rest position [m].")
+      .def(
+          "x_prev", [](const Builder& b, int p) { return traced_list(b, b->x_prev(p).v); },
+          "Position at the start of the step [m].")
+      .def(
+          "x_initial", [](const Builder& b, int p) { return traced_list(b, b->x_initial(p).v); },
+          "Position in the world at time 0 [m].")
+      .def(
+          "time_step", [](const Builder& b) { return traced(b, b->time_step()); }, "[s]")
+      .def(
+          "time", [](const Builder& b) { return traced(b, b->time()); }, "At the end of the step [s].")
+      .def(
+          "parameter",
+          [](const Builder& b, const std::string& name, int width, const std::string& unit,
+             const std::string& doc) { return traced_list(b, b->parameter_array(name, width, unit, doc)); },
+          "name"_a, "width"_a, "unit"_a, "doc"_a, "Input shared by all elements or given for each.")
+      .def(
+          "data",
+          [](const Builder& b, const std::string& name, int width, const std::string& unit,
+             const std::string& doc) { return traced_list(b, b->data_array(name, width, unit, doc)); },
+          "name"_a, "width"_a, "unit"_a, "doc"_a, "Input given for each element.")
+      .def("finish", &finish, "outputs"_a, "The formula with these scalars as outputs.");
+  nb::class_<Formula>(m, "Formula", "A formula of points and parameters, ready to be used in energies.")
+      .def_prop_ro("point_count", &Formula::point_count)
+      .def_prop_ro("fields", &field_list, "Inputs to be given: name, unit, doc, width, is_data.")
+      .def("evaluate", &evaluate, "inputs"_a, "order"_a, "backend"_a = "automatic",
+           "(values (elements * outputs,), outputs): energy, gradient, upper triangle of the Hessian by "
+           "element.")
+      .def("statistics", &statistics, "backend"_a = "automatic");
+  m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
+}
