@@ -10,12 +10,12 @@
     rosenbrock.gradient(x)   # (..., 2)
     rosenbrock.hessian(x)    # (..., 2, 2)
 
-A formula is recorded once, by running the function on symbols, and then evaluated over arrays. docs/symbolic.md has
-what is supported and what is not."""
+A formula is recorded once, by running the function on symbols, and then evaluated over arrays;
+docs/symbolic.md has what is supported and what is not."""
 
+import stark.symbolic.numpy_protocol  # noqa: F401  (installs NumPy's hooks)
 from stark._core import TraceError
 from stark._core.symbolic import Graph, Scalar
-from stark.symbolic import numpy_protocol as _numpy_protocol  # installs NumPy's hooks
 from stark.symbolic.function import Function, compile, function
 from stark.symbolic.functions import (
     abs,
@@ -46,29 +46,22 @@ from stark.symbolic.functions import (
     where,
 )
 from stark.symbolic.graph import ExpressionGraph
-from stark.symbolic.signature import Matrix, Real, Vector, symbols
-from stark.symbolic.statistics import Statistics
-from stark.symbolic.tensor import (
-    Mat,
-    Vec,
-    columns,
+from stark.symbolic.linear_algebra import (
     cross,
     determinant,
-    diag,
     dot,
-    identity,
     invariants,
     inverse,
-    mat,
     norm,
     normalized,
     outer,
     skew,
     squared_norm,
     trace,
-    transpose,
-    vec,
 )
+from stark.symbolic.signature import Matrix, Real, Vector, symbols
+from stark.symbolic.statistics import Statistics
+from stark.symbolic.tensor import Mat, Vec, columns, diag, identity, mat, transpose, vec
 
 __all__ = [
     "ExpressionGraph",

@@ -47,8 +47,8 @@ def user_line(traceback: TracebackType | None) -> str | None:
 
 @contextmanager
 def recording(formula: str) -> Iterator[None]:
-    """Runs the user's formula: a TraceError gets the formula's name and the user's line, any other exception a
-    note with them."""
+    """Runs the user's formula: a TraceError gets the formula's name and the user's line, any other exception
+    a note with them."""
     try:
         yield
     except TraceError as error:

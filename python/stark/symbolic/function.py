@@ -1,4 +1,4 @@
-"""Compiled functions: a formula recorded once, then evaluated over arrays of any batch shape, with derivatives."""
+"""Compiled functions: a formula recorded once, evaluated over arrays of any batch shape, with derivatives."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ORDERS = ("value", "gradient", "hessian")
 
 
 class Formula:
-    """Arguments and result of a recorded function, with the code for it by the arguments that are differentiated."""
+    """Arguments and result of a recorded function; its code, by the arguments that are differentiated."""
 
     def __init__(
         self,
@@ -76,9 +76,9 @@ class Formula:
 class Function:
     """A compiled function. Calling it evaluates it; gradient, jacobian and hessian are its derivatives.
 
-    Arguments are numbers or arrays: own dimensions last, any leading batch dimensions, which broadcast as in NumPy.
-    Derivatives are with respect to the first argument, or to those that `wrt` names: one name gives one array, a
-    tuple of names a tuple of arrays."""
+    Arguments are numbers or arrays: own dimensions last, any leading batch dimensions, which broadcast as in
+    NumPy. Derivatives are with respect to the first argument, or to those that `wrt` names: one name gives
+    one array, a tuple of names a tuple of arrays."""
 
     def __init__(
         self, name: str, signature: inspect.Signature, record: Callable[[], Formula], inline: Callable | None
@@ -125,8 +125,8 @@ class Function:
         return self._first("jacobian", args, kwargs, wrt, True)
 
     def hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
-        """Second derivatives of a scalar function: batch + shape of the argument, twice; for several arguments a
-        tuple of rows of blocks."""
+        """Second derivatives of a scalar function: batch + shape of the argument, twice; for several
+        arguments a tuple of rows of blocks."""
         return self._second(args, kwargs, wrt, False)[2]
 
     def value_gradient_hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple:
@@ -142,7 +142,7 @@ class Function:
 
     @property
     def statistics(self) -> Statistics:
-        """Counts of the code for values and derivatives with respect to the first argument; builds what is missing."""
+        """Counts for values and derivatives with respect to the first argument; builds what is missing."""
         compiled = self.formula.compiled((0,))
         orders = _ORDERS if len(self.formula.outputs) == 1 else ("value", "jacobian")
         return Statistics.of(
@@ -295,10 +295,10 @@ def _result(name: str, value: object, function: Callable[..., object] | None) ->
 def function(
     f: Callable[..., object] | None = None, /, *, backend: str = "automatic"
 ) -> Function | Callable[[Callable[..., object]], Function]:
-    """Decorator: makes a compiled function of a Python function whose arguments are annotated with float, Vector[n] or
-    Matrix[r, c]. It runs once with symbols, at first use; numbers from outside are fixed then.
+    """Decorator: makes a compiled function of a Python function whose arguments are annotated with float,
+    Vector[n] or Matrix[r, c]. It runs once with symbols, at first use; numbers from outside are fixed then.
 
-    backend: "automatic" (machine code where possible), "avx512", "avx2" or "interpreter"; all give the same bits."""
+    backend: "automatic" (machine code where possible), "avx512", "avx2" or "interpreter"; same bits."""
     if f is None:
         return functools.partial(function, backend=backend)
     name = f.__name__

@@ -63,8 +63,8 @@ def clip(x: object, lower: object, upper: object) -> Scalar | Vec | Mat:
 
 
 def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
-    """a where the condition holds, else b. The branch that is not taken never contributes to value or derivatives,
-    not even as NaN. One condition may choose between vectors or matrices."""
+    """a where the condition holds, else b. The branch that is not taken never contributes to value or
+    derivatives, not even as NaN. One condition may choose between vectors or matrices."""
     a, b = convert(a, "where"), convert(b, "where")
     if isinstance(condition, (Tensor, list, tuple)):
         return elementwise(core.where, "where", condition, a, b)
@@ -76,8 +76,8 @@ def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
 
 
 def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
-    """Derivative of a scalar expression with respect to a value that it is made of, in the shape of that value: the
-    stress gradient(psi, F), say. Behind that value nothing is looked at: it counts as the variable."""
+    """Derivative of a scalar expression with respect to a value that it is made of, in the shape of that
+    value: the stress gradient(psi, F), say. Nothing behind that value is looked at: it is the variable."""
     output, variable = convert(output, "gradient"), convert(wrt, "gradient: wrt")
     if isinstance(output, Tensor):
         raise TraceError("gradient: the output is not a scalar; use jacobian")
@@ -86,7 +86,7 @@ def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
 
 
 def jacobian(output: object, wrt: object) -> Scalar | Vec | Mat:
-    """Derivatives of the entries of a vector expression (rows) with respect to those of a vector (columns)."""
+    """Derivatives of the entries of a vector expression (rows) by those of a vector (columns)."""
     output, variable = convert(output, "jacobian"), convert(wrt, "jacobian: wrt")
     shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())
     if len(shape) > 2:
@@ -111,8 +111,8 @@ def _entries(value: Scalar | Vec | Mat) -> list[Scalar]:
 
 
 def mark_stage(value: Scalar | Vec | Mat) -> Scalar | Vec | Mat:
-    """Hint for second derivatives: they may be formed through this value (points of a body, a deformation gradient).
-    Never changes results. Returns the value."""
+    """Hint for second derivatives: they may be formed through this value (points of a body, a deformation
+    gradient). Never changes results. Returns the value."""
     for entry in _entries(convert(value, "mark_stage")):
         if entry.graph is not None:
             entry.graph.mark_stage(entry)

@@ -1,5 +1,5 @@
-"""NumPy's functions on traced values: np.sqrt(s), array * vec, np.dot(a, b) record the same operations as those of
-stark.symbolic; everything that is not part of formulas raises TraceError."""
+"""NumPy's functions on traced values: np.sqrt(s), array * vec, np.dot(a, b) record the same operations as
+those of stark.symbolic; everything that is not part of formulas raises TraceError."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from stark._core import TraceError
-from stark.symbolic import functions, tensor
+from stark.symbolic import functions, linear_algebra, tensor
 
 _UFUNCS: dict[np.ufunc, Callable[..., object]] = {
     np.add: operator.add,
@@ -50,11 +50,11 @@ _UFUNCS |= {
 
 _FUNCTIONS: dict[Callable[..., object], Callable[..., object]] = {
     np.dot: lambda a, b: _dot(a, b),
-    np.inner: tensor.dot,
-    np.vdot: tensor.dot,
-    np.cross: tensor.cross,
-    np.outer: tensor.outer,
-    np.trace: tensor.trace,
+    np.inner: linear_algebra.dot,
+    np.vdot: linear_algebra.dot,
+    np.cross: linear_algebra.cross,
+    np.outer: linear_algebra.outer,
+    np.trace: linear_algebra.trace,
     np.transpose: lambda a: a.T,
     np.diag: tensor.diag,
     np.where: functions.where,
@@ -64,9 +64,9 @@ _FUNCTIONS: dict[Callable[..., object], Callable[..., object]] = {
     np.min: lambda a: a.min(),
     np.all: lambda a: a.all(),
     np.any: lambda a: a.any(),
-    np.linalg.norm: tensor.norm,
-    np.linalg.det: tensor.determinant,
-    np.linalg.inv: tensor.inverse,
+    np.linalg.norm: linear_algebra.norm,
+    np.linalg.det: linear_algebra.determinant,
+    np.linalg.inv: linear_algebra.inverse,
     np.stack: tensor.mat,
     np.vstack: tensor.mat,
     np.column_stack: lambda parts: tensor.columns(*parts),
@@ -92,7 +92,7 @@ def array_ufunc(self: object, ufunc: np.ufunc, method: str, *inputs: object, **o
         raise TraceError(f"np.{ufunc.__name__} is not part of formulas; the functions of stark.symbolic are")
     if method != "__call__" or options:
         raise TraceError(
-            f"np.{ufunc.__name__}: only plain calls work on traced values, not np.{ufunc.__name__}.{method} or keywords"
+            f"np.{ufunc.__name__}: only plain calls work on traced values, not {method} or keywords"
         )
     return function(*(tensor.convert(x, f"np.{ufunc.__name__}") for x in inputs))
 

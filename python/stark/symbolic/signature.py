@@ -1,4 +1,4 @@
-"""Arguments of formulas: names and shapes from the annotations of a function, and the symbols that stand for them."""
+"""Arguments of formulas: names and shapes from the annotations of a function, and their symbols."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def new_symbols(graph: core.Graph, name: str, shape: tuple[int, ...]) -> Scalar 
 
 
 def symbols(text: str, graph: core.Graph | None = None) -> object:
-    """Symbols of one new formula, or of the formula of `graph`: symbols("a b x[3] F[2,2]") gives scalars, a vector and
-    a matrix. One symbol is returned as it is, several as a tuple."""
+    """Symbols of one new formula, or of the formula of `graph`: symbols("a b x[3] F[2,2]") gives scalars, a
+    vector and a matrix. One symbol is returned as it is, several as a tuple."""
     graph = core.Graph() if graph is None else graph
     parts = re.findall(r"[^\s,\[\]]+(?:\[[^\]]*\])?", text)
     result = []
@@ -93,8 +93,8 @@ def symbols(text: str, graph: core.Graph | None = None) -> object:
 def read_signature(
     function: Callable[..., object], formula: str, outer: dict[str, object]
 ) -> tuple[inspect.Signature, dict[str, tuple[int, ...]]]:
-    """The signature of a function and the shape of every argument. `outer` has the names that annotations may use
-    besides globals."""
+    """The signature of a function and the shape of every argument. `outer` has the names that annotations may
+    use besides globals."""
     try:
         signature = inspect.signature(function, eval_str=True, locals=outer)
     except TraceError as error:

@@ -1,8 +1,8 @@
-"""Small vectors and matrices of symbolic scalars. They only build scalar expressions, with the order of operations
-of src/stark/symbolic/tensor.h, so that a formula gives the same graph from Python as from C++.
+"""Small vectors and matrices of symbolic scalars. They only build scalar expressions, with the order of
+operations of src/stark/symbolic/tensor.h, so that a formula gives the same graph from Python as from C++.
 
-Operators are those of NumPy: `*` and `/` act entry by entry, `@` is the product of matrices and vectors. Tuples,
-lists and arrays of numbers mix freely with them. Values are immutable; shapes are checked when a formula is built."""
+Operators are those of NumPy: `*` and `/` act entry by entry, `@` is the product of matrices and vectors.
+Tuples, lists and arrays of numbers mix freely with them. Values are immutable; shapes are checked at once."""
 
 from __future__ import annotations
 
@@ -67,9 +67,10 @@ class Tensor:
         return (self[i] for i in range(len(self)))
 
     def __getitem__(self, key: object) -> Scalar | Vec | Mat:
-        if type(key) is int and len(self.shape) == 1:
-            return self._entries[key]
-        places = np.arange(self.size).reshape(self.shape)[key]
+        try:
+            places = np.arange(self.size).reshape(self.shape)[key]
+        except IndexError as error:
+            raise IndexError(f"index {key!r} of {describe(self)}: {error}") from None
         if places.ndim == 0:
             return self._entries[int(places)]
         if places.ndim > 2:
@@ -152,7 +153,8 @@ class Tensor:
 
     def __eq__(self, other: object) -> bool:
         raise TraceError(
-            f"== or != of {describe(self)}: equality of computed numbers is not part of formulas; compare with <= and >="
+            f"== or != of {describe(self)}: equality of computed numbers is not part of formulas; compare "
+            "with <= and >="
         )
 
     __ne__ = __eq__
@@ -160,9 +162,9 @@ class Tensor:
 
     def __bool__(self) -> bool:
         raise TraceError(
-            f"the truth of {describe(self)} was asked for (if, while, and, or, not): a formula is recorded once and "
-            "then run for many inputs, so its values cannot steer Python code: write stark.where(condition, a, b) "
-            "for if, and `&`, `|`, `~` for and, or, not"
+            f"the truth of {describe(self)} was asked for (if, while, and, or, not): a formula is recorded "
+            "once and then run for many inputs, so its values cannot steer Python code: write "
+            "stark.where(condition, a, b) for if, and `&`, `|`, `~` for and, or, not"
         )
 
     def __float__(self) -> float:
@@ -352,29 +354,7 @@ def elementwise(function: Callable[..., object], sign: str, *operands: object) -
     return type(first)._of([function(*items) for items in entries], first.shape)
 
 
-def _vectors(name: str, a: object, b: object) -> tuple[Vec, Vec]:
-    a, b = convert(a, name), convert(b, name)
-    if not (isinstance(a, Vec) and isinstance(b, Vec)) or (name != "outer" and len(a) != len(b)):
-        raise TraceError(
-            f"{name}: {describe(a)} and {describe(b)} do not fit, need two vectors of equal length"
-        )
-    return a, b
-
-
-def _square(name: str, a: object) -> Mat:
-    a = convert(a, name)
-    if not isinstance(a, Mat) or a.shape[0] != a.shape[1]:
-        raise TraceError(f"{name}: got {describe(a)}, need a square matrix")
-    return a
-
-
-def dot(a: object, b: object) -> Scalar:
-    """Sum of products of two vectors."""
-    a, b = _vectors("dot", a, b)
-    return _dot(a.entries, b.entries)
-
-
-def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+def dot_entries(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     total = a[0] * b[0]
     for i in range(1, len(a)):
         total = total + a[i] * b[i]
@@ -392,51 +372,8 @@ def matmul(a: object, b: object) -> Scalar | Vec | Mat:
         )
     rows = list(a) if isinstance(a, Mat) else [a]
     cols = list(transpose(b)) if isinstance(b, Mat) else [b]
-    entries = [_dot(row.entries, column.entries) for row in rows for column in cols]
+    entries = [dot_entries(row.entries, column.entries) for row in rows for column in cols]
     return from_shape(entries, a.shape[:-1] + b.shape[1:])
-
-
-def cross(a: object, b: object) -> Vec | Scalar:
-    """Cross product of vectors of 3; of vectors of 2, its out-of-plane component."""
-    a, b = _vectors("cross", a, b)
-    if len(a) == 2:
-        return a[0] * b[1] - a[1] * b[0]
-    if len(a) != 3:
-        raise TraceError(f"cross: got {describe(a)} and {describe(b)}, need vectors of 2 or 3")
-    return Vec([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
-def squared_norm(a: object) -> Scalar:
-    """Sum of the squares of all entries."""
-    a = convert(a, "squared_norm")
-    return _dot(a.entries, a.entries) if isinstance(a, Tensor) else a * a
-
-
-def norm(a: object) -> Scalar:
-    """Square root of the sum of squares. Its derivative at zero is not a number; see the documentation."""
-    return core.sqrt(squared_norm(a))
-
-
-def normalized(a: object) -> Vec:
-    """The vector divided by its norm."""
-    a = convert(a, "normalized")
-    if not isinstance(a, Vec):
-        raise TraceError(f"normalized: got {describe(a)}, need a vector")
-    return a / norm(a)
-
-
-def outer(a: object, b: object) -> Mat:
-    """Matrix of the products a_i b_j."""
-    a, b = _vectors("outer", a, b)
-    return Mat._of([x * y for x in a.entries for y in b.entries], (len(a), len(b)))
-
-
-def skew(a: object) -> Mat:
-    """Matrix of the cross product: skew(a) @ b = cross(a, b)."""
-    a = convert(a, "skew")
-    if not isinstance(a, Vec) or len(a) != 3:
-        raise TraceError(f"skew: got {describe(a)}, need a vector of 3")
-    return Mat([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
 def transpose(a: object) -> Mat:
@@ -446,66 +383,3 @@ def transpose(a: object) -> Mat:
         raise TraceError(f"transpose: got {describe(a)}, need a matrix")
     rows, cols = a.shape
     return Mat._of([a.entries[i * cols + j] for j in range(cols) for i in range(rows)], (cols, rows))
-
-
-def trace(a: object) -> Scalar:
-    """Sum of the diagonal of a square matrix."""
-    a = _square("trace", a)
-    total = a[0, 0]
-    for i in range(1, len(a)):
-        total = total + a[i, i]
-    return total
-
-
-def determinant(a: object) -> Scalar:
-    """Determinant of a square matrix of at most 4 rows."""
-    a = _square("determinant", a)
-    n = len(a)
-    if n == 1:
-        return a[0, 0]
-    if n == 2:
-        return a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]
-    if n == 3:
-        return dot(a.column(0), cross(a.column(1), a.column(2)))
-    if n == 4:
-        return dot(a[0], _cofactors(a)[0])
-    raise TraceError(f"determinant: got {describe(a)}, need at most 4 rows")
-
-
-def inverse(a: object) -> Mat:
-    """Inverse of a square matrix of at most 4 rows."""
-    a = _square("inverse", a)
-    n = len(a)
-    if n == 1:
-        return Mat([[1.0 / a[0, 0]]])
-    if n == 2:
-        return Mat([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]]) * (1.0 / determinant(a))
-    if n == 3:
-        r0 = cross(a.column(1), a.column(2))
-        r1 = cross(a.column(2), a.column(0))
-        r2 = cross(a.column(0), a.column(1))
-        return Mat([r0, r1, r2]) * (1.0 / dot(a.column(0), r0))
-    if n == 4:
-        cofactors = _cofactors(a)
-        return transpose(cofactors) * (1.0 / dot(a[0], cofactors[0]))
-    raise TraceError(f"inverse: got {describe(a)}, need at most 4 rows")
-
-
-def _cofactors(a: Mat) -> Mat:
-    n = len(a)
-
-    def minor(i: int, j: int) -> Mat:
-        return Mat([[a[k, m] for m in range(n) if m != j] for k in range(n) if k != i])
-
-    return Mat([[(-1) ** (i + j) * determinant(minor(i, j)) for j in range(n)] for i in range(n)])
-
-
-def invariants(a: object) -> tuple[Scalar, ...]:
-    """(I1, I2, I3) = (tr A, (tr(A)^2 - tr(A A)) / 2, det A) of a 3 x 3 matrix; (tr A, det A) of a 2 x 2 matrix."""
-    a = _square("invariants", a)
-    if len(a) == 2:
-        return trace(a), determinant(a)
-    if len(a) != 3:
-        raise TraceError(f"invariants: got {describe(a)}, need a matrix of 2 x 2 or 3 x 3")
-    first = trace(a)
-    return first, 0.5 * (first * first - trace(a @ a)), determinant(a)
