@@ -16,7 +16,6 @@
 namespace stark::bindings {
 
 using namespace nb::literals;
-using symbolic::kLanes;
 using symbolic::Order;
 
 namespace {
@@ -122,13 +121,8 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
 nb::tuple evaluate(const Formula& formula, const nb::dict& given, int order, const std::string& backend) {
   const Sample sample = make_sample(formula, given, to_backend(backend));
   const PotentialBatch& batch = sample.batch;
+  std::vector<double> result = batch.evaluate(static_cast<Order>(order), sample.x);
   const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
-  AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
-  batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
-  std::vector<double> result(static_cast<size_t>(batch.size()) * outputs);
-  for (int64_t e = 0; e < batch.size(); ++e)
-    for (int k = 0; k < outputs; ++k)
-      result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
   return nb::make_tuple(to_numpy<double>(std::move(result)), outputs);
 }
 

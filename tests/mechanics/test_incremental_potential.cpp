@@ -68,7 +68,8 @@ struct Bench {
       else
         scales[b] = {.inverse_inertia = 0.25 / 0.5, .inverse_length = 1.0 / 0.25, .reach = 0.25};
     }
-    return IncrementalPotential(scene.map, assembler, with_active_set ? &active : nullptr, scales, timer);
+    return IncrementalPotential(scene.map, assembler, with_active_set ? &active : nullptr, nullptr, scales,
+                                timer);
   }
 
   const MixedScene& scene;
@@ -229,9 +230,10 @@ TEST_CASE("free parts of the target are ignored and a rejected trial changes not
   bench.potential.linearize(false, again, hessian);
   CHECK(gradient == again);
   CHECK(bench.potential.site_positions()[0] == scene.configuration.point_position[0]);
-  CHECK(bench.potential.refresh_lagged() == 4.0);
+  CHECK(bench.potential.refresh_lagged(0) == 4.0);
+  CHECK(bench.potential.refresh_lagged(1) == 0.0);
   Bench without(scene, false);
-  CHECK(without.potential.refresh_lagged() == 0.0);
+  CHECK(without.potential.refresh_lagged(0) == 0.0);
 }
 
 TEST_CASE("an energy that is not finite makes a trial infeasible") {

@@ -1,7 +1,8 @@
-// Vocabulary for writing energies: include this in a model file and write the formula in namespace
+// Vocabulary for writing energies and joints: include this in a model file and write the formula in namespace
 // stark::models.
 #pragma once
 
+#include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
 
 namespace stark::models {

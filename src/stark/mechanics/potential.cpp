@@ -138,17 +138,22 @@ symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::
 
 Potential::Potential(const PotentialDefinition& definition, symbolic::Backend backend,
                      const std::set<std::string>& per_element)
-    : name_(definition.name),
-      point_count_(definition.point_count),
-      translation_invariant_(definition.translation_invariant) {
-  PotentialBuilder builder(definition.point_count, per_element);
-  const Scalar energy = definition.energy(builder);
-  kernel_ = symbolic::compile(energy, backend);
-  element_fields_ = builder.element_fields();
-  uniform_fields_ = builder.uniform_fields();
-  element_width_ = total_width(element_fields_);
-  uniform_width_ = total_width(uniform_fields_);
-}
+    : Potential([&] {
+        PotentialBuilder builder(definition.point_count, per_element);
+        const Scalar energy = definition.energy(builder);
+        return Potential(definition.name, builder, energy, backend, definition.translation_invariant);
+      }()) {}
+
+Potential::Potential(std::string name, const PotentialBuilder& builder, const Scalar& energy,
+                     symbolic::Backend backend, bool translation_invariant)
+    : name_(std::move(name)),
+      point_count_(builder.point_count()),
+      translation_invariant_(translation_invariant),
+      element_width_(total_width(builder.element_fields())),
+      uniform_width_(total_width(builder.uniform_fields())),
+      element_fields_(builder.element_fields()),
+      uniform_fields_(builder.uniform_fields()),
+      kernel_(symbolic::compile(energy, backend)) {}
 
 PotentialDefinition define_potential(std::string name, int point_count, std::string doc,
                                      std::function<Scalar(PotentialBuilder&)> energy) {

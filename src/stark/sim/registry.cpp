@@ -1,13 +1,33 @@
 #include <stark/sim/registry.h>
 
+#include <stark/base/error.h>
+#include <stark/base/settings.h>
+
 namespace stark {
 
 std::vector<PotentialDefinition> registered_potentials() {
   return {
 #define STARK_POTENTIAL(name) models::name(),
 #include <stark/sim/registry.inc>
-#undef STARK_POTENTIAL
   };
+}
+
+const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints() {
+  static const std::vector<std::shared_ptr<const JointDefinition>> joints{
+#define STARK_JOINT(name) std::make_shared<const JointDefinition>(models::name()),
+#include <stark/sim/registry.inc>
+  };
+  return joints;
+}
+
+std::shared_ptr<const JointDefinition> find_joint(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& joint : registered_joints()) {
+    if (joint->name == name) return joint;
+    names.push_back(joint->name);
+  }
+  throw InvalidArgument("unknown joint '" + name + "'" + nearest_name_hint(name, names) +
+                        ": must be one of the joints in docs/reference.md");
 }
 
 }  // namespace stark

@@ -1,18 +1,24 @@
-// All potentials of the library by name (sim/registry.inc).
+// All potentials and joints of the library by name (sim/registry.inc).
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
 
 namespace stark {
 
 namespace models {
 #define STARK_POTENTIAL(name) PotentialDefinition name();
+#define STARK_JOINT(name) JointDefinition name();
 #include <stark/sim/registry.inc>
-#undef STARK_POTENTIAL
 }  // namespace models
 
 std::vector<PotentialDefinition> registered_potentials();
+/// Shared by all joints that are made of them.
+const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints();
+/// Throws InvalidArgument for unknown names, with the nearest one as a hint.
+std::shared_ptr<const JointDefinition> find_joint(const std::string& name);
 
 }  // namespace stark
