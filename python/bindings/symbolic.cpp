@@ -181,7 +181,7 @@ Scalar sinh(const Scalar& x) {
 Scalar cosh(const Scalar& x) { return 0.5 * (symbolic::exp(x) + symbolic::exp(-x)); }
 
 constexpr NamedUnary kUnary[] = {
-    {"abs", symbolic::abs, "Absolute value; its derivative at 0 is that of -x."},
+    {"abs", symbolic::abs, "Absolute value; its derivative at 0 is 1."},
     {"sqrt", symbolic::sqrt, "Square root."},
     {"square", symbolic::square, "x x."},
     {"exp", symbolic::exp, "e to the power x."},
@@ -362,18 +362,21 @@ void bind_graph(nb::module_& m) {
       .def(nb::init<>())
       .def("input", new_input, "kind"_a = "unknown", "name"_a = "",
            "New input. kind: 'unknown' (differentiated), 'element' (one value per element) or 'uniform'.")
-      .def("input_count", [](const Graph& g, const std::string& kind) { return g.input_count(input_kind(kind)); },
-           "kind"_a, "Number of inputs of a kind.")
-      .def("mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
-           "Hint for differentiation: derivatives may go through this value. Never changes results.")
+      .def(
+          "input_count",
+          [](const Graph& g, const std::string& kind) { return g.input_count(input_kind(kind)); }, "kind"_a,
+          "Number of inputs of a kind.")
+      .def(
+          "mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
+          "Hint for differentiation: derivatives may go through this value. Never changes results.")
       .def("__len__", &Graph::size);
 }
 
 void bind_functions(nb::module_& m) {
   for (const NamedUnary& f : kUnary)
     m.def(
-        f.name,
-        [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); }, "x"_a, f.doc);
+        f.name, [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); }, "x"_a,
+        f.doc);
   const auto binary = [&m](const char* name, Binary function, const char* first, const char* second,
                            const char* doc) {
     m.def(
@@ -396,10 +399,12 @@ void bind_functions(nb::module_& m) {
       "is_same",
       [](const TracedScalar& a, const TracedScalar& b) { return symbolic::is_same(a.value, b.value); }, "a"_a,
       "b"_a, "Whether two scalars are the same expression.");
-  m.def("constant", [](nb::handle x) { return require_traced(x, "constant"); }, "x"_a,
-        "The scalar that stands for a number; scalars are returned as they are.");
-  m.def("is_scalar_like", [](nb::handle x) { return to_traced(x).has_value(); }, "x"_a.none(),
-        "Whether the value is a scalar or a number.");
+  m.def(
+      "constant", [](nb::handle x) { return require_traced(x, "constant"); }, "x"_a,
+      "The scalar that stands for a number; scalars are returned as they are.");
+  m.def(
+      "is_scalar_like", [](nb::handle x) { return to_traced(x).has_value(); }, "x"_a.none(),
+      "Whether the value is a scalar or a number.");
   m.def("jacobian", jacobian, "outputs"_a, "wrt"_a,
         "Rows of derivatives of the outputs with respect to any values they are made of.");
   m.def("hessian", hessian, "output"_a, "wrt"_a,
@@ -415,14 +420,18 @@ void bind_symbolic(nanobind::module_& parent) {
   bind_graph(m);
   nb::class_<TracedScalar> scalar(m, "Scalar", "A number of a formula: recorded, not computed.");
   bind_operators(scalar);
-  scalar.def_prop_ro("graph", [](const TracedScalar& x) { return x.graph; }, "Graph, or None for a number.")
-      .def_prop_ro("id", [](const TracedScalar& x) { return x.value.id(); }, "Number of the node in its graph.")
+  scalar.def_prop_ro(
+            "graph", [](const TracedScalar& x) { return x.graph; }, "Graph, or None for a number.")
+      .def_prop_ro(
+          "id", [](const TracedScalar& x) { return x.value.id(); }, "Number of the node in its graph.")
       .def_prop_ro("name", name_of, "Name of an input, else ''.")
       .def_prop_ro("operation", operation_of, "'constant', 'input', or the operation: '+', 'sqrt', ...")
       .def_prop_ro("operands", operands_of, "Scalars that the operation is applied to.")
-      .def_prop_ro("is_constant", [](const TracedScalar& x) { return x.value.is_constant(); }, "Known number?")
       .def_prop_ro(
-          "is_condition", [](const TracedScalar& x) { return x.value.is_condition(); }, "Made by a comparison?");
+          "is_constant", [](const TracedScalar& x) { return x.value.is_constant(); }, "Known number?")
+      .def_prop_ro(
+          "is_condition", [](const TracedScalar& x) { return x.value.is_condition(); },
+          "Made by a comparison?");
   bind_functions(m);
   bind_array_functions(m);
 }

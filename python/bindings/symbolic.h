@@ -26,9 +26,10 @@ struct TracedScalar {
 inline std::shared_ptr<symbolic::Graph> common_graph(const TracedScalar& a, const TracedScalar& b,
                                                      const std::string& operation) {
   if (a.graph && b.graph && a.graph != b.graph)
-    throw TraceError(operation +
-                     ": the operands come from two different formulas; every value of a formula has to be made "
-                     "from its own arguments. Do not keep traced values for later.");
+    throw TraceError(
+        operation +
+        ": the operands come from two different formulas; every value of a formula has to be made "
+        "from its own arguments. Do not keep traced values for later.");
   return a.graph ? a.graph : b.graph;
 }
 

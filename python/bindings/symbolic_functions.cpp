@@ -120,7 +120,8 @@ nb::dict statistics(const ArrayFunction& f, int order) {
 }  // namespace
 
 void bind_array_functions(nb::module_& m) {
-  nb::class_<ArrayFunction>(m, "ArrayFunction", "Compiled values and derivatives of expressions over batches.")
+  nb::class_<ArrayFunction>(m, "ArrayFunction",
+                            "Compiled values and derivatives of expressions over batches.")
       .def_prop_ro("output_count", &ArrayFunction::output_count)
       .def_prop_ro("variable_count", &ArrayFunction::variable_count)
       .def_prop_ro("backend", [](const ArrayFunction& f) { return symbolic::to_string(f.backend()); })
@@ -130,8 +131,9 @@ void bind_array_functions(nb::module_& m) {
       .def("statistics", statistics, "order"_a, "Counts of one order; builds its code if needed.");
   m.def("compile_arrays", compile_arrays, "outputs"_a, "arguments"_a, "backend"_a = "automatic",
         "Compiles outputs as a function of arguments, which are (name, scalars, differentiated).");
-  m.def("best_backend", [] { return symbolic::to_string(symbolic::best_backend()); },
-        "Name of the back end that 'automatic' stands for on this machine.");
+  m.def(
+      "best_backend", [] { return symbolic::to_string(symbolic::best_backend()); },
+      "Name of the back end that 'automatic' stands for on this machine.");
 }
 
 }  // namespace stark::bindings

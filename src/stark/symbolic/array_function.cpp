@@ -38,11 +38,12 @@ struct ArrayFunctionState {
   Kernel kernel;  // if m = 1
   std::mutex mutex;
   std::once_flag built[2];
-  Function function[2];                  // if m > 1: values; values and first derivatives
+  Function function[2];                   // if m > 1: values; values and first derivatives
   std::vector<std::array<int, 2>> first;  // (output, variable) of the first derivatives that are not zero
 
   void import(std::span<const Scalar> given, std::span<const ArrayArgument> arguments);
-  void add_input(std::vector<NodeId>& image, const Graph& source, NodeId id, Source place, int variable_place);
+  void add_input(std::vector<NodeId>& image, const Graph& source, NodeId id, Source place,
+                 int variable_place);
   void build(int order);
   const Function& get(int order) {
     std::call_once(built[order], [&] { build(order); });
@@ -66,8 +67,7 @@ Graph* graph_of(std::span<const Scalar> outputs) {
   return graph;
 }
 
-void require_known_inputs(Graph& graph, const std::vector<char>& needed,
-                          const std::vector<NodeId>& image) {
+void require_known_inputs(Graph& graph, const std::vector<char>& needed, const std::vector<NodeId>& image) {
   for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
     const Op op = graph.node(id).op;
     if (!needed[id] || image[id] >= 0 || op == Op::Constant || operand_count(op) > 0) continue;
@@ -126,8 +126,7 @@ void ArrayFunctionState::import(std::span<const Scalar> given, std::span<const A
     imported = import_expressions(*source, roots, graph, std::move(image));
   }
   size_t next = 0;
-  for (const Scalar& y : given)
-    outputs.push_back(y.is_literal() ? y : Scalar(&graph, imported[next++]));
+  for (const Scalar& y : given) outputs.push_back(y.is_literal() ? y : Scalar(&graph, imported[next++]));
   for (; next < imported.size(); ++next) graph.mark_stage(Scalar(&graph, imported[next]));
 }
 

@@ -21,15 +21,16 @@ struct ArrayArgument {
   bool differentiated = false;
 };
 
-/// Values of one argument over a batch: scalar k of element (i, j, ...) is data[i s_i + j s_j + ... + offsets[k]].
+/// Values of one argument over a batch: scalar k of element (i, j, ...) is data[i s_i + j s_j + ... +
+/// offsets[k]].
 struct StridedArray {
   const double* data = nullptr;
   std::vector<int64_t> strides;  // [number], by dimension of the batch; 0 where all elements share the value
   std::vector<int64_t> offsets;  // [number], by scalar of the argument
 };
 
-/// Row-major results, any of them null: values (count, m), first derivatives (count, m, n), second derivatives
-/// (count, n, n) for n scalars of differentiated arguments, in order.
+/// Row-major results, any of them null: values (count, m), first derivatives (count, m, n), second
+/// derivatives (count, n, n) for n scalars of differentiated arguments, in order.
 struct ArrayResults {
   double* values = nullptr;
   double* first = nullptr;

@@ -15,7 +15,9 @@ std::vector<NodeId> import_expressions(const Graph& source, std::span<const Node
     for (int i = 0; i < source.input_count(kind); ++i) target.input_node(kind, i);
   }
   const auto kind_of = [](Op op) {
-    return op == Op::Unknown ? InputKind::Unknown : op == Op::Element ? InputKind::Element : InputKind::Uniform;
+    return op == Op::Unknown   ? InputKind::Unknown
+           : op == Op::Element ? InputKind::Element
+                               : InputKind::Uniform;
   };
   for (NodeId id = 0; id < source.size(); ++id) {
     const Node& n = source.node(id);

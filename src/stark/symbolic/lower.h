@@ -14,8 +14,8 @@ namespace stark::symbolic {
 /// differentiated values become products with a reciprocal, which their derivatives share.
 std::vector<NodeId> import_expressions(const Graph& source, std::span<const NodeId> outputs, Graph& target);
 
-/// The same, where leaves stand for nodes of the target: `image` has one entry per node of the source, -1 where
-/// the node is copied. Every input that `outputs` need must have one.
+/// The same, where leaves stand for nodes of the target: `image` has one entry per node of the source, -1
+/// where the node is copied. Every input that `outputs` need must have one.
 std::vector<NodeId> import_expressions(const Graph& source, std::span<const NodeId> outputs, Graph& target,
                                        std::vector<NodeId> image);
 

@@ -46,8 +46,7 @@ std::vector<NodeId> forward_jacobian(Graph& graph, std::span<const NodeId> outpu
   std::vector<NodeId> entries(outputs.size() * inputs.size());
   for (size_t j = 0; j < inputs.size(); ++j) {
     const std::vector<NodeId> column = forward(graph, outputs, needed, inputs[j]);
-    for (size_t i = 0; i < outputs.size(); ++i)
-      entries[i * inputs.size() + j] = or_zero(graph, column[i]);
+    for (size_t i = 0; i < outputs.size(); ++i) entries[i * inputs.size() + j] = or_zero(graph, column[i]);
   }
   return entries;
 }
