@@ -1,5 +1,5 @@
-"""Compiled functions: derivatives against SymPy and central differences, batches of every layout, equal bits of
-all back ends, threads."""
+"""Compiled functions: derivatives against SymPy and central differences, batches of every layout, equal bits
+of all back ends, threads."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ def test_listing_names_shared_parts() -> None:
     lines = str(sample.graph()).splitlines()
     assert lines[0] == "sample(x[2], a):"
     assert lines[1] == "  t1 = sqrt(a + x[0]**2 + x[1]**2)"
-    assert lines[-1] == "  return where((1 < t1) & ~(x[0] < a), t1 * (a - 1), -t1 / 3)"
+    assert lines[-1] == "  return where((1 < t1) & ~(x[0] < a), t1 * (a - 1), -(t1 / 3))"
 
 
 def test_listing_is_the_formula() -> None:

@@ -109,7 +109,7 @@ def test_object_arrays_of_scalars_are_vectors() -> None:
 
 
 def test_operations_come_in_the_order_of_the_cpp_layer() -> None:
-    """tensor.h: dot from the first entry on, determinant by a triple product of columns, inverse by one division."""
+    """tensor.h: dot from the first entry on, determinant by a triple product, inverse by one division."""
     a, b = sym.symbols("a[3] b[3]")
     assert sym.is_same(a @ b, (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2])
     F = traced((3, 3))
