@@ -196,7 +196,7 @@ def build_jax(formula: Formula, n: int, m: int) -> list[Call]:
 
 
 LIBRARIES = {
-    "stark": ("stark", build_stark),
+    "stark": ("stark.symbolic", build_stark),
     "CasADi": ("casadi", build_casadi),
     "JAX": ("jax", build_jax),
     "SymEngine": ("symengine", build_symengine),

@@ -12,6 +12,7 @@ import numpy as np
 
 from stark._core import InvalidArgument, TraceError
 from stark._core import symbolic as core
+from stark.symbolic.arrays import batch_of
 from stark.symbolic.errors import formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.signature import Argument, new_symbols, read_signature
@@ -93,6 +94,7 @@ class Function:
         self._defaults = tuple(p.default for p in parameters)
         self._record = record
         self._formula: Formula | None = None
+        self._recording = False
         self._lock = threading.RLock()
 
     @property
@@ -100,8 +102,13 @@ class Function:
         """The recorded formula; recorded at first use."""
         if self._formula is None:
             with self._lock:
-                if self._formula is None:
-                    self._formula = self._record()
+                if self._recording:
+                    raise TraceError(f"{self.__name__} calls itself; a formula is recorded without recursion")
+                self._recording = True
+                try:
+                    self._formula = self._formula or self._record()
+                finally:
+                    self._recording = False
         return self._formula
 
     def __call__(self, *args: object, **kwargs: object) -> object:
@@ -153,6 +160,10 @@ class Function:
         return Statistics.of(
             compiled.backend, {name: compiled.statistics(k) for k, name in enumerate(orders)}
         )
+
+    def __reduce__(self) -> str:
+        # Pickled by name, as functions are.
+        return self.__qualname__
 
     def __repr__(self) -> str:
         return f"<stark.symbolic.Function {self.__name__}{self.__signature__}>"
@@ -208,20 +219,7 @@ class Function:
         else:
             bound = self._bind(args, kwargs)
             args = tuple(bound[a.name] for a in arguments)
-        arrays = [_array(self.__name__, a.name, x, a.shape) for a, x in zip(arguments, args, strict=True)]
-        leading = {x.shape[: x.ndim - len(a.shape)] for x, a in zip(arrays, arguments, strict=True)}
-        if len(leading) == 1:
-            return arrays, leading.pop()
-        try:
-            return arrays, np.broadcast_shapes(*leading)
-        except ValueError:
-            shapes = ", ".join(
-                f"{a.name} {x.shape[: x.ndim - len(a.shape)]}" for a, x in zip(arguments, arrays, strict=True)
-            )
-            raise InvalidArgument(
-                f"{self.__name__}: the batch shapes {shapes} do not broadcast; leading dimensions must be "
-                "equal or 1"
-            ) from None
+        return batch_of(self.__name__, arguments, args)
 
     def _wrt(self, wrt: Wrt) -> tuple[int, ...]:
         if wrt is None:
@@ -304,24 +302,6 @@ def _any_symbols(args: tuple, kwargs: dict) -> bool:
 
 def _single(blocks: tuple, wrt: Wrt) -> object:
     return blocks[0] if wrt is None or isinstance(wrt, str) else blocks
-
-
-def _array(formula: str, name: str, value: object, shape: tuple[int, ...]) -> np.ndarray:
-    """The argument as an array of float64 whose strides are whole numbers of float64."""
-    try:
-        given = np.asarray(value)
-    except ValueError as error:
-        raise InvalidArgument(f"{formula}: argument '{name}' is no array: {error}") from None
-    if given.dtype.kind not in "biuf":
-        raise InvalidArgument(f"{formula}: argument '{name}' has the type {given.dtype}, need real numbers")
-    if shape and given.shape[max(given.ndim - len(shape), 0) :] != shape:
-        need = ", ".join(["...", *map(str, shape)])
-        raise InvalidArgument(f"{formula}: argument '{name}' has the shape {given.shape}, need ({need})")
-    if given.dtype != np.float64:
-        given = given.astype(np.float64)
-    if given.flags.c_contiguous and given.flags.aligned:
-        return given
-    return given if given.flags.aligned and not any(stride % 8 for stride in given.strides) else given.copy()
 
 
 def _result(name: str, value: object, function: Callable[..., object] | None) -> Scalar | Vec | Mat:

@@ -3,6 +3,7 @@ of all back ends, threads."""
 
 from __future__ import annotations
 
+import pickle
 import threading
 from collections.abc import Callable
 
@@ -280,6 +281,10 @@ def test_derivatives_inside_formulas() -> None:
     curl = sym.jacobian(sym.vec(x[0] * x[1], x[1] ** 2), x)
     assert sym.is_same(curl[0, 1], x[0])
     assert sym.is_same(sym.hessian(x[0] ** 2 * x[1], x)[0, 0], 2 * x[1])
+
+
+def test_functions_are_pickled_by_name() -> None:
+    assert pickle.loads(pickle.dumps(rosenbrock)) is rosenbrock
 
 
 def test_results_as_lists_and_constants() -> None:
