@@ -33,15 +33,19 @@ void Model::Builder::build() {
   compile_contact();
 }
 
-std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition) const {
-  return std::make_shared<Potential>(definition, to_backend(settings.execution.backend));
+std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition,
+                                                         const std::set<std::string>& per_element) const {
+  return std::make_shared<Potential>(definition, to_backend(settings.execution.backend), per_element);
 }
 
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
-                                          std::span<const int32_t> stencils, const std::string& body) {
+                                          std::span<const int32_t> stencils, const std::string& body,
+                                          const ParameterValues& values) {
   ModelBatch& batch = model.batches_.emplace_back(
-      ModelBatch{ModelBatch::Role::Elastic, body, PotentialBatch(compile(definition)), {}});
+      ModelBatch{ModelBatch::Role::Elastic, body,
+                 PotentialBatch(compile(definition, per_element_names(values))), {}});
   batch.batch.resize(stencils);
+  set_values(batch.batch, values);
   return batch.batch;
 }
 

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <stark/mechanics/field_values.h>
 #include <stark/sim/model.h>
 #include <stark/sim/registry.h>
 
@@ -38,9 +40,10 @@ struct Model::Builder {
   void add_inertia();
 
   // Everything else (model.cpp)
-  std::shared_ptr<const Potential> compile(const PotentialDefinition& definition) const;
+  std::shared_ptr<const Potential> compile(const PotentialDefinition& definition,
+                                           const std::set<std::string>& per_element = {}) const;
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
-                            const std::string& body);
+                            const std::string& body, const ParameterValues& values = {});
   void set_block_scales();
   void set_initial_state();
   void compile_contact();
