@@ -9,6 +9,7 @@
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>

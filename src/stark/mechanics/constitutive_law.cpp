@@ -38,16 +38,17 @@ ConstitutiveLaw<columns> law_from(std::string name, std::string doc, Formula for
                           " points: must have " + std::to_string(columns) +
                           ", the columns of the deformation gradient");
   const bool remembers = formula.uses(ElementField::Source::Previous);
-  auto law = define_law<columns>(
-      std::move(name), std::move(doc),
-      [formula = std::move(formula), remembers](PotentialBuilder& b, const Deformation<columns>& deformation) {
-        symbolic::Mat<3, columns> identity;
-        for (int i = 0; i < columns; ++i) identity(i, i) = 1.0;
-        PointExpressions points{.x = columns_of(deformation.F()), .X = columns_of(identity),
-                                .x_initial = columns_of(identity)};
-        points.x_prev = remembers ? columns_of(deformation.F_prev()) : points.x;
-        return formula.repeat(b, points).at(0);
-      });
+  auto law = define_law<columns>(std::move(name), std::move(doc),
+                                 [formula = std::move(formula), remembers](
+                                     PotentialBuilder& b, const Deformation<columns>& deformation) {
+                                   symbolic::Mat<3, columns> identity;
+                                   for (int i = 0; i < columns; ++i) identity(i, i) = 1.0;
+                                   PointExpressions points{.x = columns_of(deformation.F()),
+                                                           .X = columns_of(identity),
+                                                           .x_initial = columns_of(identity)};
+                                   points.x_prev = remembers ? columns_of(deformation.F_prev()) : points.x;
+                                   return formula.repeat(b, points).at(0);
+                                 });
   law.zero_at_rest = law.objective = law.isotropic = false;  // nobody has promised it
   return law;
 }

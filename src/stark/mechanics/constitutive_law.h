@@ -3,7 +3,8 @@
 // the start of the step and the time step is viscous. Phase: model building.
 //
 //   SolidLaw st_venant_kirchhoff() {
-//     return define_solid_law("st_venant_kirchhoff", "...", [](PotentialBuilder& b, const SolidDeformation& d) {
+//     return define_solid_law("st_venant_kirchhoff", "...", [](PotentialBuilder& b, const SolidDeformation&
+//     d) {
 //       const Mat3 E = 0.5 * (transpose(d.F()) * d.F() - Mat3::identity());
 //       return b.parameter("shear_modulus", "Pa", "...", positive()) * squared_norm(E) + ...;
 //     });
@@ -56,9 +57,9 @@ SolidLaw define_solid_law(std::string name, std::string doc,
 ShellLaw define_shell_law(std::string name, std::string doc,
                           std::function<symbolic::Scalar(PotentialBuilder&, const ShellDeformation&)> psi);
 
-/// Laws whose psi is the first output of a formula of 3 (shells: 2) points: the columns of F; x_prev are those
-/// of F_prev. Throws InvalidArgument for another number of points. Rest positions mean nothing to a law: X and
-/// x_initial of the formula become the columns of the identity.
+/// Laws whose psi is the first output of a formula of 3 (shells: 2) points: the columns of F; x_prev are
+/// those of F_prev. Throws InvalidArgument for another number of points. Rest positions mean nothing to a
+/// law: X and x_initial of the formula become the columns of the identity.
 SolidLaw solid_law_from(std::string name, std::string doc, Formula formula);
 ShellLaw shell_law_from(std::string name, std::string doc, Formula formula);
 

@@ -47,12 +47,12 @@ void check_values(std::string_view owner, const ParameterDeclaration& declaratio
   const size_t width = static_cast<size_t>(declaration.width);
   const size_t count = values.per_element ? static_cast<size_t>(element_count) : 1;
   if (values.values.size() != width * count)
-    throw InvalidArgument(
-        std::string(owner) + ": " + declaration.name + " has " + std::to_string(values.values.size()) +
-        " numbers: must be " + (values.per_element ? std::to_string(width) + " for each of the " +
-                                                         std::to_string(element_count) + " elements"
-                                                   : std::to_string(width)) +
-        "; give one value for the whole body or one for each element");
+    throw InvalidArgument(std::string(owner) + ": " + declaration.name + " has " +
+                          std::to_string(values.values.size()) + " numbers: must be " +
+                          (values.per_element ? std::to_string(width) + " for each of the " +
+                                                    std::to_string(element_count) + " elements"
+                                              : std::to_string(width)) +
+                          "; give one value for the whole body or one for each element");
   for (size_t k = 0; k < values.values.size(); ++k)
     if (!declaration.rule.holds(values.values[k]))
       throw InvalidArgument(std::string(owner) + ": " + label(declaration, values, k / width) + " = " +

@@ -144,8 +144,8 @@ Scalar PotentialBuilder::parameter(const std::string& name, const std::string& u
 }
 
 symbolic::Vec3 PotentialBuilder::direction(const std::string& name, const std::string& doc) {
-  return normalized(vector_of(
-      parameter_like({.name = name, .unit = "1", .doc = doc, .width = 3, .is_direction = true})));
+  return normalized(
+      vector_of(parameter_like({.name = name, .unit = "1", .doc = doc, .width = 3, .is_direction = true})));
 }
 
 symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::string& unit,

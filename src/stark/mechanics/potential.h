@@ -103,8 +103,7 @@ class PotentialBuilder {
   symbolic::Vec3 direction(const std::string& name, const std::string& doc);
   /// A parameter of any width, in row-major order for matrices.
   std::vector<symbolic::Scalar> parameter_array(const std::string& name, int width, const std::string& unit,
-                                                const std::string& doc,
-                                                const FieldRule& rule = any_number());
+                                                const std::string& doc, const FieldRule& rule = any_number());
   /// The parameter that `declaration` describes, its offset aside.
   std::vector<symbolic::Scalar> parameter_like(const UniformField& declaration);
 

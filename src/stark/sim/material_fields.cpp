@@ -117,9 +117,9 @@ void check_warp(std::string_view owner, const ClothDescription& cloth) {
     const Index3& i = cloth.mesh.triangles[t];
     const auto& X = cloth.mesh.vertices;
     if (!is_projectable({v[0], v[1], v[2]}, X[i[0]], X[i[1]], X[i[2]]))
-      throw InvalidArgument(std::string(owner) + ": warp_direction = " +
-                            to_text(FieldValue(Vec3{v[0], v[1], v[2]})) + " is normal to triangle " +
-                            std::to_string(t) +
+      throw InvalidArgument(std::string(owner) +
+                            ": warp_direction = " + to_text(FieldValue(Vec3{v[0], v[1], v[2]})) +
+                            " is normal to triangle " + std::to_string(t) +
                             ": must have a projection into each; give one direction for each triangle");
   }
 }

@@ -41,9 +41,8 @@ std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefiniti
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
                                           std::span<const int32_t> stencils, const std::string& body,
                                           const ParameterValues& values) {
-  ModelBatch& batch = model.batches_.emplace_back(
-      ModelBatch{ModelBatch::Role::Elastic, body,
-                 PotentialBatch(compile(definition, per_element_names(values))), {}});
+  ModelBatch& batch = model.batches_.emplace_back(ModelBatch{
+      ModelBatch::Role::Elastic, body, PotentialBatch(compile(definition, per_element_names(values))), {}});
   batch.batch.resize(stencils);
   set_values(batch.batch, values);
   return batch.batch;

@@ -18,8 +18,8 @@ ShellLaw orthotropic_cloth() {
                                       half_open_interval(0.0, 0.5));
         const Mat32 F = deformation.F();
         const Mat2 E = 0.5 * (transpose(F) * F - Mat2::identity());
-        const Scalar stretch = E1 * square(E(0, 0)) + 2.0 * nu * sqrt(E1 * E2) * E(0, 0) * E(1, 1) +
-                               E2 * square(E(1, 1));
+        const Scalar stretch =
+            E1 * square(E(0, 0)) + 2.0 * nu * sqrt(E1 * E2) * E(0, 0) * E(1, 1) + E2 * square(E(1, 1));
         return stretch / (2.0 * (1.0 - nu * nu)) + 2.0 * G * square(E(0, 1));
       });
   law.isotropic = false;

@@ -18,7 +18,8 @@ SolidLaw mooney_rivlin() {
         const Scalar J = determinant(F), I1 = trace(C);
         const Scalar I2 = 0.5 * (square(I1) - squared_norm(C));
         const Scalar isochoric = pow(J, -2.0 / 3.0);
-        return c10 * (isochoric * I1 - 3.0) + c01 * (square(isochoric) * I2 - 3.0) + 0.5 * K * square(J - 1.0);
+        return c10 * (isochoric * I1 - 3.0) + c01 * (square(isochoric) * I2 - 3.0) +
+               0.5 * K * square(J - 1.0);
       });
 }
 

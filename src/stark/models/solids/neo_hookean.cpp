@@ -6,14 +6,14 @@
 namespace stark::models {
 
 SolidLaw neo_hookean() {
-  SolidLaw law =
-      define_solid_law("neo_hookean", "compressible Neo-Hookean elasticity (ln J)",
-                       [](PotentialBuilder& b, const SolidDeformation& deformation) {
-                         const auto [mu, lambda] = lame_constants(b);
-                         const Mat3 F = deformation.F();
-                         const Scalar log_J = log(determinant(F));
-                         return 0.5 * mu * (squared_norm(F) - 3.0) - mu * log_J + 0.5 * lambda * square(log_J);
-                       });
+  SolidLaw law = define_solid_law("neo_hookean", "compressible Neo-Hookean elasticity (ln J)",
+                                  [](PotentialBuilder& b, const SolidDeformation& deformation) {
+                                    const auto [mu, lambda] = lame_constants(b);
+                                    const Mat3 F = deformation.F();
+                                    const Scalar log_J = log(determinant(F));
+                                    return 0.5 * mu * (squared_norm(F) - 3.0) - mu * log_J +
+                                           0.5 * lambda * square(log_J);
+                                  });
   law.sample = sample_poissons_ratio;
   return law;
 }
