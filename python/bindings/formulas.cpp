@@ -10,6 +10,7 @@
 #include <stark/sim/registry.h>
 #include <stark/sim/simulation.h>
 
+#include "field_values.h"
 #include "formulas.h"
 #include "symbolic.h"
 
@@ -54,22 +55,12 @@ Formula registered_formula(const std::string& name) {
 }
 
 nb::list field_list(const Formula& formula) {
-  nb::list rows;
-  for (const RequiredField& field : required_fields(define_potential("formula", "", formula))) {
-    nb::dict row;
-    row["name"] = field.name;
-    row["unit"] = field.unit;
-    row["doc"] = field.doc;
-    row["width"] = field.width;
-    row["is_data"] = field.is_data;
-    rows.append(row);
-  }
-  return rows;
+  return describe(parameters_of(define_potential("formula", "", formula)));
 }
 
-std::set<std::string> names_of(const std::vector<RequiredField>& fields) {
+std::set<std::string> names_of(const std::vector<ParameterDeclaration>& fields) {
   std::set<std::string> names;
-  for (const RequiredField& field : fields) names.insert(field.name);
+  for (const ParameterDeclaration& field : fields) names.insert(field.name);
   return names;
 }
 
@@ -90,7 +81,7 @@ std::vector<Vec3> positions(const nb::dict& given, const char* name, size_t expe
 
 Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Backend backend) {
   const PotentialDefinition definition = define_potential("formula", "", formula);
-  const std::vector<RequiredField> fields = required_fields(definition);
+  const std::vector<ParameterDeclaration> fields = parameters_of(definition);
   Sample sample{PotentialBatch(std::make_shared<Potential>(definition, backend, names_of(fields))), {}};
   const auto x = array<Rows<double, 3>>(given["x"], "x", "an (n, 3) array of positions");
   const std::span<const Vec3> points = rows<Vec3>(x);
@@ -103,7 +94,7 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
   sample.batch.set_initial(positions(given, "x_initial", points.size()));
   sample.batch.set_time(nb::cast<double>(given["time_step"]), nb::cast<double>(given["time"]));
   const nb::dict values = nb::cast<nb::dict>(given["values"]);
-  for (const RequiredField& field : fields) {
+  for (const ParameterDeclaration& field : fields) {
     const auto column =
         array<Column<double>>(values[field.name.c_str()], field.name, "a flat array of numbers");
     const std::span<const double> numbers = stark::bindings::values(column);
@@ -173,16 +164,6 @@ PointSet to_point_set(const nb::dict& given) {
   return embedded_points(body(), {s.begin(), s.end()}, {w.begin(), w.end()});
 }
 
-FieldValueMap to_field_values(const nb::dict& given) {
-  FieldValueMap map;
-  for (auto [name, entry] : given) {
-    const auto pair = nb::cast<nb::tuple>(entry);
-    const auto numbers = array<Column<double>>(pair[0], text(name), "numbers");
-    map[text(name)] = {{numbers.data(), numbers.data() + numbers.shape(0)}, nb::cast<bool>(pair[1])};
-  }
-  return map;
-}
-
 int32_t add_energy(Scene& scene, const nb::dict& given) {
   EnergyDescription energy;
   energy.name = nb::cast<std::string>(given["name"]);
@@ -192,7 +173,7 @@ int32_t add_energy(Scene& scene, const nb::dict& given) {
   energy.potential.translation_invariant = nb::cast<bool>(given["translation_invariant"]);
   for (nb::handle set : nb::cast<nb::list>(given["points"]))
     energy.points.push_back(to_point_set(nb::cast<nb::dict>(set)));
-  energy.values = to_field_values(nb::cast<nb::dict>(given["values"]));
+  energy.values = parameter_values_of(given["values"], "energy '" + energy.name + "'");
   return scene.add_energy(std::move(energy)).index;
 }
 

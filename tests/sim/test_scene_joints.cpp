@@ -22,8 +22,8 @@ Settings no_contact(double h = 0.01) {
   return settings;
 }
 
-FieldValueMap values_of(const JointDefinition& definition, double length) {
-  FieldValueMap values;
+ParameterValues values_of(const JointDefinition& definition, double length) {
+  ParameterValues values;
   for (const UniformField& field : joint_parameters(definition)) values[field.name] = {{length}};
   return values;
 }

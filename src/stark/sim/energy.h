@@ -17,17 +17,9 @@ struct EnergyDescription {
   /// One set for each point of the potential. Sets of more than one point have the same size, the number of
   /// elements; a set of one point serves all elements.
   std::vector<PointSet> points{};
-  FieldValueMap values{};  ///< of all data and parameters of the potential
+  ParameterValues values{};  ///< of all data and parameters of the potential
 
   int64_t element_count() const;
 };
-
-/// Inputs of a potential that the scene has to give values for: name, unit, width. Traces the formula.
-struct RequiredField {
-  std::string name, unit, doc;
-  int width = 1;
-  bool is_data = false;  ///< a value for each element is a must
-};
-std::vector<RequiredField> required_fields(const PotentialDefinition& potential);
 
 }  // namespace stark

@@ -42,7 +42,7 @@ struct JointDescription {
   std::string name{};  ///< unique among the joints of the scene; empty: the definition's, numbered
   std::shared_ptr<const JointDefinition> definition{};
   FrameDescription a{}, b{};
-  FieldValueMap values{};  ///< constants of the formula, one set of numbers each
+  ParameterValues values{};  ///< constants of the formula, one set of numbers each
   bool enabled = true;
 };
 

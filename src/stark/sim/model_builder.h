@@ -2,11 +2,13 @@
 // Internal to sim.
 #pragma once
 
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <stark/mechanics/field_values.h>
 #include <stark/sim/model.h>
 #include <stark/sim/registry.h>
 
@@ -52,9 +54,11 @@ struct Model::Builder {
 
   // Everything else (model.cpp)
   symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }
-  /// `owner`: name of the body or energy; `per_element`: parameters with a value for each element.
+  std::shared_ptr<const Potential> compile(const PotentialDefinition& definition,
+                                           const std::set<std::string>& per_element = {}) const;
+  /// `owner`: name of the body or energy.
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
-                            const std::string& owner, const std::set<std::string>& per_element = {});
+                            const std::string& owner, const ParameterValues& values = {});
   void set_block_scales();
   void set_initial_state();
   void set_initial_sites();

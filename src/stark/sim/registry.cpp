@@ -8,6 +8,22 @@ namespace stark {
 std::vector<PotentialDefinition> registered_potentials() {
   return {
 #define STARK_POTENTIAL(name) models::name(),
+#define STARK_SOLID_LAW(name) tet4(models::name()),
+#define STARK_SHELL_LAW(name) triangle3(models::name()),
+#include <stark/sim/registry.inc>
+  };
+}
+
+std::vector<SolidLaw> registered_solid_laws() {
+  return {
+#define STARK_SOLID_LAW(name) models::name(),
+#include <stark/sim/registry.inc>
+  };
+}
+
+std::vector<ShellLaw> registered_shell_laws() {
+  return {
+#define STARK_SHELL_LAW(name) models::name(),
 #include <stark/sim/registry.inc>
   };
 }

@@ -1,9 +1,10 @@
-// All potentials and joints of the library by name (sim/registry.inc).
+// All potentials, constitutive laws and joints of the library by name (sim/registry.inc).
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
 
@@ -11,11 +12,16 @@ namespace stark {
 
 namespace models {
 #define STARK_POTENTIAL(name) PotentialDefinition name();
+#define STARK_SOLID_LAW(name) SolidLaw name();
+#define STARK_SHELL_LAW(name) ShellLaw name();
 #define STARK_JOINT(name) JointDefinition name();
 #include <stark/sim/registry.inc>
 }  // namespace models
 
+/// The potentials, and the laws on their linear elements: tetrahedra and triangles.
 std::vector<PotentialDefinition> registered_potentials();
+std::vector<SolidLaw> registered_solid_laws();
+std::vector<ShellLaw> registered_shell_laws();
 /// Shared by all joints that are made of them.
 const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints();
 /// Throws InvalidArgument for unknown names, with the nearest one as a hint.

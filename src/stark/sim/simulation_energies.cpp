@@ -80,7 +80,7 @@ namespace {
 /// Width of a value of the energy; throws for unknown names.
 int width_of(const EnergyDescription& energy, const std::string& name) {
   std::vector<std::string> names;
-  for (const RequiredField& field : required_fields(energy.potential)) {
+  for (const ParameterDeclaration& field : parameters_of(energy.potential)) {
     if (field.name == name) return field.width;
     names.push_back(field.name);
   }
