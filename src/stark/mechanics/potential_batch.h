@@ -52,6 +52,9 @@ class PotentialBatch {
   /// lanes of the last block repeat the last element.
   void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                 double* out) const;
+  /// The same with unknowns in lanes instead of positions by site: [last-first][3 points][kLanes].
+  void evaluate_lanes(symbolic::Order order, const double* unknowns, int64_t first, int64_t last,
+                      double* out) const;
 
  private:
   void fill(ElementField::Source source, std::span<const Vec3> values);
