@@ -154,7 +154,7 @@ PotentialDefinition quadrature_point(const SolidLaw& law) {
         const SolidDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
                                            [&] { return gradient(&PotentialBuilder::x_prev); }};
         const Scalar density = psi(b, deformation);
-        return density * b.data("weight", "m^3", "rest volume that the point stands for");
+        return density * b.data(kQuadratureWeight, "m^3", "rest volume that the point stands for");
       });
   definition.translation_invariant = definition.zero_at_rest = false;  // the points are no places
   return definition;

@@ -27,7 +27,7 @@ void QuadratureBatch::resize(std::span<const int32_t> stencils) {
 
 void QuadratureBatch::set_geometry(int64_t element, std::span<const Vec3> gradients,
                                    std::span<const double> weights) {
-  const int weight = law_.field_index("weight");
+  const int weight = law_.field_index(kQuadratureWeight);
   for (int q = 0; q < points_; ++q) {
     double* G = gradients_.data() + (element * points_ + q) * 3 * padded_nodes();
     for (int a = 0; a < node_count_; ++a)
@@ -60,6 +60,10 @@ Vec3 QuadratureBatch::column(int64_t element, int point, int j, std::span<const 
 }
 
 void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {
+  const auto& fields = law_.potential().element_fields();
+  if (std::ranges::none_of(
+          fields, [](const ElementField& f) { return f.source == ElementField::Source::Previous; }))
+    return;
   std::vector<Vec3> columns;
   columns.reserve(static_cast<size_t>(3 * size_ * points_));
   for (int64_t e = 0; e < size_; ++e)

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/field_values.h>
 #include <stark/mechanics/potential_batch.h>
 

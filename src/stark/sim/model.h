@@ -10,6 +10,7 @@
 #include <stark/contact/pipeline.h>
 #include <stark/mechanics/incremental_potential.h>
 #include <stark/mechanics/potential_batch.h>
+#include <stark/mechanics/quadrature_batch.h>
 #include <stark/mechanics/state.h>
 #include <stark/sim/scene.h>
 
@@ -46,6 +47,12 @@ struct ModelBatch {
   std::vector<int32_t> subject;
 };
 
+/// Elements with quadrature points of one body.
+struct ModelQuadrature {
+  std::string body;
+  QuadratureBatch batch;
+};
+
 class Model {
  public:
   Model(const Scene& scene, const Settings& settings);
@@ -57,6 +64,8 @@ class Model {
   const std::vector<BlockScale>& block_scales() const { return block_scales_; }
   std::vector<ModelBatch>& batches() { return batches_; }
   const std::vector<ModelBatch>& batches() const { return batches_; }
+  std::vector<ModelQuadrature>& quadrature_batches() { return quadrature_batches_; }
+  const std::vector<ModelQuadrature>& quadrature_batches() const { return quadrature_batches_; }
   const State& initial_state() const { return initial_state_; }
   ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
   ContactPotentials contact_potentials() const { return contact_potentials_; }
@@ -73,6 +82,7 @@ class Model {
   std::vector<double> point_masses_;
   std::vector<BlockScale> block_scales_;
   std::vector<ModelBatch> batches_;
+  std::vector<ModelQuadrature> quadrature_batches_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;
   ContactPotentials contact_potentials_;

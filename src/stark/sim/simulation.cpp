@@ -67,7 +67,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const ModelBatch& batch : model_->batches()) batches.push_back(&batch.batch);
-  assembler_->set_static_batches(std::move(batches));
+  std::vector<const QuadratureBatch*> quadrature;
+  for (const ModelQuadrature& elements : model_->quadrature_batches()) quadrature.push_back(&elements.batch);
+  assembler_->set_static_batches(std::move(batches), quadrature);
   potential_ = std::make_unique<IncrementalPotential>(model_->map(), *assembler_, contact_.get(),
                                                       model_->block_scales(), *timer_);
   linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
@@ -267,6 +269,13 @@ EnergyLedger Simulation::energies(std::span<const Vec3> x) const {
     out.resize(batch.batch.block_count() * symbolic::kLanes);
     batch.batch.evaluate(symbolic::Order::Energy, x, 0, batch.batch.block_count(), out.data());
     for (int64_t e = 0; e < batch.batch.size(); ++e) ledger.elastic += out[e];
+  }
+  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+    const PotentialBatch& points = elements.batch.law();
+    elements.batch.set_previous(x);
+    out.resize(points.block_count() * symbolic::kLanes);
+    elements.batch.evaluate(symbolic::Order::Energy, x, 0, elements.batch.group_count(), out.data());
+    for (int64_t q = 0; q < points.size(); ++q) ledger.elastic += out[q];
   }
   if (contact_)
     for (const double energy : contact_->active_set().energies()) ledger.contact += energy;

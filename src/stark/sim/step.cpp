@@ -160,6 +160,10 @@ Configuration Simulation::target_configuration(double h) const {
 void Simulation::predict(double h) {
   const bool quasistatic = settings_.time.integrator == Integrator::Quasistatic;
   const std::span<const Vec3> x = potential_->site_positions();
+  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+    elements.batch.set_previous(x);
+    elements.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
+  }
   for (ModelBatch& batch : model_->batches()) {
     batch.batch.set_previous(x);
     batch.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
