@@ -5,6 +5,7 @@ from __future__ import annotations
 import _jets
 import numpy as np
 from _formulas import Formula
+
 from stark._core import InvalidArgument
 from stark._core import symbolic as core
 
@@ -24,19 +25,20 @@ def back_ends():
 
 
 class Recorded:
-    """A formula as an expression of a graph of its own."""
+    """A formula as an expression of a graph of its own. stages: none, some (as drawn) or all values are marked."""
 
-    def __init__(self, formula: Formula, stages: bool = True) -> None:
+    def __init__(self, formula: Formula, stages: str = "some") -> None:
         self.graph = core.Graph()
         self.unknowns = [self.graph.input("unknown", f"x[{i}]") for i in range(formula.unknowns)]
         kinds = ("element", "uniform")
         self.others = [self.graph.input(kinds[i % 2], f"p{i}") for i in range(formula.others)]
 
-        def mark(value):
-            if isinstance(value, core.Scalar) and value.graph is not None:
+        def mark(value, drawn):
+            wanted = {"none": False, "some": drawn, "all": True}[stages]
+            if wanted and isinstance(value, core.Scalar) and value.graph is not None:
                 self.graph.mark_stage(value)
 
-        result = formula.of(core, self.unknowns + self.others, mark if stages else None)
+        result = formula.of(core, self.unknowns + self.others, mark)
         self.result = core.constant(result)
 
     def compile(self, back_end: str, outputs: list | None = None) -> core.ArrayFunction:
@@ -54,7 +56,9 @@ def evaluate(function: core.ArrayFunction, order: int, x: np.ndarray, unknowns: 
 
 def bits(array: np.ndarray) -> np.ndarray:
     """For comparisons bit by bit; NaN is one value, whatever its sign and payload."""
-    return np.where(np.isnan(array), np.uint64(0x7FF8000000000000), np.ascontiguousarray(array).view(np.uint64))
+    return np.where(
+        np.isnan(array), np.uint64(0x7FF8000000000000), np.ascontiguousarray(array).view(np.uint64)
+    )
 
 
 def same_bits(a: np.ndarray, b: np.ndarray) -> bool:

@@ -87,7 +87,9 @@ OPERATIONS = {
     "guarded_divide": lambda f, a, b, c, k: f.where(f.abs(a) > 1e-3, b / a, c),
     "guarded_asin": lambda f, a, b, c, k: f.where((a > -1.0) & (a < 1.0), f.asin(a), b),
     "guarded_acos": lambda f, a, b, c, k: f.where((a <= -1.0) | (a >= 1.0), b * c, f.acos(a) * c),
-    "guarded_power": lambda f, a, b, c, k: f.where(~(a > 0.0), c, f.pow(a, 0.1 + EXPONENTS[k % len(EXPONENTS)])),
+    "guarded_power": lambda f, a, b, c, k: f.where(
+        ~(a > 0.0), c, f.pow(a, 0.1 + EXPONENTS[k % len(EXPONENTS)])
+    ),
     "guarded_pair": lambda f, a, b, c, k: (
         f.where(a > 0.5, f.sqrt(a - 0.5), 0.0) + f.where(a > 0.5, b * f.sqrt(a - 0.5), c)
     ),
@@ -121,13 +123,12 @@ class Formula:
     operations: tuple[Operation, ...]
     seed: int
 
-    def of(self, functions, inputs, on_stage=None):
+    def of(self, functions, inputs, on_value=lambda value, is_stage: None):
         values = list(inputs)
         for operation in self.operations:
             a, b, c = (values[-1 - i % len(values)] for i in operation.operands)
             values.append(OPERATIONS[operation.name](functions, a, b, c, operation.choice))
-            if on_stage and operation.is_stage:
-                on_stage(values[-1])
+            on_value(values[-1], operation.is_stage)
         return values[-1]
 
     def inputs(self, elements):
@@ -147,10 +148,14 @@ def formulas(largest=30, most_unknowns=12):
     operation = st.builds(
         Operation, st.sampled_from(NAMES), st.tuples(place, place, place), st.integers(0, 63)
     )
+    # Lists of hypothesis are short unless told otherwise; small ones come first, for shrinking.
+    lists = st.sampled_from([1, 6, 12, 20, largest]).flatmap(
+        lambda least: st.lists(operation, min_size=least, max_size=largest)
+    )
     return st.builds(
         Formula,
         st.integers(1, most_unknowns),
         st.integers(0, 3),
-        st.lists(operation, min_size=1, max_size=largest).map(tuple),
+        lists.map(tuple),
         st.integers(0, 2**16),
     )

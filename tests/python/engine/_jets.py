@@ -90,10 +90,10 @@ class Condition:
 
     @staticmethod
     def compare(function, a, b):
-        # NaN compares as false everywhere; a difference of exactly known numbers is never in doubt.
+        # A difference of exactly known numbers is never in doubt. NaN is: the engine may simplify it away (s - s).
         gap = np.abs(a.v - b.v)
         error = SAFETY * (a.v_error + b.v_error)
-        return Condition(function(a.v, b.v), ~np.isnan(gap) & ~(gap > error) & ~(error == 0.0))
+        return Condition(function(a.v, b.v), ~((gap > error) | (error == 0.0)) | np.isnan(gap))
 
     def __and__(self, b):
         # In doubt only where the other side does not decide.
@@ -279,7 +279,9 @@ def tan(x):
 def arc(x, v, sign):
     w = (1.0 - x.v) * (1.0 + x.v)
     d = sign / np.sqrt(w)
-    return unary(x, v, d, x.v * d / w, (1.0 + 2.0 * x.v * x.v) * d / (w * w))
+    third = (1.0 + 2.0 * x.v * x.v) * d / (w * w)
+    # Where the first derivative is differentiated as an expression, (1 - x)(1 + x) cancels.
+    return unary(x, v, d, x.v * d / w, third, scales=(0.0, 0.0, 2.0 * np.abs(d) / w))
 
 
 def asin(x):
@@ -304,12 +306,21 @@ def tanh(x):
 
 def sinh(x):
     s, c = np.sinh(x.v), np.cosh(x.v)
-    return unary(x, s, c, s, c, scales=(0.0, 8.0, 8.0))
+    t = tanh(0.5 * x)
+    composed = where(abs(x) < 1.0, 2.0 * t / (1.0 - t * t), 0.5 * (exp(x) - exp(-x)))
+    return with_bounds(unary(x, s, c, s, c), composed)
 
 
 def cosh(x):
     s, c = np.sinh(x.v), np.cosh(x.v)
-    return unary(x, c, s, c, s, scales=(0.0, 1.0, 1.0))
+    return with_bounds(unary(x, c, s, c, s), 0.5 * (exp(x) + exp(-x)))
+
+
+def with_bounds(x, composed):
+    """x with the magnitudes and errors of the same function composed of others, as it is for the engine."""
+    for name in ("v_error", "g_size", "g_error", "H_size", "H_error"):
+        setattr(x, name, getattr(composed, name))
+    return x
 
 
 def atan2(y, x):
