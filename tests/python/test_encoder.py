@@ -1,6 +1,6 @@
 """Machine code of the symbolic engine against capstone: every instruction form with its registers, bases and
-displacements, and whole kernels executed instruction by instruction from the disassembly. This also covers AVX-512
-on machines that do not have it."""
+displacements, and whole kernels executed instruction by instruction from the disassembly. This also covers
+AVX-512 on machines that do not have it."""
 
 import ctypes
 import ctypes.util

@@ -25,7 +25,7 @@ def back_ends():
 
 
 class Recorded:
-    """A formula as an expression of a graph of its own. stages: none, some (as drawn) or all values are marked."""
+    """A formula as an expression of a graph of its own. stages: none, some (as drawn) or all values."""
 
     def __init__(self, formula: Formula, stages: str = "some") -> None:
         self.graph = core.Graph()
@@ -66,7 +66,7 @@ def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 class Expected:
-    """Value, gradient and Hessian by the oracle, elements first, with tolerances and where they mean something."""
+    """Value, gradient and Hessian by the oracle, elements first, with tolerances and where they are known."""
 
     def __init__(self, formula: Formula, x: np.ndarray) -> None:
         with np.errstate(all="ignore"):
@@ -95,6 +95,6 @@ class _Numbers:
         if wrong.any():
             place = tuple(int(i) for i in np.argwhere(wrong)[0])
             raise AssertionError(
-                f"{what}{list(place)}: the engine gives {computed[place]!r}, the oracle {self.exact[place]!r} "
-                f"within {self.tolerance[place]:.1e}"
+                f"{what}{list(place)}: the engine gives {computed[place]!r}, the oracle "
+                f"{self.exact[place]!r} within {self.tolerance[place]:.1e}"
             )

@@ -1,8 +1,9 @@
 """Random formulas: what hypothesis draws, and how it becomes an expression.
 
-A formula is a list of operations on earlier values. It runs on any scalars that have the operators and functions
-of stark.symbolic: on the engine's to be recorded, on jets (_jets.py) to be evaluated by the oracle. Domains are
-guarded by `where` (the branch that is not taken is NaN or infinite), by construction, or not at all."""
+A formula is a list of operations on earlier values. It runs on any scalars that have the operators and
+functions of stark.symbolic: on the engine's to be recorded, on jets (_jets.py) to be evaluated by the oracle.
+Domains are guarded by `where` (the branch that is not taken is NaN or infinite), by construction, or not at
+all."""
 
 from __future__ import annotations
 
@@ -149,7 +150,7 @@ def formulas(largest=30, most_unknowns=12):
         Operation, st.sampled_from(NAMES), st.tuples(place, place, place), st.integers(0, 63)
     )
     # Lists of hypothesis are short unless told otherwise; small ones come first, for shrinking.
-    lists = st.sampled_from([1, 6, 12, 20, largest]).flatmap(
+    lists = st.sampled_from([1, largest // 5, 2 * largest // 5, 2 * largest // 3, largest]).flatmap(
         lambda least: st.lists(operation, min_size=least, max_size=largest)
     )
     return st.builds(

@@ -1,16 +1,17 @@
 """Oracle of the engine's property tests: second-order forward jets with running error bounds.
 
-A jet holds a value, its gradient and its Hessian for a batch of elements, computed by the chain rule in float64
-and nothing else: no graph, no simplification, no code shared with the engine. Beside each number it carries
+A jet holds a value, its gradient and its Hessian for a batch of elements, computed by the chain rule in
+float64 and nothing else: no graph, no simplification, no code shared with the engine. Beside each number it has
 
-  magnitude  sum of the absolute values over all paths of the chain rule, which bounds what any order of summation
-             (forward, reverse, edge pushing, staged) can cancel,
+  magnitude  sum of the absolute values over all paths of the chain rule, which bounds what any order of
+             summation (forward, reverse, edge pushing, staged) can cancel,
   error      first-order bound of the rounding error that any such order can make: errors of operands times
              partial derivatives, one unit of rounding of the magnitude per operation.
 
-So tolerances follow the condition of each formula instead of being one number for all of them. An error that is
-not finite means "nothing can be said here": a comparison of values closer than their errors, a number so large or
-small that products of derivatives leave the range of float64. A branch that is not taken contributes nothing."""
+So tolerances follow the condition of each formula instead of being one number for all. An error that is not
+finite means "nothing can be said here": a comparison of values closer than their errors, or a number so large
+or small that products of derivatives leave the range of float64. A branch that is not taken contributes
+nothing."""
 
 from __future__ import annotations
 
@@ -23,8 +24,8 @@ LARGEST, SMALLEST = 1e60, 1e-60  # fourth powers stay within float64
 
 
 class Jet:
-    """Arrays with the elements last: value (B,), gradient (n, B), hessian (n, n, B); each as (number, magnitude,
-    error), the magnitude of the value being its absolute value."""
+    """Arrays with the elements last: value (B,), gradient (n, B), Hessian (n, n, B); each with its magnitude
+    (that of the value is its absolute value) and its error."""
 
     __slots__ = ("H", "H_error", "H_size", "g", "g_error", "g_size", "v", "v_error")
 
@@ -90,7 +91,7 @@ class Condition:
 
     @staticmethod
     def compare(function, a, b):
-        # A difference of exactly known numbers is never in doubt. NaN is: the engine may simplify it away (s - s).
+        # A difference of exactly known numbers is never in doubt. NaN is: the engine may simplify it away.
         gap = np.abs(a.v - b.v)
         error = SAFETY * (a.v_error + b.v_error)
         return Condition(function(a.v, b.v), ~((gap > error) | (error == 0.0)) | np.isnan(gap))
@@ -149,7 +150,7 @@ def outer(a, b):
 
 def chain(operands, v, first, second=None, third=None, *, scales=(0.0, 0.0, 0.0), lost=False, exact=False):
     """f(operands) from its partial derivatives: first[k], second[k][l], third[k][l][m], absent ones zero.
-    scales: rounding errors of value, first and second partials beyond one unit of each, in units of rounding."""
+    scales: errors of value, first and second partials beyond one unit of each, in units of rounding."""
     u = 0.0 if exact else U
     count = len(operands)
     v_error = u * (np.abs(v) + scales[0])
