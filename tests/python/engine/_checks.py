@@ -1,5 +1,5 @@
-"""What must hold for a formula: against the oracle, between back ends, between elements. `seen` counts what was
-really checked, so that a test can tell that the oracle had something to say."""
+"""What must hold for a formula: against the oracle, between back ends, between elements. `seen` counts what
+was really checked, so that a test can tell that the oracle had something to say."""
 
 from __future__ import annotations
 
