@@ -118,18 +118,34 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
   return sample;
 }
 
-/// [element][output]: energy, gradient, upper triangle of the Hessian.
-nb::tuple evaluate(const Formula& formula, const nb::dict& given, int order, const std::string& backend) {
-  const Sample sample = make_sample(formula, given, to_backend(backend));
+/// Outputs of all elements in the layout of the kernel.
+AlignedVector<double> run(const Sample& sample, int order) {
   const PotentialBatch& batch = sample.batch;
   const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
   AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
   batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
+  return lanes;
+}
+
+/// (elements, outputs): energy, gradient, upper triangle of the Hessian.
+auto evaluate(const Sample& sample, int order) {
+  const PotentialBatch& batch = sample.batch;
+  const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
+  const AlignedVector<double> lanes = run(sample, order);
   std::vector<double> result(static_cast<size_t>(batch.size()) * outputs);
   for (int64_t e = 0; e < batch.size(); ++e)
     for (int k = 0; k < outputs; ++k)
       result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
-  return nb::make_tuple(to_numpy<double>(std::move(result)), outputs);
+  return to_numpy<double>(std::move(result));
+}
+
+void set_positions(Sample& sample, nb::handle given) {
+  const auto x = array<Rows<double, 3>>(given, "x", "an (n, 3) array of positions");
+  const std::span<const Vec3> points = rows<Vec3>(x);
+  if (points.size() != sample.x.size())
+    throw InvalidArgument("x: got " + std::to_string(points.size()) + " points, need " +
+                          std::to_string(sample.x.size()));
+  sample.x.assign(points.begin(), points.end());
 }
 
 nb::dict statistics(const Formula& formula, const std::string& backend) {
@@ -239,13 +255,29 @@ void bind_formulas(nanobind::module_& m) {
           [](const Builder& b, const std::string& name, int width, const std::string& unit,
              const std::string& doc) { return traced_list(b, b->data_array(name, width, unit, doc)); },
           "name"_a, "width"_a, "unit"_a, "doc"_a, "Input given for each element.")
+      .def(
+          "set_name",
+          [](const Builder& b, const TracedScalar& value, const std::string& name) {
+            b->graph()->set_name(value.value, name);
+          },
+          "value"_a, "name"_a, "Names an input for printing.")
       .def("finish", &finish, "outputs"_a, "The formula with these scalars as outputs.");
+  nb::class_<Sample>(m, "FormulaSample", "A compiled formula on given elements, outside of any simulation.")
+      .def("set_positions", &set_positions, "x"_a, "New positions of all points.")
+      .def("evaluate", &evaluate, "order"_a,
+           "Energy, gradient, upper triangle of the Hessian of each element, in a row one after another.")
+      .def(
+          "run", [](const Sample& s, int order) { run(s, order); }, "order"_a,
+          "Evaluates and forgets the results, for timings.");
   nb::class_<Formula>(m, "Formula", "A formula of points and parameters, ready to be used in energies.")
       .def_prop_ro("point_count", &Formula::point_count)
       .def_prop_ro("fields", &field_list, "Inputs to be given: name, unit, doc, width, is_data.")
-      .def("evaluate", &evaluate, "inputs"_a, "order"_a, "backend"_a = "automatic",
-           "(values (elements * outputs,), outputs): energy, gradient, upper triangle of the Hessian by "
-           "element.")
+      .def(
+          "sample",
+          [](const Formula& f, const nb::dict& inputs, const std::string& backend) {
+            return make_sample(f, inputs, to_backend(backend));
+          },
+          "inputs"_a, "backend"_a = "automatic", "The formula on elements that are given as arrays.")
       .def("statistics", &statistics, "backend"_a = "automatic");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }
