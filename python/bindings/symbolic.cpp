@@ -181,7 +181,7 @@ Scalar sinh(const Scalar& x) {
 Scalar cosh(const Scalar& x) { return 0.5 * (symbolic::exp(x) + symbolic::exp(-x)); }
 
 constexpr NamedUnary kUnary[] = {
-    {"abs", symbolic::abs, "Absolute value; its derivative at 0 is that of -x."},
+    {"abs", symbolic::abs, "Absolute value; its derivative at 0 is 1."},
     {"sqrt", symbolic::sqrt, "Square root."},
     {"square", symbolic::square, "x x."},
     {"exp", symbolic::exp, "e to the power x."},

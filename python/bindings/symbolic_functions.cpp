@@ -73,16 +73,14 @@ StridedArray strided(const AnyArray& array, const Shape& own, const Shape& batch
   return result;
 }
 
-/// New array of zeros of the given shape, and where its numbers are.
+/// New array of zeros of the given shape, and where its numbers are. NumPy gets the memory from the system
+/// already cleared, and in large pages.
 std::pair<nb::object, double*> zeros(const Shape& batch, const Shape& own) {
-  std::vector<size_t> shape(batch.begin(), batch.end());
-  shape.insert(shape.end(), own.begin(), own.end());
-  size_t size = 1;
-  for (const size_t d : shape) size *= d;
-  auto* owned = new std::vector<double>(size, 0.0);
-  const nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-  nb::ndarray<nb::numpy, double> array(owned->data(), shape.size(), shape.data(), owner);
-  return {array.cast(), owned->data()};
+  nb::list shape;
+  for (const int64_t d : batch) shape.append(d);
+  for (const int64_t d : own) shape.append(d);
+  nb::object array = nb::module_::import_("numpy").attr("zeros")(shape);
+  return {array, nb::cast<nb::ndarray<double, nb::c_contig, nb::device::cpu>>(array).data()};
 }
 
 /// Arrays of values, first and second derivatives, None where not asked for. Every array is float64 with its

@@ -83,6 +83,21 @@ TEST_CASE("evaluation and printing") {
   CHECK_THROWS_AS(evaluate(x < e, {u, el, un}), InvalidArgument);
 }
 
+TEST_CASE("inputs can have names, and long text is cut") {
+  Graph graph;
+  const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Element);
+  graph.set_name(x, "x");
+  CHECK(graph.name(x.id()) == "x");
+  CHECK(graph.name(y.id()).empty());
+  CHECK(to_string(x * y) == "(x * e0)");
+  Scalar tower = x;
+  for (int k = 0; k < 100; ++k) tower = tower * tower + y;  // written out, 2^100 terms
+  const std::string text = to_string(tower, 40);
+  CHECK(text.size() == 43);
+  CHECK(text.substr(40) == "...");
+  CHECK_THROWS_AS(graph.set_name(2.0, "two"), stark::InvalidArgument);
+}
+
 TEST_CASE("tensors follow the rules of linear algebra") {
   Graph g;
   std::vector<double> values;

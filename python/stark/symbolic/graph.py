@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from stark.symbolic.tensor import Scalar
 
-_PRECEDENCE = {"||": 1, "&&": 2, "<": 3, "<=": 3, "+": 4, "-": 4, "*": 5, "/": 5}
+# How tightly operators bind in Python: listings are valid Python.
+_PRECEDENCE = {"<": 1, "<=": 1, "||": 2, "&&": 3, "+": 4, "-": 4, "*": 5, "/": 5}
+_SIGN, _POWER, _ATOM = 6, 7, 8
 _WORDS = {"&&": "&", "||": "|", "select": "where", "min": "minimum", "max": "maximum"}
-_ATOM = 9
 _LONGEST = 72  # characters of an expression before it gets a name of its own
 
 
@@ -92,19 +93,19 @@ def _expression(node: Scalar, texts: dict[int, tuple[str, int]]) -> tuple[str, i
     operation, operands = node.operation, node.operands
     if not operands:
         text = _leaf(node)
-        return text, _ATOM if not text.startswith("-") else _PRECEDENCE["*"]
+        return text, _SIGN if text.startswith("-") else _ATOM
 
     def wrapped(place: int, least: int) -> str:
         text, precedence = texts[operands[place].id]
         return text if precedence >= least else f"({text})"
 
     if operation == "*" and operands[0].id == operands[1].id:
-        return f"{wrapped(0, _ATOM)}**2", 7
+        return f"{wrapped(0, _ATOM)}**2", _POWER
     if operation in _PRECEDENCE:
         level = _PRECEDENCE[operation]
         right = level if operation in ("+", "*", "&&", "||") else level + 1
         return f"{wrapped(0, level)} {_WORDS.get(operation, operation)} {wrapped(1, right)}", level
-    if len(operands) == 1 and operation in ("-", "!"):
-        return ("-" if operation == "-" else "~") + wrapped(0, 6), 6
+    if operation in ("neg", "not"):
+        return ("-" if operation == "neg" else "~") + wrapped(0, _SIGN), _SIGN
     inside = ", ".join(wrapped(k, 0) for k in range(len(operands)))
     return f"{_WORDS.get(operation, operation)}({inside})", _ATOM

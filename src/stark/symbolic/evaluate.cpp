@@ -189,7 +189,7 @@ std::string name_of(Op op) {
     case Op::Uniform:
       return "";
     case Op::Neg:
-      return "-";
+      return "neg";
     case Op::Abs:
       return "abs";
     case Op::Sqrt:
@@ -241,7 +241,7 @@ std::string name_of(Op op) {
     case Op::Or:
       return "||";
     case Op::Not:
-      return "!";
+      return "not";
   }
   return "";
 }

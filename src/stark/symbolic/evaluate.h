@@ -28,7 +28,7 @@ bool evaluate_condition(const Scalar& condition, const InputValues& values);
 /// Infix text with inputs by their names, or u0, e0, p0; shared sub-expressions are written out each time.
 /// After `limit` characters the text stops with "...".
 std::string to_string(const Scalar& expression, size_t limit = std::string::npos);
-/// What an operation is called in text: "sqrt", "+", "where"; empty for leaves.
+/// What an operation is called: "sqrt", "+", "neg", "select"; empty for leaves.
 std::string name_of(Op op);
 
 struct FunctionStatistics {
