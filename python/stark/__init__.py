@@ -55,9 +55,9 @@ _NAMES_ON_DEMAND = {
         "Vec2 Vec3 Vec4 energy parameter stencils world_frame world_points"
     ),
     "stark.symbolic": (
-        "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag dot "
-        "exp fma identity invariants inverse log mat maximum minimum norm normalized outer pow sin sinh skew "
-        "sqrt square squared_norm tan tanh trace transpose vec where"
+        "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "
+        "dot exp fma identity invariants inverse log mat maximum minimum norm normalized outer pow sin sinh "
+        "skew sqrt square squared_norm tan tanh trace transpose vec where"
     ),
 }
 _PLACES = {name: module for module, names in _NAMES_ON_DEMAND.items() for name in names.split()}

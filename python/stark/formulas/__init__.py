@@ -32,3 +32,7 @@ __all__ = [
     "world_frame",
     "world_points",
 ]
+
+# Signatures and messages name the public place.
+for _type in (Edge, Energy, Frame, Hinge, Point, Stencil, Tetrahedron, Time, TimeStep, Triangle):
+    _type.__module__ = "stark"

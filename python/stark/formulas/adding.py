@@ -26,13 +26,14 @@ def add_energy(scene: Scene, binding: Any, name: str | None) -> Energy:
         )
     if not isinstance(binding, Binding):
         raise InvalidArgument(
-            f"scene.add: got {binding!r}: must be an energy on points, made by a function with @stark.energy; "
-            f"bodies are added by add_cloth, add_solid and add_rigid"
+            f"scene.add: got {binding!r}: must be an energy on points, made by a function with "
+            f"@stark.energy; bodies are added by add_cloth, add_solid and add_rigid"
         )
     for body in binding.bodies:
         if body._scene is not scene:
             raise InvalidArgument(
-                f"{binding.name}: '{body.name}' belongs to another scene: must be a body of this one; add it here"
+                f"{binding.name}: '{body.name}' belongs to another scene: must be a body of this one; "
+                f"add it here"
             )
     binding = binding.copy()
     check_start(binding)
@@ -81,6 +82,7 @@ def _require_finite(binding: Binding, flat: np.ndarray, x: np.ndarray, rows: np.
     raise InvalidArgument(
         f"{binding.name}: the {what} of element {rows[element]} is {values[element, output]} {when}"
         + (f", and {others} more elements are not finite" if others else "")
-        + f", with its points at {places} m: must be finite; look for a division by zero, or a square root, norm "
-        f"or logarithm of zero, and guard it with stark.where or a small offset\n{binding.energy.location}"
+        + f", with its points at {places} m: must be finite; look for a division by zero, or a square root, "
+        f"norm or logarithm of zero, and guard it with stark.where or a small offset\n"
+        + binding.energy.location
     )

@@ -36,11 +36,12 @@ class PointArgument:
 
     @property
     def noun(self) -> str:
-        return (
-            "point"
-            if self.kind is Point
-            else f"{self.kind.__name__.lower()} of {self.kind.point_count} points"
-        )
+        """'a point', 'an edge of 2 points'."""
+        if self.kind is Point:
+            return "a point"
+        name = self.kind.__name__.lower()
+        article = "an" if name[0] in "aeiou" else "a"
+        return f"{article} {name} of {self.kind.point_count} points"
 
 
 @dataclass(frozen=True)

@@ -164,8 +164,8 @@ class Binding:
         wanted = argument.kind.point_count
         if isinstance(given, Body):
             raise InvalidArgument(
-                f"{owner} is the body '{given.name}': must be {argument.noun}; choose some of its points, for "
-                f"instance {_example(argument)}"
+                f"{owner} is the body '{given.name}': must be {argument.noun}; choose some of its points, "
+                f"for instance {_example(argument)}"
             )
         if isinstance(given, (Points, Stencils)):
             columns = [given] if isinstance(given, Points) else list(given.columns)

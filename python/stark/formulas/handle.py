@@ -117,8 +117,8 @@ class Energy:
         if array.shape != value.array.shape:
             how = "with a value for each element" if value.per_element else "with one value for all elements"
             raise InvalidArgument(
-                f"{owner}: {parameter.describe()}: got the shape {array.shape}: must be {value.array.shape}, as "
-                f"it was added {how}; add the energy with "
+                f"{owner}: {parameter.describe()}: got the shape {array.shape}: must be {value.array.shape}, "
+                f"as it was added {how}; add the energy with "
                 + ("one value" if value.per_element else "an array of a value for each element")
                 + " to change that"
             )

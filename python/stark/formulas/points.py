@@ -34,6 +34,8 @@ class Points:
         self._kind = kind
         self._columns = columns  # arrays with a row for each point
         self._initial = initial
+        self.is_direction = kind == "direction"
+        """Whether the positions are directions, which do not move with the origin."""
 
     def __len__(self) -> int:
         return len(next(iter(self._columns.values())))
@@ -41,7 +43,9 @@ class Points:
     def __getitem__(self, key: Any) -> Points:
         """Some of the points: an index, a slice, indices or a mask. An index gives a set of one point."""
         rows = _rows(key, len(self), repr(self))
-        return Points(self.body, self._kind, {k: v[rows] for k, v in self._columns.items()}, self._initial)
+        chosen = Points(self.body, self._kind, {k: v[rows] for k, v in self._columns.items()}, self._initial)
+        chosen.is_direction = self.is_direction
+        return chosen
 
     @property
     def positions(self) -> Floats:
@@ -87,8 +91,8 @@ class Stencils:
         counts = {len(c) for c in columns} - {1}
         if len(counts) > 1:
             raise InvalidArgument(
-                f"stencil of {' and '.join(map(repr, columns))}: the selections must be equally long, or have "
-                f"one point"
+                f"stencil of {' and '.join(map(repr, columns))}: the selections must be equally long, or "
+                f"have one point"
             )
 
     @property
@@ -214,7 +218,10 @@ def world_frame(position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | Non
     """Frame of the world that does not move: position [m], rotation (matrix or quaternion)."""
     axes = as_matrix(rotation, "world_frame: rotation")
     columns = [world_points(vector(position, "world_frame: position"))]
-    return FrameHandle("sites", [*columns, *(world_points(axes[:, i]) for i in range(3))], {})
+    for i in range(3):
+        columns.append(world_points(axes[:, i]))
+        columns[-1].is_direction = True
+    return FrameHandle("sites", columns, {})
 
 
 def patch_frame(

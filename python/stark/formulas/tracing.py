@@ -227,4 +227,4 @@ def _unused(argument: str) -> str:
 
 
 def _too_many(count: int) -> str:
-    return f"it acts on {count} points at once: at most {MAX_POINTS} are possible; split it into several energies"
+    return f"it acts on {count} points at once: at most {MAX_POINTS} are possible; split it into several"
