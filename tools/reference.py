@@ -27,6 +27,23 @@ def text() -> str:
         stark.ShellMaterial.markdown(),
         "## Materials of solids (`stark.SolidMaterial`)",
         stark.SolidMaterial.markdown(),
+        "## Constitutive laws (`stark.materials`)",
+        "Functions that make a material of another law than its class has: `stark.materials.neo_hookean("
+        "youngs_modulus=1e5)`. Parameters may have a value for each element. Cloth of a law with directions "
+        "has also `warp_direction`, the first axis of the rest mesh: x if left out, y on triangles across x.",
+        "\n".join(
+            [
+                "| law | of | parameter | unit | range | meaning |",
+                "|---|---|---|---|---|---|",
+                *(
+                    f"| `{name}` | {law.doc} | `{row['name']}` | {row['unit']} | {row['rule']} "
+                    f"| {row['doc']} |"
+                    for laws in (stark.materials.solid_laws, stark.materials.shell_laws)
+                    for name, law in laws.items()
+                    for row in law.parameters
+                ),
+            ]
+        ),
         "## Presets (`stark.materials`)",
         "\n".join(
             [

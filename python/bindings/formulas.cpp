@@ -5,11 +5,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/formula.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/sim/registry.h>
 #include <stark/sim/simulation.h>
 
+#include "field_values.h"
 #include "formulas.h"
 #include "symbolic.h"
 
@@ -52,6 +54,13 @@ Formula registered_formula(const std::string& name) {
     return Formula(builder, {energy});
   }
   throw InvalidArgument("potential '" + name + "' is not registered; stark._core.potentials() lists all");
+}
+
+template <typename Law, Law (*from)(std::string, std::string, Formula)>
+Law law_of(const std::string& name, const std::string& doc, const Formula& formula, bool isotropic) {
+  Law law = from(name, doc, formula);
+  law.isotropic = isotropic;
+  return law;
 }
 
 nb::list field_list(const Formula& formula) {
@@ -195,16 +204,6 @@ PointSet to_point_set(const nb::dict& given) {
   return embedded_points(body(), {s.begin(), s.end()}, {w.begin(), w.end()});
 }
 
-FieldValueMap to_field_values(const nb::dict& given) {
-  FieldValueMap map;
-  for (auto [name, entry] : given) {
-    const auto pair = nb::cast<nb::tuple>(entry);
-    const auto numbers = array<Column<double>>(pair[0], text(name), "numbers");
-    map[text(name)] = {{numbers.data(), numbers.data() + numbers.shape(0)}, nb::cast<bool>(pair[1])};
-  }
-  return map;
-}
-
 int32_t add_energy(Scene& scene, const nb::dict& given) {
   EnergyDescription energy;
   energy.name = nb::cast<std::string>(given["name"]);
@@ -214,7 +213,7 @@ int32_t add_energy(Scene& scene, const nb::dict& given) {
   energy.potential.translation_invariant = nb::cast<bool>(given["translation_invariant"]);
   for (nb::handle set : nb::cast<nb::list>(given["points"]))
     energy.points.push_back(to_point_set(nb::cast<nb::dict>(set)));
-  energy.values = to_field_values(nb::cast<nb::dict>(given["values"]));
+  energy.values = parameter_values_of(given["values"], "energy '" + energy.name + "'");
   return scene.add_energy(std::move(energy)).index;
 }
 
@@ -279,5 +278,9 @@ void bind_formulas(nanobind::module_& m) {
           },
           "inputs"_a, "backend"_a = "automatic", "The formula on elements that are given as arrays.")
       .def("statistics", &statistics, "backend"_a = "automatic");
+  m.def("solid_law", &law_of<SolidLaw, solid_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
+        "Law of solids from a formula of 3 points, the columns of the deformation gradient.");
+  m.def("shell_law", &law_of<ShellLaw, shell_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
+        "Law of shells from a formula of 2 points, the columns of the deformation gradient.");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }

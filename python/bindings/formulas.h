@@ -18,8 +18,6 @@ namespace stark::bindings {
 symbolic::Backend to_backend(const std::string& name);
 /// {"kind": "vertices" | "point" | "direction" | "embedded" | "world", "body": index, ...}
 PointSet to_point_set(const nb::dict& given);
-/// {name: (numbers, per_element)}
-FieldValueMap to_field_values(const nb::dict& given);
 
 /// {"name", "formula_name", "doc", "formula", "translation_invariant", "points": [...], "values": {...}} ->
 /// index

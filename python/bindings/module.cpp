@@ -12,6 +12,7 @@
 namespace nb = nanobind;
 
 void bind_geometry(nb::module_& m);
+void bind_laws(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
@@ -105,6 +106,7 @@ NB_MODULE(_core, m) {
   m.attr("__version__") = STARK_VERSION;
   bind_exceptions(m);
   bind_geometry(m);
+  bind_laws(m);
   bind_scene(m);
   bind_simulation(m);
   bind_io(m);

@@ -11,6 +11,7 @@
 #include <stark/sim/settings.h>
 
 #include "arrays.h"
+#include "field_values.h"
 #include "formulas.h"
 
 namespace {
@@ -211,11 +212,20 @@ Description description_of(const nb::dict& given, std::string& out_owner, const 
   return body;
 }
 
+/// The law and the values of its parameters that a deformable body was given.
+template <typename Description>
+void read_law(const nb::dict& given, const std::string& owner, Description& body) {
+  using Law = typename decltype(body.law)::value_type;
+  if (!given["law"].is_none()) body.law = nb::cast<Law>(given["law"]);
+  body.fields = parameter_values_of(given["fields"], owner);
+}
+
 ClothDescription cloth_of(const nb::dict& given, const ShellMaterial& material) {
   std::string owner;
   auto body = description_of<ClothDescription>(given, owner, "cloth");
   body.mesh.triangles = elements_of<3>(given["triangles"], owner + ": triangles");
   body.material = material;
+  read_law(given, owner, body);
   if (!given["initial_positions"].is_none())
     body.initial_positions = points_of(given["initial_positions"], owner + ": initial_positions");
   body.self_contact = nb::cast<bool>(given["self_contact"]);
@@ -229,6 +239,7 @@ SolidDescription solid_of(const nb::dict& given, const SolidMaterial& material) 
   auto body = description_of<SolidDescription>(given, owner, "solid");
   body.mesh.tets = elements_of<4>(given["tets"], owner + ": tets");
   body.material = material;
+  read_law(given, owner, body);
   if (!given["initial_positions"].is_none())
     body.initial_positions = points_of(given["initial_positions"], owner + ": initial_positions");
   body.self_contact = nb::cast<bool>(given["self_contact"]);

@@ -1,47 +1,89 @@
-"""Materials: immutable parameter sets with units, and presets.
+"""Materials: immutable parameter sets with units, presets, and constitutive laws.
 
 ``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``; every preset says where its numbers come
 from in ``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The parameters, their
-units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them."""
+units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them.
+
+Materials of another law than Neo-Hookean come from the function of its name::
+
+    rubber = stark.materials.mooney_rivlin(c10=3e4, c01=1e4, bulk_modulus=2e6, density=1100.0)
+
+A parameter may be an array with a value for each element: ``soft_rubber.replace(youngs_modulus=values)``."""
 
 from __future__ import annotations
 
-from typing import Any, Generic, Self, TypeVar
+from collections.abc import Callable, Mapping
+from inspect import Parameter, Signature
+from typing import Any, Generic, Self, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
-from stark._core import InvalidArgument
+from stark._core import InvalidArgument, ShellLaw, SolidLaw
 
 _CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial)
+_Law: TypeAlias = SolidLaw | ShellLaw
+_Fields: TypeAlias = dict[str, NDArray[np.float64]]
 
 
 class _Material(Generic[_CoreMaterial]):
-    """Immutable front of a parameter struct of the core."""
+    """Immutable front of a parameter struct of the core, a law and the values that only the law needs."""
 
-    __slots__ = ("_core", "name", "source")
+    __slots__ = ("_core", "_fields", "law", "name", "source")
     _core_type: type[Any]
+    _laws: dict[str, Any]
     _core: _CoreMaterial
+    _fields: _Fields
+    law: Any
+    """The constitutive law, None for that of the class."""
     name: str
     source: str
 
-    def __init__(self, *, name: str = "", source: str = "", **parameters: float) -> None:
-        core = self._core_type()
-        core.update(parameters, owner=f"material '{name}'" if name else type(self).__name__)
-        self._assign(core, name, source)
+    def __init__(
+        self, *, law: _Law | None = None, name: str = "", source: str = "", **parameters: ArrayLike
+    ) -> None:
+        self._assign(self._core_type(), name, source, law, {})
+        core, fields = self._changed(parameters, name)
+        self._assign(core, name, source, law, fields)
 
-    def _assign(self, core: _CoreMaterial, name: str, source: str) -> None:
-        object.__setattr__(self, "_core", core)
-        object.__setattr__(self, "name", name)
-        object.__setattr__(self, "source", source)
+    def _assign(self, core: _CoreMaterial, name: str, source: str, law: Any, fields: _Fields) -> None:
+        for slot, value in zip(_Material.__slots__, (core, fields, law, name, source), strict=True):
+            object.__setattr__(self, slot, value)
 
     @classmethod
-    def _of(cls, core: _CoreMaterial, name: str, source: str) -> Self:
+    def _of(
+        cls, core: _CoreMaterial, name: str, source: str, law: Any = None, fields: _Fields | None = None
+    ) -> Self:
         material = cls.__new__(cls)
-        material._assign(core, name, source)
+        material._assign(core, name, source, law, fields or {})
         return material
 
-    def __getattr__(self, name: str) -> float:
+    def _changed(self, parameters: Mapping[str, ArrayLike], name: str) -> tuple[_CoreMaterial, _Fields]:
+        """Core and fields with some parameters changed: what the core cannot hold becomes a field."""
+        owner = f"material '{name}'" if name else type(self).__name__
+        core, fields = self._core.copy(), dict(self._fields)
+        known = {row["name"] for row in core.fields()}
+        of_law = {row["name"] for row in self.law.parameters} if self.law else set()
+        plain: dict[str, Any] = {}
+        for parameter, value in parameters.items():
+            is_array = isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0
+            if (parameter in known and not is_array) or parameter not in known | of_law:
+                plain[parameter] = value  # of an unknown name: refused by the core, with a hint
+                fields.pop(parameter, None)
+            else:
+                fields[parameter] = _numbers(value, f"{owner}: {parameter}")
+        core.update(plain, owner=owner)
+        if self.law:
+            self.law.check(_flat(fields, self.law), owner)
+        return core, fields
+
+    def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
+        if name in self._fields:
+            value = self._fields[name]
+            return value if value.ndim else float(value)
         try:
             return self._core.get(name)
         except InvalidArgument as error:
@@ -54,22 +96,25 @@ class _Material(Generic[_CoreMaterial]):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (type(self), self.name, self.source, self.to_dict())
+        law = None if self.law is None else self.law.name
+        if law is not None and law not in self._laws:
+            raise TypeError(f"material with the law '{law}' cannot be pickled: the law is not built in")
+        return _rebuild, (type(self), self.name, self.source, law, self.to_dict())
 
-    def replace(self, *, name: str | None = None, **parameters: float) -> Self:
-        """Copy with some parameters changed; ranges are checked."""
+    def replace(self, *, name: str | None = None, **parameters: ArrayLike) -> Self:
+        """Copy with some parameters changed, each a number or an array with a value for each element; ranges
+        are checked."""
         new_name = self.name if name is None else name
-        core = self._core.copy()
-        core.update(parameters, owner=f"material '{new_name}'" if new_name else type(self).__name__)
-        return self._of(core, new_name, self.source if not parameters else "")
+        core, fields = self._changed(parameters, new_name)
+        return self._of(core, new_name, self.source if not parameters else "", self.law, fields)
 
-    def to_dict(self) -> dict[str, float]:
-        """All parameters by name, in SI units."""
-        return self._core.to_dict()
+    def to_dict(self) -> dict[str, Any]:
+        """All parameters by name, in SI units; arrays where each element has its own value."""
+        return self._core.to_dict() | {name: getattr(self, name) for name in self._fields}
 
     @classmethod
     def parameters(cls) -> list[dict[str, Any]]:
-        """Name, unit, default, rule and meaning of every parameter."""
+        """Name, unit, default, rule and meaning of every parameter, those of other laws aside."""
         return cls._core_type.fields()
 
     @classmethod
@@ -78,28 +123,68 @@ class _Material(Generic[_CoreMaterial]):
         return cls._core_type.markdown()
 
     def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and self._core == other._core
+        return (
+            type(other) is type(self)
+            and self._core == other._core
+            and getattr(self.law, "name", None) == getattr(other.law, "name", None)
+            and self._fields.keys() == other._fields.keys()
+            and all(np.array_equal(value, other._fields[name]) for name, value in self._fields.items())
+        )
 
     def __hash__(self) -> int:
-        return hash((type(self), *self.to_dict().values()))
+        return hash((type(self), *self._core.to_dict().values(), *sorted(self._fields)))
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.to_dict()]
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value:g}" for name, value in self.to_dict().items())
-        return f"{type(self).__name__}({f'name={self.name!r}, ' if self.name else ''}{values})"
+        shown = {name: _text(value) for name, value in self.to_dict().items()}
+        if self.law is not None:
+            shown = {"law": self.law.name} | shown
+        if self.name:
+            shown = {"name": repr(self.name)} | shown
+        return f"{type(self).__name__}({', '.join(f'{name}={text}' for name, text in shown.items())})"
+
+    def _description(self) -> dict[str, Any]:
+        """What a body of this material hands to the core beside the parameters of the core."""
+        return {"law": self.law, "fields": _flat(self._fields, self.law)}
 
 
-def _rebuild(kind: type[Any], name: str, source: str, parameters: dict[str, float]) -> Any:
-    return kind(name=name, source=source, **parameters)
+def _numbers(value: ArrayLike, name: str) -> NDArray[np.float64]:
+    try:
+        array = np.array(value)
+        if array.dtype.kind not in "iuf":
+            raise TypeError
+    except (TypeError, ValueError):
+        raise InvalidArgument(f"{name} = {value!r}: must be a number, or an array of numbers") from None
+    array = array.astype(np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def _flat(fields: _Fields, law: _Law | None) -> dict[str, tuple[NDArray[np.float64], bool]]:
+    """Name -> (all numbers in a row, whether they are of each element)."""
+    widths = {row["name"]: row["width"] for row in law.parameters} if law else {}
+    return {
+        name: (value.reshape(-1), value.ndim > (1 if widths.get(name, 1) > 1 else 0))
+        for name, value in fields.items()
+    }
+
+
+def _text(value: float | NDArray[np.float64]) -> str:
+    return f"{value:g}" if np.ndim(value) == 0 else f"<array of shape {np.shape(value)}>"
+
+
+def _rebuild(kind: type[Any], name: str, source: str, law: str | None, parameters: dict[str, Any]) -> Any:
+    return kind(name=name, source=source, law=None if law is None else kind._laws[law], **parameters)
 
 
 class ShellMaterial(_Material[_core.ShellMaterial]):
-    """Cloth and thin shells."""
+    """Cloth and thin shells: a Neo-Hookean membrane unless another ``law`` is given."""
 
     __slots__ = ()
     _core_type = _core.ShellMaterial
+    _laws = {law.name: law for law in _core.shell_laws()}
     density: float
     thickness: float
     youngs_modulus: float
@@ -113,10 +198,11 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
 
 
 class SolidMaterial(_Material[_core.SolidMaterial]):
-    """Soft solids."""
+    """Soft solids: stable Neo-Hookean unless another ``law`` is given."""
 
     __slots__ = ()
     _core_type = _core.SolidMaterial
+    _laws = {law.name: law for law in _core.solid_laws()}
     density: float
     youngs_modulus: float
     poissons_ratio: float
@@ -124,6 +210,51 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
     strain_limit_stiffness: float
     mass_damping: float
     strain_damping: float
+
+
+solid_laws: dict[str, SolidLaw] = SolidMaterial._laws
+"""All built-in laws of solids by name."""
+shell_laws: dict[str, ShellLaw] = ShellMaterial._laws
+"""All built-in laws of membranes by name, the Neo-Hookean one of ShellMaterial itself aside."""
+
+
+def _material_of(kind: type[Any], law: _Law) -> Callable[..., Any]:
+    """Function that makes a material of a law: its parameters are keywords, those that the material has not
+    are required."""
+    optional = {row["name"] for row in kind.parameters()} | {"warp_direction"}
+    required = [row["name"] for row in law.parameters if row["name"] not in optional]
+
+    def make(*, name: str = law.name, source: str = "", **parameters: ArrayLike) -> Any:
+        for parameter in required:
+            if parameter not in parameters:
+                row = next(row for row in law.parameters if row["name"] == parameter)
+                raise InvalidArgument(
+                    f"materials.{law.name}: no value of {parameter} [{row['unit']}], {row['doc']}: it is "
+                    f"needed; give a number, or an array with a value for each element"
+                )
+        return kind(law=law, name=name, source=source, **parameters)
+
+    lines = [f"{row['name']} [{row['unit']}]: {row['doc']}, {row['rule']}" for row in law.parameters]
+    make.__name__ = make.__qualname__ = law.name
+    make.__doc__ = (
+        f"{kind.__name__} of {law.doc}. Parameters, besides those of the class: " + "; ".join(lines) + "."
+    )
+    keywords = [Parameter(p, Parameter.KEYWORD_ONLY, annotation="ArrayLike") for p in required]
+    make.__signature__ = Signature([*keywords, Parameter("parameters", Parameter.VAR_KEYWORD)])  # type: ignore[attr-defined]
+    return make
+
+
+neo_hookean: Callable[..., SolidMaterial] = _material_of(SolidMaterial, solid_laws["neo_hookean"])
+st_venant_kirchhoff: Callable[..., SolidMaterial] = _material_of(
+    SolidMaterial, solid_laws["st_venant_kirchhoff"]
+)
+corotated: Callable[..., SolidMaterial] = _material_of(SolidMaterial, solid_laws["corotated"])
+mooney_rivlin: Callable[..., SolidMaterial] = _material_of(SolidMaterial, solid_laws["mooney_rivlin"])
+fiber_reinforced: Callable[..., SolidMaterial] = _material_of(SolidMaterial, solid_laws["fiber_reinforced"])
+membrane_st_venant_kirchhoff: Callable[..., ShellMaterial] = _material_of(
+    ShellMaterial, shell_laws["membrane_st_venant_kirchhoff"]
+)
+orthotropic_cloth: Callable[..., ShellMaterial] = _material_of(ShellMaterial, shell_laws["orthotropic_cloth"])
 
 
 _shells = {name: ShellMaterial._of(core, name, source) for name, source, core in _core.shell_presets()}

@@ -108,6 +108,7 @@ class Scene:
             "initial_positions": initial_positions,
             "self_contact": bool(self_contact),
             "rest_angles": rest_angles,
+            **material._description(),
         }
         _check_pins(pins, len(surface.vertices), _title("cloth", name))
         cloth = Cloth(self, self._core.add_cloth(given, material._core), surface, color)
@@ -154,6 +155,7 @@ class Scene:
             "tets": volume.tets,
             "initial_positions": initial_positions,
             "self_contact": bool(self_contact),
+            **material._description(),
         }
         _check_pins(pins, len(volume.vertices), _title("solid", name))
         solid = Solid(self, self._core.add_solid(given, material._core), volume, color)

@@ -9,6 +9,7 @@
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/define.h>
 #include <stark/mechanics/formula.h>
 #include <stark/sim/energy.h>

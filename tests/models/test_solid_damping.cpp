@@ -9,7 +9,7 @@ using namespace stark;
 using namespace stark::test;
 
 TEST_CASE("the force of damping is that of the strain rate, independent of the time step") {
-  const Potential potential = compiled(models::solid_damping());
+  const Potential potential = compiled(tet4(models::solid_damping()));
   const std::vector<Vec3> X{{0.1, 0, 0}, {1.2, 0.1, 0}, {0.4, 0.9, 0.1}, {0.5, 0.3, 0.8}};
   const double volume = dot(X[1] - X[0], cross(X[2] - X[0], X[3] - X[0])) / 6.0, eta = 7.0;
   RandomPoints random(1);
@@ -29,7 +29,7 @@ TEST_CASE("the force of damping is that of the strain rate, independent of the t
 }
 
 TEST_CASE("rigid motion is not damped") {
-  const Potential potential = compiled(models::solid_damping());
+  const Potential potential = compiled(tet4(models::solid_damping()));
   const std::vector<Vec3> X{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const FilledSample sample =
       element(X, mapped(Mat3::diagonal({1.2, 0.9, 1.0}), X), {{"strain_damping", 7.0}, {"time_step", 0.01}});

@@ -176,7 +176,7 @@ TEST_CASE("a point embedded between a moving pin and a free vertex follows both"
 }
 
 TEST_CASE("energies that cannot be evaluated are refused before the first step") {
-  const auto build = [](PotentialDefinition potential, FieldValueMap values) {
+  const auto build = [](PotentialDefinition potential, ParameterValues values) {
     Scene scene;
     const BodyId box = scene.add_rigid(unit_box());
     scene.add_energy({.potential = std::move(potential),
@@ -199,8 +199,8 @@ TEST_CASE("wrong points and values are refused when the energy is added") {
   Scene scene;
   const BodyId box = scene.add_rigid(unit_box());
   const BodyId cloth = scene.add_cloth({.mesh = make_grid(0.2, 0.2, 2, 2), .material = materials::cotton()});
-  const FieldValueMap good{{"stiffness", {{1.0}}}, {"rest_length", {{1.0}}}};
-  const auto refused = [&](std::vector<PointSet> points, FieldValueMap values, const char* text) {
+  const ParameterValues good{{"stiffness", {{1.0}}}, {"rest_length", {{1.0}}}};
+  const auto refused = [&](std::vector<PointSet> points, ParameterValues values, const char* text) {
     CHECK_THROWS_WITH_AS(
         scene.add_energy({.potential = spring(), .points = std::move(points), .values = std::move(values)}),
         doctest::Contains(text), InvalidArgument);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/potential.h>
 #include <support/potential_sample.h>
 
@@ -13,8 +14,15 @@ namespace stark::models {
 
 PotentialDefinition point_inertia();
 PotentialDefinition gravity();
-PotentialDefinition stable_neo_hookean();
-PotentialDefinition solid_damping();
+SolidLaw stable_neo_hookean();
+SolidLaw neo_hookean();
+SolidLaw st_venant_kirchhoff();
+SolidLaw corotated();
+SolidLaw mooney_rivlin();
+SolidLaw fiber_reinforced();
+SolidLaw solid_damping();
+ShellLaw membrane_st_venant_kirchhoff();
+ShellLaw orthotropic_cloth();
 PotentialDefinition strain_limit();
 PotentialDefinition membrane_neo_hookean();
 PotentialDefinition membrane_damping();

@@ -2,6 +2,7 @@
 // stark::models.
 #pragma once
 
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/potential.h>
 
 namespace stark::models {

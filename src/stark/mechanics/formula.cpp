@@ -30,6 +30,11 @@ Formula::Formula(std::shared_ptr<PotentialBuilder> builder, std::vector<Scalar> 
     STARK_CHECK(output.is_literal() || output.graph() == builder_->graph().get());
 }
 
+bool Formula::uses(ElementField::Source source) const {
+  return std::ranges::any_of(element_fields(),
+                             [&](const ElementField& field) { return field.source == source; });
+}
+
 std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpressions& points,
                                     const std::string& prefix) const {
   const auto point = [&](const std::vector<symbolic::Vec3>& given, auto position, int index) {
@@ -54,8 +59,9 @@ std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpress
   const auto uniform = [&](int index) {
     const UniformField& field = field_at(builder_->uniform_fields(), index);
     if (is_clock(field)) return field.name == "time" ? target.time() : target.time_step();
-    return target.parameter_array(prefix + field.name, field.width, field.unit,
-                                  field.doc)[index - field.offset];
+    UniformField repeated = field;
+    repeated.name = prefix + field.name;
+    return target.parameter_like(repeated)[index - field.offset];
   };
   return symbolic::substitute(outputs_, [&](InputKind kind, int index) -> Scalar {
     if (kind == InputKind::Unknown) return point(points.x, &PotentialBuilder::x, index);

@@ -28,6 +28,9 @@ class Formula {
   const std::vector<ElementField>& element_fields() const { return builder_->element_fields(); }
   const std::vector<UniformField>& uniform_fields() const { return builder_->uniform_fields(); }
 
+  /// Whether an input of this source occurs.
+  bool uses(ElementField::Source source) const;
+
   /// The outputs as expressions of `target`. Fields that occur become fields of the same name there; data and
   /// parameters get `prefix` in front of their names.
   std::vector<symbolic::Scalar> repeat(PotentialBuilder& target, const PointExpressions& points = {},

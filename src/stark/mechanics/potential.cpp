@@ -118,17 +118,34 @@ symbolic::Vec3 PotentialBuilder::data3(const std::string& name, const std::strin
   return vector_of(data_array(name, 3, unit, doc));
 }
 
-std::vector<Scalar> PotentialBuilder::parameter_array(const std::string& name, int width,
-                                                      const std::string& unit, const std::string& doc) {
-  if (name == "time" || name == "time_step")
-    throw InvalidArgument("potential parameter '" + name +
-                          "' has the name of a built-in input; choose another one, or use " + name + "()");
-  if (per_element_.contains(name)) return data_array(name, width, unit, doc);
-  return uniform_field({.name = name, .unit = unit, .doc = doc, .width = width});
+std::vector<Scalar> PotentialBuilder::parameter_like(const UniformField& field) {
+  if (field.name == "time" || field.name == "time_step")
+    throw InvalidArgument("potential parameter '" + field.name +
+                          "' has the name of a built-in input; choose another one, or use " + field.name +
+                          "()");
+  if (!per_element_.contains(field.name)) return uniform_field(field);
+  return element_field({.name = field.name,
+                        .unit = field.unit,
+                        .doc = field.doc,
+                        .width = field.width,
+                        .rule = field.rule,
+                        .is_direction = field.is_direction});
 }
 
-Scalar PotentialBuilder::parameter(const std::string& name, const std::string& unit, const std::string& doc) {
-  return parameter_array(name, 1, unit, doc)[0];
+std::vector<Scalar> PotentialBuilder::parameter_array(const std::string& name, int width,
+                                                      const std::string& unit, const std::string& doc,
+                                                      const FieldRule& rule) {
+  return parameter_like({.name = name, .unit = unit, .doc = doc, .width = width, .rule = rule});
+}
+
+Scalar PotentialBuilder::parameter(const std::string& name, const std::string& unit, const std::string& doc,
+                                   const FieldRule& rule) {
+  return parameter_array(name, 1, unit, doc, rule)[0];
+}
+
+symbolic::Vec3 PotentialBuilder::direction(const std::string& name, const std::string& doc) {
+  return normalized(
+      vector_of(parameter_like({.name = name, .unit = "1", .doc = doc, .width = 3, .is_direction = true})));
 }
 
 symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::string& unit,

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include <stark/base/math.h>
+#include <stark/base/settings.h>
 #include <stark/symbolic/kernel.h>
 #include <stark/symbolic/tensor.h>
 
@@ -37,6 +38,8 @@ struct ElementField {
   int point = 0;
   int width = 1;
   int offset = 0;  ///< first number within the element's inputs
+  FieldRule rule = any_number();
+  bool is_direction = false;  ///< three numbers that are not all zero, of any length
 };
 
 /// An input shared by all elements of a batch. "time_step" and "time" are set by the integrator, the others
@@ -47,6 +50,8 @@ struct UniformField {
   std::string doc;
   int width = 1;
   int offset = 0;
+  FieldRule rule = any_number();
+  bool is_direction = false;  ///< three numbers that are not all zero, of any length
 };
 
 class PotentialBuilder;
@@ -85,16 +90,22 @@ class PotentialBuilder {
   symbolic::Scalar time();              ///< at the end of the step [s]
 
   /// Input that every element has a value of. `parameter` is shared by all elements instead, unless the batch
-  /// has a value for each: which of the two does not concern the formula.
+  /// has a value for each: which of the two does not concern the formula. `rule` is the range of its values;
+  /// the first declaration of a name counts.
   symbolic::Scalar data(const std::string& name, const std::string& unit, const std::string& doc);
   symbolic::Vec3 data3(const std::string& name, const std::string& unit, const std::string& doc);
   std::vector<symbolic::Scalar> data_array(const std::string& name, int width, const std::string& unit,
                                            const std::string& doc);
-  symbolic::Scalar parameter(const std::string& name, const std::string& unit, const std::string& doc);
+  symbolic::Scalar parameter(const std::string& name, const std::string& unit, const std::string& doc,
+                             const FieldRule& rule = any_number());
   symbolic::Vec3 parameter3(const std::string& name, const std::string& unit, const std::string& doc);
+  /// A parameter of three numbers that are not all zero, as the unit vector in that direction.
+  symbolic::Vec3 direction(const std::string& name, const std::string& doc);
   /// A parameter of any width, in row-major order for matrices.
   std::vector<symbolic::Scalar> parameter_array(const std::string& name, int width, const std::string& unit,
-                                                const std::string& doc);
+                                                const std::string& doc, const FieldRule& rule = any_number());
+  /// The parameter that `declaration` describes, its offset aside.
+  std::vector<symbolic::Scalar> parameter_like(const UniformField& declaration);
 
   const std::shared_ptr<symbolic::Graph>& graph() const { return graph_; }
   int point_count() const { return static_cast<int>(x_.size()); }

@@ -17,7 +17,7 @@ struct EnergyDescription {
   /// One set for each point of the potential. Sets of more than one point have the same size, the number of
   /// elements; a set of one point serves all elements.
   std::vector<PointSet> points{};
-  FieldValueMap values{};  ///< of all data and parameters of the potential
+  ParameterValues values{};  ///< of all data and parameters of the potential
 
   int64_t element_count() const;
 };

@@ -36,14 +36,18 @@ void Model::Builder::build() {
   compile_contact();
 }
 
+std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition,
+                                                         const std::set<std::string>& per_element) const {
+  return std::make_shared<Potential>(definition, to_backend(settings.execution.backend), per_element);
+}
+
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
                                           std::span<const int32_t> stencils, const std::string& owner,
-                                          const std::set<std::string>& per_element) {
-  auto potential =
-      std::make_shared<Potential>(definition, to_backend(settings.execution.backend), per_element);
-  ModelBatch& batch = model.batches_.emplace_back(
-      ModelBatch{ModelBatch::Role::Elastic, owner, PotentialBatch(std::move(potential)), {}});
+                                          const ParameterValues& values) {
+  ModelBatch& batch = model.batches_.emplace_back(ModelBatch{
+      ModelBatch::Role::Elastic, owner, PotentialBatch(compile(definition, per_element_names(values))), {}});
   batch.batch.resize(stencils);
+  set_values(batch.batch, values);
   return batch.batch;
 }
 

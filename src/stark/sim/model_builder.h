@@ -2,11 +2,13 @@
 // Internal to sim.
 #pragma once
 
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <stark/mechanics/field_values.h>
 #include <stark/sim/model.h>
 #include <stark/sim/registry.h>
 
@@ -43,9 +45,11 @@ struct Model::Builder {
   void add_energies();
 
   // Everything else (model.cpp)
-  /// `owner`: name of the body or energy; `per_element`: parameters with a value for each element.
+  /// `owner`: name of the body or energy; `values` of its parameters, which decide what is per element.
+  std::shared_ptr<const Potential> compile(const PotentialDefinition& definition,
+                                           const std::set<std::string>& per_element = {}) const;
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
-                            const std::string& owner, const std::set<std::string>& per_element = {});
+                            const std::string& owner, const ParameterValues& values = {});
   void set_block_scales();
   void set_initial_state();
   void set_initial_sites();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <stark/geometry/topology.h>
+#include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -61,21 +62,20 @@ void Model::Builder::add_deformables() {
 
 void Model::Builder::lump_cloth(const ClothDescription& cloth, ModelBody& body) {
   body.triangles = cloth.mesh.triangles;
-  const std::vector<double> areas = compute_vertex_areas(cloth.mesh.vertices, cloth.mesh.triangles);
-  for (int32_t v = 0; v < body.site_count; ++v) {
-    model.point_masses_[body.first_site + v] = cloth.material.density * areas[v];
+  const std::vector<double> areas = compute_triangle_areas(cloth.mesh.vertices, cloth.mesh.triangles);
+  for (size_t t = 0; t < areas.size(); ++t)
+    for (const int32_t v : cloth.mesh.triangles[t])
+      model.point_masses_[body.first_site + v] += element_density(cloth, t) * areas[t] / 3.0;
+  for (int32_t v = 0; v < body.site_count; ++v)
     point_damping[body.first_site + v] = cloth.material.mass_damping;
-  }
 }
 
 void Model::Builder::lump_solid(const SolidDescription& solid, ModelBody& body) {
   body.triangles = find_boundary_triangles(std::span<const Index4>(solid.mesh.tets));
-  for (const Index4& t : solid.mesh.tets) {
-    const auto& X = solid.mesh.vertices;
-    const double volume = dot(X[t[1]] - X[t[0]], cross(X[t[2]] - X[t[0]], X[t[3]] - X[t[0]])) / 6.0;
-    for (const int32_t v : t)
-      model.point_masses_[body.first_site + v] += solid.material.density * volume / 4.0;
-  }
+  const std::vector<double> volumes = compute_tet_volumes(solid.mesh.vertices, solid.mesh.tets);
+  for (size_t e = 0; e < volumes.size(); ++e)
+    for (const int32_t v : solid.mesh.tets[e])
+      model.point_masses_[body.first_site + v] += element_density(solid, e) * volumes[e] / 4.0;
   for (int32_t v = 0; v < body.site_count; ++v)
     point_damping[body.first_site + v] = solid.material.mass_damping;
 }
@@ -96,14 +96,8 @@ void Model::Builder::add_cloth_energies(BodyId id) {
   const ModelBody& body = model.bodies_[id.index];
   const std::string& name = scene.name(id);
 
-  std::vector<PotentialDefinition> terms{models::membrane_neo_hookean()};
-  if (material.strain_damping > 0.0) terms.push_back(models::membrane_damping());
-  PotentialBatch& membrane =
-      add_batch(compose("membrane", terms), offset_stencils(body.triangles, body.first_site), name);
-  membrane.set_uniform("youngs_modulus", material.youngs_modulus);
-  membrane.set_uniform("poissons_ratio", material.poissons_ratio);
-  membrane.set_uniform("thickness", material.thickness);
-  if (material.strain_damping > 0.0) membrane.set_uniform("strain_damping", material.strain_damping);
+  const ElasticEnergy membrane = elastic_energy(cloth);
+  add_batch(membrane.definition, offset_stencils(body.triangles, body.first_site), name, membrane.values);
 
   if (material.bending_stiffness > 0.0 || material.bending_damping > 0.0) {
     const std::vector<Index4> hinges = find_hinges(body.triangles);
@@ -124,13 +118,8 @@ void Model::Builder::add_solid_energies(BodyId id) {
   const ModelBody& body = model.bodies_[id.index];
   const std::string& name = scene.name(id);
 
-  std::vector<PotentialDefinition> terms{models::stable_neo_hookean()};
-  if (material.strain_damping > 0.0) terms.push_back(models::solid_damping());
-  PotentialBatch& elastic =
-      add_batch(compose("solid", terms), offset_stencils(solid.mesh.tets, body.first_site), name);
-  elastic.set_uniform("youngs_modulus", material.youngs_modulus);
-  elastic.set_uniform("poissons_ratio", material.poissons_ratio);
-  if (material.strain_damping > 0.0) elastic.set_uniform("strain_damping", material.strain_damping);
+  const ElasticEnergy elastic = elastic_energy(solid);
+  add_batch(elastic.definition, offset_stencils(solid.mesh.tets, body.first_site), name, elastic.values);
   add_strain_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness, body,
                    name);
 }

@@ -4,19 +4,6 @@
 
 namespace stark {
 
-namespace {
-
-/// Values of all elements, element by element, whatever they were given as.
-void set_values(PotentialBatch& batch, const std::string& name, const FieldValues& given) {
-  if (!given.per_element) return batch.set_uniform(name, given.values);
-  const int field = batch.field_index(name);
-  const size_t width = given.values.size() / static_cast<size_t>(batch.size());
-  for (int64_t e = 0; e < batch.size(); ++e)
-    batch.set(field, e, std::span<const double>(given.values).subspan(e * width, width));
-}
-
-}  // namespace
-
 std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
   std::vector<int32_t> result;
   const auto add = [&](Site site, const Vec3& rest) {
@@ -76,11 +63,7 @@ void Model::Builder::add_energy_sites() {
 void Model::Builder::add_energies() {
   for (size_t k = 0; k < scene.energies().size(); ++k) {
     const EnergyDescription& energy = scene.energies()[k];
-    std::set<std::string> per_element;
-    for (const auto& [name, values] : energy.values)
-      if (values.per_element) per_element.insert(name);
-    PotentialBatch& batch = add_batch(energy.potential, energy_stencils[k], energy.name, per_element);
-    for (const auto& [name, values] : energy.values) set_values(batch, name, values);
+    add_batch(energy.potential, energy_stencils[k], energy.name, energy.values);
     model.energy_batches_.push_back(static_cast<int32_t>(model.batches_.size()) - 1);
   }
 }

@@ -7,6 +7,7 @@
 #include <stark/base/error.h>
 #include <stark/geometry/mass_properties.h>
 #include <stark/geometry/topology.h>
+#include <stark/sim/material_fields.h>
 #include <stark/sim/validation.h>
 
 namespace stark {
@@ -117,6 +118,7 @@ BodyId Scene::add_cloth(ClothDescription body) {
   std::vector<std::string> warnings;
   validate(body.material, owner);
   check_cloth_mesh(owner, body.mesh, warnings);
+  check_fields(owner, body);
   check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
   check_common(owner, body);
   warn_about_size(owner, body.mesh.vertices, warnings);
@@ -131,6 +133,7 @@ BodyId Scene::add_solid(SolidDescription body) {
   std::vector<std::string> warnings;
   validate(body.material, owner);
   check_solid_mesh(owner, body.mesh, warnings);
+  check_fields(owner, body);
   check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
   check_common(owner, body);
   warn_about_size(owner, body.mesh.vertices, warnings);

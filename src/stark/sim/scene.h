@@ -16,6 +16,8 @@
 
 #include <stark/base/math.h>
 #include <stark/geometry/mesh.h>
+#include <stark/mechanics/constitutive_law.h>
+#include <stark/mechanics/field_values.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/materials.h>
@@ -50,6 +52,10 @@ struct ClothDescription {
   std::string name{};   ///< unique; empty: "cloth", "cloth_2", ...
   TriangleMesh mesh{};  ///< [m] rest shape, in the frame of the body
   ShellMaterial material{};
+  std::optional<ShellLaw> law{};  ///< of the membrane; unset: Neo-Hookean
+  /// Parameters of the law that the material does not have, and values that replace those of the material;
+  /// also `density`.
+  ParameterValues fields{};
   Vec3 position{};                           ///< [m] of the frame of the body at time 0
   Mat3 rotation = Mat3::identity();          ///< of the frame of the body at time 0
   std::vector<Vec3> initial_positions{};     ///< [m] in the frame of the body; empty: the rest shape
@@ -66,6 +72,8 @@ struct SolidDescription {
   std::string name{};
   TetMesh mesh{};  ///< [m] rest shape; all tetrahedra of positive volume
   SolidMaterial material{};
+  std::optional<SolidLaw> law{};  ///< unset: stable Neo-Hookean
+  ParameterValues fields{};       ///< as of cloth
   Vec3 position{};
   Mat3 rotation = Mat3::identity();
   std::vector<Vec3> initial_positions{};

@@ -2,6 +2,7 @@
 // psi = mu/2 (I_C - 2) - mu ln J + lambda/2 (ln J)^2 with I_C = tr C, J = sqrt(det C) the ratio of areas and
 // the plane-stress lambda = E nu / (1 - nu^2). J > 0 for every embedded triangle that has an area, and psi
 // grows without bound as the area vanishes.
+#include <stark/models/elastic_constants.h>
 #include <stark/models/shells/metric.h>
 
 namespace stark::models {
@@ -9,11 +10,8 @@ namespace stark::models {
 PotentialDefinition membrane_neo_hookean() {
   PotentialDefinition definition = define_potential(
       "membrane_neo_hookean", 3, "Neo-Hookean membrane elasticity of triangles", [](PotentialBuilder& b) {
-        const Scalar E = b.parameter("youngs_modulus", "Pa", "Young's modulus");
-        const Scalar nu = b.parameter("poissons_ratio", "1", "Poisson's ratio");
-        const Scalar thickness = b.parameter("thickness", "m", "thickness of the sheet");
-        const Scalar mu = E / (2.0 * (1.0 + nu));
-        const Scalar lambda = E * nu / (1.0 - nu * nu);
+        const auto [mu, lambda] = plane_stress_constants(b);
+        const Scalar thickness = b.parameter("thickness", "m", "thickness of the sheet", positive());
 
         const Metric G = rest_metric(b), g = current_metric(b);
         const Scalar I_C = (G.g22 * g.g11 - 2.0 * G.g12 * g.g12 + G.g11 * g.g22) / G.determinant();

@@ -1,21 +1,20 @@
-// Strain-rate (Kelvin-Voigt) damping of linear tetrahedra as an incremental potential:
-// E = eta V/(2 h) |E(x) - E(x_n)|^2 with the Green strain E = (F^T F - I)/2. It is invariant under rotations,
-// and its force eta dE/dt does not depend on the time step. eta is the Rayleigh factor times the stiffness.
+// Strain-rate (Kelvin-Voigt) damping of solids as an incremental law:
+// psi = eta/(2 h) |E(F) - E(F_n)|^2 with the Green strain E = (F^T F - 1)/2. It is invariant under rotations,
+// and its stress eta dE/dt does not depend on the time step. eta is the Rayleigh factor times the stiffness.
 // [theory eq. 15]
-#include <stark/models/solids/deformation.h>
+#include <stark/mechanics/define.h>
 
 namespace stark::models {
 
-PotentialDefinition solid_damping() {
-  PotentialDefinition definition = define_potential(
-      "solid_damping", 4, "strain-rate damping of linear tetrahedra", [](PotentialBuilder& b) {
-        const Scalar eta = b.parameter("strain_damping", "Pa s", "viscosity of the Green strain rate");
-        const Mat3 F = deformation_gradient(b), F_prev = previous_deformation_gradient(b);
+SolidLaw solid_damping() {
+  return define_solid_law(
+      "solid_damping", "strain-rate damping", [](PotentialBuilder& b, const SolidDeformation& deformation) {
+        const Scalar eta =
+            b.parameter("strain_damping", "Pa s", "viscosity of the Green strain rate", non_negative());
+        const Mat3 F = deformation.F(), F_prev = deformation.F_prev();
         const Mat3 increment = 0.5 * (transpose(F) * F - transpose(F_prev) * F_prev);
-        return eta * rest_volume(b) / (2.0 * b.time_step()) * squared_norm(increment);
+        return eta / (2.0 * b.time_step()) * squared_norm(increment);
       });
-  definition.zero_at_rest = true;
-  return definition;
 }
 
 }  // namespace stark::models

@@ -1,0 +1,53 @@
+// Bindings of the constitutive laws: names, parameters, checks of values.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <stark/sim/registry.h>
+
+#include "field_values.h"
+
+namespace {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace stark;
+using namespace stark::bindings;
+
+PotentialDefinition linear_element(const SolidLaw& law) { return tet4(law); }
+PotentialDefinition linear_element(const ShellLaw& law) { return triangle3(law); }
+
+/// Checks {name: (numbers, per_element)} against the declarations of the law; other names are not its
+/// business.
+template <typename Law>
+void check_law_values(const Law& law, nb::handle given, const std::string& owner) {
+  const ParameterValues values = parameter_values_of(given, owner);
+  for (const ParameterDeclaration& declaration : parameters_of(linear_element(law)))
+    if (const auto found = values.find(declaration.name); found != values.end())
+      check_values(owner, declaration, found->second,
+                   static_cast<int64_t>(found->second.values.size()) / declaration.width);
+}
+
+template <typename Law>
+void bind_law(nb::module_& m, const char* name, const char* doc) {
+  nb::class_<Law>(m, name, doc)
+      .def_prop_ro("name", [](const Law& law) { return law.name; })
+      .def_prop_ro("doc", [](const Law& law) { return law.doc; })
+      .def_prop_ro(
+          "parameters", [](const Law& law) { return describe(parameters_of(linear_element(law))); },
+          "Rows of name, unit, rule, doc, width.")
+      .def("check", check_law_values<Law>, "values"_a, "owner"_a,
+           "Ranges of {name: (numbers, per_element)}; the number of elements is not known yet.")
+      .def("__repr__", [name](const Law& law) {
+        return std::string("<stark.materials.") + name + " '" + law.name + "'>";
+      });
+}
+
+}  // namespace
+
+void bind_laws(nb::module_& m) {
+  bind_law<SolidLaw>(m, "SolidLaw", "Stored energy of a solid as a formula of the deformation gradient.");
+  bind_law<ShellLaw>(m, "ShellLaw", "Stored energy of a membrane as a formula of the deformation gradient.");
+  m.def("solid_laws", registered_solid_laws, "All built-in laws of solids.");
+  m.def("shell_laws", registered_shell_laws, "All built-in laws of membranes that are formulas of F.");
+}

@@ -1,0 +1,58 @@
+// Meshes of solids of one element type: what a solid is made from. Quadrature data, masses, boundary, edges
+// and conversions. Used while a scene or model is built.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <stark/geometry/solid_element.h>
+
+namespace stark {
+
+/// Vertices in metres; all elements of one type, nodes in the order of VTK, Jacobians positive.
+struct SolidMesh {
+  std::vector<Vec3> vertices;
+  ElementType type = ElementType::Tet4;
+  std::vector<int32_t> elements;  ///< [element_count()][node_count()]
+
+  SolidMesh() = default;
+  SolidMesh(const TetMesh& mesh);  // NOLINT: implicit on purpose, a tetrahedron mesh is a solid mesh
+  SolidMesh(std::vector<Vec3> vertices, ElementType type, std::vector<int32_t> elements);
+
+  int node_count() const { return reference_element(type).node_count; }
+  int64_t element_count() const { return static_cast<int64_t>(elements.size()) / node_count(); }
+  std::span<const int32_t> element(int64_t e) const {
+    return {elements.data() + e * node_count(), static_cast<size_t>(node_count())};
+  }
+};
+
+/// Gradients of the shape functions in rest coordinates [1/m], and determinant of the Jacobian of the map
+/// from the reference cell, at a reference position in an element.
+double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& position, std::span<Vec3> out);
+
+/// Smallest determinant of the Jacobian over the quadrature points of an element [m^3]; an element can be
+/// computed with where it is positive.
+double smallest_jacobian(const SolidMesh& mesh, int64_t element);
+
+/// Volume of each element [m^3].
+std::vector<double> compute_element_volumes(const SolidMesh& mesh);
+
+/// Parts of the volume of an element that its nodes stand for [m^3], all positive: a quarter each on linear
+/// tetrahedra, otherwise in proportion to the integrals of N_a^2 [Hinton, Rock, Zienkiewicz 1976], because
+/// row sums are negative at the corners of quadratic tetrahedra.
+void lump_volume(const SolidMesh& mesh, int64_t element, std::span<double> out);
+
+/// Triangles of faces that belong to one element only, outwards, in the order of the elements.
+std::vector<Index3> find_boundary_triangles(const SolidMesh& mesh);
+
+/// Unique edges between neighbouring nodes, each (low, high), sorted.
+std::vector<Index2> find_edges(const SolidMesh& mesh);
+
+/// Box about the origin of cells[0] x cells[1] x cells[2] cuboid elements with 8 nodes; x fastest.
+SolidMesh make_hex_box(const Vec3& size, const Index3& cells);
+
+/// Same cells with nodes in the middle of edges (tetrahedra) and of edges, faces and cells (hexahedra).
+/// Quadratic meshes come back as they are.
+SolidMesh to_quadratic(const SolidMesh& mesh);
+
+}  // namespace stark

@@ -1,0 +1,144 @@
+// See material_fields.h.
+#include <stark/sim/material_fields.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <stark/base/error.h>
+#include <stark/sim/registry.h>
+
+namespace stark {
+
+namespace {
+
+// Cosine between the normal of a triangle and the x axis above which the default warp direction is y.
+constexpr double kPerpendicular = 0.999;
+
+int64_t element_count(const SolidDescription& solid) { return static_cast<int64_t>(solid.mesh.tets.size()); }
+int64_t element_count(const ClothDescription& cloth) {
+  return static_cast<int64_t>(cloth.mesh.triangles.size());
+}
+
+template <typename Description>
+bool is_damped(const Description& body) {
+  return body.material.strain_damping > 0.0 || body.fields.contains("strain_damping");
+}
+
+PotentialDefinition definition_of(const SolidDescription& solid) {
+  std::vector<PotentialDefinition> terms{tet4(solid.law.value_or(models::stable_neo_hookean()))};
+  if (is_damped(solid)) terms.push_back(tet4(models::solid_damping()));
+  return compose("solid", terms);
+}
+
+PotentialDefinition definition_of(const ClothDescription& cloth) {
+  std::vector<PotentialDefinition> terms{cloth.law ? triangle3(*cloth.law) : models::membrane_neo_hookean()};
+  if (is_damped(cloth)) terms.push_back(models::membrane_damping());
+  return compose("membrane", terms);
+}
+
+/// x, but y on triangles perpendicular to x.
+FieldValues default_warp(const TriangleMesh& mesh) {
+  FieldValues warp{.values = {}, .per_element = true};
+  for (const Index3& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    const Vec3 normal = cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
+    const bool perpendicular = std::fabs(normal.x) > kPerpendicular * norm(normal);
+    warp.values.insert(warp.values.end(), {perpendicular ? 0.0 : 1.0, perpendicular ? 1.0 : 0.0, 0.0});
+  }
+  return warp;
+}
+
+void add_defaults(const SolidDescription&, ParameterValues&) {}
+void add_defaults(const ClothDescription& cloth, ParameterValues& values) {
+  if (cloth.law && !cloth.law->isotropic) values.try_emplace("warp_direction", default_warp(cloth.mesh));
+}
+
+/// Values of a body: its fields, then its material, then defaults. Parameters without any are left out.
+template <typename Description>
+ParameterValues values_of(const Description& body, const std::vector<ParameterDeclaration>& declarations) {
+  using Material = decltype(body.material);
+  ParameterValues values = body.fields;
+  add_defaults(body, values);
+  for (const ParameterDeclaration& declaration : declarations)
+    for (const Field& field : Material::fields().fields())
+      if (field.name == declaration.name && field.type == FieldType::Real)
+        values.try_emplace(field.name, FieldValues{{std::get<double>(field.get(&body.material))}, false});
+  return values;
+}
+
+template <typename Description>
+ElasticEnergy energy_of(const Description& body) {
+  PotentialDefinition definition = definition_of(body);
+  ParameterValues values = values_of(body, parameters_of(definition));
+  return {std::move(definition), std::move(values)};
+}
+
+ParameterDeclaration density_of(const FieldTable& table) {
+  const Field& field = table.find("density");
+  return {.name = field.name, .unit = field.unit, .doc = field.doc, .width = 1, .rule = field.rule};
+}
+
+std::string law_name(const auto& body, const char* fallback) { return body.law ? body.law->name : fallback; }
+
+template <typename Description>
+void check(std::string_view owner, const Description& body, const char* default_law) {
+  std::vector<ParameterDeclaration> declarations = parameters_of(definition_of(body));
+  const ParameterValues values = values_of(body, declarations);
+  const std::string law = "the law '" + law_name(body, default_law) + "'";
+  for (const ParameterDeclaration& d : declarations)
+    if (!values.contains(d.name))
+      throw InvalidArgument(std::string(owner) + ": " + law + " needs a value of " + d.name +
+                            (d.unit == "1" ? "" : " [" + d.unit + "]") + ", " + d.doc +
+                            "; give one for the whole body or one for each element");
+  declarations.push_back(density_of(decltype(body.material)::fields()));
+  std::vector<std::string> names;
+  for (const ParameterDeclaration& d : declarations) names.push_back(d.name);
+  for (const auto& [name, value] : body.fields)
+    if (std::ranges::find(names, name) == names.end())
+      throw InvalidArgument(std::string(owner) + ": field '" + name + "': " + law +
+                            " has no such parameter; leave it out" + nearest_name_hint(name, names));
+  for (const ParameterDeclaration& d : declarations)
+    if (const auto found = values.find(d.name); found != values.end())
+      check_values(owner, d, found->second, element_count(body));
+}
+
+template <typename Description>
+double density_at(const Description& body, size_t element) {
+  const auto found = body.fields.find("density");
+  if (found == body.fields.end()) return body.material.density;
+  return found->second.values[found->second.per_element ? element : 0];
+}
+
+void check_warp(std::string_view owner, const ClothDescription& cloth) {
+  const auto found = cloth.fields.find("warp_direction");
+  if (found == cloth.fields.end()) return;
+  for (size_t t = 0; t < cloth.mesh.triangles.size(); ++t) {
+    const double* v = found->second.values.data() + (found->second.per_element ? 3 * t : 0);
+    const Index3& i = cloth.mesh.triangles[t];
+    const auto& X = cloth.mesh.vertices;
+    if (!is_projectable({v[0], v[1], v[2]}, X[i[0]], X[i[1]], X[i[2]]))
+      throw InvalidArgument(std::string(owner) +
+                            ": warp_direction = " + to_text(FieldValue(Vec3{v[0], v[1], v[2]})) +
+                            " is normal to triangle " + std::to_string(t) +
+                            ": must have a projection into each; give one direction for each triangle");
+  }
+}
+
+}  // namespace
+
+ElasticEnergy elastic_energy(const SolidDescription& solid) { return energy_of(solid); }
+ElasticEnergy elastic_energy(const ClothDescription& cloth) { return energy_of(cloth); }
+
+void check_fields(std::string_view owner, const SolidDescription& solid) {
+  check(owner, solid, "stable_neo_hookean");
+}
+
+void check_fields(std::string_view owner, const ClothDescription& cloth) {
+  check(owner, cloth, "membrane_neo_hookean");
+  check_warp(owner, cloth);
+}
+
+double element_density(const SolidDescription& solid, size_t element) { return density_at(solid, element); }
+double element_density(const ClothDescription& cloth, size_t element) { return density_at(cloth, element); }
+
+}  // namespace stark
