@@ -3,6 +3,7 @@
 // stark/formulas.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <stark/mechanics/constitutive_law.h>
@@ -247,8 +248,13 @@ void bind_formulas(nanobind::module_& m) {
       .def(
           "parameter",
           [](const Builder& b, const std::string& name, int width, const std::string& unit,
-             const std::string& doc) { return traced_list(b, b->parameter_array(name, width, unit, doc)); },
-          "name"_a, "width"_a, "unit"_a, "doc"_a, "Input shared by all elements or given for each.")
+             const std::string& doc, const std::tuple<double, double, bool, bool>& range) {
+            const auto& [low, high, low_open, high_open] = range;
+            const FieldRule rule{low, high, low_open, high_open, false};
+            return traced_list(b, b->parameter_array(name, width, unit, doc, rule));
+          },
+          "name"_a, "width"_a, "unit"_a, "doc"_a, "range"_a,
+          "Input shared by all elements or given for each; range is (low, high, low_open, high_open).")
       .def(
           "data",
           [](const Builder& b, const std::string& name, int width, const std::string& unit,

@@ -51,8 +51,9 @@ for _exception in (
 _ON_DEMAND = ("formulas", "recording", "render", "replay", "scenes", "symbolic", "telemetry")
 _NAMES_ON_DEMAND = {
     "stark.formulas": (
-        "Edge Energy Frame Hinge Mat2 Mat3 Point Stencil Tetrahedron Time TimeStep Triangle "
-        "Vec2 Vec3 Vec4 energy parameter stencils world_frame world_points"
+        "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil Tetrahedron "
+        "Time TimeStep Triangle ShellDeformationGradient Vec2 Vec3 Vec4 energy material parameter stencils "
+        "world_frame world_points"
     ),
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "

@@ -6,10 +6,19 @@ from stark.formulas.energy import EnergyFormula, energy
 from stark.formulas.frames import Frame
 from stark.formulas.handle import Energy
 from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, Triangle
+from stark.formulas.material import (
+    CauchyGreen,
+    DeformationGradient,
+    MaterialLaw,
+    ShellDeformationGradient,
+    material,
+)
 from stark.formulas.parameters import parameter
 from stark.formulas.points import stencils, world_frame, world_points
 
 __all__ = [
+    "CauchyGreen",
+    "DeformationGradient",
     "Edge",
     "Energy",
     "EnergyFormula",
@@ -17,7 +26,9 @@ __all__ = [
     "Hinge",
     "Mat2",
     "Mat3",
+    "MaterialLaw",
     "Point",
+    "ShellDeformationGradient",
     "Stencil",
     "Tetrahedron",
     "Time",
@@ -27,6 +38,7 @@ __all__ = [
     "Vec3",
     "Vec4",
     "energy",
+    "material",
     "parameter",
     "stencils",
     "world_frame",

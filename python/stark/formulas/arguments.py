@@ -88,6 +88,14 @@ def signature_of(
     return signature
 
 
+def read_clock(parameter: inspect.Parameter) -> ClockArgument | None:
+    """The argument if it is annotated stark.Time or stark.TimeStep."""
+    kind = parameter.annotation
+    return (
+        ClockArgument(parameter.name, _CLOCKS[kind]) if isinstance(kind, type) and kind in _CLOCKS else None
+    )
+
+
 def read_parameter(
     parameter: inspect.Parameter, formula: str, function: Callable[..., object], choices: str
 ) -> Parameter:
@@ -111,8 +119,9 @@ def read_arguments(
     arguments: list[Argument] = []
     for name, parameter in signature.parameters.items():
         kind = parameter.annotation
-        if isinstance(kind, type) and kind in _CLOCKS:
-            arguments.append(ClockArgument(name, _CLOCKS[kind]))
+        clock = read_clock(parameter)
+        if clock is not None:
+            arguments.append(clock)
         elif kind is Stencil:
             raise formula_error(formula, f"argument '{name}': write stark.Stencil[k], k points", function)
         elif isinstance(kind, type) and issubclass(kind, (Point, Stencil)):

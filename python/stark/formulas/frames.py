@@ -5,6 +5,7 @@ vertices of a triangle."""
 from __future__ import annotations
 
 from stark.formulas.kinematics import Inputs
+from stark.formulas.parameters import UNBOUNDED
 from stark.symbolic.linear_algebra import cross, normalized
 from stark.symbolic.tensor import Mat, Scalar, Vec, columns
 
@@ -110,7 +111,7 @@ class PatchFrame(Frame):
     point_count = 3
 
     def _constant(self, name: str, width: int, unit: str, doc: str) -> list[Scalar]:
-        return self._inputs.builder.parameter(f"{self._label}.{name}", width, unit, doc)
+        return self._inputs.builder.parameter(f"{self._label}.{name}", width, unit, doc, UNBOUNDED)
 
     def _vertices(self, kind: str) -> list[Vec]:
         return [self._inputs.position(self._first + i, kind, f"{self._label}[{i}]") for i in range(3)]

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 from stark._core import FormulaBuilder, TraceError
+from stark.formulas.parameters import UNBOUNDED
 from stark.symbolic.functions import atan2, sqrt
 from stark.symbolic.linear_algebra import cross, determinant, dot, inverse, norm, normalized
 from stark.symbolic.tensor import Mat, Scalar, Vec, columns
@@ -21,12 +22,13 @@ class Inputs:
         self.point_of: dict[int, int] = {}  # node -> point it is a coordinate of
         self.unknowns: dict[int, int] = {}  # node of an unknown -> its coordinate 0, 1, 2
         self.clocks: dict[str, int] = {}  # argument -> node
+        self._labels: dict[str, list[int]] = {}  # argument -> nodes of its columns
         self._place = {point: place for place, point in enumerate(kept)}
 
     def position(self, point: int, kind: str, label: str) -> Vec:
         """kind: "x", "X", "x_prev" or "x_initial"."""
         if point not in self._place:  # computed, but known not to occur in the result
-            return Vec(self.builder.parameter(f"unused {label}.{kind}", 3, "1", "occurs nowhere"))
+            return Vec(self.builder.parameter(f"unused {label}.{kind}", 3, "1", "occurs nowhere", UNBOUNDED))
         value = Vec(getattr(self.builder, kind)(self._place[point]))
         shown = {"x_initial": "x0"}.get(kind, kind)
         for c, entry in enumerate(value.entries):
@@ -35,6 +37,20 @@ class Inputs:
             if kind == "x":
                 self.unknowns[entry.id] = c
         return value
+
+    def column(self, j: int, kind: str, label: str) -> Vec:
+        """Column of a strain F as the point j, named F[i,j]."""
+        value = Vec(getattr(self.builder, kind)(j))
+        for i, entry in enumerate(value.entries):
+            self.builder.set_name(entry, f"{label}[{i},{j}]")
+            self._labels.setdefault(label, []).append(entry.id)
+            if kind == "x":
+                self.unknowns[entry.id] = i
+        return value
+
+    def nodes_of(self, argument: str) -> list[int]:
+        """Inputs that belong to a clock or a strain."""
+        return self._labels.get(argument, []) + [self.clocks[a] for a in (argument,) if a in self.clocks]
 
 
 class Point:

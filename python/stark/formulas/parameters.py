@@ -31,6 +31,23 @@ class Declaration:
         bounds = (("> ", self.above), (">= ", self.min), ("< ", self.below), ("<= ", self.max))
         return " and ".join(f"{sign}{bound:g}" for sign, bound in bounds if bound is not None)
 
+    @property
+    def range(self) -> tuple[float, float, bool, bool]:
+        """(low, high, low_open, high_open), as the core reads it."""
+        lows = [
+            (bound, is_open)
+            for bound, is_open in ((self.min, False), (self.above, True))
+            if bound is not None
+        ]
+        highs = [
+            (bound, is_open)
+            for bound, is_open in ((self.max, False), (self.below, True))
+            if bound is not None
+        ]
+        low, low_open = max(lows, default=(-np.inf, True))
+        high, high_open = min(highs, default=(np.inf, True), key=lambda pair: (pair[0], not pair[1]))
+        return float(low), float(high), low_open, high_open
+
     def refused(self, values: Array) -> NDArray[np.bool_]:
         """Mask of the numbers that are out of range."""
         wrong = np.zeros(values.shape, dtype=bool)
@@ -67,6 +84,9 @@ def parameter(
         if bound is not None and (isinstance(bound, bool) or not isinstance(bound, (int, float, np.number))):
             raise TraceError(f"stark.parameter: {name} = {bound!r}: must be a number or None")
     return Declaration(default, unit, min, max, above, below, doc)
+
+
+UNBOUNDED = (-np.inf, np.inf, True, True)
 
 
 @dataclass(frozen=True)

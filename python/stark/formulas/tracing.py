@@ -49,7 +49,7 @@ def trace(
     fields = tuple(row["name"] for row in formula.fields)
     for argument in arguments:
         if isinstance(argument, Parameter) and argument.name not in fields:
-            raise formula_error(name, _unused(argument.name), function)
+            raise formula_error(name, unused_text(argument.name), function)
     title = f"{name}({', '.join(argument.name for argument in arguments)})"
     labels = _labels(arguments, frames)
     return Trace(
@@ -90,7 +90,7 @@ def _run(
         elif isinstance(argument, FrameArgument):
             values.append(KINDS[next(kinds)](inputs, point, argument.name))
         elif isinstance(argument, ClockArgument):
-            values.append(_clock(inputs, argument))
+            values.append(clock_symbol(inputs, argument))
         else:
             values.append(parameter_symbols(inputs.builder, argument))
         point += count
@@ -101,8 +101,9 @@ def _run(
 
 def parameter_symbols(builder: _core.FormulaBuilder, parameter: Parameter) -> object:
     """The parameter as a Scalar, Vec or Mat of named inputs."""
+    declaration = parameter.declaration
     entries = builder.parameter(
-        parameter.name, parameter.width, parameter.unit, parameter.declaration.doc or parameter.name
+        parameter.name, parameter.width, parameter.unit, declaration.doc or parameter.name, declaration.range
     )
     value = from_shape(entries, parameter.shape)
     if not parameter.shape:
@@ -169,7 +170,8 @@ def _combined(operation: str, operands: Sequence[Scalar], w: Sequence[tuple[floa
     return None
 
 
-def _clock(inputs: Inputs, argument: ClockArgument) -> Scalar:
+def clock_symbol(inputs: Inputs, argument: ClockArgument) -> Scalar:
+    """Time or time step as a named input."""
     value = getattr(inputs.builder, argument.quantity)()
     inputs.builder.set_name(value, argument.name)
     inputs.clocks[argument.name] = value.id
@@ -196,13 +198,13 @@ def _check_use(
     for argument, count in zip(arguments, point_counts(arguments, frames), strict=True):
         mine = range(first, first + count)
         if isinstance(argument, FrameArgument) and not used.intersection(mine):
-            raise formula_error(name, _unused(argument.name), function)
+            raise formula_error(name, unused_text(argument.name), function)
         if isinstance(argument, PointArgument):
             for p in mine:
                 if p not in used:
-                    raise formula_error(name, _unused(labels[p]), function)
+                    raise formula_error(name, unused_text(labels[p]), function)
         if isinstance(argument, ClockArgument) and inputs.clocks[argument.name] not in nodes:
-            raise formula_error(name, _unused(argument.name), function)
+            raise formula_error(name, unused_text(argument.name), function)
         first += count
     return used
 
@@ -219,7 +221,8 @@ def _labels(arguments: Sequence[Argument], frames: Sequence[str]) -> list[str]:
     return labels
 
 
-def _unused(argument: str) -> str:
+def unused_text(argument: str) -> str:
+    """Message of an argument that does not occur."""
     return (
         f"the energy does not depend on '{argument}'; use every argument, or remove it from the signature "
         f"(a value that drops out, such as 0 * {argument}, does not count)"
