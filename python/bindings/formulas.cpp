@@ -47,13 +47,15 @@ Formula finish(const Builder& builder, nb::handle outputs) {
   return Formula(builder, std::move(values));
 }
 
+Formula formula_of(const PotentialDefinition& definition) {
+  const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
+  const symbolic::Scalar energy = definition.energy(*builder);
+  return Formula(builder, {energy});
+}
+
 Formula registered_formula(const std::string& name) {
-  for (const PotentialDefinition& definition : registered_potentials()) {
-    if (definition.name != name) continue;
-    const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
-    const symbolic::Scalar energy = definition.energy(*builder);
-    return Formula(builder, {energy});
-  }
+  for (const PotentialDefinition& definition : registered_potentials())
+    if (definition.name == name) return formula_of(definition);
   throw InvalidArgument("potential '" + name + "' is not registered; stark._core.potentials() lists all");
 }
 
@@ -288,5 +290,11 @@ void bind_formulas(nanobind::module_& m) {
         "Law of solids from a formula of 3 points, the columns of the deformation gradient.");
   m.def("shell_law", &law_of<ShellLaw, shell_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
         "Law of shells from a formula of 2 points, the columns of the deformation gradient.");
+  m.def(
+      "element_formula", [](const SolidLaw& law) { return formula_of(tet4(law)); }, "law"_a,
+      "A law on linear tetrahedra.");
+  m.def(
+      "element_formula", [](const ShellLaw& law) { return formula_of(triangle3(law)); }, "law"_a,
+      "A law on triangles.");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }

@@ -199,7 +199,7 @@ def _not_objective(samples: Samples, error: float) -> str:
 def _unstable(samples: Samples) -> str:
     return (
         f"unstable at rest: the smallest stiffness is {samples.smallest_stiffness:.2g} of the largest, so "
-        f"the body collapses or expands at once; look at the signs of the terms and the ranges of the parameters"
+        f"the body collapses or expands at once; look at signs and ranges of the parameters"
     )
 
 
