@@ -32,6 +32,7 @@ inline nb::list describe(const std::vector<ParameterDeclaration>& declarations) 
     row["rule"] = d.is_direction ? "must not be zero" : d.rule.text();
     row["doc"] = d.doc;
     row["width"] = d.width;
+    row["is_data"] = d.is_data;
     rows.append(row);
   }
   return rows;

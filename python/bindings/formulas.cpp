@@ -67,22 +67,12 @@ Law law_of(const std::string& name, const std::string& doc, const Formula& formu
 }
 
 nb::list field_list(const Formula& formula) {
-  nb::list rows;
-  for (const RequiredField& field : required_fields(define_potential("formula", "", formula))) {
-    nb::dict row;
-    row["name"] = field.name;
-    row["unit"] = field.unit;
-    row["doc"] = field.doc;
-    row["width"] = field.width;
-    row["is_data"] = field.is_data;
-    rows.append(row);
-  }
-  return rows;
+  return describe(parameters_of(define_potential("formula", "", formula)));
 }
 
-std::set<std::string> names_of(const std::vector<RequiredField>& fields) {
+std::set<std::string> names_of(const std::vector<ParameterDeclaration>& fields) {
   std::set<std::string> names;
-  for (const RequiredField& field : fields) names.insert(field.name);
+  for (const ParameterDeclaration& field : fields) names.insert(field.name);
   return names;
 }
 
@@ -103,7 +93,7 @@ std::vector<Vec3> positions(const nb::dict& given, const char* name, size_t expe
 
 Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Backend backend) {
   const PotentialDefinition definition = define_potential("formula", "", formula);
-  const std::vector<RequiredField> fields = required_fields(definition);
+  const std::vector<ParameterDeclaration> fields = parameters_of(definition);
   Sample sample{PotentialBatch(std::make_shared<Potential>(definition, backend, names_of(fields))), {}};
   const auto x = array<Rows<double, 3>>(given["x"], "x", "an (n, 3) array of positions");
   const std::span<const Vec3> points = rows<Vec3>(x);
@@ -116,7 +106,7 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
   sample.batch.set_initial(positions(given, "x_initial", points.size()));
   sample.batch.set_time(nb::cast<double>(given["time_step"]), nb::cast<double>(given["time"]));
   const nb::dict values = nb::cast<nb::dict>(given["values"]);
-  for (const RequiredField& field : fields) {
+  for (const ParameterDeclaration& field : fields) {
     const auto column =
         array<Column<double>>(values[field.name.c_str()], field.name, "a flat array of numbers");
     const std::span<const double> numbers = stark::bindings::values(column);
@@ -130,25 +120,17 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
   return sample;
 }
 
-/// Outputs of all elements in the layout of the kernel.
-AlignedVector<double> run(const Sample& sample, int order) {
+/// (elements * outputs,): energy, gradient, upper triangle of the Hessian of each element.
+auto evaluate(const Sample& sample, int order) {
+  return to_numpy<double>(sample.batch.evaluate(static_cast<Order>(order), sample.x));
+}
+
+/// The work of an evaluation without its results, for timings.
+void run(const Sample& sample, int order) {
   const PotentialBatch& batch = sample.batch;
   const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
   AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
   batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
-  return lanes;
-}
-
-/// (elements, outputs): energy, gradient, upper triangle of the Hessian.
-auto evaluate(const Sample& sample, int order) {
-  const PotentialBatch& batch = sample.batch;
-  const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
-  const AlignedVector<double> lanes = run(sample, order);
-  std::vector<double> result(static_cast<size_t>(batch.size()) * outputs);
-  for (int64_t e = 0; e < batch.size(); ++e)
-    for (int k = 0; k < outputs; ++k)
-      result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
-  return to_numpy<double>(std::move(result));
 }
 
 void set_positions(Sample& sample, nb::handle given) {
@@ -273,9 +255,7 @@ void bind_formulas(nanobind::module_& m) {
       .def("set_positions", &set_positions, "x"_a, "New positions of all points.")
       .def("evaluate", &evaluate, "order"_a,
            "Energy, gradient, upper triangle of the Hessian of each element, in a row one after another.")
-      .def(
-          "run", [](const Sample& s, int order) { run(s, order); }, "order"_a,
-          "Evaluates and forgets the results, for timings.");
+      .def("run", &run, "order"_a, "Evaluates and forgets the results, for timings.");
   nb::class_<Formula>(m, "Formula", "A formula of points and parameters, ready to be used in energies.")
       .def_prop_ro("point_count", &Formula::point_count)
       .def_prop_ro("fields", &field_list, "Inputs to be given: name, unit, doc, width, is_data.")

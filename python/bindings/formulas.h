@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include <stark/mechanics/field_values.h>
 #include <stark/sim/point_set.h>
 #include <stark/sim/simulation.h>
 #include <stark/symbolic/kernel.h>
@@ -18,7 +17,6 @@ namespace stark::bindings {
 symbolic::Backend to_backend(const std::string& name);
 /// {"kind": "vertices" | "point" | "direction" | "embedded" | "world", "body": index, ...}
 PointSet to_point_set(const nb::dict& given);
-
 /// {"name", "formula_name", "doc", "formula", "translation_invariant", "points": [...], "values": {...}} ->
 /// index
 int32_t add_energy(Scene& scene, const nb::dict& given);

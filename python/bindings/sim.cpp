@@ -27,7 +27,7 @@ const char* status_name(StepStatus status) {
 const char* solve_status_name(SolveStatus status) {
   constexpr const char* kNames[] = {"converged",  "round_off",          "max_iterations",
                                     "not_finite", "line_search_failed", "linear_solve_failed",
-                                    "blocked",    "interrupted"};
+                                    "blocked",    "interrupted",        "constraint_violated"};
   return kNames[static_cast<int>(status)];
 }
 

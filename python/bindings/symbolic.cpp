@@ -1,28 +1,20 @@
-// Bindings of the expression graph: traced scalars with the operators of Python, and graphs. Formulas are
+// Bindings of the expression graph: traced scalars with the operators and functions of Python. Formulas are
 // built by running Python code on traced scalars, so whatever would need their values raises TraceError.
 #include "symbolic.h"
 
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <limits>
 
-#include <stark/base/settings.h>
 #include <stark/symbolic/evaluate.h>
-#include <stark/symbolic/partial_derivatives.h>
 
 #include "arrays.h"
 
 namespace stark::bindings {
 
 using namespace nb::literals;
-using symbolic::Graph;
-using symbolic::InputKind;
-using symbolic::NodeId;
-using symbolic::Op;
 using symbolic::Scalar;
 
 std::optional<TracedScalar> to_traced(nb::handle object) {
@@ -54,14 +46,23 @@ std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::st
   return result;
 }
 
+std::string short_text(const TracedScalar& x) { return to_string(x.value, 60); }
+
+void require_kind(const TracedScalar& x, bool condition, const std::string& operation) {
+  if (x.value.is_condition() == condition) return;
+  if (condition)
+    throw TraceError(operation + ": " + short_text(x) +
+                     " is a number, not a condition; compare it first, as in x > 0.0");
+  throw TraceError(operation + ": " + short_text(x) +
+                   " is a condition, not a number; turn it into one by stark.where(condition, a, b)");
+}
+
 namespace {
 
 const char* const kNoBranches =
     "a formula is recorded once and then run for many inputs, so its values cannot steer Python code: write "
     "stark.where(condition, a, b) for if, `&`, `|`, `~` for and, or, not, and stark.minimum, stark.maximum "
     "for min, max; write both bounds of a < x < b with `&`";
-
-std::string short_text(const TracedScalar& x) { return to_string(x.value, 60); }
 
 // Operators.
 
@@ -73,15 +74,6 @@ std::optional<TracedScalar> to_condition(nb::handle object) {
   if (PyBool_Check(object.ptr()) || (nb::hasattr(object, "dtype") && text(object.attr("dtype")) == "bool"))
     return TracedScalar{nullptr, Scalar::literal_condition(nb::cast<bool>(nb::bool_(object)))};
   return to_traced(object);
-}
-
-void require_kind(const TracedScalar& x, bool condition, const std::string& operation) {
-  if (x.value.is_condition() == condition) return;
-  if (condition)
-    throw TraceError(operation + ": " + short_text(x) +
-                     " is a number, not a condition; compare it first, as in x > 0.0");
-  throw TraceError(operation + ": " + short_text(x) +
-                   " is a condition, not a number; turn it into one by stark.where(condition, a, b)");
 }
 
 TracedScalar apply(Binary function, const TracedScalar& a, const TracedScalar& b, bool conditions,
@@ -138,6 +130,8 @@ nb::object python_power(const TracedScalar& a, nb::handle exponent) {
   }
   return python_operator<false>(power, "power")(a, exponent);
 }
+
+std::string representation(const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; }
 
 double constant_value(const TracedScalar& x, const char* conversion) {
   if (x.value.is_constant() && !x.value.is_condition()) return x.value.value();
@@ -223,96 +217,6 @@ TracedScalar fused_multiply_add(nb::handle a, nb::handle b, nb::handle c) {
   return {value.graph() ? std::move(graph) : nullptr, value};
 }
 
-// Graphs and their nodes.
-
-InputKind input_kind(const std::string& kind) {
-  if (kind == "unknown") return InputKind::Unknown;
-  if (kind == "element") return InputKind::Element;
-  if (kind == "uniform") return InputKind::Uniform;
-  throw InvalidArgument("input kind '" + kind + "': need 'unknown', 'element' or 'uniform'" +
-                        nearest_name_hint(kind, {"unknown", "element", "uniform"}));
-}
-
-TracedScalar new_input(const std::shared_ptr<Graph>& graph, const std::string& kind,
-                       const std::string& name) {
-  const TracedScalar input{graph, graph->input(input_kind(kind))};
-  if (!name.empty()) graph->set_name(input.value, name);
-  return input;
-}
-
-std::string operation_of(const TracedScalar& x) {
-  if (!x.graph) return "constant";
-  const Op op = x.graph->node(x.value.id()).op;
-  if (op == Op::Constant) return "constant";
-  return symbolic::operand_count(op) == 0 ? "input" : symbolic::name_of(op);
-}
-
-std::vector<TracedScalar> operands_of(const TracedScalar& x) {
-  std::vector<TracedScalar> result;
-  if (!x.graph) return result;
-  const symbolic::Node& n = x.graph->node(x.value.id());
-  for (int k = 0; k < symbolic::operand_count(n.op); ++k)
-    result.push_back({x.graph, Scalar(x.graph.get(), n.operands[k])});
-  return result;
-}
-
-std::string name_of(const TracedScalar& x) { return x.graph ? x.graph->name(x.value.id()) : ""; }
-
-std::string representation(const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; }
-
-// Derivatives as expressions.
-
-std::vector<NodeId> nodes_of(const std::vector<TracedScalar>& values, const TracedScalar& anchor,
-                             const std::string& name) {
-  std::vector<NodeId> ids;
-  for (const TracedScalar& value : values) {
-    common_graph(anchor, value, name);
-    require_kind(value, false, name);
-    if (value.value.is_constant())
-      throw TraceError(name + ": cannot differentiate with respect to a number, " + short_text(value));
-    ids.push_back(value.value.id());
-  }
-  return ids;
-}
-
-std::vector<TracedScalar> traced(const std::shared_ptr<Graph>& graph, const std::vector<NodeId>& ids) {
-  std::vector<TracedScalar> result;
-  for (const NodeId id : ids) result.push_back({graph, Scalar(graph.get(), id)});
-  return result;
-}
-
-/// Rows of d outputs / d targets.
-std::vector<std::vector<TracedScalar>> jacobian(nb::handle outputs, nb::handle targets) {
-  const auto wrt = require_traced_list(targets, "jacobian: wrt");
-  std::vector<std::vector<TracedScalar>> rows;
-  for (const TracedScalar& y : require_traced_list(outputs, "jacobian: outputs")) {
-    require_kind(y, false, "jacobian");
-    if (!y.graph) {
-      rows.emplace_back(wrt.size(), TracedScalar{nullptr, Scalar(0.0)});
-      continue;
-    }
-    const auto ids = nodes_of(wrt, y, "jacobian");
-    rows.push_back(traced(y.graph, symbolic::partial_derivatives(*y.graph, y.value.id(), ids)));
-  }
-  return rows;
-}
-
-/// Full rows of the second derivatives of y.
-std::vector<std::vector<TracedScalar>> hessian(nb::handle output, nb::handle targets) {
-  const TracedScalar y = require_traced(output, "hessian: the output");
-  require_kind(y, false, "hessian");
-  const auto wrt = require_traced_list(targets, "hessian: wrt");
-  const size_t n = wrt.size();
-  std::vector<std::vector<TracedScalar>> rows(n, std::vector<TracedScalar>(n, {nullptr, Scalar(0.0)}));
-  if (!y.graph) return rows;
-  const auto entries =
-      symbolic::second_partial_derivatives(*y.graph, y.value.id(), nodes_of(wrt, y, "hessian"));
-  for (size_t i = 0, k = 0; i < n; ++i)
-    for (size_t j = i; j < n; ++j, ++k)
-      rows[i][j] = rows[j][i] = {y.graph, Scalar(y.graph.get(), entries[k])};
-  return rows;
-}
-
 void bind_operators(nb::class_<TracedScalar>& c) {
   const nb::is_operator op;
   c.def("__add__", python_operator<false>(add, "+"), op);
@@ -357,21 +261,6 @@ void bind_operators(nb::class_<TracedScalar>& c) {
   c.def("__repr__", representation);
 }
 
-void bind_graph(nb::module_& m) {
-  nb::class_<Graph>(m, "Graph", "Expression graph: equal expressions are one node. Not for two threads.")
-      .def(nb::init<>())
-      .def("input", new_input, "kind"_a = "unknown", "name"_a = "",
-           "New input. kind: 'unknown' (differentiated), 'element' (one value per element) or 'uniform'.")
-      .def(
-          "input_count",
-          [](const Graph& g, const std::string& kind) { return g.input_count(input_kind(kind)); }, "kind"_a,
-          "Number of inputs of a kind.")
-      .def(
-          "mark_stage", [](Graph& g, const TracedScalar& value) { g.mark_stage(value.value); }, "value"_a,
-          "Hint for differentiation: derivatives may go through this value. Never changes results.")
-      .def("__len__", &Graph::size);
-}
-
 void bind_functions(nb::module_& m) {
   for (const NamedUnary& f : kUnary)
     m.def(
@@ -405,10 +294,6 @@ void bind_functions(nb::module_& m) {
   m.def(
       "is_scalar_like", [](nb::handle x) { return to_traced(x).has_value(); }, "x"_a.none(),
       "Whether the value is a scalar or a number.");
-  m.def("jacobian", jacobian, "outputs"_a, "wrt"_a,
-        "Rows of derivatives of the outputs with respect to any values they are made of.");
-  m.def("hessian", hessian, "output"_a, "wrt"_a,
-        "Rows of second derivatives of an output with respect to any values it is made of.");
 }
 
 }  // namespace
@@ -420,18 +305,7 @@ void bind_symbolic(nanobind::module_& parent) {
   bind_graph(m);
   nb::class_<TracedScalar> scalar(m, "Scalar", "A number of a formula: recorded, not computed.");
   bind_operators(scalar);
-  scalar.def_prop_ro(
-            "graph", [](const TracedScalar& x) { return x.graph; }, "Graph, or None for a number.")
-      .def_prop_ro(
-          "id", [](const TracedScalar& x) { return x.value.id(); }, "Number of the node in its graph.")
-      .def_prop_ro("name", name_of, "Name of an input, else ''.")
-      .def_prop_ro("operation", operation_of, "'constant', 'input', or the operation: '+', 'sqrt', ...")
-      .def_prop_ro("operands", operands_of, "Scalars that the operation is applied to.")
-      .def_prop_ro(
-          "is_constant", [](const TracedScalar& x) { return x.value.is_constant(); }, "Known number?")
-      .def_prop_ro(
-          "is_condition", [](const TracedScalar& x) { return x.value.is_condition(); },
-          "Made by a comparison?");
+  bind_nodes(scalar);
   bind_functions(m);
   bind_array_functions(m);
 }

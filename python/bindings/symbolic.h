@@ -41,6 +41,14 @@ TracedScalar require_traced(nb::handle object, const std::string& name);
 /// The items of a sequence; throws TraceError naming the place of one that is not a scalar.
 std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::string& name);
 
+/// Formula of a scalar for messages, cut where it is long.
+std::string short_text(const TracedScalar& x);
+/// Throws TraceError unless the scalar is a condition, or a number, as asked.
+void require_kind(const TracedScalar& x, bool condition, const std::string& operation);
+
+/// Graphs and derivatives, and what a scalar says about its node (symbolic_graph.cpp).
+void bind_graph(nb::module_& m);
+void bind_nodes(nb::class_<TracedScalar>& c);
 /// Compiled functions of arrays (symbolic_functions.cpp).
 void bind_array_functions(nb::module_& m);
 

@@ -13,8 +13,10 @@
 #include <stark/mechanics/define.h>
 #include <stark/mechanics/formula.h>
 #include <stark/sim/energy.h>
+#include <stark/sim/joint.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/point_set.h>
+#include <stark/sim/registry.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
 #include <stark/sim/simulation.h>

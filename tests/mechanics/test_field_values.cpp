@@ -50,7 +50,9 @@ TEST_CASE("wrong values are named with element, unit and rule") {
   CHECK(message_of(declarations[0], {{1.0, 2.0, 3.0}, true}) == "accepted");
   CHECK(message_of(declarations[0], {{1.0, -2.0, 3.0}, true}).find("stiffness[1] = -2 N/m: must be > 0") !=
         std::string::npos);
-  CHECK(message_of(declarations[2], {{nan}, false}).find("length = nan m: must be finite") !=
+  CHECK(message_of(declarations[2], {{1.0, nan, 1.0}, true}).find("length[1] = nan m: must be finite") !=
+        std::string::npos);
+  CHECK(message_of(declarations[2], {{1.0}, false}).find("must be given for each of the 3 elements") !=
         std::string::npos);
   CHECK(message_of(declarations[0], {{1.0, 2.0}, true}).find("must be 1 for each of the 3 elements") !=
         std::string::npos);

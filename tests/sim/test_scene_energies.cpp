@@ -216,7 +216,8 @@ TEST_CASE("wrong points and values are refused when the energy is added") {
   refused({one, embedded_points(box, {{0, 1, 2, 2}}, {{0.5, 0.2, 0.3, 0.0}})}, good, "cloth and solids only");
   refused({one, two}, {{"stiffness", {{1.0}}}}, "'rest_length' [m] is missing");
   refused({one, two}, {{"stiffness", {{1.0}}}, {"rest_length", {{1.0, 2.0}}}}, "must be 1");
-  refused({one, two}, {{"stiffness", {{1.0}, true}}, {"rest_length", {{1.0}}}}, "must be 2");
+  refused({one, two}, {{"stiffness", {{1.0}, true}}, {"rest_length", {{1.0}}}},
+          "1 for each of the 2 elements");
   refused({one, two}, {{"stiffness", {{1.0}}}, {"rest_length", {{1.0}}}, {"stifness", {{1.0}}}}, "stiffness");
   CHECK(scene.add_energy({.potential = spring(), .points = {one, two}, .values = good}).index == 0);
   CHECK(scene.add_energy({.potential = spring(), .points = {one, two}, .values = good}).index == 1);

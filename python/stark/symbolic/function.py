@@ -12,13 +12,15 @@ import numpy as np
 
 from stark._core import InvalidArgument, TraceError
 from stark._core import symbolic as core
+from stark.symbolic.arrays import batch_of
 from stark.symbolic.errors import formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.signature import Argument, new_symbols, read_signature
 from stark.symbolic.statistics import Statistics
-from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, describe
+from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, describe, from_shape
 
 Wrt = str | Sequence[str] | None
+_SYMBOLS = (Scalar, Tensor)
 _ORDERS = ("value", "gradient", "hessian")
 
 
@@ -39,12 +41,16 @@ class Formula:
         self.shape: tuple[int, ...] = getattr(result, "shape", ())
         self.outputs = list(result.entries) if isinstance(result, Tensor) else [result]
         self.backend = backend
+        self.own_shapes = [a.shape for a in self.arguments]
         self._compiled: dict[tuple[int, ...], core.ArrayFunction] = {}
         self._lock = threading.Lock()
         self._check(function)
 
     def compiled(self, wrt: tuple[int, ...]) -> core.ArrayFunction:
         """Code that differentiates the arguments with these numbers."""
+        found = self._compiled.get(wrt)
+        if found is not None:
+            return found
         with self._lock:
             if wrt not in self._compiled:
                 # Derivatives come in the order of the arguments; blocks() puts them in the order of wrt.
@@ -80,14 +86,15 @@ class Function:
     NumPy. Derivatives are with respect to the first argument, or to those that `wrt` names: one name gives
     one array, a tuple of names a tuple of arrays."""
 
-    def __init__(
-        self, name: str, signature: inspect.Signature, record: Callable[[], Formula], inline: Callable | None
-    ) -> None:
+    def __init__(self, name: str, signature: inspect.Signature, record: Callable[[], Formula]) -> None:
         self.__name__ = self.__qualname__ = name
         self.__signature__ = signature
+        parameters = signature.parameters.values()
+        self._all_positional = all(p.kind is not p.KEYWORD_ONLY for p in parameters)
+        self._defaults = tuple(p.default for p in parameters)
         self._record = record
-        self._inline = inline
         self._formula: Formula | None = None
+        self._recording = False
         self._lock = threading.RLock()
 
     @property
@@ -95,14 +102,19 @@ class Function:
         """The recorded formula; recorded at first use."""
         if self._formula is None:
             with self._lock:
-                if self._formula is None:
-                    self._formula = self._record()
+                if self._recording:
+                    raise TraceError(f"{self.__name__} calls itself; a formula is recorded without recursion")
+                self._recording = True
+                try:
+                    self._formula = self._formula or self._record()
+                finally:
+                    self._recording = False
         return self._formula
 
     def __call__(self, *args: object, **kwargs: object) -> object:
         """Values, shape batch + shape of the result. Symbols as arguments give the formula of them."""
-        if any(isinstance(value, (Scalar, Tensor)) for value in (*args, *kwargs.values())):
-            return self._of_symbols(args, kwargs)
+        if _any_symbols(args, kwargs):
+            return self._of_symbols(self.formula.outputs, self.formula.shape, args, kwargs)
         formula = self.formula
         arrays, batch = self._arrays(args, kwargs)
         values, _, _ = self._run(0, True, False, (0,), arrays, batch)
@@ -149,14 +161,17 @@ class Function:
             compiled.backend, {name: compiled.statistics(k) for k, name in enumerate(orders)}
         )
 
+    def __reduce__(self) -> str:
+        # Pickled by name, as functions are.
+        return self.__qualname__
+
     def __repr__(self) -> str:
         return f"<stark.symbolic.Function {self.__name__}{self.__signature__}>"
 
-    def _of_symbols(self, args: tuple, kwargs: dict) -> object:
-        if self._inline is None:
-            raise TraceError(f"{self.__name__}: symbols go only into functions made by @sym.function")
+    def _of_symbols(self, outputs: list, shape: tuple, args: tuple, kwargs: dict) -> Scalar | Vec | Mat:
+        """Expressions of the formula with the given symbols or expressions as arguments."""
         bound = self._bind(args, kwargs)
-        values = []
+        values: list[Scalar] = []
         for argument in self.formula.arguments:
             value = convert(bound[argument.name], f"{self.__name__}: argument '{argument.name}'")
             if getattr(value, "shape", ()) != argument.shape:
@@ -164,8 +179,27 @@ class Function:
                     f"{self.__name__}: argument '{argument.name}' is {describe(value)}, "
                     f"need {describe(argument.value)}"
                 )
-            values.append(value)
-        return self._inline(values)
+            values += value.entries if argument.shape else [value]
+        if len(shape) > 2:
+            raise TraceError(f"{self.__name__}: this derivative has {len(shape)} dimensions, need at most 2")
+        symbols = [entry for argument in self.formula.arguments for entry in argument.entries]
+        return from_shape(core.substitute(outputs, symbols, values), shape)
+
+    def _derivatives_of_symbols(self, order: int, args: tuple, kwargs: dict, wrt: Wrt) -> object:
+        """Derivatives as expressions, for formulas that use this one."""
+        formula, which = self.formula, self._wrt(wrt)
+        blocks = []
+        for i in which:
+            argument = formula.arguments[i]
+            if order == 1:
+                rows = core.jacobian(formula.outputs, argument.entries)
+            elif len(which) > 1:
+                raise TraceError(f"{self.__name__}: inside of a formula, wrt of a hessian is one argument")
+            else:
+                rows = core.hessian(formula.outputs[0], argument.entries)
+            shape = (formula.shape if order == 1 else argument.shape) + argument.shape
+            blocks.append(self._of_symbols([y for row in rows for y in row], shape, args, kwargs))
+        return _single(tuple(blocks), wrt)
 
     def _bind(self, args: tuple, kwargs: dict) -> dict[str, object]:
         try:
@@ -176,22 +210,22 @@ class Function:
         return bound.arguments
 
     def _arrays(self, args: tuple, kwargs: dict) -> tuple[list[np.ndarray], tuple[int, ...]]:
-        formula = self.formula
-        bound = self._bind(args, kwargs)
-        arrays = [_array(self.__name__, a.name, bound[a.name], a.shape) for a in formula.arguments]
-        leading = [x.shape[: x.ndim - len(a.shape)] for x, a in zip(arrays, formula.arguments, strict=True)]
-        try:
-            return arrays, np.broadcast_shapes(*leading)
-        except ValueError:
-            shapes = ", ".join(f"{a.name} {s}" for a, s in zip(formula.arguments, leading, strict=True))
-            raise InvalidArgument(
-                f"{self.__name__}: the batch shapes {shapes} do not broadcast; leading dimensions must be "
-                "equal or 1"
-            ) from None
+        arguments = self.formula.arguments
+        given, defaults = len(args), self._defaults
+        # Signature.bind is slow and needed only for keywords and for mistakes.
+        plain = not kwargs and self._all_positional and given <= len(defaults)
+        if plain and inspect.Parameter.empty not in defaults[given:]:
+            args += defaults[given:]
+        else:
+            bound = self._bind(args, kwargs)
+            args = tuple(bound[a.name] for a in arguments)
+        return batch_of(self.__name__, arguments, args)
 
     def _wrt(self, wrt: Wrt) -> tuple[int, ...]:
+        if wrt is None:
+            return (0,)
         names = [a.name for a in self.formula.arguments]
-        wanted = (names[0],) if wrt is None else (wrt,) if isinstance(wrt, str) else tuple(wrt)
+        wanted = (wrt,) if isinstance(wrt, str) else tuple(wrt)
         for name in wanted:
             if name not in names:
                 raise InvalidArgument(
@@ -204,8 +238,8 @@ class Function:
     def _run(
         self, order: int, values: bool, first: bool, wrt: tuple[int, ...], arrays: list, batch: tuple
     ) -> tuple:
-        own = [a.shape for a in self.formula.arguments]
-        return self.formula.compiled(wrt).evaluate(order, values, first, arrays, own, batch)
+        formula = self.formula
+        return formula.compiled(wrt).evaluate(order, values, first, arrays, formula.own_shapes, batch)
 
     def _require_scalar(self, what: str) -> None:
         if len(self.formula.outputs) > 1 or self.formula.shape:
@@ -217,6 +251,9 @@ class Function:
     def _first(self, what: str, args: tuple, kwargs: dict, wrt: Wrt, with_values: bool) -> tuple:
         if what == "gradient":
             self._require_scalar(what)
+        if _any_symbols(args, kwargs):
+            value = self(*args, **kwargs) if with_values else None
+            return value, self._derivatives_of_symbols(1, args, kwargs, wrt)
         formula, which = self.formula, self._wrt(wrt)
         arrays, batch = self._arrays(args, kwargs)
         values, first, _ = self._run(1, with_values, True, which, arrays, batch)
@@ -232,6 +269,9 @@ class Function:
 
     def _second(self, args: tuple, kwargs: dict, wrt: Wrt, with_lower: bool) -> tuple:
         self._require_scalar("hessian")
+        if _any_symbols(args, kwargs):
+            lower = self._first("gradient", args, kwargs, wrt, True) if with_lower else (None, None)
+            return (*lower, self._derivatives_of_symbols(2, args, kwargs, wrt))
         formula, which = self.formula, self._wrt(wrt)
         arrays, batch = self._arrays(args, kwargs)
         values, first, second = self._run(2, with_lower, with_lower, which, arrays, batch)
@@ -256,25 +296,12 @@ class Function:
         return values.reshape(batch)[()], _single(slopes, wrt), _single(rows, wrt)
 
 
+def _any_symbols(args: tuple, kwargs: dict) -> bool:
+    return any(isinstance(x, _SYMBOLS) for x in args) or any(isinstance(x, _SYMBOLS) for x in kwargs.values())
+
+
 def _single(blocks: tuple, wrt: Wrt) -> object:
     return blocks[0] if wrt is None or isinstance(wrt, str) else blocks
-
-
-def _array(formula: str, name: str, value: object, shape: tuple[int, ...]) -> np.ndarray:
-    """The argument as an array of float64 whose strides are whole numbers of float64."""
-    try:
-        given = np.asarray(value)
-    except ValueError as error:
-        raise InvalidArgument(f"{formula}: argument '{name}' is no array: {error}") from None
-    if given.dtype.kind not in "biuf":
-        raise InvalidArgument(f"{formula}: argument '{name}' has the type {given.dtype}, need real numbers")
-    if shape and given.shape[max(given.ndim - len(shape), 0) :] != shape:
-        need = ", ".join(["...", *map(str, shape)])
-        raise InvalidArgument(f"{formula}: argument '{name}' has the shape {given.shape}, need ({need})")
-    given = given.astype(np.float64, copy=False)
-    if not given.flags.aligned or any(stride % 8 for stride in given.strides):
-        given = given.copy()
-    return given
 
 
 def _result(name: str, value: object, function: Callable[..., object] | None) -> Scalar | Vec | Mat:
@@ -320,7 +347,7 @@ def function(
         with recording(name):
             return Formula(name, arguments, result, backend, f)
 
-    compiled = Function(name, signature, record, run)
+    compiled = Function(name, signature, record)
     functools.update_wrapper(compiled, f)
     return compiled
 
@@ -352,4 +379,4 @@ def compile(
     parameters = [inspect.Parameter(a.name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for a in arguments]
     with recording(name):
         formula = Formula(name, arguments, _result(name, outputs, None), backend)
-    return Function(name, inspect.Signature(parameters), lambda: formula, None)
+    return Function(name, inspect.Signature(parameters), lambda: formula)

@@ -76,8 +76,8 @@ def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
 
 
 def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
-    """Derivative of a scalar expression with respect to a value that it is made of, in the shape of that
-    value: the stress gradient(psi, F), say. Nothing behind that value is looked at: it is the variable."""
+    """Derivative of a scalar expression with respect to symbols, in their shape: the stress gradient(psi, F)
+    of an argument F, say. For other values F write psi as a function of its own and call psi.gradient(F)."""
     output, variable = convert(output, "gradient"), convert(wrt, "gradient: wrt")
     if isinstance(output, Tensor):
         raise TraceError("gradient: the output is not a scalar; use jacobian")
@@ -86,7 +86,7 @@ def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
 
 
 def jacobian(output: object, wrt: object) -> Scalar | Vec | Mat:
-    """Derivatives of the entries of a vector expression (rows) by those of a vector (columns)."""
+    """Derivatives of the entries of a vector expression (rows) by those of a vector of symbols."""
     output, variable = convert(output, "jacobian"), convert(wrt, "jacobian: wrt")
     shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())
     if len(shape) > 2:
@@ -98,7 +98,7 @@ def jacobian(output: object, wrt: object) -> Scalar | Vec | Mat:
 
 
 def hessian(output: object, wrt: object) -> Scalar | Mat:
-    """Second derivatives of a scalar expression with respect to a scalar or vector that it is made of."""
+    """Second derivatives of a scalar expression with respect to a symbol or a vector of symbols."""
     output, variable = convert(output, "hessian"), convert(wrt, "hessian: wrt")
     if isinstance(output, Tensor) or isinstance(variable, Mat):
         raise TraceError("hessian: need a scalar output and a scalar or vector variable")

@@ -12,8 +12,8 @@ namespace {
 bool is_clock(const UniformField& field) { return field.name == "time_step" || field.name == "time"; }
 
 template <typename Field>
-ParameterDeclaration declaration_of(const Field& field) {
-  return {field.name, field.unit, field.doc, field.width, field.rule, field.is_direction};
+ParameterDeclaration declaration_of(const Field& field, bool is_data) {
+  return {field.name, field.unit, field.doc, field.width, field.rule, field.is_direction, is_data};
 }
 
 /// "c10", or "c10[3]" for the value of element 3.
@@ -36,14 +36,18 @@ std::vector<ParameterDeclaration> parameters_of(const PotentialDefinition& defin
   (void)definition.energy(builder);
   std::vector<ParameterDeclaration> declarations;
   for (const UniformField& field : builder.uniform_fields())
-    if (!is_clock(field)) declarations.push_back(declaration_of(field));
+    if (!is_clock(field)) declarations.push_back(declaration_of(field, false));
   for (const ElementField& field : builder.element_fields())
-    if (field.source == ElementField::Source::Data) declarations.push_back(declaration_of(field));
+    if (field.source == ElementField::Source::Data) declarations.push_back(declaration_of(field, true));
   return declarations;
 }
 
 void check_values(std::string_view owner, const ParameterDeclaration& declaration, const FieldValues& values,
                   int64_t element_count) {
+  if (declaration.is_data && !values.per_element)
+    throw InvalidArgument(std::string(owner) + ": " + declaration.name +
+                          " is given once for all: must be given " + "for each of the " +
+                          std::to_string(element_count) + " elements");
   const size_t width = static_cast<size_t>(declaration.width);
   const size_t count = values.per_element ? static_cast<size_t>(element_count) : 1;
   if (values.values.size() != width * count)
@@ -52,7 +56,7 @@ void check_values(std::string_view owner, const ParameterDeclaration& declaratio
                           (values.per_element ? std::to_string(width) + " for each of the " +
                                                     std::to_string(element_count) + " elements"
                                               : std::to_string(width)) +
-                          "; give one value for the whole body or one for each element");
+                          "; give one value for all elements or one for each");
   for (size_t k = 0; k < values.values.size(); ++k)
     if (!declaration.rule.holds(values.values[k]))
       throw InvalidArgument(std::string(owner) + ": " + label(declaration, values, k / width) + " = " +

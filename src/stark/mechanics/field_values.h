@@ -28,10 +28,11 @@ struct ParameterDeclaration {
   int width = 1;
   FieldRule rule = any_number();
   bool is_direction = false;
+  bool is_data = false;  ///< must be given for each element
 };
 
-/// Parameters and data of a potential, in the order of their first use; time_step and time are not among
-/// them.
+/// Parameters and data of a potential, each in the order of their first use; time_step and time are not among
+/// them. Runs the formula.
 std::vector<ParameterDeclaration> parameters_of(const PotentialDefinition& definition);
 
 /// Checks values against a declaration: as many as needed, finite, in range. Throws InvalidArgument:

@@ -19,9 +19,14 @@ constexpr double kSafeFraction = 0.95;
 }  // namespace
 
 IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& assembler,
-                                           ActiveSet* active_set, std::vector<BlockScale> scales,
-                                           PhaseTimer& timer)
-    : map_(map), assembler_(assembler), active_set_(active_set), scales_(std::move(scales)), timer_(timer) {
+                                           ActiveSet* active_set, ConstraintSet* constraints,
+                                           std::vector<BlockScale> scales, PhaseTimer& timer)
+    : map_(map),
+      assembler_(assembler),
+      active_set_(active_set),
+      constraints_(constraints),
+      scales_(std::move(scales)),
+      timer_(timer) {
   STARK_CHECK(static_cast<int32_t>(scales_.size()) == block_count());
   for (const int32_t block : map_.layout().body_block)
     if (block != kNoBlock) rotation_blocks_.push_back(block + 1);
@@ -178,10 +183,12 @@ void IncrementalPotential::accept_trial() {
   }
 }
 
-double IncrementalPotential::refresh_lagged() {
-  if (!active_set_) return 0.0;
+double IncrementalPotential::refresh_lagged(int round) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  return active_set_->refresh_lagged(x_);
+  double change = 0.0;
+  if (active_set_ && round < active_set_updates_) change = active_set_->refresh_lagged(x_);
+  if (constraints_) change = std::max(change, constraints_->update(x_));
+  return change;
 }
 
 }  // namespace stark

@@ -12,6 +12,7 @@
 #include <stark/base/timer.h>
 #include <stark/mechanics/active_set.h>
 #include <stark/mechanics/assembler.h>
+#include <stark/mechanics/constraint_set.h>
 #include <stark/solve/objective.h>
 
 namespace stark {
@@ -26,9 +27,12 @@ struct BlockScale {
 
 class IncrementalPotential final : public Objective {
  public:
-  /// active_set may be null. scales has one entry per block.
+  /// active_set and constraints may be null. scales has one entry per block.
   IncrementalPotential(const KinematicMap& map, Assembler& assembler, ActiveSet* active_set,
-                       std::vector<BlockScale> scales, PhaseTimer& timer);
+                       ConstraintSet* constraints, std::vector<BlockScale> scales, PhaseTimer& timer);
+
+  /// How often the lagged quantities of the active set (friction) are refreshed in a minimisation.
+  void set_active_set_updates(int updates) { active_set_updates_ = updates; }
 
   /// Starts a minimisation from `start` towards the prescribed poses and points of `target` (free parts of
   /// `target` are ignored).
@@ -45,7 +49,7 @@ class IncrementalPotential final : public Objective {
   double bound_step(std::span<const double> direction, double max_rotation) override;
   TrialEnergy try_step(std::span<const double> direction, double alpha) override;
   void accept_trial() override;
-  double refresh_lagged() override;
+  double refresh_lagged(int round) override;
   std::span<const Vec3> block_positions() const override { return block_positions_; }
 
  private:
@@ -55,6 +59,8 @@ class IncrementalPotential final : public Objective {
   const KinematicMap& map_;
   Assembler& assembler_;
   ActiveSet* active_set_;
+  ConstraintSet* constraints_;
+  int active_set_updates_ = 1;
   std::vector<BlockScale> scales_;
   PhaseTimer& timer_;
   Configuration start_, iterate_, trial_, target_;

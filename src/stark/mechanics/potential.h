@@ -130,6 +130,9 @@ class Potential {
   /// `per_element`: names of parameters that get a value for each element (ElementField::Source::Data).
   Potential(const PotentialDefinition& definition, symbolic::Backend backend,
             const std::set<std::string>& per_element = {});
+  /// Of an energy that has been written with `builder` already.
+  Potential(std::string name, const PotentialBuilder& builder, const symbolic::Scalar& energy,
+            symbolic::Backend backend, bool translation_invariant = false);
 
   const std::string& name() const { return name_; }
   int point_count() const { return point_count_; }

@@ -85,32 +85,65 @@ void PotentialBatch::set_previous(std::span<const Vec3> x_prev) {
 
 void PotentialBatch::set_initial(std::span<const Vec3> x) { fill(ElementField::Source::Initial, x); }
 
+void PotentialBatch::gather(std::span<const Vec3> x, int64_t first, int64_t last, double* lanes) const {
+  const int points = point_count();
+  for (int64_t block = first; block < last; ++block, lanes += 3 * points * kLanes)
+    for (int l = 0; l < kLanes; ++l) {
+      const int64_t element = std::min(block * kLanes + l, size_ - 1);
+      const int32_t* sites = stencils_.data() + element * points;
+      for (int p = 0; p < points; ++p) {
+        const Vec3& position = x[sites[p]];
+        lanes[(3 * p) * kLanes + l] = position.x;
+        lanes[(3 * p + 1) * kLanes + l] = position.y;
+        lanes[(3 * p + 2) * kLanes + l] = position.z;
+      }
+    }
+}
+
 void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                               double* out) const {
   // Gathering at least 64 elements before running the kernel avoids store-forwarding stalls (docs/theory.md).
   constexpr int64_t kGroup = 8;
-  const int points = point_count();
   thread_local AlignedVector<double> unknowns;
-  unknowns.resize(static_cast<size_t>(kGroup) * 3 * points * kLanes);
+  unknowns.resize(static_cast<size_t>(kGroup) * 3 * point_count() * kLanes);
   const int outputs = potential_->kernel().output_count(order);
   for (int64_t group = first; group < last; group += kGroup) {
     const int64_t group_end = std::min(group + kGroup, last);
-    double* lanes = unknowns.data();
-    for (int64_t block = group; block < group_end; ++block, lanes += 3 * points * kLanes)
-      for (int l = 0; l < kLanes; ++l) {
-        const int64_t element = std::min(block * kLanes + l, size_ - 1);
-        const int32_t* sites = stencils_.data() + element * points;
-        for (int p = 0; p < points; ++p) {
-          const Vec3& position = x[sites[p]];
-          lanes[(3 * p) * kLanes + l] = position.x;
-          lanes[(3 * p + 1) * kLanes + l] = position.y;
-          lanes[(3 * p + 2) * kLanes + l] = position.z;
-        }
-      }
+    gather(x, group, group_end, unknowns.data());
     potential_->kernel().evaluate(
         order, unknowns.data(), elements_.data() + group * potential_->element_width() * kLanes,
         uniforms_.data(), out + (group - first) * outputs * kLanes, group_end - group);
   }
+}
+
+namespace {
+
+/// Lanes as [element][output], without padding.
+std::vector<double> by_element(std::span<const double> lanes, int64_t size, int outputs) {
+  std::vector<double> result(static_cast<size_t>(size) * outputs);
+  for (int64_t e = 0; e < size; ++e)
+    for (int k = 0; k < outputs; ++k)
+      result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
+  return result;
+}
+
+}  // namespace
+
+std::vector<double> PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x) const {
+  const int outputs = potential_->kernel().output_count(order);
+  AlignedVector<double> lanes(static_cast<size_t>(block_count()) * outputs * kLanes);
+  evaluate(order, x, 0, block_count(), lanes.data());
+  return by_element(lanes, size_, outputs);
+}
+
+std::vector<double> PotentialBatch::evaluate(const symbolic::Function& function,
+                                             std::span<const Vec3> x) const {
+  const int outputs = function.output_count();
+  AlignedVector<double> unknowns(static_cast<size_t>(block_count()) * 3 * point_count() * kLanes),
+      lanes(static_cast<size_t>(block_count()) * outputs * kLanes);
+  gather(x, 0, block_count(), unknowns.data());
+  function.evaluate(unknowns.data(), elements_.data(), uniforms_.data(), lanes.data(), block_count());
+  return by_element(lanes, size_, outputs);
 }
 
 }  // namespace stark

@@ -9,6 +9,7 @@
 
 #include <stark/base/aligned.h>
 #include <stark/mechanics/potential.h>
+#include <stark/symbolic/evaluate.h>
 
 namespace stark {
 
@@ -52,8 +53,14 @@ class PotentialBatch {
   /// lanes of the last block repeat the last element.
   void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                 double* out) const;
+  /// Outputs of an order for all elements, [element][output].
+  std::vector<double> evaluate(symbolic::Order order, std::span<const Vec3> x) const;
+  /// Outputs of a function of the same inputs for all elements, [element][output].
+  std::vector<double> evaluate(const symbolic::Function& function, std::span<const Vec3> x) const;
 
  private:
+  /// Positions of the points of blocks [first, last), lane by lane; padding repeats the last element.
+  void gather(std::span<const Vec3> x, int64_t first, int64_t last, double* lanes) const;
   void fill(ElementField::Source source, std::span<const Vec3> values);
   double* lane(int64_t element, int offset) {
     return elements_.data() + (element / symbolic::kLanes) * potential_->element_width() * symbolic::kLanes +

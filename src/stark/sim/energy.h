@@ -22,12 +22,4 @@ struct EnergyDescription {
   int64_t element_count() const;
 };
 
-/// Inputs of a potential that the scene has to give values for: name, unit, width. Traces the formula.
-struct RequiredField {
-  std::string name, unit, doc;
-  int width = 1;
-  bool is_data = false;  ///< a value for each element is a must
-};
-std::vector<RequiredField> required_fields(const PotentialDefinition& potential);
-
 }  // namespace stark

@@ -18,4 +18,10 @@ struct EnergyId {
   auto operator<=>(const EnergyId&) const = default;
 };
 
+/// Index of a joint that was added to a scene.
+struct JointId {
+  int32_t index = -1;
+  auto operator<=>(const JointId&) const = default;
+};
+
 }  // namespace stark

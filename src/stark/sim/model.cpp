@@ -10,18 +10,13 @@
 
 namespace stark {
 
-namespace {
-
-symbolic::Backend to_backend(KernelBackend backend) { return static_cast<symbolic::Backend>(backend); }
-
-}  // namespace
-
 void Model::Builder::build() {
   add_deformables();
   add_rigids();
   DofLayout layout = DofLayout::build(point_prescribed, body_prescribed);
   add_rigid_sites();
   add_energy_sites();
+  add_joint_sites();
   model.map_ = KinematicMap(std::move(layout), std::move(sites));
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     if (scene.kind(BodyId{i}) == BodyKind::Cloth) add_cloth_energies(BodyId{i});
@@ -29,7 +24,8 @@ void Model::Builder::build() {
   }
   add_inertia();
   add_energies();
-  for (ModelBatch& batch : model.batches_) batch.batch.set_rest(model.rest_positions_);
+  add_joints();
+  for (PotentialBatch* batch : model.all_batches()) batch->set_rest(model.rest_positions_);
   set_block_scales();
   set_initial_state();
   set_initial_sites();
@@ -38,7 +34,7 @@ void Model::Builder::build() {
 
 std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition,
                                                          const std::set<std::string>& per_element) const {
-  return std::make_shared<Potential>(definition, to_backend(settings.execution.backend), per_element);
+  return std::make_shared<Potential>(definition, backend(), per_element);
 }
 
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
@@ -99,12 +95,17 @@ void Model::Builder::set_initial_sites() {
   const State& state = model.initial_state_;
   std::vector<Vec3> x(model.map_.site_count());
   model.map_.positions({state.point_position, state.body_position, state.body_rotation}, x);
-  for (ModelBatch& batch : model.batches_) batch.batch.set_initial(x);
+  for (PotentialBatch* batch : model.all_batches()) batch->set_initial(x);
+  ConstraintSet& constraints = model.constraints_;
+  model.initial_state_.joint_multiplier.assign(constraints.residual_count(), 0.0);
+  for (const JointDescription& joint : scene.joints())
+    model.initial_state_.joint_enabled.push_back(joint.enabled ? 1.0 : 0.0);
+  for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
+  model.initial_state_.joint_coordinate = constraints.coordinates(x);
 }
 
 void Model::Builder::compile_contact() {
-  if (settings.contact.enabled)
-    model.contact_potentials_ = compile_contact_potentials(to_backend(settings.execution.backend));
+  if (settings.contact.enabled) model.contact_potentials_ = compile_contact_potentials(backend());
 }
 
 Model::Model(const Scene& scene, const Settings& settings) {
@@ -117,6 +118,13 @@ Model::Model(const Scene& scene, const Settings& settings) {
   for (const Vec3& X : rest_positions_) hash.append(X);
   for (const double mass : point_masses_) hash.append(mass);
   fingerprint_ = hash.value();
+}
+
+std::vector<PotentialBatch*> Model::all_batches() {
+  std::vector<PotentialBatch*> all;
+  for (ModelBatch& batch : batches_) all.push_back(&batch.batch);
+  for (ConstraintGroup& group : constraints_.groups()) all.push_back(&group.batch);
+  return all;
 }
 
 ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& settings) const {

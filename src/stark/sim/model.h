@@ -46,6 +46,14 @@ struct ModelBatch {
   std::vector<int32_t> subject;
 };
 
+/// What a frame of a joint moves: how firmly its carrier resists (mechanics/constraint_set.h).
+struct JointSide {
+  std::vector<int32_t> blocks;  ///< translation of a rigid body, or vertices of a patch; empty: prescribed
+  int32_t rotation_block = kNoBlock;  ///< of a rigid body
+  double mass = 0.0, moment = 0.0;    ///< [kg], [kg m^2]
+  double reach = 0.0;                 ///< size of a patch [m]
+};
+
 class Model {
  public:
   Model(const Scene& scene, const Settings& settings);
@@ -57,6 +65,12 @@ class Model {
   const std::vector<BlockScale>& block_scales() const { return block_scales_; }
   std::vector<ModelBatch>& batches() { return batches_; }
   const std::vector<ModelBatch>& batches() const { return batches_; }
+  /// Joints; empty without any.
+  ConstraintSet& constraints() { return constraints_; }
+  const ConstraintSet& constraints() const { return constraints_; }
+  const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by joint
+  /// Energies and joints.
+  std::vector<PotentialBatch*> all_batches();
   /// Position in batches() of an energy of the scene.
   int32_t energy_batch(EnergyId energy) const { return energy_batches_.at(energy.index); }
   const State& initial_state() const { return initial_state_; }
@@ -76,7 +90,9 @@ class Model {
   std::vector<BlockScale> block_scales_;
   std::vector<ModelBatch> batches_;
   std::vector<int32_t> energy_batches_;  ///< by energy of the scene
-  std::vector<Vec3> rest_positions_;     ///< by site [m]
+  ConstraintSet constraints_{{}};
+  std::vector<JointSide> joint_sides_;
+  std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;
   ContactPotentials contact_potentials_;
   uint64_t fingerprint_ = 0;

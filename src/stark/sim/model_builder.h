@@ -44,10 +44,19 @@ struct Model::Builder {
   void add_energy_sites();
   void add_energies();
 
+  // Joints (model_joints.cpp)
+  std::vector<int32_t> add_frame_sites(const FrameDescription& frame);
+  void add_joint_sites();
+  void add_joints();
+  ConstraintGroup make_group(std::shared_ptr<const Joint> joint, const std::vector<int32_t>& members) const;
+  std::vector<double> placement(const FrameDescription& frame) const;
+  JointSide side_of(const FrameDescription& frame) const;
+
   // Everything else (model.cpp)
-  /// `owner`: name of the body or energy; `values` of its parameters, which decide what is per element.
+  symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }
   std::shared_ptr<const Potential> compile(const PotentialDefinition& definition,
                                            const std::set<std::string>& per_element = {}) const;
+  /// `owner`: name of the body or energy.
   PotentialBatch& add_batch(const PotentialDefinition& definition, std::span<const int32_t> stencils,
                             const std::string& owner, const ParameterValues& values = {});
   void set_block_scales();
@@ -72,6 +81,7 @@ struct Model::Builder {
   std::vector<int32_t> rigid_bodies;                  ///< body ids in the order of the state's body arrays
   std::vector<int32_t> centre_sites;                  ///< of the dynamic ones; the three directions follow
   std::vector<std::vector<int32_t>> energy_stencils;  ///< by energy of the scene
+  std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
 };
 
 }  // namespace stark

@@ -1,5 +1,4 @@
 // The user's energies of a model: sites of their points, batches with their values.
-#include <stark/base/error.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {

@@ -1,5 +1,8 @@
 #include <stark/sim/registry.h>
 
+#include <stark/base/error.h>
+#include <stark/base/settings.h>
+
 namespace stark {
 
 std::vector<PotentialDefinition> registered_potentials() {
@@ -8,32 +11,39 @@ std::vector<PotentialDefinition> registered_potentials() {
 #define STARK_SOLID_LAW(name) tet4(models::name()),
 #define STARK_SHELL_LAW(name) triangle3(models::name()),
 #include <stark/sim/registry.inc>
-#undef STARK_POTENTIAL
-#undef STARK_SOLID_LAW
-#undef STARK_SHELL_LAW
   };
 }
 
-#define STARK_POTENTIAL(name)
-#define STARK_SOLID_LAW(name) models::name(),
-#define STARK_SHELL_LAW(name)
 std::vector<SolidLaw> registered_solid_laws() {
   return {
+#define STARK_SOLID_LAW(name) models::name(),
 #include <stark/sim/registry.inc>
   };
 }
-#undef STARK_SOLID_LAW
-#undef STARK_SHELL_LAW
 
-#define STARK_SOLID_LAW(name)
-#define STARK_SHELL_LAW(name) models::name(),
 std::vector<ShellLaw> registered_shell_laws() {
   return {
+#define STARK_SHELL_LAW(name) models::name(),
 #include <stark/sim/registry.inc>
   };
 }
-#undef STARK_POTENTIAL
-#undef STARK_SOLID_LAW
-#undef STARK_SHELL_LAW
+
+const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints() {
+  static const std::vector<std::shared_ptr<const JointDefinition>> joints{
+#define STARK_JOINT(name) std::make_shared<const JointDefinition>(models::name()),
+#include <stark/sim/registry.inc>
+  };
+  return joints;
+}
+
+std::shared_ptr<const JointDefinition> find_joint(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& joint : registered_joints()) {
+    if (joint->name == name) return joint;
+    names.push_back(joint->name);
+  }
+  throw InvalidArgument("unknown joint '" + name + "'" + nearest_name_hint(name, names) +
+                        ": must be one of the joints in docs/reference.md");
+}
 
 }  // namespace stark

@@ -1,9 +1,11 @@
-// All potentials and constitutive laws of the library by name (sim/registry.inc).
+// All potentials, constitutive laws and joints of the library by name (sim/registry.inc).
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <stark/mechanics/constitutive_law.h>
+#include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
 
 namespace stark {
@@ -12,15 +14,17 @@ namespace models {
 #define STARK_POTENTIAL(name) PotentialDefinition name();
 #define STARK_SOLID_LAW(name) SolidLaw name();
 #define STARK_SHELL_LAW(name) ShellLaw name();
+#define STARK_JOINT(name) JointDefinition name();
 #include <stark/sim/registry.inc>
-#undef STARK_POTENTIAL
-#undef STARK_SOLID_LAW
-#undef STARK_SHELL_LAW
 }  // namespace models
 
 /// The potentials, and the laws on their linear elements: tetrahedra and triangles.
 std::vector<PotentialDefinition> registered_potentials();
 std::vector<SolidLaw> registered_solid_laws();
 std::vector<ShellLaw> registered_shell_laws();
+/// Shared by all joints that are made of them.
+const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints();
+/// Throws InvalidArgument for unknown names, with the nearest one as a hint.
+std::shared_ptr<const JointDefinition> find_joint(const std::string& name);
 
 }  // namespace stark

@@ -1,7 +1,7 @@
 // Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction,
-// pairs without contact, energies of the user's own. Everything is validated when it is added, so a scene
-// that exists is a scene that can be built; no numerics happen here. sim/model turns it into stencils and
-// parameter tables. SI units.
+// pairs without contact, joints, energies of the user's own. Everything is validated when it is added, so a
+// scene that exists is a scene that can be built; no numerics happen here. sim/model turns it into stencils
+// and parameter tables. SI units.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,7 @@
 #include <stark/mechanics/field_values.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
+#include <stark/sim/joint.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/settings.h>
 
@@ -135,6 +136,12 @@ class Scene {
   const std::vector<EnergyDescription>& energies() const { return energies_; }
   const EnergyDescription& energy(EnergyId energy) const;
 
+  /// Adds a joint (mechanics/joint.h) between two frames. Throws InvalidArgument for frames that do not
+  /// exist, missing, unknown or non-finite values.
+  JointId add_joint(JointDescription description);
+  const std::vector<JointDescription>& joints() const { return joints_; }
+  const JointDescription& joint(JointId joint) const;
+
   /// Coefficient of a pair; a == b is the self-contact of a body.
   void set_friction(BodyId a, BodyId b, double coefficient);
   /// Coefficient of bodies that were given none.
@@ -191,6 +198,7 @@ class Scene {
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
   std::string unique_name(const std::string& name, BodyKind kind) const;
   void check_points(const std::string& owner, const PointSet& points) const;
+  void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;
 
   std::vector<Body> bodies_;
@@ -200,6 +208,7 @@ class Scene {
   std::vector<RigidInertia> inertias_;  // parallel to rigids_
   std::vector<Pins> pins_;              // parallel to bodies_
   std::vector<EnergyDescription> energies_;
+  std::vector<JointDescription> joints_;
   std::map<Pair, double> friction_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;

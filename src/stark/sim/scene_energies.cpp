@@ -14,24 +14,6 @@ std::string count_text(int64_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-void check_values(const std::string& owner, const RequiredField& field, const FieldValues& given,
-                  int64_t element_count) {
-  const std::string name = owner + ": '" + field.name + "' [" + field.unit + "]";
-  if (field.is_data && !given.per_element)
-    throw InvalidArgument(name + ": got one value for all: must have one for each of the " +
-                          count_text(element_count, "element"));
-  const size_t expected = static_cast<size_t>(field.width) * (given.per_element ? element_count : 1);
-  if (given.values.size() != expected)
-    throw InvalidArgument(name + ": got " + std::to_string(given.values.size()) + " numbers: must be " +
-                          std::to_string(expected) + ", " + std::to_string(field.width) +
-                          (given.per_element ? " for each of the " + count_text(element_count, "element")
-                                             : std::string(" shared by all elements")));
-  for (size_t k = 0; k < given.values.size(); ++k)
-    if (!std::isfinite(given.values[k]))
-      throw InvalidArgument(name + ": number " + std::to_string(k) + " is " + to_text(given.values[k]) +
-                            ": must be finite; check where it is computed");
-}
-
 }  // namespace
 
 int64_t EnergyDescription::element_count() const {
@@ -39,19 +21,6 @@ int64_t EnergyDescription::element_count() const {
   for (const PointSet& set : points)
     if (set.size() != 1) count = set.size();
   return count;
-}
-
-std::vector<RequiredField> required_fields(const PotentialDefinition& potential) {
-  PotentialBuilder builder(potential.point_count);
-  potential.energy(builder);
-  std::vector<RequiredField> fields;
-  for (const ElementField& field : builder.element_fields())
-    if (field.source == ElementField::Source::Data)
-      fields.push_back({field.name, field.unit, field.doc, field.width, true});
-  for (const UniformField& field : builder.uniform_fields())
-    if (field.name != "time" && field.name != "time_step")
-      fields.push_back({field.name, field.unit, field.doc, field.width, false});
-  return fields;
 }
 
 void Scene::check_points(const std::string& owner, const PointSet& points) const {
@@ -127,9 +96,9 @@ EnergyId Scene::add_energy(EnergyDescription energy) {
   if (count == 0)
     throw InvalidArgument(owner +
                           ": acts on 0 elements: must have at least one; check the selection of points");
-  const std::vector<RequiredField> fields = required_fields(energy.potential);
+  const std::vector<ParameterDeclaration> fields = parameters_of(energy.potential);
   std::vector<std::string> names;
-  for (const RequiredField& field : fields) {
+  for (const ParameterDeclaration& field : fields) {
     names.push_back(field.name);
     const auto given = energy.values.find(field.name);
     if (given == energy.values.end())

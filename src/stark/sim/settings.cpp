@@ -79,6 +79,17 @@ const FieldTable& ContactSettings::fields() {
   return table;
 }
 
+const FieldTable& JointSettings::fields() {
+  using S = JointSettings;
+  static const FieldTable table(
+      "joints", TableKind::Settings,
+      {field(&S::length_tolerance, "length_tolerance", "m", positive(),
+             "largest distance by which joints may be apart at the end of a step"),
+       field(&S::angle_tolerance, "angle_tolerance", "rad", positive(),
+             "largest angle by which the axes of joints may differ at the end of a step")});
+  return table;
+}
+
 const FieldTable& ExecutionSettings::fields() {
   using S = ExecutionSettings;
   static const FieldTable table(
@@ -98,6 +109,7 @@ const FieldTable& Settings::fields() {
                         group(&S::newton, "newton", NewtonSettings::fields()),
                         group(&S::linear, "linear", LinearSettings::fields()),
                         group(&S::contact, "contact", ContactSettings::fields()),
+                        group(&S::joints, "joints", JointSettings::fields()),
                         group(&S::execution, "execution", ExecutionSettings::fields())})
       all.insert(all.end(), fields.begin(), fields.end());
     all.push_back(field(&S::gravity, "gravity", "m/s^2", any_number(), "acceleration of gravity"));

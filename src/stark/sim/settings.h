@@ -61,6 +61,12 @@ struct ContactSettings {
   static const FieldTable& fields();
 };
 
+struct JointSettings {
+  double length_tolerance = 1e-6;  ///< [m] by which joints may be apart in an accepted step
+  double angle_tolerance = 1e-5;   ///< [rad] by which the axes of joints may differ
+  static const FieldTable& fields();
+};
+
 struct ExecutionSettings {
   int threads = 1;  ///< 0: one for each core; results have the same bits for any number
   KernelBackend backend = KernelBackend::Automatic;
@@ -72,6 +78,7 @@ struct Settings {
   NewtonSettings newton;
   LinearSettings linear;
   ContactSettings contact;
+  JointSettings joints;
   ExecutionSettings execution;
   Vec3 gravity{0.0, 0.0, -9.81};  ///< [m/s^2]
   static const FieldTable& fields();

@@ -36,6 +36,12 @@ std::string point_text(const Vec3& p) {
   return out.str();
 }
 
+std::string count_text(const State& state) {
+  return std::to_string(state.point_position.size()) + " points, " +
+         std::to_string(state.body_position.size()) + " rigid bodies and " +
+         std::to_string(state.joint_enabled.size()) + " joints";
+}
+
 }  // namespace
 
 std::string StepReport::brief() const {
@@ -65,12 +71,14 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
     check_initial_state();
   }
   check_energies();
+  check_joints();
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
-  for (const ModelBatch& batch : model_->batches()) batches.push_back(&batch.batch);
+  for (const PotentialBatch* batch : model_->all_batches()) batches.push_back(batch);
   assembler_->set_static_batches(std::move(batches));
-  potential_ = std::make_unique<IncrementalPotential>(model_->map(), *assembler_, contact_.get(),
-                                                      model_->block_scales(), *timer_);
+  potential_ = std::make_unique<IncrementalPotential>(
+      model_->map(), *assembler_, contact_.get(), &model_->constraints(), model_->block_scales(), *timer_);
+  potential_->set_active_set_updates(settings_.contact.friction_updates);
   linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
   linear_solver_->prepare(assembler_->static_pattern());
   newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
@@ -108,13 +116,14 @@ void Simulation::set_state(const State& state) {
       state.body_position.size() != mine.body_position.size() ||
       state.body_rotation.size() != mine.body_rotation.size() ||
       state.pin_target.size() != mine.pin_target.size() ||
-      state.script_remaining.size() != mine.script_remaining.size())
-    throw InvalidArgument("state has " + std::to_string(state.point_position.size()) + " points and " +
-                          std::to_string(state.body_position.size()) + " rigid bodies, the simulation has " +
-                          std::to_string(mine.point_position.size()) + " and " +
-                          std::to_string(mine.body_position.size()) + "; use a state of the same scene");
+      state.script_remaining.size() != mine.script_remaining.size() ||
+      state.joint_multiplier.size() != mine.joint_multiplier.size() ||
+      state.joint_coordinate.size() != mine.joint_coordinate.size() ||
+      state.joint_enabled.size() != mine.joint_enabled.size())
+    throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(mine) +
+                          "; use a state of the same scene");
   state_ = state;
-  for (ModelBatch& batch : model_->batches()) batch.batch.set_previous(site_positions());
+  for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
 }
 
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {

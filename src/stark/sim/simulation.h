@@ -63,6 +63,19 @@ class Simulation {
   /// Forces [N] on the points of its elements in the last step, [element][point].
   std::vector<Vec3> element_forces(EnergyId energy) const;
 
+  /// Releases a joint, or holds it again from the next step on. A joint that is held again must be within
+  /// reach: what is apart by then is pulled together at once.
+  void set_joint_enabled(JointId joint, bool enabled);
+  bool joint_enabled(JointId joint) const;
+  /// Coordinates of a joint [m, rad] at the end of the last step; angles count full turns from time 0 on.
+  std::vector<double> joint_coordinates(JointId joint) const;
+  std::vector<Joint::Coordinate> joint_coordinate_names(JointId joint) const;
+  /// What is left of its residuals [m, rad].
+  std::vector<double> joint_residuals(JointId joint) const;
+  /// Force [N] and torque [N m] of the joint on what carries frame b, about the origin of that frame, in the
+  /// last step; what carries frame a gets the opposite.
+  Wrench joint_reaction(JointId joint) const;
+
   /// Asked between Newton iterations; returning true ends the step with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);
 
@@ -73,10 +86,21 @@ class Simulation {
  private:
   void check_initial_state() const;
   void check_energies();
+  void check_joints();
+  ConstraintTolerance joint_tolerance() const;
+  /// Multipliers and penalties of a step; `diagonal`: blocks of inertia and elasticity without joints.
+  void begin_joints(std::span<const Mat3> diagonal);
+  /// Takes the stiffness of joints out of the energies.
+  void release_joints();
+  void commit_joints();
+  std::string violation_text() const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
   const ModelBody& rigid(BodyId body, const char* what) const;
   Configuration start_configuration() const;
+  /// Diagonal blocks of inertia and elasticity at the start of a step: what barriers and joints are measured
+  /// against.
+  std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
   void predict(double h);
   bool attempt(double h, SolveReport& total);

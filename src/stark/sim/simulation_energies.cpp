@@ -6,7 +6,6 @@
 
 namespace stark {
 
-using symbolic::kLanes;
 using symbolic::Order;
 
 namespace {
@@ -14,18 +13,6 @@ namespace {
 constexpr double kInvarianceTolerance = 1e-8;  ///< of the sum of point forces over the largest one
 
 std::string owner_text(const EnergyDescription& energy) { return "energy '" + energy.name + "'"; }
-
-/// All outputs of an order for all elements, [element][output].
-std::vector<double> evaluate_all(const PotentialBatch& batch, Order order, std::span<const Vec3> x) {
-  const int outputs = batch.potential().kernel().output_count(order);
-  AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
-  batch.evaluate(order, x, 0, batch.block_count(), lanes.data());
-  std::vector<double> result(static_cast<size_t>(batch.size()) * outputs);
-  for (int64_t e = 0; e < batch.size(); ++e)
-    for (int k = 0; k < outputs; ++k)
-      result[e * outputs + k] = lanes[((e / kLanes) * outputs + k) * kLanes + e % kLanes];
-  return result;
-}
 
 std::string positions_text(const PotentialBatch& batch, int64_t element, std::span<const Vec3> x) {
   std::string text;
@@ -51,7 +38,7 @@ void Simulation::check_energies() {
     PotentialBatch& batch = model_->batches()[model_->energy_batch({k})].batch;
     batch.set_previous(x);
     batch.set_time(settings_.time.step, settings_.time.step);
-    const std::vector<double> values = evaluate_all(batch, Order::Hessian, x);
+    const std::vector<double> values = batch.evaluate(Order::Hessian, x);
     const size_t outputs = values.size() / batch.size();
     const int n = 3 * batch.point_count();
     for (int64_t e = 0; e < batch.size(); ++e) {
@@ -93,7 +80,7 @@ namespace {
 /// Width of a value of the energy; throws for unknown names.
 int width_of(const EnergyDescription& energy, const std::string& name) {
   std::vector<std::string> names;
-  for (const RequiredField& field : required_fields(energy.potential)) {
+  for (const ParameterDeclaration& field : parameters_of(energy.potential)) {
     if (field.name == name) return field.width;
     names.push_back(field.name);
   }
@@ -125,13 +112,13 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
 
 std::vector<double> Simulation::element_energies(EnergyId id) const {
   scene_.energy(id);
-  return evaluate_all(model_->batches()[model_->energy_batch(id)].batch, Order::Energy, site_positions());
+  return model_->batches()[model_->energy_batch(id)].batch.evaluate(Order::Energy, site_positions());
 }
 
 std::vector<Vec3> Simulation::element_forces(EnergyId id) const {
   scene_.energy(id);
   const PotentialBatch& batch = model_->batches()[model_->energy_batch(id)].batch;
-  const std::vector<double> values = evaluate_all(batch, Order::Gradient, site_positions());
+  const std::vector<double> values = batch.evaluate(Order::Gradient, site_positions());
   const int points = batch.point_count();
   std::vector<Vec3> forces(batch.size() * points);
   for (size_t k = 0; k < forces.size(); ++k) {

@@ -48,6 +48,7 @@ const char* failure_text(SolveStatus status) {
       return "a scripted body or pinned vertex is blocked by an obstacle; change its motion or the obstacle";
     case SolveStatus::Interrupted:
       return "interrupted";
+    case SolveStatus::ConstraintViolated:  // violation_text() says which joint
     case SolveStatus::Converged:
     case SolveStatus::RoundOff:
       return "";
@@ -77,6 +78,7 @@ const StepReport& Simulation::step(double max_time_step) {
       return report_;
     }
     report_.message = failure_text(report_.solve.status);
+    if (report_.solve.status == SolveStatus::ConstraintViolated) report_.message = violation_text();
     if (report_.solve.status == SolveStatus::Interrupted) {
       finish_report(StepStatus::Interrupted);
       return report_;
@@ -99,30 +101,35 @@ bool Simulation::attempt(double h, SolveReport& total) {
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     potential_->begin(start, target_configuration(h));
     step_start_.assign(potential_->site_positions().begin(), potential_->site_positions().end());
-    // Barriers are measured against the inertia of the full time step: one cut short would stiffen them under
-    // what already rests on them and throw it off.
-    predict(contact_ ? settings_.time.step : h);
+    // Barriers and joints are measured against the inertia of the full time step: one cut short would stiffen
+    // them under what already rests on them and throw it off.
+    predict(contact_ || model_->constraints().joint_count() > 0 ? settings_.time.step : h);
   }
-  if (contact_) {
-    // Diagonal blocks of inertia and elasticity: the natural stiffness that barriers are measured against.
-    assembler_->set_dynamic_batches({});
-    scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
-    {
-      const PhaseTimer::Scope scope(*timer_, Phase::Stiffness);
-      assembler_->assemble(start, potential_->site_positions(), {.project = false, .pending = {}},
-                           scratch_gradient_, diagonal_hessian_);
-    }
-    std::vector<Mat3> diagonal(model_->map().layout().block_count);
-    for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
-      std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9,
-                  diagonal[b].m.data());
-    contact_->begin_step(start, potential_->site_positions(), diagonal, h);
+  const bool has_joints = model_->constraints().joint_count() > 0;
+  if (contact_ || has_joints) {
+    const std::vector<Mat3> diagonal = natural_stiffness(start);
+    if (has_joints) begin_joints(diagonal);
+    if (contact_) contact_->begin_step(start, potential_->site_positions(), diagonal, h);
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     predict(h);
   }
-  const SolveReport solved = newton_->minimize(*potential_, h, settings_.contact.friction_updates);
+  const SolveReport solved = newton_->minimize(*potential_, h);
   add_counters(total, solved);
   return is_success(solved.status);
+}
+
+std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
+  release_joints();
+  assembler_->set_dynamic_batches({});
+  scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
+  const PhaseTimer::Scope scope(*timer_, Phase::Stiffness);
+  assembler_->assemble(start, potential_->site_positions(), {.project = false, .pending = {}},
+                       scratch_gradient_, diagonal_hessian_);
+  std::vector<Mat3> diagonal(model_->map().layout().block_count);
+  for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
+    std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9,
+                diagonal[b].m.data());
+  return diagonal;
 }
 
 Configuration Simulation::start_configuration() const {
@@ -161,6 +168,10 @@ Configuration Simulation::target_configuration(double h) const {
 void Simulation::predict(double h) {
   const bool quasistatic = settings_.time.integrator == Integrator::Quasistatic;
   const std::span<const Vec3> x = potential_->site_positions();
+  for (ConstraintGroup& group : model_->constraints().groups()) {
+    group.batch.set_previous(x);
+    group.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
+  }
   for (ModelBatch& batch : model_->batches()) {
     batch.batch.set_previous(x);
     batch.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
@@ -215,6 +226,7 @@ void Simulation::commit(double h) {
   }
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
+  commit_joints();
   state_.time += h;
   ++state_.step_count;
 }

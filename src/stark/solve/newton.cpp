@@ -13,6 +13,7 @@ constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy di
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 constexpr double kTinyStep = 1e-6;         ///< step lengths below it make no progress ...
+constexpr int kLagUpdateLimit = 100;       ///< updates of lagged quantities; joints need a few
 constexpr int kTinyStepLimit = 12;         ///< ... and so many in a row end the minimisation
 
 bool all_finite(std::span<const double> values) {
@@ -30,7 +31,7 @@ double dot(std::span<const double> a, std::span<const double> b) {
 NewtonSolver::NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_solver, PhaseTimer& timer)
     : settings_(settings), linear_solver_(linear_solver), timer_(timer) {}
 
-SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int max_lag_updates) {
+SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   SolveReport report;
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
@@ -62,15 +63,16 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step, int m
     // The last direction is known, so it is taken even when its size already says "converged".
     const SolveStatus searched = line_search(objective, report);
     if (!converged) ++report.iterations;
-    if (converged) {
-      if (report.lag_updates >= max_lag_updates) return finish(SolveStatus::Converged);
-      report.lag_residual = objective.refresh_lagged();
-      ++report.lag_updates;
-      if (report.lag_residual == 0.0) return finish(SolveStatus::Converged);
+    const bool at_round_off = searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations;
+    if (converged || at_round_off) {
+      report.lag_residual = objective.refresh_lagged(report.lag_updates);
+      if (report.lag_residual == 0.0)
+        return finish(converged ? SolveStatus::Converged : SolveStatus::RoundOff);
+      if (++report.lag_updates >= kLagUpdateLimit || std::isinf(report.lag_residual))
+        return finish(SolveStatus::ConstraintViolated);
+      round_off_steps = 0;
       continue;
     }
-    if (searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations)
-      return finish(searched);
     if (searched == SolveStatus::LineSearchFailed) {
       // Descent for certain, and yet no step lowers the energy: differences are rounding errors that the
       // magnitude does not show, as in stiff elements whose energy is a difference of large terms. The

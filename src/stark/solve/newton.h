@@ -21,7 +21,7 @@ class NewtonSolver {
 
   /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step`
   /// [s] turns the motion of a Newton step into a velocity.
-  SolveReport minimize(Objective& objective, double time_step, int max_lag_updates);
+  SolveReport minimize(Objective& objective, double time_step);
 
  private:
   enum class Direction : uint8_t { Found, NotFinite, Failed };

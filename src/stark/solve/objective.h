@@ -52,9 +52,10 @@ class Objective {
   /// The trial point becomes the iterate.
   virtual void accept_trial() = 0;
 
-  /// Called between iterations once the residual is small: brings lagged quantities (friction) up to date.
-  /// Returns the change of force it caused [N], 0 when nothing was refreshed.
-  virtual double refresh_lagged() { return 0.0; }
+  /// Called between iterations once the residual is small: brings lagged quantities (friction, multipliers of
+  /// joints) up to date. `round` counts the calls of this minimisation. Returns the change of force it caused
+  /// [N], 0 when there is nothing left to do, infinity when constraints cannot be met.
+  virtual double refresh_lagged(int round) { return static_cast<void>(round), 0.0; }
 
   /// Positions of the blocks, for fill-reducing orderings; may be empty.
   virtual std::span<const Vec3> block_positions() const { return {}; }

@@ -19,7 +19,7 @@ def formula_of(name: str) -> Any:
     """The copy as a formula; of a law, on the element that the built-in one has."""
     copy = getattr(builtin_copies, name)
     if isinstance(copy, stark.formulas.MaterialLaw):
-        values = {p.name: np.ones(p.shape) for p in copy.parameters}
+        values = {p.name: np.full(p.shape, 0.3) for p in copy.parameters}
         return _core.element_formula(copy.law(values))
     return copy.trace().formula
 

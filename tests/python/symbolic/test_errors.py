@@ -169,6 +169,15 @@ def test_other_exceptions_keep_their_type_and_get_a_note() -> None:
         text(1.0)
 
 
+def test_recursion_is_refused() -> None:
+    @sym.function
+    def endless(x: float):
+        return endless(x) + x
+
+    with pytest.raises(stark.TraceError, match="endless calls itself"):
+        endless(1.0)
+
+
 def test_values_of_two_formulas_do_not_mix() -> None:
     kept = []
 

@@ -3,6 +3,7 @@ of all back ends, threads."""
 
 from __future__ import annotations
 
+import pickle
 import threading
 from collections.abc import Callable
 
@@ -256,10 +257,34 @@ def test_derivatives_inside_formulas() -> None:
     E = 0.5 * (np.swapaxes(F, 1, 2) @ F - np.eye(3))
     trace = np.trace(E, axis1=1, axis2=2)[:, None, None]
     np.testing.assert_allclose(stress(F, mu, la), F @ (la * trace * np.eye(3) + 2 * mu * E), rtol=1e-13)
+
+    # With respect to computed values, by a function of them.
+    @sym.function
+    def density(E: sym.Matrix[3, 3], mu: float, la: float):
+        return mu * sym.squared_norm(E) + 0.5 * la * sym.trace(E) ** 2
+
+    @sym.function
+    def same_stress(F: sym.Matrix[3, 3], mu: float, la: float):
+        E = 0.5 * (F.T @ F - sym.identity(3))
+        value, S = density.value_and_gradient(E, mu, la)
+        return F @ S + 0.0 * value
+
+    np.testing.assert_allclose(same_stress(F, mu, la), stress(F, mu, la), rtol=1e-13)
+    a, b = sym.symbols("a b")
+    at = {"a": 0.3, "b": 1.7}
+    gradient = sym.compile([a, b], rosenbrock.gradient(sym.vec(2 * a, a * b)))
+    hessian = sym.compile([a, b], rosenbrock.hessian(sym.vec(2 * a, a * b)))
+    point = [2 * at["a"], at["a"] * at["b"]]
+    np.testing.assert_allclose(gradient(**at), rosenbrock.gradient(point), rtol=1e-13)
+    np.testing.assert_allclose(hessian(**at), rosenbrock.hessian(point), rtol=1e-13)
     x = sym.symbols("x[2]")
     curl = sym.jacobian(sym.vec(x[0] * x[1], x[1] ** 2), x)
     assert sym.is_same(curl[0, 1], x[0])
     assert sym.is_same(sym.hessian(x[0] ** 2 * x[1], x)[0, 0], 2 * x[1])
+
+
+def test_functions_are_pickled_by_name() -> None:
+    assert pickle.loads(pickle.dumps(rosenbrock)) is rosenbrock
 
 
 def test_results_as_lists_and_constants() -> None:

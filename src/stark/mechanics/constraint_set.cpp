@@ -1,0 +1,171 @@
+#include <stark/mechanics/constraint_set.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stark {
+
+namespace {
+
+/// rho over the stiffness of what is connected. The residual that a step leaves before any update is the
+/// change of the force over rho; factorisations stand many orders more.
+constexpr double kPenaltyFactor = 1e4;
+/// A residual has to fall by this factor in an update, or its penalty grows by as much.
+constexpr double kFall = 4.0;
+constexpr double kLargestPenaltyFactor = 1e8;
+/// Residuals below this part of the tolerance leave multipliers alone. Without it the multipliers of
+/// redundant joints that contradict each other by rounding would grow without end.
+constexpr double kDeadZone = 0.01;
+/// Updates in a row after which joints that come no closer count as contradicting.
+constexpr int kIdleUpdateLimit = 8;
+
+double beyond(double value, double zone) {
+  return std::copysign(std::max(0.0, std::fabs(value) - zone), value);
+}
+
+/// Stiffness of two sides in series.
+double in_series(double a, bool a_is_rigid, double b, bool b_is_rigid) {
+  if (a_is_rigid) return b_is_rigid ? 0.0 : b;
+  if (b_is_rigid) return a;
+  return a + b > 0.0 ? a * b / (a + b) : 0.0;
+}
+
+}  // namespace
+
+ConstraintSet::ConstraintSet(std::vector<ConstraintGroup> groups) : groups_(std::move(groups)) {
+  int64_t residuals = 0;
+  for (const ConstraintGroup& group : groups_) joint_count_ += group.batch.size();
+  places_.resize(joint_count_);
+  for (size_t g = 0; g < groups_.size(); ++g)
+    for (int64_t e = 0; e < groups_[g].batch.size(); ++e) {
+      places_[groups_[g].joints[e]] = {static_cast<int32_t>(g), e, residuals, coordinate_count_};
+      residuals += static_cast<int64_t>(groups_[g].joint->units().size());
+      coordinate_count_ += static_cast<int64_t>(groups_[g].joint->coordinates().size());
+    }
+  multipliers_.assign(residuals, 0.0);
+  penalties_.assign(residuals, 0.0);
+}
+
+void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
+                               std::span<const double> enabled, const ConstraintTolerance& tolerance) {
+  tolerance_ = tolerance;
+  multipliers_.assign(multipliers.begin(), multipliers.end());
+  last_residuals_.clear();
+  smallest_violation_ = std::numeric_limits<double>::infinity();
+  idle_updates_ = 0;
+  largest_penalties_.assign(multipliers_.size(), 0.0);
+  for (int32_t j = 0; j < joint_count_; ++j) {
+    const SideStiffness &a = sides[2 * j], &b = sides[2 * j + 1];
+    const auto& units = groups_[places_[j].group].joint->units();
+    for (size_t k = 0; k < units.size(); ++k) {
+      const int64_t r = places_[j].residual + static_cast<int64_t>(k);
+      const double stiffness = units[k] == ResidualUnit::Length
+                                   ? in_series(a.translation, a.is_prescribed, b.translation, b.is_prescribed)
+                                   : in_series(a.rotation, a.is_prescribed, b.rotation, b.is_prescribed);
+      penalties_[r] = enabled[j] != 0.0 ? kPenaltyFactor * stiffness : 0.0;
+      largest_penalties_[r] = kLargestPenaltyFactor * stiffness;
+      if (penalties_[r] == 0.0) multipliers_[r] = 0.0;
+    }
+  }
+  write_inputs();
+}
+
+void ConstraintSet::write_inputs() {
+  for (ConstraintGroup& group : groups_) {
+    const size_t count = group.joint->units().size();
+    if (count == 0) continue;
+    const int lambda = group.batch.field_index("multiplier"), rho = group.batch.field_index("penalty");
+    for (int64_t e = 0; e < group.batch.size(); ++e) {
+      const int64_t r = places_[group.joints[e]].residual;
+      group.batch.set(lambda, e, std::span<const double>(multipliers_).subspan(r, count));
+      group.batch.set(rho, e, std::span<const double>(penalties_).subspan(r, count));
+    }
+  }
+}
+
+double ConstraintSet::update(std::span<const Vec3> x) {
+  const double violation = worst(x).ratio;
+  if (!(violation > 1.0)) return 0.0;
+  idle_updates_ = violation < 0.5 * smallest_violation_ ? 0 : idle_updates_ + 1;
+  if (idle_updates_ == 0) smallest_violation_ = violation;
+  if (idle_updates_ >= kIdleUpdateLimit) return std::numeric_limits<double>::infinity();
+  const std::vector<double> C = residuals(x);
+  double change = 0.0;
+  for (int32_t j = 0; j < joint_count_; ++j) {
+    const auto& units = groups_[places_[j].group].joint->units();
+    for (size_t k = 0; k < units.size(); ++k) {
+      const int64_t r = places_[j].residual + static_cast<int64_t>(k);
+      const double step = penalties_[r] * beyond(C[r], kDeadZone * tolerance_of(units[k]));
+      multipliers_[r] += step;
+      change = std::max(change, std::fabs(step));
+      const bool is_slow = !last_residuals_.empty() && std::fabs(C[r]) > tolerance_of(units[k]) &&
+                           std::fabs(C[r]) * kFall > std::fabs(last_residuals_[r]);
+      if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
+    }
+  }
+  last_residuals_ = C;
+  write_inputs();
+  return change;
+}
+
+std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
+  std::vector<double> result = multipliers_;
+  const std::vector<double> C = residuals(x);
+  for (int32_t j = 0; j < joint_count_; ++j) {
+    const auto& units = groups_[places_[j].group].joint->units();
+    for (size_t k = 0; k < units.size(); ++k) {
+      const int64_t r = places_[j].residual + static_cast<int64_t>(k);
+      result[r] += penalties_[r] * beyond(C[r], kDeadZone * tolerance_of(units[k]));
+    }
+  }
+  return result;
+}
+
+ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
+  Violation worst;
+  const std::vector<double> C = residuals(x);
+  for (int32_t j = 0; j < joint_count_; ++j) {
+    const Joint& joint = *groups_[places_[j].group].joint;
+    int64_t r = places_[j].residual;
+    for (const int rows : joint.hold_sizes()) {
+      const ResidualUnit unit = joint.units()[r - places_[j].residual];
+      double squared = 0.0;
+      for (int k = 0; k < rows; ++k) squared += C[r + k] * C[r + k];
+      const double size = std::sqrt(squared), ratio = size / tolerance_of(unit);
+      if (penalties_[r] > 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
+      r += rows;
+    }
+  }
+  return worst;
+}
+
+namespace {
+
+/// Outputs [first, first + count) of the values of all elements of a group.
+void append_values(const ConstraintGroup& group, std::span<const Vec3> x, size_t first, size_t count,
+                   std::vector<double>& out) {
+  if (count == 0) return;
+  const std::vector<double> values = group.batch.evaluate(group.joint->values(), x);
+  const size_t outputs = static_cast<size_t>(group.joint->values().output_count());
+  for (int64_t e = 0; e < group.batch.size(); ++e)
+    out.insert(out.end(), values.begin() + e * outputs + first, values.begin() + e * outputs + first + count);
+}
+
+}  // namespace
+
+std::vector<double> ConstraintSet::residuals(std::span<const Vec3> x) const {
+  std::vector<double> result;
+  for (const ConstraintGroup& group : groups_)
+    append_values(group, x, 0, group.joint->units().size(), result);
+  return result;
+}
+
+std::vector<double> ConstraintSet::coordinates(std::span<const Vec3> x) const {
+  std::vector<double> result;
+  for (const ConstraintGroup& group : groups_)
+    append_values(group, x, group.joint->units().size(), group.joint->coordinates().size(), result);
+  return result;
+}
+
+}  // namespace stark

@@ -1,0 +1,94 @@
+// Joints of a time step as augmented Lagrangians: E = sum_k lambda_k C_k + rho_k/2 C_k^2 [Nocedal & Wright
+// 2006, sec. 17.3]. rho follows from the stiffness and inertia of what the joint connects, lambda is carried
+// over from step to step and is the force of the joint, so that a step usually needs no update at all. While
+// some residual is beyond its tolerance when Newton's method has converged, lambda += rho C, and rho grows
+// where C did not fall enough. Nothing needs to be tuned.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <stark/base/math.h>
+#include <stark/mechanics/joint.h>
+#include <stark/mechanics/potential_batch.h>
+
+namespace stark {
+
+/// How far residuals may be from zero in an accepted step.
+struct ConstraintTolerance {
+  double length = 1e-6;  ///< [m]
+  double angle = 1e-5;   ///< [rad]
+};
+
+/// Stiffness by which one side of a joint resists, against translation [N/m] and rotation [N m].
+struct SideStiffness {
+  double translation = 0.0, rotation = 0.0;
+  bool is_prescribed = false;  ///< no force moves this side
+};
+
+/// All joints of one definition between the same kinds of frames.
+struct ConstraintGroup {
+  std::shared_ptr<const Joint> joint;
+  PotentialBatch batch;
+  std::vector<int32_t> joints;  ///< number of the joint of each element
+};
+
+class ConstraintSet {
+ public:
+  explicit ConstraintSet(std::vector<ConstraintGroup> groups);
+
+  std::vector<ConstraintGroup>& groups() { return groups_; }
+  const std::vector<ConstraintGroup>& groups() const { return groups_; }
+  /// Numbers of residuals and of coordinates of all joints together, in the order of groups and elements.
+  int64_t residual_count() const { return static_cast<int64_t>(multipliers_.size()); }
+  int64_t coordinate_count() const { return coordinate_count_; }
+  int64_t joint_count() const { return joint_count_; }
+
+  /// Starts a step with the multipliers of the last one. `sides`: two for each joint; `enabled`: by joint.
+  void begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
+                  std::span<const double> enabled, const ConstraintTolerance& tolerance);
+  /// Updates multipliers and penalties where residuals at x are beyond the tolerances. Returns the largest
+  /// change of a multiplier [N, N m], 0 when everything is held, infinity when a series of updates brought
+  /// nothing.
+  double update(std::span<const Vec3> x);
+  /// Forces that hold the residuals at x: the multipliers of the next step.
+  std::vector<double> forces(std::span<const Vec3> x) const;
+
+  /// Largest residual over its tolerance at x, and whose it is.
+  struct Violation {
+    double ratio = 0.0;
+    int32_t joint = -1;
+    double residual = 0.0;
+    ResidualUnit unit = ResidualUnit::Length;
+  };
+  Violation worst(std::span<const Vec3> x) const;
+
+  /// Residuals or coordinates at x, in the order of groups and elements.
+  std::vector<double> residuals(std::span<const Vec3> x) const;
+  std::vector<double> coordinates(std::span<const Vec3> x) const;
+  /// Where the residuals and the coordinates of a joint start in those arrays.
+  struct Place {
+    int32_t group = 0;
+    int64_t element = 0, residual = 0, coordinate = 0;
+  };
+  const Place& place(int32_t joint) const { return places_[joint]; }
+
+ private:
+  void write_inputs();
+  double tolerance_of(ResidualUnit unit) const {
+    return unit == ResidualUnit::Length ? tolerance_.length : tolerance_.angle;
+  }
+
+  std::vector<ConstraintGroup> groups_;
+  std::vector<Place> places_;  ///< by joint
+  std::vector<double> multipliers_, penalties_, last_residuals_;
+  std::vector<double> largest_penalties_;
+  ConstraintTolerance tolerance_;
+  double smallest_violation_ = 0.0;  ///< over the tolerance, of the updates of this step
+  int idle_updates_ = 0;             ///< since it fell by half
+  int64_t coordinate_count_ = 0, joint_count_ = 0;
+};
+
+}  // namespace stark

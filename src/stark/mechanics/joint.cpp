@@ -1,0 +1,150 @@
+#include <stark/mechanics/joint.h>
+
+#include <stark/base/error.h>
+#include <stark/symbolic/diff.h>
+
+namespace stark {
+
+using symbolic::Scalar;
+using SymbolicVec3 = symbolic::Vec3;
+
+namespace {
+
+/// Frame whose points start at `first`; `at` says whether they are taken now or at the start of the step.
+FrameExpressions frame_of(PotentialBuilder& builder, FrameKind kind, int first, const std::string& placement,
+                          SymbolicVec3 (PotentialBuilder::*at)(int)) {
+  const auto point = [&](int k) { return (builder.*at)(first + k); };
+  if (kind == FrameKind::Axes) return {point(0), point(1), point(2), point(3)};
+  const std::vector<Scalar> n =
+      builder.data_array(placement, kPatchNumbers, "", "placement on the patch: weights, height, rotation");
+  const symbolic::Mat3 axes = patch_axes(point(0), point(1), point(2));
+  const symbolic::Mat3 local(n[4], n[5], n[6], n[7], n[8], n[9], n[10], n[11], n[12]);
+  const symbolic::Mat3 turned = axes * local;
+  return {n[0] * point(0) + n[1] * point(1) + n[2] * point(2) + n[3] * axes.column(2), turned.column(0),
+          turned.column(1), turned.column(2)};
+}
+
+/// Points of a traced formula whose positions, now or before, the outputs need.
+struct UsedPoints {
+  std::vector<char> now, before;
+};
+
+UsedPoints find_used_points(const PotentialBuilder& builder, std::span<const Scalar> outputs) {
+  UsedPoints used{std::vector<char>(builder.point_count(), 0), std::vector<char>(builder.point_count(), 0)};
+  std::vector<symbolic::NodeId> roots;
+  for (const Scalar& output : outputs)
+    if (!output.is_literal()) roots.push_back(output.id());
+  const symbolic::Graph& graph = *builder.graph();
+  const std::vector<char> needed = symbolic::reachable(graph, roots);
+  for (size_t id = 0; id < needed.size(); ++id) {
+    if (!needed[id]) continue;
+    const symbolic::Node& node = graph.node(static_cast<symbolic::NodeId>(id));
+    if (node.op == symbolic::Op::Unknown) used.now[node.operands[0] / 3] = 1;
+    if (node.op != symbolic::Op::Element) continue;
+    for (const ElementField& field : builder.element_fields())
+      if (field.source == ElementField::Source::Previous && node.operands[0] >= field.offset &&
+          node.operands[0] < field.offset + field.width)
+        used.before[field.point] = 1;
+  }
+  return used;
+}
+
+}  // namespace
+
+symbolic::Mat3 patch_axes(const SymbolicVec3& p0, const SymbolicVec3& p1, const SymbolicVec3& p2) {
+  const SymbolicVec3 x = symbolic::normalized(p1 - p0);
+  const SymbolicVec3 z = symbolic::normalized(symbolic::cross(p1 - p0, p2 - p0));
+  return symbolic::Mat3::from_columns(x, symbolic::cross(z, x), z);
+}
+
+JointBuilder::JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKind kind_b)
+    : builder_(builder) {
+  const int first_b = frame_point_count(kind_a);
+  a = frame_of(builder, kind_a, 0, "placement_a", &PotentialBuilder::x);
+  b = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x);
+  a_prev = frame_of(builder, kind_a, 0, "placement_a", &PotentialBuilder::x_prev);
+  b_prev = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x_prev);
+}
+
+void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) {
+  residuals_.push_back(residual);
+  units_.push_back(unit);
+  hold_sizes_.push_back(1);
+}
+
+void JointBuilder::hold(const SymbolicVec3& residual, ResidualUnit unit) {
+  for (int c = 0; c < 3; ++c) {
+    residuals_.push_back(residual[c]);
+    units_.push_back(unit);
+  }
+  hold_sizes_.push_back(3);
+}
+
+void JointBuilder::coordinate(const std::string& name, const Scalar& value, const std::string& unit) {
+  coordinates_.push_back({name, unit, value});
+}
+
+Scalar JointBuilder::parameter(const std::string& name, const std::string& unit, const std::string& doc) {
+  return builder_.data(name, unit, doc);
+}
+
+SymbolicVec3 JointBuilder::parameter3(const std::string& name, const std::string& unit,
+                                      const std::string& doc) {
+  return builder_.data3(name, unit, doc);
+}
+
+JointDefinition define_joint(std::string name, std::string doc, std::function<void(JointBuilder&)> formula) {
+  return {std::move(name), std::move(doc), std::move(formula)};
+}
+
+Joint::Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind_b, symbolic::Backend backend)
+    : name_(definition.name) {
+  const int point_count = frame_point_count(kind_a) + frame_point_count(kind_b);
+  const auto traced = std::make_shared<PotentialBuilder>(point_count);
+  JointBuilder builder(*traced, kind_a, kind_b);
+  definition.formula(builder);
+  units_ = builder.units();
+  hold_sizes_ = builder.hold_sizes();
+  std::vector<Scalar> outputs = builder.residuals();
+  for (const JointBuilder::Coordinate& coordinate : builder.coordinates()) {
+    coordinates_.push_back({coordinate.name, coordinate.unit});
+    outputs.push_back(coordinate.value);
+  }
+
+  const UsedPoints used = find_used_points(*traced, outputs);
+  for (int p = 0; p < point_count; ++p)
+    if (used.now[p] || used.before[p]) points_.push_back(p);
+  const auto target = std::make_shared<PotentialBuilder>(static_cast<int>(points_.size()));
+  PointExpressions points;
+  points.x.resize(point_count);
+  points.x_prev.resize(point_count);
+  for (size_t k = 0; k < points_.size(); ++k) {
+    const int p = points_[k];
+    if (used.now[p]) points.x[p] = target->x(static_cast<int>(k));
+    if (used.before[p]) points.x_prev[p] = target->x_prev(static_cast<int>(k));
+  }
+  const std::vector<Scalar> values = Formula(traced, outputs).repeat(*target, points);
+  const int count = static_cast<int>(units_.size());
+  Scalar energy = 0.0;
+  if (count > 0) {
+    const auto lambda = target->data_array("multiplier", count, "N, N m", "force that holds the residual");
+    const auto rho = target->data_array("penalty", count, "N/m, N m", "stiffness of the residual");
+    for (int k = 0; k < count; ++k) energy += values[k] * (lambda[k] + 0.5 * rho[k] * values[k]);
+  }
+  potential_ = std::make_shared<Potential>(name_, *target, energy, backend);
+  values_ = symbolic::compile_function(values, backend);
+}
+
+std::vector<UniformField> joint_parameters(const JointDefinition& definition) {
+  PotentialBuilder traced(2 * frame_point_count(FrameKind::Axes));
+  JointBuilder builder(traced, FrameKind::Axes, FrameKind::Axes);
+  definition.formula(builder);
+  std::vector<UniformField> parameters;
+  for (const ElementField& field : traced.element_fields())
+    if (field.source == ElementField::Source::Data)
+      parameters.push_back(
+          {.name = field.name, .unit = field.unit, .doc = field.doc, .width = field.width, .offset = 0});
+  return parameters;
+}
+
+}  // namespace stark

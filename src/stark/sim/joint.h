@@ -1,0 +1,54 @@
+// A joint of a scene: a definition (mechanics/joint.h) between two frames, with its constants.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <stark/mechanics/field_values.h>
+#include <stark/mechanics/joint.h>
+#include <stark/sim/ids.h>
+
+namespace stark {
+
+/// Where a frame is and what carries it. Axes are the columns of `rotation`.
+struct FrameDescription {
+  enum class Carrier : uint8_t { World, Body, Patch };
+  Carrier carrier = Carrier::World;
+  BodyId body{};  ///< Body: rigid; Patch: cloth or solid
+  /// World and Patch: in the world at time 0. Body: in the frame of the body's mesh. [m]
+  Vec3 position{};
+  Mat3 rotation = Mat3::identity();
+  std::array<int32_t, 3> vertices{};  ///< Patch: three vertices of the body
+};
+
+inline FrameDescription world_frame(const Vec3& position, const Mat3& rotation = Mat3::identity()) {
+  return {.position = position, .rotation = rotation};
+}
+inline FrameDescription body_frame(BodyId body, const Vec3& position,
+                                   const Mat3& rotation = Mat3::identity()) {
+  return {
+      .carrier = FrameDescription::Carrier::Body, .body = body, .position = position, .rotation = rotation};
+}
+inline FrameDescription patch_frame(BodyId body, const std::array<int32_t, 3>& vertices, const Vec3& position,
+                                    const Mat3& rotation = Mat3::identity()) {
+  return {.carrier = FrameDescription::Carrier::Patch,
+          .body = body,
+          .position = position,
+          .rotation = rotation,
+          .vertices = vertices};
+}
+
+struct JointDescription {
+  std::string name{};  ///< unique among the joints of the scene; empty: the definition's, numbered
+  std::shared_ptr<const JointDefinition> definition{};
+  FrameDescription a{}, b{};
+  ParameterValues values{};  ///< constants of the formula, one set of numbers each
+  bool enabled = true;
+};
+
+/// Force [N] and torque [N m] on a body, about a point.
+struct Wrench {
+  Vec3 force{}, torque{};
+};
+
+}  // namespace stark

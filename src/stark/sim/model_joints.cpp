@@ -1,0 +1,145 @@
+// Joints of a model: sites of their frames, one group for each definition and kinds of frames.
+#include <stark/sim/model_builder.h>
+
+namespace stark {
+
+namespace {
+
+using Carrier = FrameDescription::Carrier;
+
+FrameKind kind_of(const FrameDescription& frame) {
+  return frame.carrier == Carrier::Patch ? FrameKind::Patch : FrameKind::Axes;
+}
+
+/// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
+std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p) {
+  const Vec3 u = p[1] - p[0], v = p[2] - p[0], d = frame.position - p[0];
+  const Vec3 z = normalized(cross(u, v)), x = normalized(u);
+  const Mat3 axes = Mat3::from_columns(x, cross(z, x), z);
+  const double height = dot(d, z);
+  const Vec3 flat = d - z * height;
+  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), fu = dot(flat, u), fv = dot(flat, v);
+  const double scale = 1.0 / (uu * vv - uv * uv);
+  const double w1 = (vv * fu - uv * fv) * scale, w2 = (uu * fv - uv * fu) * scale;
+  std::vector<double> numbers{1.0 - w1 - w2, w1, w2, height};
+  const Mat3 local = transpose(axes) * frame.rotation;
+  numbers.insert(numbers.end(), local.m.begin(), local.m.end());
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<int32_t> Model::Builder::add_frame_sites(const FrameDescription& frame) {
+  const std::vector<Vec3> axes{frame.rotation.column(0), frame.rotation.column(1), frame.rotation.column(2)};
+  std::vector<int32_t> result;
+  const auto append = [&](const PointSet& points) {
+    for (const int32_t site : add_point_sites(points)) result.push_back(site);
+  };
+  switch (frame.carrier) {
+    case Carrier::World:
+      append(world_points({frame.position, axes[0], axes[1], axes[2]}));
+      break;
+    case Carrier::Body:
+      append(body_points(frame.body, {frame.position}));
+      append(body_directions(frame.body, axes));
+      break;
+    case Carrier::Patch:
+      append(vertex_points(frame.body, {frame.vertices.begin(), frame.vertices.end()}));
+      break;
+  }
+  return result;
+}
+
+void Model::Builder::add_joint_sites() {
+  for (const JointDescription& joint : scene.joints()) {
+    std::vector<int32_t>& sites_of_joint = joint_sites.emplace_back(add_frame_sites(joint.a));
+    const std::vector<int32_t> second = add_frame_sites(joint.b);
+    sites_of_joint.insert(sites_of_joint.end(), second.begin(), second.end());
+  }
+}
+
+void Model::Builder::add_joints() {
+  struct Key {
+    const JointDefinition* definition;
+    FrameKind a, b;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::map<Key, size_t> index;
+  std::vector<std::vector<int32_t>> members;
+  std::vector<Key> keys;  // in the order of the joints: addresses decide nothing
+  for (int32_t j = 0; j < static_cast<int32_t>(scene.joints().size()); ++j) {
+    const JointDescription& joint = scene.joints()[j];
+    const Key key{joint.definition.get(), kind_of(joint.a), kind_of(joint.b)};
+    const auto [entry, is_new] = index.try_emplace(key, members.size());
+    if (is_new) {
+      members.emplace_back();
+      keys.push_back(key);
+    }
+    members[entry->second].push_back(j);
+  }
+  std::vector<ConstraintGroup> groups;
+  for (size_t g = 0; g < keys.size(); ++g)
+    groups.push_back(make_group(std::make_shared<Joint>(*keys[g].definition, keys[g].a, keys[g].b, backend()),
+                                members[g]));
+  model.constraints_ = ConstraintSet(std::move(groups));
+  for (const JointDescription& joint : scene.joints())
+    for (const FrameDescription* frame : {&joint.a, &joint.b}) model.joint_sides_.push_back(side_of(*frame));
+}
+
+ConstraintGroup Model::Builder::make_group(std::shared_ptr<const Joint> joint,
+                                           const std::vector<int32_t>& members) const {
+  std::vector<int32_t> stencils;
+  for (const int32_t j : members)
+    for (const int p : joint->points()) stencils.push_back(joint_sites[j][p]);
+  ConstraintGroup group{joint, PotentialBatch(joint->potential()), members};
+  group.batch.resize(stencils);
+  for (size_t e = 0; e < members.size(); ++e) {
+    const JointDescription& description = scene.joints()[members[e]];
+    for (const ElementField& field : joint->potential()->element_fields()) {
+      if (field.source != ElementField::Source::Data) continue;
+      const int64_t element = static_cast<int64_t>(e);
+      if (field.name == "placement_a") group.batch.set(field.name, element, placement(description.a));
+      if (field.name == "placement_b") group.batch.set(field.name, element, placement(description.b));
+      if (const auto given = description.values.find(field.name); given != description.values.end())
+        group.batch.set(field.name, element, given->second.values);
+    }
+  }
+  return group;
+}
+
+std::vector<double> Model::Builder::placement(const FrameDescription& frame) const {
+  const std::vector<Vec3> x = scene.initial_positions(frame.body);
+  return patch_numbers(frame, {x[frame.vertices[0]], x[frame.vertices[1]], x[frame.vertices[2]]});
+}
+
+JointSide Model::Builder::side_of(const FrameDescription& frame) const {
+  JointSide side;
+  const DofLayout& layout = model.map_.layout();
+  if (frame.carrier == Carrier::Body) {
+    const int32_t body = model.bodies_[frame.body.index].rigid_index;
+    if (const int32_t block = layout.body_block[body]; block != kNoBlock) {
+      const RigidMass& mass = model.rigid_masses_[body];
+      side.blocks = {block};
+      side.rotation_block = block + 1;
+      side.mass = mass.mass;
+      side.moment = (mass.moments.x + mass.moments.y + mass.moments.z) / 3.0;
+    }
+  }
+  if (frame.carrier == Carrier::Patch) {
+    const ModelBody& body = model.bodies_[frame.body.index];
+    const std::vector<Vec3> x = scene.initial_positions(frame.body);
+    for (int k = 0; k < 3; ++k) {
+      const int32_t p = body.first_site + frame.vertices[k];
+      if (const int32_t block = layout.point_block[p]; block != kNoBlock) {
+        side.blocks.push_back(block);
+        side.mass += model.point_masses_[p];
+      }
+      const double edge = norm(x[frame.vertices[k]] - x[frame.vertices[(k + 1) % 3]]);
+      side.reach = std::max(side.reach, edge);
+    }
+    side.moment = side.mass * side.reach * side.reach / 3.0;
+  }
+  return side;
+}
+
+}  // namespace stark

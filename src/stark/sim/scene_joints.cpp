@@ -1,0 +1,107 @@
+// Scene: checks of joints.
+#include <algorithm>
+#include <cmath>
+
+#include <stark/base/error.h>
+#include <stark/sim/scene.h>
+#include <stark/sim/validation.h>
+
+namespace stark {
+
+namespace {
+
+/// Twice the area over the longest edge squared, below which a patch has no normal to speak of.
+constexpr double kThinnestPatch = 1e-6;
+
+void check_patch(const std::string& owner, const Scene& scene, const FrameDescription& frame) {
+  const std::vector<Vec3> x = scene.initial_positions(frame.body);
+  for (const int32_t v : frame.vertices)
+    if (v < 0 || static_cast<size_t>(v) >= x.size())
+      throw InvalidArgument(owner + ": vertex " + std::to_string(v) + " of '" + scene.name(frame.body) +
+                            "': must be in [0, " + std::to_string(x.size()) +
+                            "); give indices of three vertices of the mesh");
+  const Vec3 &a = x[frame.vertices[0]], &b = x[frame.vertices[1]], &c = x[frame.vertices[2]];
+  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  if (!(norm(cross(b - a, c - a)) > kThinnestPatch * longest * longest))
+    throw InvalidArgument(owner + ": the patch of '" + scene.name(frame.body) +
+                          "' has no area at time 0: its vertices must not be on a line; choose others");
+}
+
+}  // namespace
+
+void Scene::check_frame(const std::string& owner, const FrameDescription& frame) const {
+  check_finite(owner, "position", frame.position, "m");
+  check_rotation(owner, frame.rotation);
+  switch (frame.carrier) {
+    case FrameDescription::Carrier::World:
+      break;
+    case FrameDescription::Carrier::Body:
+      if (kind(frame.body) != BodyKind::Rigid)
+        throw InvalidArgument(owner + ": '" + name(frame.body) + "' is a " + to_string(kind(frame.body)) +
+                              " body: only rigid bodies carry frames; use a patch of three vertices");
+      break;
+    case FrameDescription::Carrier::Patch:
+      if (kind(frame.body) == BodyKind::Rigid)
+        throw InvalidArgument(owner + ": '" + name(frame.body) +
+                              "' is rigid: patches belong to cloth and solids; use a frame of the body");
+      check_patch(owner, *this, frame);
+      break;
+  }
+}
+
+JointId Scene::add_joint(JointDescription joint) {
+  if (!joint.definition || !joint.definition->formula)
+    throw InvalidArgument("joint '" + joint.name + "': has no definition; make one with define_joint");
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(joints_.begin(), joints_.end(), [&](const auto& j) { return j.name == name; });
+  };
+  if (joint.name.empty()) {
+    joint.name = joint.definition->name;
+    for (int i = 2; taken(joint.name); ++i) joint.name = joint.definition->name + "_" + std::to_string(i);
+  } else if (taken(joint.name)) {
+    throw InvalidArgument(
+        "joint '" + joint.name +
+        "': the name is taken: names of joints must be unique in a scene; choose another or "
+        "leave it out");
+  }
+  const std::string owner = "joint '" + joint.name + "'";
+  check_frame(owner + ", frame a", joint.a);
+  check_frame(owner + ", frame b", joint.b);
+  const auto carrier = [](const FrameDescription& f) {
+    return f.carrier == FrameDescription::Carrier::World;
+  };
+  if (carrier(joint.a) && carrier(joint.b))
+    throw InvalidArgument(owner + ": both frames are of the world: at least one must be carried by a body");
+  std::vector<std::string> names;
+  for (const UniformField& field : joint_parameters(*joint.definition)) {
+    names.push_back(field.name);
+    const auto given = joint.values.find(field.name);
+    if (given == joint.values.end())
+      throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "] is missing: " + field.doc);
+    const std::vector<double>& numbers = given->second.values;
+    if (static_cast<int>(numbers.size()) != field.width)
+      throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "]: got " +
+                            std::to_string(numbers.size()) + " numbers: must be " +
+                            std::to_string(field.width));
+    for (const double number : numbers)
+      if (!std::isfinite(number))
+        throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "] = " + to_text(number) +
+                              ": must be finite; check where it is computed");
+  }
+  for (const auto& [name, values] : joint.values)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw InvalidArgument(owner + ": unknown value '" + name + "'" + nearest_name_hint(name, names) +
+                            ": must be an input of the formula; remove it");
+  joints_.push_back(std::move(joint));
+  return {static_cast<int32_t>(joints_.size()) - 1};
+}
+
+const JointDescription& Scene::joint(JointId joint) const {
+  if (joint.index < 0 || joint.index >= static_cast<int32_t>(joints_.size()))
+    throw InvalidArgument("joint id " + std::to_string(joint.index) + ": must be in [0, " +
+                          std::to_string(joints_.size()) +
+                          ") for this scene; use the ids that add_joint returned");
+  return joints_[joint.index];
+}
+
+}  // namespace stark
