@@ -3,8 +3,10 @@
 // stark/formulas.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/formula.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/sim/registry.h>
@@ -17,6 +19,7 @@
 namespace stark::bindings {
 
 using namespace nb::literals;
+using symbolic::kLanes;
 using symbolic::Order;
 
 namespace {
@@ -44,14 +47,23 @@ Formula finish(const Builder& builder, nb::handle outputs) {
   return Formula(builder, std::move(values));
 }
 
+Formula formula_of(const PotentialDefinition& definition) {
+  const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
+  const symbolic::Scalar energy = definition.energy(*builder);
+  return Formula(builder, {energy});
+}
+
 Formula registered_formula(const std::string& name) {
-  for (const PotentialDefinition& definition : registered_potentials()) {
-    if (definition.name != name) continue;
-    const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
-    const symbolic::Scalar energy = definition.energy(*builder);
-    return Formula(builder, {energy});
-  }
+  for (const PotentialDefinition& definition : registered_potentials())
+    if (definition.name == name) return formula_of(definition);
   throw InvalidArgument("potential '" + name + "' is not registered; stark._core.potentials() lists all");
+}
+
+template <typename Law, Law (*from)(std::string, std::string, Formula)>
+Law law_of(const std::string& name, const std::string& doc, const Formula& formula, bool isotropic) {
+  Law law = from(name, doc, formula);
+  law.isotropic = isotropic;
+  return law;
 }
 
 nb::list field_list(const Formula& formula) {
@@ -108,13 +120,26 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
   return sample;
 }
 
-/// [element][output]: energy, gradient, upper triangle of the Hessian.
-nb::tuple evaluate(const Formula& formula, const nb::dict& given, int order, const std::string& backend) {
-  const Sample sample = make_sample(formula, given, to_backend(backend));
+/// (elements * outputs,): energy, gradient, upper triangle of the Hessian of each element.
+auto evaluate(const Sample& sample, int order) {
+  return to_numpy<double>(sample.batch.evaluate(static_cast<Order>(order), sample.x));
+}
+
+/// The work of an evaluation without its results, for timings.
+void run(const Sample& sample, int order) {
   const PotentialBatch& batch = sample.batch;
-  std::vector<double> result = batch.evaluate(static_cast<Order>(order), sample.x);
   const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
-  return nb::make_tuple(to_numpy<double>(std::move(result)), outputs);
+  AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
+  batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
+}
+
+void set_positions(Sample& sample, nb::handle given) {
+  const auto x = array<Rows<double, 3>>(given, "x", "an (n, 3) array of positions");
+  const std::span<const Vec3> points = rows<Vec3>(x);
+  if (points.size() != sample.x.size())
+    throw InvalidArgument("x: got " + std::to_string(points.size()) + " points, need " +
+                          std::to_string(sample.x.size()));
+  sample.x.assign(points.begin(), points.end());
 }
 
 nb::dict statistics(const Formula& formula, const std::string& backend) {
@@ -207,20 +232,49 @@ void bind_formulas(nanobind::module_& m) {
       .def(
           "parameter",
           [](const Builder& b, const std::string& name, int width, const std::string& unit,
-             const std::string& doc) { return traced_list(b, b->parameter_array(name, width, unit, doc)); },
-          "name"_a, "width"_a, "unit"_a, "doc"_a, "Input shared by all elements or given for each.")
+             const std::string& doc, const std::tuple<double, double, bool, bool>& range) {
+            const auto& [low, high, low_open, high_open] = range;
+            const FieldRule rule{low, high, low_open, high_open, false};
+            return traced_list(b, b->parameter_array(name, width, unit, doc, rule));
+          },
+          "name"_a, "width"_a, "unit"_a, "doc"_a, "range"_a,
+          "Input shared by all elements or given for each; range is (low, high, low_open, high_open).")
       .def(
           "data",
           [](const Builder& b, const std::string& name, int width, const std::string& unit,
              const std::string& doc) { return traced_list(b, b->data_array(name, width, unit, doc)); },
           "name"_a, "width"_a, "unit"_a, "doc"_a, "Input given for each element.")
+      .def(
+          "set_name",
+          [](const Builder& b, const TracedScalar& value, const std::string& name) {
+            b->graph()->set_name(value.value, name);
+          },
+          "value"_a, "name"_a, "Names an input for printing.")
       .def("finish", &finish, "outputs"_a, "The formula with these scalars as outputs.");
+  nb::class_<Sample>(m, "FormulaSample", "A compiled formula on given elements, outside of any simulation.")
+      .def("set_positions", &set_positions, "x"_a, "New positions of all points.")
+      .def("evaluate", &evaluate, "order"_a,
+           "Energy, gradient, upper triangle of the Hessian of each element, in a row one after another.")
+      .def("run", &run, "order"_a, "Evaluates and forgets the results, for timings.");
   nb::class_<Formula>(m, "Formula", "A formula of points and parameters, ready to be used in energies.")
       .def_prop_ro("point_count", &Formula::point_count)
       .def_prop_ro("fields", &field_list, "Inputs to be given: name, unit, doc, width, is_data.")
-      .def("evaluate", &evaluate, "inputs"_a, "order"_a, "backend"_a = "automatic",
-           "(values (elements * outputs,), outputs): energy, gradient, upper triangle of the Hessian by "
-           "element.")
+      .def(
+          "sample",
+          [](const Formula& f, const nb::dict& inputs, const std::string& backend) {
+            return make_sample(f, inputs, to_backend(backend));
+          },
+          "inputs"_a, "backend"_a = "automatic", "The formula on elements that are given as arrays.")
       .def("statistics", &statistics, "backend"_a = "automatic");
+  m.def("solid_law", &law_of<SolidLaw, solid_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
+        "Law of solids from a formula of 3 points, the columns of the deformation gradient.");
+  m.def("shell_law", &law_of<ShellLaw, shell_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
+        "Law of shells from a formula of 2 points, the columns of the deformation gradient.");
+  m.def(
+      "element_formula", [](const SolidLaw& law) { return formula_of(tet4(law)); }, "law"_a,
+      "A law on linear tetrahedra.");
+  m.def(
+      "element_formula", [](const ShellLaw& law) { return formula_of(triangle3(law)); }, "law"_a,
+      "A law on triangles.");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }

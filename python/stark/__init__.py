@@ -48,14 +48,30 @@ for _exception in (
     _exception.__module__ = "stark"
 
 # Imported when first used, to keep `import stark` fast.
-_ON_DEMAND = ("recording", "render", "replay", "scenes", "symbolic", "telemetry")
+_ON_DEMAND = ("formulas", "recording", "render", "replay", "scenes", "symbolic", "telemetry")
+_NAMES_ON_DEMAND = {
+    "stark.formulas": (
+        "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil Tetrahedron "
+        "Time TimeStep Triangle ShellDeformationGradient Vec2 Vec3 Vec4 energy material parameter stencils "
+        "world_frame world_points"
+    ),
+    "stark.symbolic": (
+        "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "
+        "dot exp fma identity invariants inverse log mat maximum minimum norm normalized outer pow sin sinh "
+        "skew sqrt square squared_norm tan tanh trace transpose vec where"
+    ),
+}
+_PLACES = {name: module for module, names in _NAMES_ON_DEMAND.items() for name in names.split()}
 
 
 def __getattr__(name: str) -> object:
-    if name in _ON_DEMAND:
-        import importlib
+    import importlib
 
+    if name in _ON_DEMAND:
         return importlib.import_module(f"stark.{name}")
+    if name in _PLACES:
+        value = globals()[name] = getattr(importlib.import_module(_PLACES[name]), name)
+        return value
     raise AttributeError(f"module 'stark' has no attribute {name!r}")
 
 

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stark import _core
 from stark._core import InvalidArgument
 from stark.mesh import Indices, Points, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, vector
 
 if TYPE_CHECKING:
+    from stark.formulas.points import FrameHandle, Points, Stencils
     from stark.scene import Scene
     from stark.simulation import Simulation
 
@@ -36,6 +38,7 @@ class Body:
         self._color = None if color is None else tuple(float(c) for c in color)
         self._simulation: Callable[[], Simulation | None] = _no_simulation
         self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
+        self._rest_placement: tuple[Any, Any] | None = None  # of bodies that start in another shape than rest
 
     @property
     def name(self) -> str:
@@ -74,6 +77,35 @@ class Body:
     def surface_triangles(self) -> Indices:
         """Surface triangles (m, 3) as indices of ``surface_positions``."""
         return self.triangles
+
+    # --- points for energies ---
+
+    @property
+    def vertices(self) -> Points:
+        """All vertices, as points for energies: ``cloth.vertices[[0, 5]]`` are two of them."""
+        from stark.formulas.points import vertex_points
+
+        return vertex_points(self, np.arange(len(self._mesh.vertices), dtype=np.int32))
+
+    @property
+    def edges(self) -> Stencils:
+        """All edges, as stencils of two points for energies."""
+        return self._stencils(self._edge_indices, "edges")
+
+    @property
+    def faces(self) -> Stencils:
+        """All triangles of the surface, as stencils of three points for energies."""
+        return self._stencils(lambda: self.triangles, "triangles")
+
+    def _edge_indices(self) -> Indices:
+        return _core.find_edges(self.triangles)
+
+    def _stencils(self, indices: Callable[[], Indices], noun: str) -> Stencils:
+        from stark.formulas.points import stencils
+
+        if noun not in self._shared:
+            self._shared[noun] = stencils(self, indices(), noun)
+        return self._shared[noun]
 
     @property
     def color(self) -> tuple[float, ...] | None:
@@ -129,6 +161,33 @@ def _no_simulation() -> None:
 
 
 class _Deformable(Body):
+    def frame(
+        self, vertices: ArrayLike, *, position: ArrayLike | None = None, rotation: ArrayLike | None = None
+    ) -> FrameHandle:
+        """Frame carried by the triangle of three vertices, for energies. ``position`` [m] and ``rotation``
+        are those in the world at time 0; without them the centre of the triangle, and its axes along the
+        first edge, across it, and along the normal."""
+        from stark.formulas.points import patch_frame
+
+        return patch_frame(self, vertices, position, rotation)
+
+    def embedded(self, elements: ArrayLike, weights: ArrayLike) -> Points:
+        """Points of elements, for energies: ``elements`` are numbers of triangles (of solids: of tetrahedra),
+        ``weights`` their barycentric coordinates (n, 3) or (n, 4), or one row for all."""
+        from stark.formulas.points import embedded_points
+
+        rows = self._elements()
+        numbers = np.atleast_1d(np.asarray(elements))
+        if numbers.ndim != 1 or numbers.dtype.kind not in "iu":
+            raise InvalidArgument(f"'{self.name}': elements = {elements!r}: must be numbers of elements")
+        wrong = numbers[(numbers < 0) | (numbers >= len(rows))]
+        if wrong.size:
+            raise InvalidArgument(f"'{self.name}': element {wrong[0]}: must be in [0, {len(rows)})")
+        return embedded_points(self, rows[numbers], weights)
+
+    def _elements(self) -> Indices:
+        return self.triangles
+
     @property
     def velocities(self) -> Points:
         """Velocities of all vertices (n, 3) [m/s]; a copy."""
@@ -183,11 +242,29 @@ class Cloth(_Deformable):
 
     kind = "cloth"
 
+    @property
+    def hinges(self) -> Stencils:
+        """All pairs of triangles with a common edge, as stencils of four points for energies: the edge, then
+        the opposite vertices."""
+        return self._stencils(lambda: _core.find_hinges(self.triangles), "hinges")
+
 
 class Solid(_Deformable):
     """A soft volume."""
 
     kind = "solid"
+
+    @property
+    def tetrahedra(self) -> Stencils:
+        """All elements, as stencils of four points for energies."""
+        return self._stencils(self._elements, "tetrahedra")
+
+    def _elements(self) -> Indices:
+        assert isinstance(self._mesh, TetMesh)
+        return self._mesh.tets
+
+    def _edge_indices(self) -> Indices:
+        return _core.find_tet_edges(self._elements())
 
     def _surface(self) -> tuple[Indices, Indices, Indices]:
         """Boundary triangles, the sorted vertices they use, the triangles renumbered to those."""
@@ -218,6 +295,21 @@ class RigidBody(Body):
     step."""
 
     kind = "rigid"
+
+    def points(self, local: ArrayLike) -> Points:
+        """Points fixed to the body, for energies: (n, 3) or (3,) in the frame of its mesh [m]."""
+        from stark.formulas.points import local_points
+
+        return local_points(self, local)
+
+    def frame(
+        self, position: ArrayLike = (0.0, 0.0, 0.0), *, rotation: ArrayLike | None = None
+    ) -> FrameHandle:
+        """Frame fixed to the body, for energies: ``position`` [m] and ``rotation`` in the frame of its
+        mesh."""
+        from stark.formulas.points import rigid_frame
+
+        return rigid_frame(self, position, rotation)
 
     @property
     def position(self) -> NDArray[np.float64]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,11 @@ from stark._core import InvalidArgument
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.materials import ShellMaterial, SolidMaterial
 from stark.rotations import Vec3Like, as_matrix
+
+if TYPE_CHECKING:
+    from stark.formulas.energy import Binding
+    from stark.formulas.handle import Energy
+    from stark.simulation import Simulation
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -53,6 +58,8 @@ class Scene:
         self.name = name
         self._core = _core.Scene()
         self._bodies: list[Body] = []
+        self._energies: list[Energy] = []
+        self._latest_simulation: Callable[[], Simulation | None] = lambda: None
         self._warned = 0
 
     # --- deformable bodies ---
@@ -105,6 +112,8 @@ class Scene:
         }
         _check_pins(pins, len(surface.vertices), _title("cloth", name))
         cloth = Cloth(self, self._core.add_cloth(given, material._core), surface, color)
+        if initial_positions is not None:
+            cloth._rest_placement = given["position"], given["rotation"]
         self._append(cloth)
         if pins is not None:
             cloth.pin(pins)
@@ -151,6 +160,8 @@ class Scene:
         }
         _check_pins(pins, len(volume.vertices), _title("solid", name))
         solid = Solid(self, self._core.add_solid(given, material._core), volume, color)
+        if initial_positions is not None:
+            solid._rest_placement = given["position"], given["rotation"]
         self._append(solid)
         if pins is not None:
             solid.pin(pins)
@@ -266,6 +277,23 @@ class Scene:
 
     def contact_enabled(self, a: Body | str, b: Body | str) -> bool:
         return self._core.contact_enabled(*self._pair((a, b)))
+
+    # --- energies ---
+
+    def add(self, energy: Binding, *, name: str | None = None) -> Energy:
+        """Adds an energy of your own, bound to points: ``scene.add(spring(cloth.edges, stiffness=10.0))``.
+
+        Returns the handle that has its parameters. Values and derivatives have to be finite at time 0."""
+        from stark.formulas.adding import add_energy
+
+        handle = add_energy(self, energy, name)
+        self._energies.append(handle)
+        return handle
+
+    @property
+    def energies(self) -> tuple[Energy, ...]:
+        """Energies that were added, in the order of adding."""
+        return tuple(self._energies)
 
     # --- bodies ---
 

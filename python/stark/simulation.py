@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+import weakref
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from stark.settings import Settings
 
 if TYPE_CHECKING:
     from stark._core import State, StepReport
+    from stark.formulas.handle import Energy
 
 
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
@@ -57,6 +59,8 @@ class Simulation:
         self._targets: dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         for body in scene.bodies:
             body._bind(self)
+        scene._latest_simulation = weakref.ref(self)
+        self._live_values = [energy._live_values() for energy in scene.energies]
 
     # --- stepping ---
 
@@ -65,10 +69,10 @@ class Simulation:
         iterations and leaves the state as it was. ``max_time_step`` [s] shortens this step, to end at a given
         time."""
         if max_time_step is None:
-            return self._core.step()
+            return self._step()
         if not max_time_step > 0.0:
             raise InvalidArgument(f"step: max_time_step = {max_time_step} s: must be > 0")
-        return self._core.step(float(max_time_step))
+        return self._step(float(max_time_step))
 
     def run(self, until: float) -> Iterator[StepReport]:
         """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end
@@ -85,10 +89,15 @@ class Simulation:
         # Times are sums of steps: what is left below a millionth of a step is rounding, not a step to take.
         while (rest := until - self.time) > 1e-6 * self._settings.time.step:
             whole = rest > (1.0 + 1e-6) * self._settings.time.step
-            report = self._core.step() if whole else self._core.step(rest)
+            report = self._step() if whole else self._step(rest)
             yield report
             if report.failed:
                 raise StepFailed(report)
+
+    def _step(self, *limit: float) -> StepReport:
+        for values in self._live_values:
+            values.push(self._core)
+        return self._core.step(*limit)
 
     def run_until(self, until: float, stop: Callable[[], bool] | None = None) -> StepReport | None:
         """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is
@@ -141,6 +150,11 @@ class Simulation:
     def __getitem__(self, body: Body | str) -> Body:
         """The handle of a body, bound to this simulation."""
         return self._scene.bodies[self._scene._index(body)]._bound_to(self)
+
+    @property
+    def energies(self) -> list[Energy]:
+        """Handles of the energies of the scene; their energies and forces are those of this simulation."""
+        return [live.energy._bound_to(self) for live in self._live_values]
 
     def __repr__(self) -> str:
         return f"<stark.Simulation of '{self._scene.name}' at {self.time:g} s>"

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
+#include <stark/base/hash.h>
+#include <stark/symbolic/canonical.h>
 
 namespace stark {
 
@@ -153,6 +155,37 @@ symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::
   return vector_of(parameter_array(name, 3, unit, doc));
 }
 
+namespace {
+
+/// Hash of the name and component of input `index`: the same wherever the field is declared.
+template <typename Field>
+uint64_t label_of(const std::vector<Field>& fields, int index) {
+  const auto next = std::ranges::upper_bound(fields, index, {}, &Field::offset);
+  STARK_CHECK(next != fields.begin());
+  const Field& field = *std::prev(next);
+  Hash64 hash;
+  hash.append_bytes(field.name.data(), field.name.size());
+  hash.append(index - field.offset);
+  return hash.value();
+}
+
+/// Kernel of an energy whose bits do not depend on the order in which the formula was written down.
+symbolic::Kernel compile_canonical(const PotentialBuilder& builder, const Scalar& energy,
+                                   symbolic::Backend backend) {
+  symbolic::Graph graph;
+  const Scalar copy = symbolic::canonical_copy(graph, energy, [&](InputKind kind, int index) -> uint64_t {
+    if (kind == InputKind::Unknown) return static_cast<uint64_t>(index);
+    return kind == InputKind::Element ? label_of(builder.element_fields(), index)
+                                      : label_of(builder.uniform_fields(), index);
+  });
+  // Inputs that do not occur count too: they are part of the layout.
+  for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform})
+    if (const int count = builder.graph()->input_count(kind); count > 0) graph.input_node(kind, count - 1);
+  return symbolic::compile(copy, backend);
+}
+
+}  // namespace
+
 Potential::Potential(const PotentialDefinition& definition, symbolic::Backend backend,
                      const std::set<std::string>& per_element)
     : Potential([&] {
@@ -170,7 +203,7 @@ Potential::Potential(std::string name, const PotentialBuilder& builder, const Sc
       uniform_width_(total_width(builder.uniform_fields())),
       element_fields_(builder.element_fields()),
       uniform_fields_(builder.uniform_fields()),
-      kernel_(symbolic::compile(energy, backend)) {}
+      kernel_(compile_canonical(builder, energy, backend)) {}
 
 PotentialDefinition define_potential(std::string name, int point_count, std::string doc,
                                      std::function<Scalar(PotentialBuilder&)> energy) {

@@ -3,6 +3,8 @@
 #include <stark/base/error.h>
 #include <stark/symbolic/diff.h>
 
+#include <algorithm>
+
 namespace stark::symbolic {
 
 namespace {
@@ -77,6 +79,34 @@ InputKind kind_of(Op op) {
                            : (op == Op::Element ? InputKind::Element : InputKind::Uniform);
 }
 
+/// Copies nodes, operands before users, and the marked cuts among them. Nodes that were not copied stay
+/// empty.
+std::vector<Scalar> copy_nodes(const Graph& source, std::span<const NodeId> order,
+                               const InputSubstitution& input) {
+  std::vector<Scalar> image(source.size());
+  std::vector<char> copied(source.size(), 0);
+  for (const NodeId id : order) {
+    const Node& node = source.node(id);
+    copied[id] = 1;
+    if (node.op == Op::Constant) {
+      image[id] = node.value;
+    } else if (operand_count(node.op) == 0) {
+      image[id] = input(kind_of(node.op), node.operands[0]);
+    } else {
+      Scalar x[3];
+      for (int k = 0; k < operand_count(node.op); ++k) x[k] = image[node.operands[k]];
+      image[id] = rebuild(node, x);
+    }
+  }
+  std::vector<Scalar> stages;
+  for (const NodeId stage : source.stages())
+    if (copied[stage] && !image[stage].is_literal()) stages.push_back(image[stage]);
+  // In the order of the copies, whatever order they were marked in.
+  std::ranges::sort(stages, {}, [](const Scalar& stage) { return stage.id(); });
+  for (const Scalar& stage : stages) stage.graph()->mark_stage(stage);
+  return image;
+}
+
 }  // namespace
 
 std::vector<Scalar> substitute(std::span<const Scalar> outputs, const InputSubstitution& input) {
@@ -88,30 +118,19 @@ std::vector<Scalar> substitute(std::span<const Scalar> outputs, const InputSubst
     source = output.graph();
     roots.push_back(output.id());
   }
-  std::vector<Scalar> image;
-  if (source) {
-    const std::vector<char> needed = reachable(*source, roots);
-    image.resize(needed.size());
-    for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id) {
-      if (!needed[id]) continue;
-      const Node& node = source->node(id);
-      if (node.op == Op::Constant) {
-        image[id] = node.value;
-      } else if (operand_count(node.op) == 0) {
-        image[id] = input(kind_of(node.op), node.operands[0]);
-      } else {
-        Scalar x[3];
-        for (int k = 0; k < operand_count(node.op); ++k) x[k] = image[node.operands[k]];
-        image[id] = rebuild(node, x);
-      }
-    }
-    for (const NodeId stage : source->stages())
-      if (stage < static_cast<NodeId>(needed.size()) && needed[stage] && !image[stage].is_literal())
-        image[stage].graph()->mark_stage(image[stage]);
-  }
+  if (!source) return {outputs.begin(), outputs.end()};
+  const std::vector<char> needed = reachable(*source, roots);
+  std::vector<NodeId> order;
+  for (NodeId id = 0; id < static_cast<NodeId>(needed.size()); ++id)
+    if (needed[id]) order.push_back(id);
+  const std::vector<Scalar> image = copy_nodes(*source, order, input);
   std::vector<Scalar> result;
   for (const Scalar& output : outputs) result.push_back(output.is_literal() ? output : image[output.id()]);
   return result;
+}
+
+Scalar substitute(const Scalar& output, std::span<const NodeId> order, const InputSubstitution& input) {
+  return output.is_literal() ? output : copy_nodes(*output.graph(), order, input)[output.id()];
 }
 
 }  // namespace stark::symbolic

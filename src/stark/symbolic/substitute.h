@@ -19,4 +19,7 @@ using InputSubstitution = std::function<Scalar(InputKind kind, int index)>;
 /// the copies.
 std::vector<Scalar> substitute(std::span<const Scalar> outputs, const InputSubstitution& input);
 
+/// The same of one expression whose nodes are copied in a given order, operands before users.
+Scalar substitute(const Scalar& output, std::span<const NodeId> order, const InputSubstitution& input);
+
 }  // namespace stark::symbolic

@@ -1,0 +1,50 @@
+"""Energies and materials of the user's own: formulas of points and parameters, written in Python.
+docs/energies.md is the guide."""
+
+from stark.formulas.arguments import Mat2, Mat3, Time, TimeStep, Vec2, Vec3, Vec4
+from stark.formulas.energy import EnergyFormula, energy
+from stark.formulas.frames import Frame
+from stark.formulas.handle import Energy
+from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, Triangle
+from stark.formulas.material import (
+    CauchyGreen,
+    DeformationGradient,
+    MaterialLaw,
+    ShellDeformationGradient,
+    material,
+)
+from stark.formulas.parameters import parameter
+from stark.formulas.points import stencils, world_frame, world_points
+
+__all__ = [
+    "CauchyGreen",
+    "DeformationGradient",
+    "Edge",
+    "Energy",
+    "EnergyFormula",
+    "Frame",
+    "Hinge",
+    "Mat2",
+    "Mat3",
+    "MaterialLaw",
+    "Point",
+    "ShellDeformationGradient",
+    "Stencil",
+    "Tetrahedron",
+    "Time",
+    "TimeStep",
+    "Triangle",
+    "Vec2",
+    "Vec3",
+    "Vec4",
+    "energy",
+    "material",
+    "parameter",
+    "stencils",
+    "world_frame",
+    "world_points",
+]
+
+# Signatures and messages name the public place.
+for _type in (Edge, Energy, Frame, Hinge, Point, Stencil, Tetrahedron, Time, TimeStep, Triangle):
+    _type.__module__ = "stark"

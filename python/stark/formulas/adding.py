@@ -1,0 +1,88 @@
+"""``scene.add``: checks of an energy where it starts, and its way into the core."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stark._core import InvalidArgument
+from stark.formulas.energy import Binding, EnergyFormula
+from stark.formulas.handle import Energy
+from stark.formulas.inspection import sample_inputs, stacked
+
+if TYPE_CHECKING:
+    from stark.scene import Scene
+
+_CHUNK = 16384  # elements evaluated together, to bound the memory
+
+
+def add_energy(scene: Scene, binding: Any, name: str | None) -> Energy:
+    """Adds an energy to a scene; InvalidArgument says what is wrong with it."""
+    if isinstance(binding, EnergyFormula):
+        raise InvalidArgument(
+            f"scene.add: {binding.name} is not bound to points; call it: "
+            f"scene.add({binding.name}{binding.__signature__})"
+        )
+    if not isinstance(binding, Binding):
+        raise InvalidArgument(
+            f"scene.add: got {binding!r}: must be an energy on points, made by a function with "
+            f"@stark.energy; bodies are added by add_cloth, add_solid and add_rigid"
+        )
+    for body in binding.bodies:
+        if body._scene is not scene:
+            raise InvalidArgument(
+                f"{binding.name}: '{body.name}' belongs to another scene: must be a body of this one; "
+                f"add it here"
+            )
+    binding = binding.copy()
+    check_start(binding)
+    index = scene._core.add_energy(
+        {
+            "name": "" if name is None else str(name),
+            "formula_name": binding.name,
+            "doc": binding.energy.doc,
+            "formula": binding.trace.formula,
+            "translation_invariant": binding.translation_invariant,
+            "points": [column._description() for column in binding.columns],
+            "values": binding.core_values(),
+        }
+    )
+    return Energy(scene, index, binding)
+
+
+def check_start(binding: Binding) -> None:
+    """Raises InvalidArgument when energy, gradient or Hessian of an element are not finite where the
+    simulation starts, or at rest."""
+    for begin in range(0, binding.element_count, _CHUNK):
+        rows = np.arange(begin, min(begin + _CHUNK, binding.element_count))
+        x = stacked(binding, "positions", rows)
+        sample = binding.trace.formula.sample(sample_inputs(binding, x, x, rows))
+        _require_finite(binding, sample.evaluate(2), x, rows, "at time 0")
+        if any(body._rest_placement is not None for body in binding.bodies):
+            rest = stacked(binding, "placed_rest_positions", rows)
+            sample.set_positions(np.ascontiguousarray(rest).reshape(-1, 3))
+            _require_finite(binding, sample.evaluate(2), rest, rows, "at rest")
+
+
+def _require_finite(binding: Binding, flat: np.ndarray, x: np.ndarray, rows: np.ndarray, when: str) -> None:
+    values = flat.reshape(len(rows), -1)
+    wrong = ~np.isfinite(values)
+    if not wrong.any():
+        return
+    element = int(np.flatnonzero(wrong.any(axis=1))[0])
+    output = int(np.flatnonzero(wrong[element])[0])
+    forces = 3 * len(binding.columns)
+    what = "energy" if output == 0 else "force" if output <= forces else "stiffness (second derivative)"
+    places = "; ".join(
+        f"{label} = ({', '.join(f'{c:g}' for c in point)})"
+        for label, point in zip(binding.trace.labels, x[element], strict=True)
+    )
+    others = int(wrong.any(axis=1).sum()) - 1
+    raise InvalidArgument(
+        f"{binding.name}: the {what} of element {rows[element]} is {values[element, output]} {when}"
+        + (f", and {others} more elements are not finite" if others else "")
+        + f", with its points at {places} m: must be finite; look for a division by zero, or a square root, "
+        f"norm or logarithm of zero, and guard it with stark.where or a small offset\n"
+        + binding.energy.location
+    )

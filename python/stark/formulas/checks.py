@@ -1,0 +1,297 @@
+"""``energy.check(...)``: tests of a user's own energy, reported in plain words. Derivatives against finite
+differences, behaviour under rigid motion, definiteness, values at the start and around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stark._core import symbolic as core_symbolic
+from stark.formulas.inspection import sample_inputs, stacked
+from stark.rotations import rotation
+
+if TYPE_CHECKING:
+    from stark.formulas.energy import Binding
+
+_MOST_ELEMENTS = 512
+_DIFFERENCE_STEP = 1e-6  # of the size of an element: truncation and rounding errors of about 1e-10 meet
+_DIFFERENCE_TOLERANCE = 1e-5  # relative; wrong derivatives are off by much more
+_INVARIANCE_TOLERANCE = 1e-8  # relative to the largest force
+_STILL_TOLERANCE = 1e-9  # of an energy or a force, relative to those of the moved elements
+_MOVE = 0.05  # random displacements, of the size of an element
+_GAUSS_POINTS = 16
+_JUMP_TOLERANCE = 0.02  # quadrature: smooth functions 1e-8, functions with a kink 4e-3, jumps of order 1
+_BIT_EXACT = "automatic", "interpreter"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One test: its name, "ok", "note" or "wrong", a sentence, and the number that was measured."""
+
+    name: str
+    status: str
+    text: str
+    value: float
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """What ``check`` found. ``print(report)`` for plain words; ``report["gradient"].value`` is a number."""
+
+    title: str
+    findings: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong; notes are properties that may well be meant."""
+        return all(finding.status != "wrong" for finding in self.findings)
+
+    def __getitem__(self, name: str) -> Finding:
+        for finding in self.findings:
+            if finding.name == name:
+                return finding
+        raise KeyError(f"no finding {name!r}; there are {', '.join(f.name for f in self.findings)}")
+
+    def __str__(self) -> str:
+        width = max(len(f.name) for f in self.findings)
+        lines = [f"  {f.status:5}  {f.name:{width}}  {f.text}" for f in self.findings]
+        verdict = "nothing is wrong" if self.ok else "something is wrong"
+        return "\n".join([f"{self.title}: {verdict}", *lines])
+
+    def __repr__(self) -> str:
+        return f"<CheckReport of {self.title}: {'ok' if self.ok else 'wrong'}>"
+
+
+class Elements:
+    """Some elements of a binding, evaluated at any positions."""
+
+    def __init__(self, binding: Binding, rng: np.random.Generator) -> None:
+        self.binding = binding
+        count = min(binding.element_count, _MOST_ELEMENTS)
+        self.rows = np.sort(rng.permutation(binding.element_count)[:count])
+        self.start = stacked(binding, "positions", self.rows)
+        self.is_direction = np.array([c.is_direction for c in binding.columns])
+        spread = self.start - self.start.mean(axis=1, keepdims=True)
+        sizes = 2.0 * np.sqrt((spread**2).sum(axis=2).max(axis=1))
+        # Points alone, or all in one place, have no size of their own.
+        self.size = np.where(sizes > 0.0, sizes, max(float(np.ptp(self.start, axis=(0, 1)).max()), 1e-2))
+        noise = rng.uniform(-1.0, 1.0, (2, *self.start.shape))
+        self.moved = self.start + _MOVE * self.size[:, None, None] * noise[0]
+        self.moved_before = self.start + _MOVE * self.size[:, None, None] * noise[1]
+        self._sample = self._compiled("automatic", self.moved)
+
+    def evaluate(self, x: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Energies (n,), gradients (n, 3k), Hessians (n, 3k, 3k); empty beyond the order."""
+        self._sample.set_positions(np.ascontiguousarray(x).reshape(-1, 3))
+        return self._split(self._sample.evaluate(order), order)
+
+    def at(self, x: np.ndarray, x_prev: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The same with other positions at the start of the step."""
+        inputs = sample_inputs(self.binding, x, x_prev, self.rows)
+        sample = self.binding.trace.formula.sample(inputs)
+        return self._split(sample.evaluate(order), order)
+
+    def bits(self, backend: str) -> np.ndarray:
+        """All outputs at the moved positions from one back end."""
+        return self._compiled(backend, self.moved).evaluate(2)
+
+    def _compiled(self, backend: str, x: np.ndarray) -> Any:
+        inputs = sample_inputs(self.binding, x, self.moved_before, self.rows)
+        return self.binding.trace.formula.sample(inputs, backend)
+
+    def _split(self, flat: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        n = 3 * self.start.shape[1]
+        values = flat.reshape(len(self.rows), -1)
+        hessian = np.zeros((len(self.rows), n, n))
+        if order == 2:
+            i, j = np.triu_indices(n)
+            hessian[:, i, j] = hessian[:, j, i] = values[:, 1 + n :]
+        return values[:, 0], values[:, 1 : 1 + n] if order > 0 else np.zeros((len(self.rows), n)), hessian
+
+
+def check(binding: Binding, seed: int = 0) -> CheckReport:
+    """Tests a bound energy on its own points, moved at random by 5 % of the size of an element."""
+    rng = np.random.default_rng(seed)
+    elements = Elements(binding, rng)
+    findings = [_finite(elements)]
+    if findings[0].status == "ok":
+        energy, gradient, hessian = elements.evaluate(elements.moved, 2)
+        findings += [
+            _gradient(elements, gradient, rng),
+            _hessian(elements, hessian, rng),
+            *_continuity(elements, rng),
+            _backends(elements),
+            _translation(elements, gradient),
+            _rotation(elements, energy, rng),
+            _definiteness(hessian),
+            _rest(elements, energy, gradient),
+        ]
+    return CheckReport(f"{binding.name} on {len(elements.rows)} elements", tuple(findings))
+
+
+def _finite(elements: Elements) -> Finding:
+    for where, x in (("at the start", elements.start), ("5 % of an element away from it", elements.moved)):
+        energy, gradient, hessian = elements.evaluate(x, 2)
+        for what, values in (("energy", energy), ("force", gradient), ("stiffness", hessian)):
+            bad = ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+            if bad.any():
+                element = elements.rows[np.flatnonzero(bad)[0]]
+                text = f"the {what} of element {element} is not finite {where} ({bad.sum()} of {len(bad)})"
+                return Finding("finite", "wrong", text, float(bad.mean()))
+    return Finding("finite", "ok", "energy, forces and stiffness are finite at the start and around it", 0.0)
+
+
+def _directional(elements: Elements, rng: np.random.Generator, order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Random directions (n, 3k) and central differences of energies or gradients along them."""
+    direction = rng.normal(size=elements.start.shape)
+    step = _DIFFERENCE_STEP * elements.size
+    move = step[:, None, None] * direction
+    ahead = elements.evaluate(elements.moved + move, order)[order]
+    behind = elements.evaluate(elements.moved - move, order)[order]
+    scale = 2.0 * step if order == 0 else 2.0 * step[:, None]
+    return direction.reshape(len(direction), -1), (ahead - behind) / scale
+
+
+def _gradient(elements: Elements, gradient: np.ndarray, rng: np.random.Generator) -> Finding:
+    direction, difference = _directional(elements, rng, 0)
+    exact = np.einsum("ni,ni->n", gradient, direction)
+    energy = np.abs(elements.evaluate(elements.moved, 0)[0])
+    # Differences of energies carry their rounding errors divided by the step.
+    rounding = 1e-15 * energy / (_DIFFERENCE_STEP * elements.size)
+    return _compared("gradient", "forces agree", "the energy", exact, difference, rounding)
+
+
+def _hessian(elements: Elements, hessian: np.ndarray, rng: np.random.Generator) -> Finding:
+    direction, difference = _directional(elements, rng, 1)
+    exact = np.einsum("nij,nj->ni", hessian, direction)
+    gradient = np.abs(elements.evaluate(elements.moved, 1)[1]).max(axis=1, keepdims=True)
+    rounding = 1e-15 * gradient / (_DIFFERENCE_STEP * elements.size[:, None])
+    return _compared("hessian", "stiffness agrees", "the forces", exact, difference, rounding)
+
+
+def _compared(
+    name: str, what: str, of: str, exact: np.ndarray, difference: np.ndarray, rounding: np.ndarray
+) -> Finding:
+    scale = np.abs(exact).max() + np.abs(difference).max()
+    if scale == 0.0:
+        return Finding(name, "note", f"{what.split()[0]}: zero around the start", 0.0)
+    error = float((np.maximum(np.abs(exact - difference) - 10.0 * rounding, 0.0) / scale).max())
+    if error <= _DIFFERENCE_TOLERANCE:
+        return Finding(name, "ok", f"the {what} with finite differences of {of} within {error:.1e}", error)
+    # The derivatives come from the formula itself, so it is the formula that is not smooth.
+    text = (
+        f"finite differences of {of} differ by {error:.1e}: the formula has a kink, a jump or a sharp "
+        f"bend near the start (abs, minimum, maximum, where)"
+    )
+    return Finding(name, "wrong", text, error)
+
+
+def _continuity(elements: Elements, rng: np.random.Generator) -> list[Finding]:
+    """Differences of energies and forces across the start against integrals of their derivatives."""
+    path = 2.0 * _MOVE * elements.size[:, None, None] * rng.uniform(-1.0, 1.0, elements.start.shape)
+    direction = path.reshape(len(path), -1)
+    begin, end = (elements.evaluate(elements.start + t * path, 2) for t in (-0.5, 0.5))
+    work = np.zeros(len(path))
+    change = np.zeros_like(direction)
+    for t, weight in zip(*np.polynomial.legendre.leggauss(_GAUSS_POINTS), strict=True):
+        _, gradient, hessian = elements.evaluate(elements.start + 0.5 * t * path, 2)
+        work += 0.5 * weight * np.einsum("ni,ni->n", gradient, direction)
+        change += 0.5 * weight * np.einsum("nij,nj->ni", hessian, direction)
+    return [
+        _jump("energy", "wrong", end[0] - begin[0], work, np.abs(begin[0]).max(), "line search fails there"),
+        _jump(
+            "forces",
+            "note",
+            end[1] - begin[1],
+            change,
+            np.abs(begin[1]).max(),
+            "Newton's method may take many iterations, or fail, where contact with the kink lasts",
+        ),
+    ]
+
+
+def _jump(
+    what: str, status: str, difference: np.ndarray, integral: np.ndarray, level: float, advice: str
+) -> Finding:
+    scale = max(np.abs(difference).max(), np.abs(integral).max(), 1e-12 * level, np.finfo(float).tiny)
+    error = float(np.abs(difference - integral).max() / scale)
+    name = f"continuous {what}"
+    if error <= _JUMP_TOLERANCE:
+        return Finding(name, "ok", f"no jump of the {what} near the start", error)
+    text = (
+        f"the {what} near the start jump by about {error:.0%} of their change; {advice}; look at "
+        f"abs, minimum, maximum and where"
+    )
+    return Finding(name, status, text, error)
+
+
+def _backends(elements: Elements) -> Finding:
+    first, second = (elements.bits(backend) for backend in _BIT_EXACT)
+    same = bool(np.array_equal(first.view(np.uint64), second.view(np.uint64)))
+    best = core_symbolic.best_backend()
+    text = f"{best} and the interpreter give {'the same' if same else 'different'} bits"
+    return Finding("back ends", "ok" if same else "wrong", text, 0.0 if same else 1.0)
+
+
+def _translation(elements: Elements, gradient: np.ndarray) -> Finding:
+    forces = gradient.reshape(elements.start.shape)[:, ~elements.is_direction]
+    if forces.shape[1] == 0:
+        return Finding("translation", "ok", "directions only: nothing moves with the origin", 0.0)
+    total, largest = np.abs(forces.sum(axis=1)).max(), np.abs(forces).max()
+    value = float(total / largest) if largest > 0.0 else 0.0
+    if value <= _INVARIANCE_TOLERANCE:
+        return Finding("translation", "ok", "forces sum to zero: momentum is kept", value)
+    declared = elements.binding.translation_invariant
+    text = f"forces sum to {value:.1e} of the largest: momentum is not kept (a field, a drag or fixed points)"
+    if declared:
+        text = f"declared invariant under translation, but forces sum to {value:.1e} of the largest"
+    return Finding("translation", "wrong" if declared else "note", text, value)
+
+
+def _rotation(elements: Elements, energy: np.ndarray, rng: np.random.Generator) -> Finding:
+    """Rotates present and previous positions together, about a point near the elements."""
+    changes = []
+    x, before = elements.moved, elements.moved_before
+    center = np.where(elements.is_direction[:, None], 0.0, x.mean(axis=(0, 1)) + 2.0 * elements.size.max())
+    for _ in range(4):
+        turn = rotation(axis=rng.normal(size=3), angle=rng.uniform(0.3, 3.0)).T
+        turned = elements.at(center + (x - center) @ turn, center + (before - center) @ turn, 0)[0]
+        changes.append(np.abs(turned - energy).max())
+    scale = float(np.abs(energy).max())
+    value = float(max(changes) / scale) if scale > 0.0 else 0.0
+    if value <= _INVARIANCE_TOLERANCE:
+        return Finding("rotation", "ok", "rotating an element leaves its energy as it is (objective)", value)
+    text = (
+        f"rotating an element changes its energy by {value:.1e} of it: it depends on directions or "
+        f"places of the world; an elastic energy must not, it would resist rigid rotation"
+    )
+    return Finding("rotation", "note", text, value)
+
+
+def _definiteness(hessian: np.ndarray) -> Finding:
+    values = np.linalg.eigvalsh(hessian)
+    largest = np.maximum(np.abs(values).max(axis=1), np.finfo(float).tiny)
+    relative = values[:, 0] / largest
+    share = float((relative < -1e-10).mean())
+    if share == 0.0:
+        return Finding("definiteness", "ok", "all element Hessians are positive semidefinite", 0.0)
+    text = (
+        f"{share:.0%} of the element Hessians are indefinite, the most negative eigenvalue is "
+        f"{relative.min():.2g} of the largest; the solver projects them, convergence may take more iterations"
+    )
+    return Finding("definiteness", "note", text, share)
+
+
+def _rest(elements: Elements, energy: np.ndarray, gradient: np.ndarray) -> Finding:
+    at_start = elements.at(elements.start, elements.start, 1)
+    force = float(np.abs(at_start[1]).max())
+    value = force / max(float(np.abs(gradient).max()), np.finfo(float).tiny)
+    if value <= _STILL_TOLERANCE:
+        level = float(np.abs(at_start[0]).max())
+        zero = level <= _STILL_TOLERANCE * max(float(np.abs(energy).max()), np.finfo(float).tiny)
+        text = "no forces at the start" + ("" if zero else f", where the energy is up to {level:.3g} J")
+        return Finding("start", "ok", text, value)
+    text = f"there are forces of up to {force:.3g} N at the start: it is no state of rest of this energy"
+    return Finding("start", "note", text, value)

@@ -1,0 +1,196 @@
+"""Energies of a scene: handles with live values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark._core import InvalidArgument
+from stark.formulas.parameters import Parameter, Value, check_range, numbers_of
+
+if TYPE_CHECKING:
+    from stark.formulas.energy import Binding
+    from stark.scene import Scene
+    from stark.simulation import Simulation
+
+Floats = NDArray[np.float64]
+
+
+class Energy:
+    """An energy of a scene. Its parameters are attributes: ``pull.center = (0, 0.1, 0.3)``, also
+    ``pull.stiffness[3] = 0.0`` in place. Every simulation of the scene takes the values at its next step;
+    nothing is recompiled."""
+
+    _scene: Scene
+    _index: int
+    _binding: Binding
+    _simulation: Simulation | None
+
+    def __init__(self, scene: Scene, index: int, binding: Binding) -> None:
+        for name, value in (
+            ("_scene", scene),
+            ("_index", index),
+            ("_binding", binding),
+            ("_simulation", None),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def name(self) -> str:
+        return self._scene._core.energy_name(self._index)
+
+    @property
+    def formula(self) -> Any:
+        """The decorated function."""
+        return self._binding.energy
+
+    @property
+    def element_count(self) -> int:
+        return self._binding.element_count
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """Values by name; a number, or an array that may be changed in place."""
+        return _Parameters(self)
+
+    @property
+    def energies(self) -> Floats:
+        """Energies of the elements at the end of the last step (n,) [J]."""
+        return self._core("energies").element_energies(self._index)
+
+    @property
+    def energy(self) -> float:
+        """Their sum [J]."""
+        return float(self.energies.sum())
+
+    @property
+    def forces(self) -> Floats:
+        """Forces on the points of the elements at the end of the last step (n, points, 3) [N]. Points of a
+        formula are those of its arguments in order; of a frame, origin and axes as far as they occur."""
+        flat = self._core("forces").element_forces(self._index)
+        return flat.reshape(self.element_count, -1, 3)
+
+    def check(self) -> Any:
+        """As ``EnergyFormula.check``, with the points and the present values."""
+        return self._binding.check()
+
+    def benchmark(self) -> dict[str, float]:
+        """As ``EnergyFormula.benchmark``."""
+        return self._binding.benchmark()
+
+    def _core(self, what: str) -> Any:
+        simulation = self._simulation or self._scene._latest_simulation()
+        if simulation is None:
+            raise InvalidArgument(
+                f"energy '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and "
+                f"keep it"
+            )
+        return simulation._core
+
+    def _bound_to(self, simulation: Simulation) -> Energy:
+        """The same energy, whose energies and forces are those of this simulation."""
+        handle = Energy(self._scene, self._index, self._binding)
+        object.__setattr__(handle, "_simulation", simulation)
+        return handle
+
+    def _live_values(self) -> LiveValues:
+        return LiveValues(self)
+
+    def _parameter(self, name: str) -> Parameter:
+        return next(p for p in self._binding.energy.parameters if p.name == name)
+
+    def _read(self, name: str) -> Any:
+        value = self._binding.values[name]
+        if value.array.ndim == 0:
+            return float(value.array)
+        value.exposed = True  # may be changed in place from now on
+        return value.array
+
+    def _write(self, name: str, given: Any) -> None:
+        owner, parameter, value = f"energy '{self.name}'", self._parameter(name), self._binding.values[name]
+        array = numbers_of(owner, parameter, given)
+        if value.per_element and array.shape == parameter.shape:
+            array = np.broadcast_to(array, value.array.shape)
+        if array.shape != value.array.shape:
+            how = "with a value for each element" if value.per_element else "with one value for all elements"
+            raise InvalidArgument(
+                f"{owner}: {parameter.describe()}: got the shape {array.shape}: must be {value.array.shape}, "
+                f"as it was added {how}; add the energy with "
+                + ("one value" if value.per_element else "an array of a value for each element")
+                + " to change that"
+            )
+        check_range(owner, parameter, array, value.per_element)
+        value.array[...] = array  # in place: arrays that were handed out stay live
+        value.version += 1
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.startswith("_") and name in self._binding.values:
+            return self._read(name)
+        raise AttributeError(f"energy '{self.name}' has no attribute '{name}'; {self._known()}")
+
+    def __setattr__(self, name: str, given: Any) -> None:
+        if name not in self._binding.values:
+            raise AttributeError(f"energy '{self.name}' has no parameter '{name}'; {self._known()}")
+        self._write(name, given)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._binding.values]
+
+    def _known(self) -> str:
+        names = ", ".join(self._binding.values)
+        return f"its parameters are {names}" if names else "it has no parameters"
+
+    def __repr__(self) -> str:
+        return f"<stark.Energy '{self.name}' on {self.element_count} elements>"
+
+
+class _Parameters(Mapping[str, Any]):
+    """Parameters of an energy by name."""
+
+    def __init__(self, energy: Energy) -> None:
+        self._energy = energy
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._energy._binding.values:
+            raise KeyError(f"energy '{self._energy.name}' has no parameter '{name}'; {self._energy._known()}")
+        return self._energy._read(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._energy._binding.values)
+
+    def __len__(self) -> int:
+        return len(self._energy._binding.values)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+RESERVED = frozenset({"time", "time_step", *(n for n in vars(Energy) if not n.startswith("_"))})
+"""Names that parameters cannot have."""
+
+
+class LiveValues:
+    """What one simulation knows of the values of an energy. Values that nobody touched cost nothing."""
+
+    def __init__(self, energy: Energy) -> None:
+        self.energy = energy
+        # The core was given the first values with the energy.
+        self._known: dict[str, tuple[int, Floats | None]] = dict.fromkeys(energy._binding.values, (0, None))
+
+    def push(self, core: Any) -> None:
+        """Hands what changed since the last call to the simulation."""
+        for name, value in self.energy._binding.values.items():
+            version, copy = self._known[name]
+            if value.version == version and not (value.exposed and self._changed(value, copy)):
+                continue
+            owner, parameter = f"energy '{self.energy.name}'", self.energy._parameter(name)
+            check_range(owner, parameter, value.array, value.per_element)
+            core.set_energy_value(self.energy._index, name, value.numbers)
+            self._known[name] = value.version, value.array.copy()
+
+    @staticmethod
+    def _changed(value: Value, copy: Floats | None) -> bool:
+        return copy is None or not np.array_equal(value.array, copy)

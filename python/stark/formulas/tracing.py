@@ -1,0 +1,233 @@
+"""Recording: the user's function runs once on symbols and becomes a formula of the core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from stark import _core
+from stark._core import TraceError
+from stark.formulas.arguments import Argument, ClockArgument, FrameArgument, PointArgument
+from stark.formulas.frames import KINDS
+from stark.formulas.kinematics import Inputs, Point
+from stark.formulas.parameters import Parameter
+from stark.symbolic.errors import formula_error, recording
+from stark.symbolic.graph import ExpressionGraph
+from stark.symbolic.tensor import Scalar, Tensor, convert, describe, from_shape
+
+MAX_POINTS = 8  # of a stencil: the largest element Hessian that the solver makes definite is 24 x 24
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A recorded formula. Its points are those of the arguments in order, without those that do not occur."""
+
+    formula: _core.Formula
+    graph: ExpressionGraph
+    kept: tuple[int, ...]  # of all points of the arguments, those that occur
+    parameters: tuple[str, ...]  # inputs that occur, constants of patch frames among them
+    translation_invariant: bool
+    labels: tuple[str, ...]  # of the kept points, for messages
+
+
+def trace(
+    name: str, function: Callable[..., object], arguments: Sequence[Argument], frames: Sequence[str]
+) -> Trace:
+    """Records the function. `frames`: kind of each frame argument, a key of frames.KINDS."""
+    count = sum(point_counts(arguments, frames))
+    if count > 4 * MAX_POINTS:  # frames may leave some out
+        raise formula_error(name, _too_many(count), function)
+    inputs = Inputs(list(range(count)))
+    output = _run(name, function, arguments, frames, inputs)
+    used = _check_use(name, function, arguments, frames, inputs, output)
+    if len(used) < count:
+        inputs = Inputs(sorted(used))
+        output = _run(name, function, arguments, frames, inputs)
+    if len(used) > MAX_POINTS:
+        raise formula_error(name, _too_many(len(used)), function)
+    formula = inputs.builder.finish([output])
+    fields = tuple(row["name"] for row in formula.fields)
+    for argument in arguments:
+        if isinstance(argument, Parameter) and argument.name not in fields:
+            raise formula_error(name, unused_text(argument.name), function)
+    title = f"{name}({', '.join(argument.name for argument in arguments)})"
+    labels = _labels(arguments, frames)
+    return Trace(
+        formula,
+        ExpressionGraph(title, [output]),
+        tuple(sorted(used)),
+        fields,
+        is_translation_invariant(output, inputs.unknowns),
+        tuple(labels[p] for p in sorted(used)),
+    )
+
+
+def point_counts(arguments: Sequence[Argument], frames: Sequence[str]) -> list[int]:
+    """Number of points of each argument."""
+    kinds = iter(frames)
+    return [
+        argument.kind.point_count
+        if isinstance(argument, PointArgument)
+        else KINDS[next(kinds)].point_count
+        if isinstance(argument, FrameArgument)
+        else 0
+        for argument in arguments
+    ]
+
+
+def _run(
+    name: str,
+    function: Callable[..., object],
+    arguments: Sequence[Argument],
+    frames: Sequence[str],
+    inputs: Inputs,
+) -> Scalar:
+    """The energy as an expression of the inputs."""
+    kinds, values, point = iter(frames), [], 0
+    for argument, count in zip(arguments, point_counts(arguments, frames), strict=True):
+        if isinstance(argument, PointArgument):
+            values.append(argument.kind(inputs, point, argument.name))
+        elif isinstance(argument, FrameArgument):
+            values.append(KINDS[next(kinds)](inputs, point, argument.name))
+        elif isinstance(argument, ClockArgument):
+            values.append(clock_symbol(inputs, argument))
+        else:
+            values.append(parameter_symbols(inputs.builder, argument))
+        point += count
+    with recording(name):
+        result = function(*values)
+    return scalar_result(name, result, function)
+
+
+def parameter_symbols(builder: _core.FormulaBuilder, parameter: Parameter) -> object:
+    """The parameter as a Scalar, Vec or Mat of named inputs."""
+    declaration = parameter.declaration
+    entries = builder.parameter(
+        parameter.name, parameter.width, parameter.unit, declaration.doc or parameter.name, declaration.range
+    )
+    value = from_shape(entries, parameter.shape)
+    if not parameter.shape:
+        builder.set_name(entries[0], parameter.name)
+        return value
+    columns = parameter.shape[-1]
+    for k, entry in enumerate(entries):
+        place = f"{k}" if len(parameter.shape) == 1 else f"{k // columns},{k % columns}"
+        builder.set_name(entry, f"{parameter.name}[{place}]")
+    return value
+
+
+def scalar_result(name: str, value: object, function: Callable[..., object]) -> Scalar:
+    """The returned value as a scalar; TraceError in the user's terms otherwise."""
+    if value is None:
+        raise formula_error(name, "it returns None; return the energy [J]", function)
+    try:
+        result = convert(value, "the result")
+    except TraceError as error:
+        raise formula_error(name, str(error), function) from None
+    if isinstance(result, Tensor):
+        raise formula_error(
+            name, f"it returns {describe(result)}, need a scalar; sum it, or take dot or norm", function
+        )
+    if result.is_condition:
+        raise formula_error(
+            name, "it returns a condition, need a number; return stark.where(condition, a, b)", function
+        )
+    return result
+
+
+def is_translation_invariant(output: Scalar, unknowns: dict[int, int]) -> bool:
+    """Whether moving all unknown points by the same vector provably leaves the value as it is: every node is
+    followed as value + (weights . translation), or as unknown (None)."""
+    still = (0.0, 0.0, 0.0)
+    weights: dict[int, tuple[float, ...] | None] = {}
+    for key, node in ExpressionGraph("", [output]).nodes.items():
+        operands = node.operands
+        known = [weights[operand.id] for operand in operands]
+        if key in unknowns:
+            weights[key] = tuple(1.0 if c == unknowns[key] else 0.0 for c in range(3))
+        elif all(w == still for w in known):
+            weights[key] = still
+        elif any(w is None for w in known):
+            weights[key] = None
+        else:
+            weights[key] = _combined(node.operation, operands, known)
+    return output.graph is not None and weights[output.id] == still
+
+
+def _combined(operation: str, operands: Sequence[Scalar], w: Sequence[tuple[float, ...]]) -> object:
+    """Weights of an operation on values of which at least one moves."""
+    if operation in ("+", "-"):
+        if len(w) == 1:
+            return tuple(-a for a in w[0])
+        sign = 1.0 if operation == "+" else -1.0
+        total = tuple(a + sign * b for a, b in zip(*w, strict=True))
+        return tuple(0.0 if abs(t) < 1e-14 else t for t in total)  # weights such as 1/3 sum with rounding
+    if operation in ("*", "/") and operands[1].is_constant:
+        factor = float(operands[1])
+        return tuple(a * factor if operation == "*" else a / factor for a in w[0])
+    if operation == "*" and operands[0].is_constant:
+        return tuple(float(operands[0]) * a for a in w[1])
+    return None
+
+
+def clock_symbol(inputs: Inputs, argument: ClockArgument) -> Scalar:
+    """Time or time step as a named input."""
+    value = getattr(inputs.builder, argument.quantity)()
+    inputs.builder.set_name(value, argument.name)
+    inputs.clocks[argument.name] = value.id
+    return value
+
+
+def _check_use(
+    name: str,
+    function: Callable[..., object],
+    arguments: Sequence[Argument],
+    frames: Sequence[str],
+    inputs: Inputs,
+    output: Scalar,
+) -> set[int]:
+    """The points that occur. Every argument has to, and every point of a stencil; frames may leave axes
+    out."""
+    nodes = ExpressionGraph("", [output]).nodes
+    if not any(node in nodes for node in inputs.unknowns):
+        raise formula_error(
+            name, "the energy does not depend on any position .x, so it has no forces; use p.x", function
+        )
+    used = {point for node, point in inputs.point_of.items() if node in nodes}
+    labels, first = _labels(arguments, frames), 0
+    for argument, count in zip(arguments, point_counts(arguments, frames), strict=True):
+        mine = range(first, first + count)
+        if isinstance(argument, FrameArgument) and not used.intersection(mine):
+            raise formula_error(name, unused_text(argument.name), function)
+        if isinstance(argument, PointArgument):
+            for p in mine:
+                if p not in used:
+                    raise formula_error(name, unused_text(labels[p]), function)
+        if isinstance(argument, ClockArgument) and inputs.clocks[argument.name] not in nodes:
+            raise formula_error(name, unused_text(argument.name), function)
+        first += count
+    return used
+
+
+def _labels(arguments: Sequence[Argument], frames: Sequence[str]) -> list[str]:
+    labels: list[str] = []
+    for argument, count in zip(arguments, point_counts(arguments, frames), strict=True):
+        if isinstance(argument, PointArgument) and argument.kind is Point:
+            labels.append(argument.name)
+        elif isinstance(argument, FrameArgument) and count == 4:
+            labels += [f"{argument.name}.{part}" for part in ("origin", "x", "y", "z")]
+        else:
+            labels += [f"{argument.name}[{i}]" for i in range(count)]
+    return labels
+
+
+def unused_text(argument: str) -> str:
+    """Message of an argument that does not occur."""
+    return (
+        f"the energy does not depend on '{argument}'; use every argument, or remove it from the signature "
+        f"(a value that drops out, such as 0 * {argument}, does not count)"
+    )
+
+
+def _too_many(count: int) -> str:
+    return f"it acts on {count} points at once: at most {MAX_POINTS} are possible; split it into several"
