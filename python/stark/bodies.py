@@ -27,7 +27,9 @@ class Body:
 
     kind: str = ""
 
-    def __init__(self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh | SolidMesh, color: Any = None) -> None:
+    def __init__(
+        self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh | SolidMesh, color: Any = None
+    ) -> None:
         self._scene = scene
         self._index = index
         self._mesh = mesh

@@ -1,4 +1,5 @@
-// Reference elements: partition of unity, nodal values, gradients, exactness of quadrature, closed boundaries.
+// Reference elements: partition of unity, nodal values, gradients, exactness of quadrature, closed
+// boundaries.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -13,7 +14,8 @@ using namespace stark::test;
 
 namespace {
 
-constexpr ElementType kTypes[] = {ElementType::Tet4, ElementType::Tet10, ElementType::Hex8, ElementType::Hex27};
+constexpr ElementType kTypes[] = {ElementType::Tet4, ElementType::Tet10, ElementType::Hex8,
+                                  ElementType::Hex27};
 
 bool is_tet(ElementType type) { return type == ElementType::Tet4 || type == ElementType::Tet10; }
 
@@ -87,8 +89,10 @@ TEST_CASE("quadrature is exact to the degree that the element needs") {
     const ReferenceElement& element = reference_element(type);
     // Energy rules: total degree 1, 3 of tetrahedra; degree 3, 5 in each coordinate of hexahedra. Mass rules:
     // products of shape functions.
-    const int degree = type == ElementType::Tet4 ? 1 : type == ElementType::Tet10 ? 3
-                       : type == ElementType::Hex8 ? 3 : 5;
+    const int degree = type == ElementType::Tet4    ? 1
+                       : type == ElementType::Tet10 ? 3
+                       : type == ElementType::Hex8  ? 3
+                                                    : 5;
     const int mass = 5;
     for (int i = 0; i <= 5; ++i)
       for (int j = 0; j <= 5; ++j)
@@ -115,8 +119,10 @@ TEST_CASE("the triangles of all faces enclose the reference cell, outwards") {
     for (const Index3& t : triangles)
       volume += dot(element.nodes[t[0]], cross(element.nodes[t[1]], element.nodes[t[2]])) / 6.0;
     CHECK(volume == doctest::Approx(is_tet(type) ? 1.0 / 6.0 : 1.0).epsilon(1e-13));
-    const size_t expected = type == ElementType::Tet4 ? 4 : type == ElementType::Tet10 ? 16
-                            : type == ElementType::Hex8 ? 12 : 48;
+    const size_t expected = type == ElementType::Tet4    ? 4
+                            : type == ElementType::Tet10 ? 16
+                            : type == ElementType::Hex8  ? 12
+                                                         : 48;
     CHECK(triangles.size() == expected);
   }
 }

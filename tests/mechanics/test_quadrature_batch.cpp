@@ -69,8 +69,9 @@ TEST_CASE("each element may have values of its own, at all its points") {
   SolidMesh mesh = make_hex_box({1, 1, 1}, {3, 2, 1});
   std::vector<double> moduli;
   for (int e = 0; e < 6; ++e) moduli.push_back(1.0 + e);
-  const QuadratureBatch batch = make_quadrature_batch(
-      mesh, quadrature_point(test_law()), {{"shear_modulus", {moduli, true}}, {"bulk_modulus", {{0.0}, false}}});
+  const QuadratureBatch batch =
+      make_quadrature_batch(mesh, quadrature_point(test_law()),
+                            {{"shear_modulus", {moduli, true}}, {"bulk_modulus", {{0.0}, false}}});
   std::vector<Vec3> x;
   for (const Vec3& X : mesh.vertices) x.push_back(Mat3::diagonal({1.2, 1, 1}) * X);
   AlignedVector<double> out(batch.law().block_count() * kLanes);

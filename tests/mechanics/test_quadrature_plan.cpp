@@ -135,7 +135,8 @@ TEST_CASE("projected Hessians are positive semidefinite, and the same where noth
     const DenseSystem projected = bench.at(squeezed, {.project = true, .pending = {}});
     CHECK(bench.assembler.projected_element_count() > 0);
     CHECK(symmetric_eigenvalues(projected.hessian, n).front() > -1e-12);
-    CHECK(bench.at(mesh.vertices, {.project = true, .pending = {}}).hessian == bench.at(mesh.vertices).hessian);
+    CHECK(bench.at(mesh.vertices, {.project = true, .pending = {}}).hessian ==
+          bench.at(mesh.vertices).hessian);
   }
 }
 

@@ -26,9 +26,9 @@ inline SolidLaw test_law() {
 inline QuadratureBatch make_quadrature_batch(const SolidMesh& mesh, const PotentialDefinition& definition,
                                              const ParameterValues& values) {
   const auto& rule = reference_element(mesh.type).quadrature;
-  QuadratureBatch batch(std::make_shared<Potential>(definition, symbolic::Backend::Automatic,
-                                                    per_element_names(values)),
-                        mesh.node_count(), static_cast<int>(rule.size()));
+  QuadratureBatch batch(
+      std::make_shared<Potential>(definition, symbolic::Backend::Automatic, per_element_names(values)),
+      mesh.node_count(), static_cast<int>(rule.size()));
   batch.resize(mesh.elements);
   std::vector<Vec3> gradients(rule.size() * mesh.node_count());
   std::vector<double> weights(rule.size());

@@ -16,7 +16,8 @@ constexpr Index2 kHexEdges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                                 {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
 constexpr Index3 kTetFaces[] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outwards
 // Outwards; in the order of the face nodes 20 to 25 of VTK's triquadratic hexahedron: -x, +x, -y, +y, -z, +z.
-constexpr Index4 kHexFaces[] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};
+constexpr Index4 kHexFaces[] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4},
+                                {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};
 constexpr int kHexCorners[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                    {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 

@@ -29,9 +29,9 @@ struct ElementFace {
 /// Everything that does not depend on the mesh; one constant object for each type.
 struct ReferenceElement {
   ElementType type;
-  std::string_view name;        ///< "tetrahedron", "10-node tetrahedron", ...
+  std::string_view name;  ///< "tetrahedron", "10-node tetrahedron", ...
   int node_count = 0;
-  std::vector<Vec3> nodes;      ///< reference coordinates
+  std::vector<Vec3> nodes;  ///< reference coordinates
   /// Corners whose mean is the node on a straight-sided element: 1 of a corner, 2 of an edge, 4 of a face, 8
   /// of a cell.
   std::vector<std::vector<int32_t>> parents;

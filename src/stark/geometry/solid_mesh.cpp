@@ -150,7 +150,8 @@ SolidMesh make_hex_box(const Vec3& size, const Index3& cells) {
 
 SolidMesh to_quadratic(const SolidMesh& mesh) {
   if (mesh.type == ElementType::Tet10 || mesh.type == ElementType::Hex27) return mesh;
-  SolidMesh result(mesh.vertices, mesh.type == ElementType::Tet4 ? ElementType::Tet10 : ElementType::Hex27, {});
+  SolidMesh result(mesh.vertices, mesh.type == ElementType::Tet4 ? ElementType::Tet10 : ElementType::Hex27,
+                   {});
   std::map<std::vector<int32_t>, int32_t> middles;  // by sorted parents
   for (int64_t e = 0; e < mesh.element_count(); ++e)
     for (const auto& parents : reference_element(result.type).parents) {
@@ -161,8 +162,7 @@ SolidMesh to_quadratic(const SolidMesh& mesh) {
         continue;
       }
       std::ranges::sort(corners);
-      const auto [found, is_new] =
-          middles.try_emplace(corners, static_cast<int32_t>(result.vertices.size()));
+      const auto [found, is_new] = middles.try_emplace(corners, static_cast<int32_t>(result.vertices.size()));
       if (is_new) {
         Vec3 sum;
         for (const int32_t c : corners) sum += mesh.vertices[c];

@@ -85,7 +85,8 @@ Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
 void Assembler::set_dynamic_batches(std::vector<const PotentialBatch*> batches) {
   dynamic_batches_ = std::move(batches);
   std::vector<std::pair<int32_t, int32_t>> pairs;
-  for (const PotentialBatch* batch : dynamic_batches_) append_pairs(batch->stencils(), batch->point_count(), pairs);
+  for (const PotentialBatch* batch : dynamic_batches_)
+    append_pairs(batch->stencils(), batch->point_count(), pairs);
   if (pairs == dynamic_pairs_ && pattern_.block_count == static_pattern_.block_count) return;
   pattern_ = static_pattern_.merged_with(pairs, slot_of_static_);
   dynamic_pairs_ = std::move(pairs);

@@ -4,8 +4,8 @@
 // the active set changes). Large static batches on plain points are assembled chunk by chunk while the
 // element Hessians are in cache; chunks are coloured so that no two chunks of a colour share a block, hence
 // no atomics and one order of sums whatever the number of threads. Elements with quadrature points are always
-// static and on plain points, and have a plan of their own (quadrature_plan.h). All other batches are evaluated
-// in parallel into a buffer and added in order.
+// static and on plain points, and have a plan of their own (quadrature_plan.h). All other batches are
+// evaluated in parallel into a buffer and added in order.
 #pragma once
 
 #include <span>

@@ -61,8 +61,8 @@ Vec3 QuadratureBatch::column(int64_t element, int point, int j, std::span<const 
 
 void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {
   const auto& fields = law_.potential().element_fields();
-  if (std::ranges::none_of(
-          fields, [](const ElementField& f) { return f.source == ElementField::Source::Previous; }))
+  if (std::ranges::none_of(fields,
+                           [](const ElementField& f) { return f.source == ElementField::Source::Previous; }))
     return;
   std::vector<Vec3> columns;
   columns.reserve(static_cast<size_t>(3 * size_ * points_));

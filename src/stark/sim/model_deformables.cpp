@@ -20,8 +20,9 @@ WeightedEdges solid_edges(const SolidMesh& mesh) {
     for (const Index2& local : edges) {
       const int32_t a = mesh.element(e)[local[0]], b = mesh.element(e)[local[1]];
       const Index2 edge{std::min(a, b), std::max(a, b)};
-      result.weights[std::lower_bound(result.edges.begin(), result.edges.end(), edge) -
-                     result.edges.begin()] += volumes[e] / static_cast<double>(edges.size());
+      result
+          .weights[std::lower_bound(result.edges.begin(), result.edges.end(), edge) - result.edges.begin()] +=
+          volumes[e] / static_cast<double>(edges.size());
     }
   return result;
 }
@@ -125,8 +126,8 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
   std::vector<double> weights(rule.size());
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
     for (size_t q = 0; q < rule.size(); ++q)
-      weights[q] = rule[q].weight * rest_gradients(mesh, e, rule[q].position,
-                                                   std::span(gradients).subspan(q * nodes, nodes));
+      weights[q] = rule[q].weight *
+                   rest_gradients(mesh, e, rule[q].position, std::span(gradients).subspan(q * nodes, nodes));
     batch.set_geometry(e, gradients, weights);
   }
   batch.set_values(elastic.values);
