@@ -2,8 +2,11 @@
 #include <stark/mechanics/quadrature_plan.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include <stark/base/error.h>
 #include <stark/base/simd.h>
 #include <stark/mechanics/element_projection.h>
 
@@ -19,16 +22,73 @@ constexpr int64_t kEnergyGroups = 32;  ///< groups in a partial sum of energies
 /// Groups in a coloured chunk; depends on the mesh only.
 int64_t chunk_groups(int64_t group_count) { return std::clamp<int64_t>(group_count / 32, 4, 32); }
 
-/// Output `row` of the lane with number `lane`, counted over consecutive blocks.
-const double& output(const double* out, int outputs, int64_t lane, int row) {
-  return out[(lane / kLanes * outputs + row) * kLanes + lane % kLanes];
+/// Outputs of one lane, counted over consecutive blocks; output k is at [k * kLanes].
+const double* lane_of(const double* out, int outputs, int64_t lane) {
+  return out + lane / kLanes * outputs * kLanes + lane % kLanes;
 }
 
-/// Row of the upper triangle of a 9x9 Hessian among the outputs.
-int hessian_row(int r, int c) {
-  if (r > c) std::swap(r, c);
-  return 10 + r * 9 - r * (r - 1) / 2 + (c - r);
-}
+/// For components (i, k) and directions (j, l): place of H_(ij)(kl) among the outputs of a lane. Unknown
+/// 3 j + i of the law is F_ij.
+constexpr std::array<int, 81> kHessianPlaces = [] {
+  std::array<int, 81> places{};
+  for (int n = 0; n < 81; ++n) {
+    const int i = n / 27, k = n / 9 % 3, j = n / 3 % 3, l = n % 3;
+    const int r = std::min(3 * j + i, 3 * l + k), c = std::max(3 * j + i, 3 * l + k);
+    places[n] = (10 + r * 9 - r * (r - 1) / 2 + (c - r)) * kLanes;
+  }
+  return places;
+}();
+
+/// One slab of the stiffness, the components (i, k) of all pairs of nodes: with W_j(b) = sum_l H_(ij)(kl)
+/// G_l(b) at each point, K(a, b) = sum_points sum_j G_j(a) W_j(b) for b >= a, four columns at a time.
+template <int kVectors>
+class SlabKernel {
+ public:
+  using V = simd::VDouble;
+  static constexpr int kWidth = simd::kWidth<double>, kPadded = kVectors * kWidth;
+
+  /// gradients: [points][3][kPadded]; H: [points][3 j][3 l]; work: [points][3][kPadded].
+  static void run(const double* gradients, const double* H, int points, int nodes, double* work,
+                  double* slab) {
+    for (int q = 0; q < points; ++q) {
+      const double* G = gradients + q * 3 * kPadded;
+      for (int j = 0; j < 3; ++j) {
+        const double* h = H + 9 * q + 3 * j;
+        for (int v = 0; v < kPadded; v += kWidth) {
+          V w = simd::splat(h[0]) * simd::load(G + v);
+          w = simd::fma(simd::splat(h[1]), simd::load(G + kPadded + v), w);
+          w = simd::fma(simd::splat(h[2]), simd::load(G + 2 * kPadded + v), w);
+          simd::store(work + (3 * q + j) * kPadded + v, w);
+        }
+      }
+    }
+    [&]<int... kFirst>(std::integer_sequence<int, kFirst...>) {
+      (rows<kFirst>(gradients, work, points, nodes, slab), ...);
+    }(std::make_integer_sequence<int, kVectors>());
+  }
+
+ private:
+  /// Rows 4 kFirst to 4 kFirst + 3, columns from 4 kFirst on.
+  template <int kFirst>
+  static void rows(const double* gradients, const double* work, int points, int nodes, double* slab) {
+    constexpr int kCount = kVectors - kFirst;
+    constexpr int kChains = kCount <= 3 ? 3 : 1;  // independent sums hide the latency of short rows
+    for (int a = kFirst * kWidth; a < std::min(nodes, (kFirst + 1) * kWidth); ++a) {
+      V sum[kChains][kCount] = {};
+      for (int row = 0; row < 3 * points; row += 3)
+        for (int j = 0; j < 3; ++j) {
+          const V g = simd::splat(gradients[(row + j) * kPadded + a]);
+          const double* w = work + (row + j) * kPadded + kFirst * kWidth;
+          for (int v = 0; v < kCount; ++v)
+            sum[j % kChains][v] = simd::fma(g, simd::load(w + v * kWidth), sum[j % kChains][v]);
+        }
+      for (int v = 0; v < kCount; ++v) {
+        if constexpr (kChains == 3) sum[0][v] = sum[0][v] + sum[1][v] + sum[2][v];
+        simd::store(slab + a * kPadded + (kFirst + v) * kWidth, sum[0][v]);
+      }
+    }
+  }
+};
 
 }  // namespace
 
@@ -39,7 +99,10 @@ QuadraturePlan::QuadraturePlan(const QuadratureBatch& batch, const KinematicMap&
       slots_(pair_slots(map, batch.stencils(), batch.node_count(), pattern)),
       colours_(colour_chunks(map, batch.stencils(), batch.node_count(),
                              kGroupElements * chunk_groups(batch.group_count()))),
-      energies_(batch.size(), 0.0) {}
+      energies_(batch.size(), 0.0) {
+  const int padded = batch.padded_nodes();
+  STARK_CHECK(padded == 4 || padded == 8 || padded == 12 || padded == 28);
+}
 
 void QuadraturePlan::assemble(ThreadPool& pool, std::span<const Vec3> x, const Target& target) {
   for (const auto& colour : colours_)
@@ -53,7 +116,7 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
   thread_local AlignedVector<double> law;
   thread_local ElementStiffness stiffness;
   law.resize(static_cast<size_t>(points) * outputs * kLanes);
-  stiffness.gradient.resize(batch_.node_count());
+  stiffness.gradient.resize(static_cast<size_t>(3) * batch_.padded_nodes());
   stiffness.values.resize(static_cast<size_t>(9) * batch_.node_count() * batch_.padded_nodes());
   for (int64_t first = chunk.first; first < chunk.last; first += kGroupElements) {
     const int64_t group = first / kGroupElements;
@@ -63,7 +126,7 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
     for (int64_t e = first; e < std::min(first + kGroupElements, chunk.last); ++e) {
       const int64_t lane = (e - first) * points;
       energies_[e] = 0.0;
-      for (int q = 0; q < points; ++q) energies_[e] += output(law.data(), outputs, lane + q, 0);
+      for (int q = 0; q < points; ++q) energies_[e] += *lane_of(law.data(), outputs, lane + q);
       compute_stiffness(e, law.data(), lane, stiffness);
       add_element(e, stiffness, target);
     }
@@ -72,43 +135,39 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
 
 void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64_t first_lane,
                                        ElementStiffness& out) const {
-  using simd::load, simd::splat, simd::store, simd::VDouble;
-  constexpr int kWidth = simd::kWidth<double>, kMostVectors = 7;
-  const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), vectors = padded / kWidth;
+  const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
   const int outputs = batch_.law().potential().kernel().output_count(Order::Hessian);
-  std::fill(out.gradient.begin(), out.gradient.end(), Vec3{});
-  std::fill(out.values.begin(), out.values.end(), 0.0);
-  for (int q = 0; q < batch_.points_per_element(); ++q) {
-    const double* G = batch_.gradients(element, q);
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) {
-        const double stress = output(law, outputs, first_lane + q, 1 + 3 * j + i);
-        for (int a = 0; a < nodes; ++a) out.gradient[a][i] += stress * G[j * padded + a];
-      }
-  }
-  // For each pair of components (i, k): W_j(b) = sum_l H_(ij)(kl) G_l(b), then K(a, b) += sum_j G_j(a)
-  // W_j(b).
-  for (int ik = 0; ik < 9; ++ik) {
-    const int i = ik / 3, k = ik % 3;
-    double* slab = out.values.data() + static_cast<int64_t>(ik) * nodes * padded;
-    for (int q = 0; q < batch_.points_per_element(); ++q) {
-      const double* G = batch_.gradients(element, q);
-      VDouble W[3][kMostVectors];
+  const double* gradients = batch_.gradients(element, 0);
+  thread_local AlignedVector<double> H, work;
+  H.resize(static_cast<size_t>(81) * points);
+  work.resize(static_cast<size_t>(3) * points * padded);
+  std::fill(out.gradient.begin(), out.gradient.end(), 0.0);
+  for (int q = 0; q < points; ++q) {
+    const double* values = lane_of(law, outputs, first_lane + q);
+    for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        VDouble H[3];
-        for (int l = 0; l < 3; ++l)
-          H[l] = splat(output(law, outputs, first_lane + q, hessian_row(3 * j + i, 3 * l + k)));
-        for (int v = 0; v < vectors; ++v)
-          W[j][v] = simd::fma(H[2], load(G + 2 * padded + v * kWidth),
-                              simd::fma(H[1], load(G + padded + v * kWidth), H[0] * load(G + v * kWidth)));
+        const double stress = values[(1 + 3 * j + i) * kLanes];
+        const double* G = gradients + (3 * q + j) * padded;
+        for (int a = 0; a < padded; ++a) out.gradient[i * padded + a] += stress * G[a];
       }
-      for (int a = 0; a < nodes; ++a) {
-        const VDouble g0 = splat(G[a]), g1 = splat(G[padded + a]), g2 = splat(G[2 * padded + a]);
-        for (int v = a / kWidth; v < vectors; ++v) {
-          double* entry = slab + a * padded + v * kWidth;
-          store(entry, simd::fma(g2, W[2][v], simd::fma(g1, W[1][v], simd::fma(g0, W[0][v], load(entry)))));
-        }
-      }
+    for (int ik = 0; ik < 9; ++ik)
+      for (int jl = 0; jl < 9; ++jl) H[(ik * points + q) * 9 + jl] = values[kHessianPlaces[9 * ik + jl]];
+  }
+  for (int ik = 0; ik < 9; ++ik) {
+    double* slab = out.values.data() + static_cast<int64_t>(ik) * nodes * padded;
+    const double* slab_H = H.data() + static_cast<int64_t>(ik) * points * 9;
+    switch (padded) {
+      case 4:
+        SlabKernel<1>::run(gradients, slab_H, points, nodes, work.data(), slab);
+        break;
+      case 8:
+        SlabKernel<2>::run(gradients, slab_H, points, nodes, work.data(), slab);
+        break;
+      case 12:
+        SlabKernel<3>::run(gradients, slab_H, points, nodes, work.data(), slab);
+        break;
+      default:
+        SlabKernel<7>::run(gradients, slab_H, points, nodes, work.data(), slab);
     }
   }
 }
@@ -142,7 +201,7 @@ void QuadraturePlan::add_element(int64_t element, const ElementStiffness& stiffn
       slots += nodes - a;
       continue;
     }
-    Vec3 g = stiffness.gradient[a];
+    Vec3 g{stiffness.gradient[a], stiffness.gradient[padded + a], stiffness.gradient[2 * padded + a]};
     if (!target.pending.empty()) g += pending_force(stiffness, a, sites, target.pending);
     for (int c = 0; c < 3; ++c) target.gradient[3 * block_a + c] += g[c];
     for (int b = a; b < nodes; ++b, ++slots) {

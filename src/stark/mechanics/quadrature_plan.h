@@ -15,10 +15,10 @@
 
 namespace stark {
 
-/// Gradient and stiffness of one element. Stiffness: entry (3 i + k) of the outer index, rows a, padded
-/// columns b: d^2 E / dx_ai dx_bk, for b >= a.
+/// Gradient and stiffness of one element. Gradient: [3 i][padded a]. Stiffness: entry (3 i + k) of the outer
+/// index, rows a, padded columns b: d^2 E / dx_ai dx_bk, for b >= a.
 struct ElementStiffness {
-  std::vector<Vec3> gradient;
+  AlignedVector<double> gradient;
   AlignedVector<double> values;
 };
 

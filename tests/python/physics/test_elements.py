@@ -208,7 +208,7 @@ def test_wrong_solid_meshes_are_refused_by_name(tmp_path: object) -> None:
     with pytest.raises(stark.InvalidMesh, match=r"\(1, 5\), need \(m, k\) with 4, 8, 10 or 27"):
         stark.SolidMesh(mesh.vertices, [[0, 1, 2, 3, 4]])
     swapped = stark.SolidMesh(mesh.vertices, mesh.elements[:, [1, 0, 2, 3, 4, 5, 6, 7]])
-    with pytest.raises(stark.InvalidMesh, match="hexahedron 0 has a Jacobian of -.*order of VTK"):
+    with pytest.raises(stark.InvalidMesh, match=r"hexahedron 0 has a Jacobian of -.*order of VTK"):
         stark.Scene().add_solid(swapped)
     quadratic = stark.mesh.to_quadratic(mesh)
     path = f"{tmp_path}/box.npz"
