@@ -23,7 +23,7 @@ def box(kind: str, size: tuple[float, float, float], cells: tuple[int, int, int]
 
 
 def harmonic_displacement(X: np.ndarray) -> np.ndarray:
-    """Gradient of cosh(sqrt(2) k x) cos(k y) cos(k z): no volume change, and in equilibrium without load in any
+    """Gradient of cosh(sqrt(2) k x) cos(k y) cos(k z): no volume change, in equilibrium without load in any
     isotropic linear elastic body."""
     k, a = 2.0, 2.0 * np.sqrt(2.0)
     x, y, z = X.T
