@@ -14,6 +14,7 @@ namespace nb = nanobind;
 void bind_geometry(nb::module_& m);
 void bind_laws(nb::module_& m);
 void bind_scene(nb::module_& m);
+void bind_solid_mesh(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_potentials(nb::module_& m);
@@ -108,6 +109,7 @@ NB_MODULE(_core, m) {
   bind_geometry(m);
   bind_laws(m);
   bind_scene(m);
+  bind_solid_mesh(m);
   bind_simulation(m);
   bind_io(m);
   bind_potentials(m);

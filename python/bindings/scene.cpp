@@ -13,6 +13,7 @@
 #include "arrays.h"
 #include "field_values.h"
 #include "formulas.h"
+#include "solid_mesh.h"
 
 namespace {
 
@@ -237,7 +238,7 @@ ClothDescription cloth_of(const nb::dict& given, const ShellMaterial& material) 
 SolidDescription solid_of(const nb::dict& given, const SolidMaterial& material) {
   std::string owner;
   auto body = description_of<SolidDescription>(given, owner, "solid");
-  body.mesh.tets = elements_of<4>(given["tets"], owner + ": tets");
+  read_elements(given["elements"], owner + ": elements", body.mesh);
   body.material = material;
   read_law(given, owner, body);
   if (!given["initial_positions"].is_none())

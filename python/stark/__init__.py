@@ -29,7 +29,7 @@ from stark._core import (  # noqa: E402
 )
 from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
 from stark.materials import ShellMaterial, SolidMaterial  # noqa: E402
-from stark.mesh import TetMesh, TriangleMesh  # noqa: E402
+from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
 from stark.rotations import deg, rotation, to_quaternion  # noqa: E402
 from stark.scene import Scene, StarkWarning  # noqa: E402
 from stark.settings import Settings  # noqa: E402
@@ -91,6 +91,7 @@ __all__ = [
     "Simulation",
     "Solid",
     "SolidMaterial",
+    "SolidMesh",
     "StarkWarning",
     "StepFailed",
     "TetMesh",

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.mesh import Indices, Points, TetMesh, TriangleMesh
+from stark.mesh import Indices, Points, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, vector
 
 if TYPE_CHECKING:
@@ -29,7 +29,9 @@ class Body:
 
     kind: str = ""
 
-    def __init__(self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh, color: Any = None) -> None:
+    def __init__(
+        self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh | SolidMesh, color: Any = None
+    ) -> None:
         self._scene = scene
         self._index = index
         self._mesh = mesh
@@ -48,7 +50,7 @@ class Body:
         return self._scene._core.motion(self._index)
 
     @property
-    def mesh(self) -> TriangleMesh | TetMesh:
+    def mesh(self) -> TriangleMesh | TetMesh | SolidMesh:
         """The mesh it was made from, in the frame of the body [m]."""
         return self._mesh
 
@@ -248,7 +250,7 @@ class Cloth(_Deformable):
 
 
 class Solid(_Deformable):
-    """A soft volume of tetrahedra."""
+    """A soft volume."""
 
     kind = "solid"
 
@@ -267,7 +269,7 @@ class Solid(_Deformable):
     def _surface(self) -> tuple[Indices, Indices, Indices]:
         """Boundary triangles, the sorted vertices they use, the triangles renumbered to those."""
         if "surface" not in self._shared:
-            assert isinstance(self._mesh, TetMesh)
+            assert isinstance(self._mesh, (TetMesh, SolidMesh))
             triangles = self._mesh.surface_triangles()
             used, renumbered = np.unique(triangles, return_inverse=True)
             renumbered = renumbered.reshape(triangles.shape).astype(np.int32)

@@ -176,7 +176,50 @@ class TetMesh(_MeshBase):
         return f"TetMesh({len(self.vertices)} vertices, {len(self.tets)} tets)"
 
 
-Mesh: TypeAlias = TriangleMesh | TetMesh
+class SolidMesh(_MeshBase):
+    """Volume of elements with 10 (quadratic tetrahedra), 8 or 27 nodes (trilinear and triquadratic
+    hexahedra): ``vertices`` (n, 3) float64 [m], ``elements`` (m, 10 | 8 | 27) int32, nodes in the order of
+    VTK. Four columns make linear tetrahedra, as a TetMesh does."""
+
+    elements: Indices
+
+    def __init__(self, vertices: ArrayLike, elements: ArrayLike) -> None:
+        columns = np.shape(elements)[1] if np.ndim(elements) == 2 else 0
+        if columns not in (4, 8, 10, 27):
+            raise InvalidMesh(
+                f"SolidMesh: elements: got the shape {np.shape(elements)}, need (m, k) with 4, 8, 10 or 27 "
+                f"vertex indices each"
+            )
+        self.__dict__["vertices"] = _points(vertices, "SolidMesh: vertices")
+        self.__dict__["elements"] = _indices(elements, columns, "SolidMesh: elements")
+
+    def _with(self, vertices: Points) -> SolidMesh:
+        return SolidMesh(vertices, self.elements)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volume of each element [m^3], shape (m,)."""
+        return _core.element_volumes(self.vertices, self.elements)
+
+    @property
+    def volume(self) -> float:
+        return float(self.volumes.sum())
+
+    def surface_triangles(self) -> Indices:
+        """Boundary triangles (k, 3), outwards, as indices of ``vertices``: faces of quadratic elements are
+        cut into four or eight."""
+        return _core.solid_boundary_triangles(self.elements)
+
+    def surface(self) -> TriangleMesh:
+        """The boundary as a mesh of its own, without the inner vertices."""
+        return compact(TriangleMesh(self.vertices, self.surface_triangles()))
+
+    def __repr__(self) -> str:
+        kind = _core.element_name(self.elements)
+        return f"SolidMesh({len(self.vertices)} vertices, {len(self.elements)} elements: {kind})"
+
+
+Mesh: TypeAlias = TriangleMesh | TetMesh | SolidMesh
 
 
 # --- Conversions and repairs --------------------------------------------------------------------------------
@@ -215,6 +258,17 @@ def as_tet_mesh(mesh: Any, name: str) -> TetMesh:
     raise InvalidMesh(f"{name}: got {type(mesh).__name__}, need a stark.TetMesh or a (vertices, tets) pair")
 
 
+def as_solid_mesh(mesh: Any, name: str) -> TetMesh | SolidMesh:
+    """A SolidMesh, whatever ``as_tet_mesh`` takes, or a ``(vertices, elements)`` pair with 4, 8, 10 or 27
+    nodes an element."""
+    if isinstance(mesh, SolidMesh):
+        return mesh
+    is_pair = isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2
+    if is_pair and np.ndim(mesh[1]) == 2 and np.shape(mesh[1])[1] in (8, 10, 27):
+        return _named(name, SolidMesh, mesh[0], mesh[1])
+    return as_tet_mesh(mesh, name)
+
+
 def _named(name: str, kind: type[Any], vertices: ArrayLike, elements: ArrayLike) -> Any:
     try:
         return kind(vertices, elements)
@@ -229,7 +283,7 @@ def _edge_counts(triangles: Indices) -> NDArray[np.int64]:
 
 def compact(mesh: Any) -> Any:
     """Copy without the vertices that no element uses."""
-    elements = mesh.tets if isinstance(mesh, TetMesh) else mesh.triangles
+    elements = next(getattr(mesh, n) for n in ("tets", "elements", "triangles") if hasattr(mesh, n))
     used, renumbered = np.unique(elements, return_inverse=True)
     return type(mesh)(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))
 
@@ -393,6 +447,27 @@ def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMe
     return TetMesh(
         *_core.make_tet_box(_sizes(size, "tet_box: size"), [_count(n, "tet_box: cells") for n in counts])
     )
+
+
+def box_hexahedra(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> SolidMesh:
+    """Solid box about the origin of cuboid elements with 8 nodes."""
+    counts = (cells,) * 3 if isinstance(cells, (int, np.integer)) else tuple(cells)
+    if len(counts) != 3:
+        raise InvalidArgument(f"box_hexahedra: cells = {cells!r}: must be one whole number or three")
+    return SolidMesh(
+        *_core.make_hex_box(
+            _sizes(size, "box_hexahedra: size"), [_count(n, "box_hexahedra: cells") for n in counts]
+        )
+    )
+
+
+def to_quadratic(mesh: Any) -> SolidMesh:
+    """Same elements with nodes between the corners: 10-node tetrahedra of a TetMesh, 27-node hexahedra of
+    hexahedra. Nodes of a curved boundary may be moved onto it afterwards, ``SolidMesh(vertices,
+    mesh.elements)``."""
+    solid = as_solid_mesh(mesh, "to_quadratic")
+    elements = solid.tets if isinstance(solid, TetMesh) else solid.elements
+    return SolidMesh(*_core.to_quadratic(solid.vertices, elements))
 
 
 # --- Files and volume meshing -------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stark._core import InvalidMesh
-from stark.mesh import Mesh, TetMesh, TriangleMesh, merged, oriented
+from stark.mesh import Mesh, SolidMesh, TetMesh, TriangleMesh, merged, oriented
 
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
@@ -173,6 +173,8 @@ def _read_npz(data: bytes) -> Mesh:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         if "tets" in arrays:
             return TetMesh(arrays["vertices"], arrays["tets"])
+        if "elements" in arrays:
+            return SolidMesh(arrays["vertices"], arrays["elements"])
         return TriangleMesh(arrays["vertices"], arrays["triangles"])
 
 
@@ -198,10 +200,15 @@ def _load_by_meshio(file: Path) -> Mesh:
     except Exception as error:
         raise InvalidMesh(f"'{file}' cannot be read: {error}") from None
     cells = loaded.cells_dict
+    solids = ("hexahedron27", "tetra10", "hexahedron")
+    for kind in solids:
+        if kind in cells:
+            return SolidMesh(loaded.points, cells[kind])
     if "tetra" in cells:
         return oriented(TetMesh(loaded.points, cells["tetra"]))
     if "triangle" in cells:
         return TriangleMesh(loaded.points, cells["triangle"])
     raise InvalidMesh(
-        f"'{file}' has cells of type {', '.join(cells) or 'none'}: must have 'tetra' or 'triangle' cells"
+        f"'{file}' has cells of type {', '.join(cells) or 'none'}: "
+        f"must have cells of type {', '.join(solids)}, tetra or triangle"
     )

@@ -136,10 +136,11 @@ class Scene:
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Solid:
-        """Adds a soft volume of tetrahedra; arguments as in ``add_cloth``. Surfaces become volumes with
-        ``stark.mesh.tetrahedralise``."""
+        """Adds a soft volume of tetrahedra (TetMesh) or of quadratic or hexahedral elements (SolidMesh, see
+        ``stark.mesh.to_quadratic`` and ``box_hexahedra``); arguments as in ``add_cloth``. Surfaces become
+        volumes with ``stark.mesh.tetrahedralise``."""
         _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
-        volume = meshes.as_tet_mesh(mesh, _title("solid", name))
+        volume = meshes.as_solid_mesh(mesh, _title("solid", name))
         given = self._description(
             name,
             volume.vertices,
@@ -152,7 +153,7 @@ class Scene:
             color,
         )
         given |= {
-            "tets": volume.tets,
+            "elements": volume.tets if isinstance(volume, meshes.TetMesh) else volume.elements,
             "initial_positions": initial_positions,
             "self_contact": bool(self_contact),
             **material._description(),

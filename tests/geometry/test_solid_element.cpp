@@ -87,10 +87,10 @@ TEST_CASE("gradients agree with differences of the shape functions") {
 TEST_CASE("quadrature is exact to the degree that the element needs") {
   for (const ElementType type : kTypes) {
     const ReferenceElement& element = reference_element(type);
-    // Energy rules: total degree 1, 2 of tetrahedra; degree 3, 5 in each coordinate of hexahedra. Mass rules:
+    // Energy rules: total degree 1, 3 of tetrahedra; degree 3, 5 in each coordinate of hexahedra. Mass rules:
     // products of shape functions.
     const int degree = type == ElementType::Tet4    ? 1
-                       : type == ElementType::Tet10 ? 2
+                       : type == ElementType::Tet10 ? 3
                        : type == ElementType::Hex8  ? 3
                                                     : 5;
     const int mass = 5;

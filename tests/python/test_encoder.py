@@ -1,5 +1,6 @@
-"""Machine code of the symbolic engine against capstone: every instruction form, and whole kernels executed
-instruction by instruction from the disassembly. This also covers AVX-512 on machines that do not have it."""
+"""Machine code of the symbolic engine against capstone: every instruction form with its registers, bases and
+displacements, and whole kernels executed instruction by instruction from the disassembly. This also covers
+AVX-512 on machines that do not have it."""
 
 import ctypes
 import ctypes.util
@@ -25,24 +26,35 @@ def find_program():
     return found[-1] if found else None
 
 
-@pytest.fixture(scope="module")
-def dump(tmp_path_factory):
+def written(tmp_path_factory, variable, case):
+    """What a case of the C++ tests writes to the file that an environment variable names."""
     program = find_program()
     if program is None:
         pytest.skip("the C++ tests are not built")
-    path = tmp_path_factory.mktemp("code") / "dump.json"
+    path = tmp_path_factory.mktemp("code") / "dump"
     subprocess.run(
-        [program, "--test-case=instruction forms*"],
+        [program, f"--test-case={case}*"],
         check=True,
         capture_output=True,
-        env={**os.environ, "STARK_MACHINE_CODE_DUMP": str(path)},
+        env={**os.environ, variable: str(path)},
     )
-    return json.loads(path.read_text())
+    return path.read_text()
 
 
-def disassembler():
+@pytest.fixture(scope="module")
+def dump(tmp_path_factory):
+    return json.loads(written(tmp_path_factory, "STARK_MACHINE_CODE_DUMP", "kernels are written"))
+
+
+@pytest.fixture(scope="module")
+def instructions(tmp_path_factory):
+    text = written(tmp_path_factory, "STARK_INSTRUCTION_DUMP", "instruction forms")
+    return [line.split() for line in text.splitlines()]
+
+
+def disassembler(detail=True):
     md = capstone.Cs(capstone.CS_ARCH_X86, capstone.CS_MODE_64)
-    md.detail = True
+    md.detail = detail
     return md
 
 
@@ -59,48 +71,86 @@ def plain(instruction, operands):
     return name, operands, None
 
 
-def test_every_instruction_form(dump):
-    md = disassembler()
-    from capstone import x86
+ONE_SOURCE = {"vsqrtpd", "vrndscalepd", "vroundpd", "vmovupd", "vmovapd", "vbroadcastsd", "store", "vpmovm2q"}
+NAMED_PREDICATES = {0x11: "vcmplt_oqpd", 0x12: "vcmple_oqpd"}
 
-    assert len(dump["forms"]) > 5000
-    for form in dump["forms"]:
-        code = bytes.fromhex(form["hex"])
-        decoded = list(md.disasm(code, 0))
-        assert len(decoded) == 1 and decoded[0].size == len(code), form
-        i = decoded[0]
-        name, operands, predicate = plain(i, list(i.operands))
-        expected_name, store = form["name"].split()[0], form["name"].endswith("store")
-        assert name == expected_name, (form, i.mnemonic, i.op_str)
-        prefix = "zmm" if form["wide"] else "ymm"
-        registers = [i.reg_name(o.reg) for o in operands if o.type == x86.X86_OP_REG]
-        want = [f"{prefix}{r}" for r in form["regs"]]
-        if name in ("vpsllq", "vpsrlq"):
-            want = want[1:]
-        if name == "vcmppd" and form["wide"]:
-            want[0] = "k1"
-        if name == "vblendvpd":
-            registers, mask = registers[:-1], registers[-1]
-            assert mask == f"ymm{form['immediate'] >> 4}"
-        last = form["last"]
-        if "reg" in last:
-            want.append("k1" if name == "vpmovm2q" else f"{prefix}{last['reg']}")
-        else:
-            memory = [o for o in operands if o.type == x86.X86_OP_MEM]
-            assert len(memory) == 1, (form, i.op_str)
-            m = memory[0]
-            assert i.reg_name(m.mem.base) == last["base"] and m.mem.index == 0, (form, i.op_str)
-            assert m.mem.disp == last["displacement"], (form, i.op_str)
-            assert ("{1to8}" in i.op_str) == last["broadcast"], (form, i.op_str)
-            assert (operands[0].type == x86.X86_OP_MEM) == store, (form, i.op_str)
-        assert registers == want, (form, i.op_str)
-        immediates = [o.imm & 0xFF for o in operands if o.type == x86.X86_OP_IMM]
-        if name == "vcmppd":
-            assert predicate == form["immediate"], (form, i.mnemonic, i.op_str)
-        elif name != "vblendvpd" and form["immediate"] >= 0:
-            assert immediates == [form["immediate"]], (form, i.op_str)
-        else:
-            assert not immediates, (form, i.op_str)
+
+def number(value):
+    """As capstone writes it."""
+    size = hex(abs(value)) if abs(value) > 9 else str(abs(value))
+    return "-" + size if value < 0 else size
+
+
+def memory(base, displacement):
+    d = int(displacement)
+    return f"[{base}]" if d == 0 else f"[{base} {'-' if d < 0 else '+'} {number(abs(d))}]"
+
+
+def last_operand(name, vector, text):
+    if ":" not in text:
+        return f"k{text}" if name == "vpmovm2q" else f"{vector}{text}"
+    base, displacement, kind = text.split(":")
+    if kind == "b":
+        return f"qword ptr {memory(base, displacement)}{{1to8}}"
+    return f"{'qword' if name == 'vbroadcastsd' else vector + 'word'} ptr {memory(base, displacement)}"
+
+
+def expected_text(wide, name, reg, first, second, immediate):
+    """Mnemonic and operands in the notation of Intel."""
+    if reg == "general":
+        if name == "lea":
+            return name, f"{first}, {memory('rip', second.split(':')[1])}"
+        shown = number(int(second)) if second.lstrip("-").isdigit() else second
+        return name, first if second == "-" else f"{first}, {shown}"
+    vector = "zmm" if wide == "1" else "ymm"
+    last, value = last_operand(name, vector, second), int(immediate)
+    if name == "store":
+        return "vmovupd", f"{last}, {vector}{reg}"
+    if name in ("vpsllq", "vpsrlq"):  # the target is named in the second place
+        return name, f"{vector}{first}, {last}, {number(value)}"
+    mask = name == "vcmppd" and wide == "1"
+    operands = [f"{'k' if mask else vector}{reg}"]
+    if name not in ONE_SOURCE:
+        operands.append(f"{vector}{first}")
+    operands.append(last)
+    if name == "vblendvpd":
+        operands.append(f"ymm{value >> 4}")
+    elif name == "vcmppd":
+        name = NAMED_PREDICATES[value]
+    elif value >= 0:
+        operands.append(number(value))
+    return name, ", ".join(operands)
+
+
+def test_every_instruction_form(instructions):
+    assert len(instructions) > 250_000
+    code = bytes.fromhex("".join(line[-1] for line in instructions))
+    decoded = disassembler(detail=False).disasm_lite(code, 0)
+    address = 0
+    for line in instructions:
+        start, size, name, operands = next(decoded, (address, 0, "nothing", ""))
+        assert (start, size) == (address, len(line[-1]) // 2), (line, name, operands)
+        assert (name, operands) == expected_text(*line[:-1]), line
+        address += size
+
+
+def test_forms_cover_the_operands(instructions):
+    """The cross products are what they claim to be."""
+    vectors = [line for line in instructions if line[2] != "general"]
+    for wide, count in (("0", 16), ("1", 32)):
+        registers = {str(k) for k in range(count)}
+        mine = [line for line in vectors if line[0] == wide]
+        for name in {line[1] for line in mine}:
+            forms = [line for line in mine if line[1] == name]
+            if name not in ("vpsllq", "vpsrlq") and not (name == "vcmppd" and wide == "1"):
+                assert {line[2] for line in forms} == registers, (wide, name)
+            places = [tuple(line[4].split(":")) for line in forms if ":" in line[4]]
+            if places:
+                assert len({(base, d) for base, d, _ in places}) >= 16 * 26, (wide, name)
+            if name not in ("vpmovm2q", "store", "vbroadcastsd"):
+                assert registers <= {line[4] for line in forms}, (wide, name)
+        cube = {tuple(line[2:5]) for line in mine if line[1] == "vaddpd" and ":" not in line[4]}
+        assert len(cube) == count**3
 
 
 libm = ctypes.CDLL(ctypes.util.find_library("m"))

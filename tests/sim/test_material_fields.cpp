@@ -88,7 +88,7 @@ TEST_CASE("densities of elements become masses of vertices") {
   Scene scene;
   SolidDescription solid = box();
   solid.fields["density"] = ramp(12, 100.0, 200.0);
-  const std::vector<double> volumes = compute_tet_volumes(solid.mesh.vertices, solid.mesh.tets);
+  const std::vector<double> volumes = compute_element_volumes(solid.mesh);
   double mass = 0.0;
   for (size_t e = 0; e < volumes.size(); ++e) mass += volumes[e] * solid.fields["density"].values[e];
   scene.add_solid(solid);

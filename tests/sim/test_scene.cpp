@@ -60,7 +60,7 @@ TEST_CASE("a refused body leaves the scene as it was") {
   auto negative = rigid("c");
   negative.mass = -1.0;
   auto inverted = solid("d");
-  std::swap(inverted.mesh.tets[0][0], inverted.mesh.tets[0][1]);
+  std::swap(inverted.mesh.elements[0], inverted.mesh.elements[1]);
   CHECK_THROWS_AS(scene.add_cloth(twice), InvalidArgument);
   CHECK_THROWS_AS(scene.add_cloth(nan), InvalidMesh);
   CHECK_THROWS_AS(scene.add_rigid(negative), InvalidArgument);

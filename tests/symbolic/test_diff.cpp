@@ -19,6 +19,9 @@ struct Errors {
   double value = 0.0, gradient = 0.0, hessian = 0.0;
 };
 
+// NaN counts as larger than every number.
+Real larger(Real a, Real b) { return a >= b || std::isnan(a) ? a : b; }
+
 Errors compare(const std::vector<double>& out, const Jet& jet) {
   const size_t n = jet.g.size();
   Errors e;
@@ -26,10 +29,10 @@ Errors compare(const std::vector<double>& out, const Jet& jet) {
   for (const Real g : jet.g) gradient_size = std::max(gradient_size, std::fabs(g));
   for (const Real h : jet.h) hessian_size = std::max(hessian_size, std::fabs(h));
   e.value = static_cast<double>(std::fabs(out[0] - jet.v) / (std::fabs(jet.v) + 1e-3L));
-  for (size_t i = 0; i < n; ++i) ge = std::max(ge, std::fabs(out[1 + i] - jet.g[i]));
+  for (size_t i = 0; i < n; ++i) ge = larger(ge, std::fabs(out[1 + i] - jet.g[i]));
   size_t k = 1 + n;
   for (size_t i = 0; i < n; ++i) {
-    for (size_t j = i; j < n; ++j) he = std::max(he, std::fabs(out[k++] - jet.h[i * n + j]));
+    for (size_t j = i; j < n; ++j) he = larger(he, std::fabs(out[k++] - jet.h[i * n + j]));
   }
   e.gradient = static_cast<double>(ge / gradient_size);
   e.hessian = static_cast<double>(he / hessian_size);
@@ -163,6 +166,35 @@ TEST_CASE("untaken branches leak no NaN into derivatives") {
           CHECK(out[4] == doctest::Approx(static_cast<double>(jet.h[1])));
           CHECK(out[5] == doctest::Approx(static_cast<double>(jet.h[3])));
         }
+      }
+    }
+  }
+}
+
+TEST_CASE("values shared by many branches leak no NaN") {
+  // Roots that are NaN below 1, each used under more different conditions than guards keep apart.
+  Graph graph;
+  const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown);
+  const Scalar root = sqrt(x - 1.0), other = log(y - 1.0) * root;
+  Scalar energy = 0.0;
+  for (int k = 0; k < 20; ++k) {
+    const Scalar arm = k % 2 ? root * y : other;
+    energy += select(x > 1.0 + 0.1 * k && y > 2.0 - 0.01 * k, static_cast<double>(k + 1) * arm, x * y);
+    energy += select(x * y > 8.0 + 0.1 * k && x > 1.5 && y > 1.5, root * other, x);
+  }
+  for (const double px : {0.5, 1.0, 1.35, 2.95, 4.0}) {
+    for (const double py : {0.5, 1.0, 1.85, 4.0}) {
+      const std::vector<double> u{px, py};
+      const Jet jet = evaluate_jet(energy, {u});
+      CAPTURE(px);
+      CAPTURE(py);
+      for (const Algorithm algorithm : kAll) {
+        Derivatives d;
+        if (!hessian(graph, energy.id(), graph.stages(), algorithm, d)) continue;
+        CAPTURE(to_string(algorithm));
+        const Errors error = compare(concatenated(d, graph, {u}), jet);
+        CHECK(error.gradient < 1e-13);
+        CHECK(error.hessian < 1e-13);
       }
     }
   }

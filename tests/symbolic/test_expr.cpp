@@ -36,6 +36,17 @@ TEST_CASE("literals are computed at once and need no graph") {
   CHECK(fma(a, b, 1.0).value() == 13.0);
 }
 
+TEST_CASE("constant factors stay apart where their product leaves the range of normal numbers") {
+  Graph g;
+  const Scalar x = g.input(InputKind::Unknown);
+  const auto value = [](const Scalar& y, double at) { return evaluate(y, {{&at, 1}}); };
+  CHECK(value(1e200 * (1e200 * x), 1e-250) == doctest::Approx(1e150));
+  CHECK(value(1e-200 * (1e-200 * x), 1e250) == doctest::Approx(1e-150));
+  CHECK(value(1e-300 * (1e-20 * x), 1e250) == doctest::Approx(1e-70).epsilon(1e-14));  // not subnormal
+  CHECK(value(1e-200 * (x * (1e-200 * x)), 1e150) == doctest::Approx(1e-100));
+  CHECK(value(1.5e308 * x + 1e308 * x, 1e-10) == doctest::Approx(2.5e298));
+}
+
 TEST_CASE("simplifications") {
   Graph g;
   const Scalar x = g.input(InputKind::Unknown), y = g.input(InputKind::Unknown);

@@ -1,11 +1,11 @@
 #include <stark/mechanics/assembler.h>
 
 #include <algorithm>
-#include <bit>
 
 #include <stark/base/error.h>
 #include <stark/base/psd.h>
 #include <stark/mechanics/congruence.h>
+#include <stark/mechanics/element_projection.h>
 
 namespace stark {
 
@@ -16,21 +16,6 @@ namespace {
 
 constexpr int64_t kChunkBlocks = 32;  ///< blocks of lanes in a task: 256 elements
 constexpr int64_t kGroupBlocks = 8;   ///< blocks whose Hessians are kept in cache together
-
-/// Projects the element Hessians of the blocks at `out`; returns how many were not positive semidefinite.
-int64_t project_blocks(const PotentialBatch& batch, int64_t block_count, double* out) {
-  const int n = batch.potential().kernel().unknown_count();
-  const int outputs = batch.potential().kernel().output_count(Order::Hessian);
-  int64_t count = 0;
-  for (int64_t block = 0; block < block_count; ++block) {
-    double* upper = out + (block * outputs + 1 + n) * kLanes;
-    if (const uint32_t mask = psd_test(upper, n); mask != 0) {
-      psd_project(upper, n, mask, batch.potential().is_translation_invariant());
-      count += std::popcount(mask);
-    }
-  }
-  return count;
-}
 
 /// Blocks of lanes in a coloured chunk. Large chunks reuse the rows of the matrix while they are in cache;
 /// small meshes get smaller ones, so that there are some for each thread. Depends on the mesh only.
@@ -54,12 +39,12 @@ Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), poo
   set_static_batches({});
 }
 
-void Assembler::append_pairs(const PotentialBatch& batch,
+void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
                              std::vector<std::pair<int32_t, int32_t>>& out) const {
   std::vector<int32_t> blocks;
-  for (int64_t e = 0; e < batch.size(); ++e) {
+  for (size_t first = 0; first < stencils.size(); first += nodes) {
     blocks.clear();
-    for (const int32_t site : batch.stencil(e)) map_.append_blocks(site, blocks);
+    for (const int32_t site : stencils.subspan(first, nodes)) map_.append_blocks(site, blocks);
     for (size_t a = 0; a < blocks.size(); ++a)
       for (size_t b = a + 1; b < blocks.size(); ++b)
         if (blocks[a] != blocks[b])
@@ -67,15 +52,20 @@ void Assembler::append_pairs(const PotentialBatch& batch,
   }
 }
 
-void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches) {
+void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches,
+                                   const std::vector<const QuadratureBatch*>& quadrature) {
   std::vector<std::pair<int32_t, int32_t>> pairs;
   for (const int32_t block : map_.layout().body_block)
     if (block != kNoBlock) pairs.emplace_back(block, block + 1);
-  for (const PotentialBatch* batch : batches) append_pairs(*batch, pairs);
+  for (const PotentialBatch* batch : batches) append_pairs(batch->stencils(), batch->point_count(), pairs);
+  for (const QuadratureBatch* batch : quadrature) append_pairs(batch->stencils(), batch->node_count(), pairs);
   static_pattern_ = BlockPattern::from_pairs(map_.layout().block_count, std::move(pairs));
   pattern_ = {};
   static_plans_.clear();
+  quadrature_plans_.clear();
   for (const PotentialBatch* batch : batches) static_plans_.push_back(plan(*batch));
+  for (const QuadratureBatch* batch : quadrature)
+    quadrature_plans_.emplace_back(*batch, map_, static_pattern_);
   set_dynamic_batches({});
 }
 
@@ -86,49 +76,17 @@ Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
   plan.is_plain = std::all_of(stencils.begin(), stencils.end(), [&](int32_t s) { return map_.is_point(s); });
   plan.energies.resize(batch.block_count() * kLanes);
   if (!plan.is_plain) return plan;
-  for (int64_t e = 0; e < batch.size(); ++e) {
-    const auto sites = batch.stencil(e);
-    for (size_t p = 0; p < sites.size(); ++p)
-      for (size_t q = p; q < sites.size(); ++q) {
-        const int32_t a = map_.point_block(sites[p]), b = map_.point_block(sites[q]);
-        const bool is_free = a != kNoBlock && b != kNoBlock;
-        plan.slots.push_back(
-            is_free ? static_cast<int32_t>(static_pattern_.slot(std::min(a, b), std::max(a, b))) : -1);
-      }
-  }
-  colour_chunks(plan);
+  plan.slots = pair_slots(map_, stencils, batch.point_count(), static_pattern_);
+  plan.colours =
+      colour_chunks(map_, stencils, batch.point_count(), kLanes * coloured_chunk_blocks(batch.block_count()));
   return plan;
-}
-
-void Assembler::colour_chunks(StaticPlan& plan) const {
-  // Greedy colouring: bit c of a block says that a chunk of colour c touches it.
-  std::vector<uint64_t> used(map_.layout().block_count, 0);
-  const PotentialBatch& batch = *plan.batch;
-  const int64_t chunk_blocks = coloured_chunk_blocks(batch.block_count());
-  for (int64_t first = 0; first < batch.block_count(); first += chunk_blocks) {
-    const Chunk chunk{first, std::min(first + chunk_blocks, batch.block_count())};
-    const int64_t begin = chunk.first_block * kLanes, end = std::min(chunk.last_block * kLanes, batch.size());
-    uint64_t taken = 0;
-    for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
-      if (const int32_t block = map_.point_block(batch.stencils()[s]); block != kNoBlock)
-        taken |= used[block];
-    size_t colour = static_cast<size_t>(std::countr_one(taken));
-    if (colour < 64) {
-      for (int64_t s = begin * batch.point_count(); s < end * batch.point_count(); ++s)
-        if (const int32_t block = map_.point_block(batch.stencils()[s]); block != kNoBlock)
-          used[block] |= uint64_t{1} << colour;
-    } else {
-      colour = std::max<size_t>(64, plan.colours.size());  // a colour of its own
-    }
-    if (plan.colours.size() <= colour) plan.colours.resize(colour + 1);
-    plan.colours[colour].push_back(chunk);
-  }
 }
 
 void Assembler::set_dynamic_batches(std::vector<const PotentialBatch*> batches) {
   dynamic_batches_ = std::move(batches);
   std::vector<std::pair<int32_t, int32_t>> pairs;
-  for (const PotentialBatch* batch : dynamic_batches_) append_pairs(*batch, pairs);
+  for (const PotentialBatch* batch : dynamic_batches_)
+    append_pairs(batch->stencils(), batch->point_count(), pairs);
   if (pairs == dynamic_pairs_ && pattern_.block_count == static_pattern_.block_count) return;
   pattern_ = static_pattern_.merged_with(pairs, slot_of_static_);
   dynamic_pairs_ = std::move(pairs);
@@ -149,6 +107,14 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
       assemble_mapped(*plan.batch, configuration, x, options, out_gradient, out_hessian,
                       plan.energies.data());
   }
+  for (QuadraturePlan& plan : quadrature_plans_)
+    plan.assemble(pool_, x,
+                  {.project = options.project,
+                   .pending = options.pending,
+                   .slot_of_plan = slot_of_static_,
+                   .gradient = out_gradient,
+                   .hessian = out_hessian,
+                   .projected_count = projected_count_});
   for (const PotentialBatch* batch : dynamic_batches_)
     assemble_mapped(*batch, configuration, x, options, out_gradient, out_hessian, nullptr);
   add_rigid_curvature(options, out_hessian);
@@ -179,10 +145,11 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
   thread_local std::vector<Vec3> extra;
   out.resize(static_cast<size_t>(kGroupBlocks) * outputs * kLanes);
   extra.resize(points);
-  for (int64_t group = chunk.first_block; group < chunk.last_block; group += kGroupBlocks) {
-    const int64_t group_end = std::min(group + kGroupBlocks, chunk.last_block);
+  const int64_t last_block = (chunk.last + kLanes - 1) / kLanes;
+  for (int64_t group = chunk.first / kLanes; group < last_block; group += kGroupBlocks) {
+    const int64_t group_end = std::min(group + kGroupBlocks, last_block);
     batch.evaluate(Order::Hessian, x, group, group_end, out.data());
-    if (options.project) projected_count_ += project_blocks(batch, group_end - group, out.data());
+    if (options.project) projected_count_ += project_blocks(batch.potential(), group_end - group, out.data());
     for (int64_t block = group; block < group_end; ++block) {
       const double* lanes = out.data() + (block - group) * outputs * kLanes;
       for (int64_t l = 0; l < lanes_used(batch, block); ++l) {
@@ -222,7 +189,7 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
   pool_.for_each_range(batch.block_count(), kGroupBlocks, [&](int64_t first, int64_t last) {
     double* out = buffer_.data() + first * outputs * kLanes;
     batch.evaluate(Order::Hessian, x, first, last, out);
-    if (options.project) projected_count_ += project_blocks(batch, last - first, out);
+    if (options.project) projected_count_ += project_blocks(batch.potential(), last - first, out);
   });
   std::vector<SiteJacobian> jacobians(points);
   std::vector<int32_t> blocks(points);
@@ -280,6 +247,11 @@ EnergyDifference Assembler::static_energy_difference(std::span<const Vec3> x) {
       total.difference += p.difference;
       total.magnitude += p.magnitude;
     }
+  }
+  for (const QuadraturePlan& plan : quadrature_plans_) {
+    const EnergyDifference p = plan.energy_difference(pool_, x);
+    total.difference += p.difference;
+    total.magnitude += p.magnitude;
   }
   return total;
 }

@@ -3,8 +3,9 @@
 // Batches are static (elasticity, inertia: their stencils never change) or dynamic (contact: set anew when
 // the active set changes). Large static batches on plain points are assembled chunk by chunk while the
 // element Hessians are in cache; chunks are coloured so that no two chunks of a colour share a block, hence
-// no atomics and one order of sums whatever the number of threads. All other batches are evaluated in
-// parallel into a buffer and added in order.
+// no atomics and one order of sums whatever the number of threads. Elements with quadrature points are always
+// static and on plain points, and have a plan of their own (quadrature_plan.h). All other batches are
+// evaluated in parallel into a buffer and added in order.
 #pragma once
 
 #include <span>
@@ -12,16 +13,13 @@
 
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
+#include <stark/mechanics/chunk_colouring.h>
+#include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/kinematic_map.h>
 #include <stark/mechanics/potential_batch.h>
+#include <stark/mechanics/quadrature_plan.h>
 
 namespace stark {
-
-/// Sum of energy differences and of magnitudes; the latter bounds the rounding error of the former.
-struct EnergyDifference {
-  double difference = 0.0;  ///< [J]
-  double magnitude = 0.0;   ///< sum of |E_e| over the elements [J]
-};
 
 struct AssemblyOptions {
   bool project = false;  ///< make every element Hessian and every rigid curvature positive semidefinite
@@ -34,7 +32,8 @@ class Assembler {
  public:
   Assembler(const KinematicMap& map, ThreadPool& pool);
 
-  void set_static_batches(std::vector<const PotentialBatch*> batches);
+  void set_static_batches(std::vector<const PotentialBatch*> batches,
+                          const std::vector<const QuadratureBatch*>& quadrature = {});
   /// Pattern of the static batches alone.
   const BlockPattern& static_pattern() const { return static_pattern_; }
   /// Merges the pattern with the one of the dynamic batches.
@@ -52,9 +51,6 @@ class Assembler {
   int64_t projected_element_count() const { return projected_count_; }
 
  private:
-  struct Chunk {
-    int64_t first_block, last_block;  ///< blocks of kLanes elements
-  };
   struct StaticPlan {
     const PotentialBatch* batch = nullptr;
     bool is_plain = false;       ///< all sites are points: identity maps
@@ -64,8 +60,8 @@ class Assembler {
   };
 
   StaticPlan plan(const PotentialBatch& batch) const;
-  void colour_chunks(StaticPlan& plan) const;
-  void append_pairs(const PotentialBatch& batch, std::vector<std::pair<int32_t, int32_t>>& out) const;
+  void append_pairs(std::span<const int32_t> stencils, int nodes,
+                    std::vector<std::pair<int32_t, int32_t>>& out) const;
   void assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const AssemblyOptions& options,
                       std::span<double> gradient, BlockMatrix& hessian);
   void assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
@@ -80,6 +76,7 @@ class Assembler {
   const KinematicMap& map_;
   ThreadPool& pool_;
   std::vector<StaticPlan> static_plans_;
+  std::vector<QuadraturePlan> quadrature_plans_;
   std::vector<const PotentialBatch*> dynamic_batches_;
   BlockPattern static_pattern_, pattern_;
   std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with

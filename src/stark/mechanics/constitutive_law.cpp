@@ -145,6 +145,21 @@ PotentialDefinition tet4(const SolidLaw& law) {
   });
 }
 
+PotentialDefinition quadrature_point(const SolidLaw& law) {
+  PotentialDefinition definition =
+      element_of(law, 3, "quadrature points", [psi = law.psi](PotentialBuilder& b) {
+        const auto gradient = [&b](Point p) {
+          return symbolic::Mat3::from_columns((b.*p)(0), (b.*p)(1), (b.*p)(2));
+        };
+        const SolidDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
+                                           [&] { return gradient(&PotentialBuilder::x_prev); }};
+        const Scalar density = psi(b, deformation);
+        return density * b.data(kQuadratureWeight, "m^3", "rest volume that the point stands for");
+      });
+  definition.translation_invariant = definition.zero_at_rest = false;  // the points are no places
+  return definition;
+}
+
 PotentialDefinition triangle3(const ShellLaw& law) {
   return element_of(law, 3, "triangles", [psi = law.psi, isotropic = law.isotropic](PotentialBuilder& b) {
     const symbolic::Mat32 rest = triangle_edges(b, &PotentialBuilder::X);

@@ -70,6 +70,11 @@ ShellLaw sum(std::string name, const std::vector<ShellLaw>& laws);
 /// Linear tetrahedron: 4 points, psi times rest volume.
 PotentialDefinition tet4(const SolidLaw& law);
 
+/// Quadrature point of a solid element: 3 points that stand for the columns of F, psi times the data
+/// kQuadratureWeight [m^3]. What mechanics/quadrature_batch evaluates.
+inline constexpr const char* kQuadratureWeight = "quadrature_weight";
+PotentialDefinition quadrature_point(const SolidLaw& law);
+
 /// Linear triangle of a shell: 3 points, psi times rest area times the parameter `thickness` [m]. Unless the
 /// law is isotropic, the first axis of F is the parameter `warp_direction`, in the frame of the rest mesh,
 /// projected into the rest triangle.

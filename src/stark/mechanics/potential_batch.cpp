@@ -110,10 +110,15 @@ void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, in
   for (int64_t group = first; group < last; group += kGroup) {
     const int64_t group_end = std::min(group + kGroup, last);
     gather(x, group, group_end, unknowns.data());
-    potential_->kernel().evaluate(
-        order, unknowns.data(), elements_.data() + group * potential_->element_width() * kLanes,
-        uniforms_.data(), out + (group - first) * outputs * kLanes, group_end - group);
+    evaluate_lanes(order, unknowns.data(), group, group_end, out + (group - first) * outputs * kLanes);
   }
+}
+
+void PotentialBatch::evaluate_lanes(symbolic::Order order, const double* unknowns, int64_t first,
+                                    int64_t last, double* out) const {
+  potential_->kernel().evaluate(order, unknowns,
+                                elements_.data() + first * potential_->element_width() * kLanes,
+                                uniforms_.data(), out, last - first);
 }
 
 namespace {

@@ -57,6 +57,9 @@ class PotentialBatch {
   std::vector<double> evaluate(symbolic::Order order, std::span<const Vec3> x) const;
   /// Outputs of a function of the same inputs for all elements, [element][output].
   std::vector<double> evaluate(const symbolic::Function& function, std::span<const Vec3> x) const;
+  /// The same with unknowns in lanes instead of positions by site: [last-first][3 points][kLanes].
+  void evaluate_lanes(symbolic::Order order, const double* unknowns, int64_t first, int64_t last,
+                      double* out) const;
 
  private:
   /// Positions of the points of blocks [first, last), lane by lane; padding repeats the last element.

@@ -14,7 +14,7 @@ namespace {
 // Cosine between the normal of a triangle and the x axis above which the default warp direction is y.
 constexpr double kPerpendicular = 0.999;
 
-int64_t element_count(const SolidDescription& solid) { return static_cast<int64_t>(solid.mesh.tets.size()); }
+int64_t element_count(const SolidDescription& solid) { return solid.mesh.element_count(); }
 int64_t element_count(const ClothDescription& cloth) {
   return static_cast<int64_t>(cloth.mesh.triangles.size());
 }
@@ -24,9 +24,11 @@ bool is_damped(const Description& body) {
   return body.material.strain_damping > 0.0 || body.fields.contains("strain_damping");
 }
 
+/// Linear tetrahedra have a kernel of their own, all other elements that of a quadrature point.
 PotentialDefinition definition_of(const SolidDescription& solid) {
-  std::vector<PotentialDefinition> terms{tet4(solid.law.value_or(models::stable_neo_hookean()))};
-  if (is_damped(solid)) terms.push_back(tet4(models::solid_damping()));
+  const auto element = solid.mesh.type == ElementType::Tet4 ? tet4 : quadrature_point;
+  std::vector<PotentialDefinition> terms{element(solid.law.value_or(models::stable_neo_hookean()))};
+  if (is_damped(solid)) terms.push_back(element(models::solid_damping()));
   return compose("solid", terms);
 }
 
@@ -83,6 +85,7 @@ std::string law_name(const auto& body, const char* fallback) { return body.law ?
 template <typename Description>
 void check(std::string_view owner, const Description& body, const char* default_law) {
   std::vector<ParameterDeclaration> declarations = parameters_of(definition_of(body));
+  std::erase_if(declarations, [](const ParameterDeclaration& d) { return d.name == kQuadratureWeight; });
   const ParameterValues values = values_of(body, declarations);
   const std::string law = "the law '" + law_name(body, default_law) + "'";
   for (const ParameterDeclaration& d : declarations)

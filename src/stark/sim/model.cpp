@@ -115,6 +115,10 @@ Model::Model(const Scene& scene, const Settings& settings) {
     for (const char c : batch.batch.potential().name()) hash.append(c);
     for (const int32_t site : batch.batch.stencils()) hash.append(site);
   }
+  for (const ModelQuadrature& quadrature : quadrature_batches_) {
+    for (const char c : quadrature.batch.law().potential().name()) hash.append(c);
+    for (const int32_t site : quadrature.batch.stencils()) hash.append(site);
+  }
   for (const Vec3& X : rest_positions_) hash.append(X);
   for (const double mass : point_masses_) hash.append(mass);
   fingerprint_ = hash.value();

@@ -10,6 +10,7 @@
 #include <stark/contact/pipeline.h>
 #include <stark/mechanics/incremental_potential.h>
 #include <stark/mechanics/potential_batch.h>
+#include <stark/mechanics/quadrature_batch.h>
 #include <stark/mechanics/state.h>
 #include <stark/sim/scene.h>
 
@@ -54,6 +55,12 @@ struct JointSide {
   double reach = 0.0;                 ///< size of a patch [m]
 };
 
+/// Elements with quadrature points of one body.
+struct ModelQuadrature {
+  std::string body;
+  QuadratureBatch batch;
+};
+
 class Model {
  public:
   Model(const Scene& scene, const Settings& settings);
@@ -73,6 +80,8 @@ class Model {
   std::vector<PotentialBatch*> all_batches();
   /// Position in batches() of an energy of the scene.
   int32_t energy_batch(EnergyId energy) const { return energy_batches_.at(energy.index); }
+  std::vector<ModelQuadrature>& quadrature_batches() { return quadrature_batches_; }
+  const std::vector<ModelQuadrature>& quadrature_batches() const { return quadrature_batches_; }
   const State& initial_state() const { return initial_state_; }
   ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
   ContactPotentials contact_potentials() const { return contact_potentials_; }
@@ -92,6 +101,7 @@ class Model {
   std::vector<int32_t> energy_batches_;  ///< by energy of the scene
   ConstraintSet constraints_{{}};
   std::vector<JointSide> joint_sides_;
+  std::vector<ModelQuadrature> quadrature_batches_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;
   ContactPotentials contact_potentials_;

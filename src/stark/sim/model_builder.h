@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <stark/mechanics/field_values.h>
+#include <stark/sim/material_fields.h>
 #include <stark/sim/model.h>
 #include <stark/sim/registry.h>
 
@@ -35,6 +36,8 @@ struct Model::Builder {
   // Energies
   void add_cloth_energies(BodyId id);
   void add_solid_energies(BodyId id);
+  void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
+                            std::span<const int32_t> stencils, const std::string& body);
   void add_strain_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
                         const ModelBody& body, const std::string& name);
   void add_inertia();

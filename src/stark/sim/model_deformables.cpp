@@ -10,20 +10,20 @@ namespace stark {
 
 namespace {
 
-WeightedEdges solid_edges(const TetMesh& mesh) {
-  WeightedEdges result{find_edges(std::span<const Index4>(mesh.tets)), {}};
+/// Each edge of an element stands for the same part of its volume.
+WeightedEdges solid_edges(const SolidMesh& mesh) {
+  WeightedEdges result{find_edges(mesh), {}};
   result.weights.assign(result.edges.size(), 0.0);
-  for (const Index4& t : mesh.tets) {
-    const Vec3& a = mesh.vertices[t[0]];
-    const double volume =
-        dot(mesh.vertices[t[1]] - a, cross(mesh.vertices[t[2]] - a, mesh.vertices[t[3]] - a)) / 6.0;
-    for (int i = 0; i < 4; ++i)
-      for (int j = i + 1; j < 4; ++j) {
-        const Index2 edge{std::min(t[i], t[j]), std::max(t[i], t[j])};
-        result.weights[std::lower_bound(result.edges.begin(), result.edges.end(), edge) -
-                       result.edges.begin()] += volume / 6.0;
-      }
-  }
+  const std::vector<double> volumes = compute_element_volumes(mesh);
+  const auto& edges = reference_element(mesh.type).edges;
+  for (int64_t e = 0; e < mesh.element_count(); ++e)
+    for (const Index2& local : edges) {
+      const int32_t a = mesh.element(e)[local[0]], b = mesh.element(e)[local[1]];
+      const Index2 edge{std::min(a, b), std::max(a, b)};
+      result
+          .weights[std::lower_bound(result.edges.begin(), result.edges.end(), edge) - result.edges.begin()] +=
+          volumes[e] / static_cast<double>(edges.size());
+    }
   return result;
 }
 
@@ -71,11 +71,14 @@ void Model::Builder::lump_cloth(const ClothDescription& cloth, ModelBody& body) 
 }
 
 void Model::Builder::lump_solid(const SolidDescription& solid, ModelBody& body) {
-  body.triangles = find_boundary_triangles(std::span<const Index4>(solid.mesh.tets));
-  const std::vector<double> volumes = compute_tet_volumes(solid.mesh.vertices, solid.mesh.tets);
-  for (size_t e = 0; e < volumes.size(); ++e)
-    for (const int32_t v : solid.mesh.tets[e])
-      model.point_masses_[body.first_site + v] += element_density(solid, e) * volumes[e] / 4.0;
+  body.triangles = find_boundary_triangles(solid.mesh);
+  std::vector<double> volumes(solid.mesh.node_count());
+  for (int64_t e = 0; e < solid.mesh.element_count(); ++e) {
+    lump_volume(solid.mesh, e, volumes);
+    for (int a = 0; a < solid.mesh.node_count(); ++a)
+      model.point_masses_[body.first_site + solid.mesh.element(e)[a]] +=
+          element_density(solid, static_cast<size_t>(e)) * volumes[a];
+  }
   for (int32_t v = 0; v < body.site_count; ++v)
     point_damping[body.first_site + v] = solid.material.mass_damping;
 }
@@ -112,6 +115,25 @@ void Model::Builder::add_cloth_energies(BodyId id) {
                    material.thickness, material.strain_limit, material.strain_limit_stiffness, body, name);
 }
 
+void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
+                                          std::span<const int32_t> stencils, const std::string& body) {
+  const std::vector<QuadraturePoint>& rule = reference_element(mesh.type).quadrature;
+  const size_t nodes = static_cast<size_t>(mesh.node_count());
+  QuadratureBatch batch(compile(elastic.definition, per_element_names(elastic.values)), mesh.node_count(),
+                        static_cast<int>(rule.size()));
+  batch.resize(stencils);
+  std::vector<Vec3> gradients(rule.size() * nodes);
+  std::vector<double> weights(rule.size());
+  for (int64_t e = 0; e < mesh.element_count(); ++e) {
+    for (size_t q = 0; q < rule.size(); ++q)
+      weights[q] = rule[q].weight *
+                   rest_gradients(mesh, e, rule[q].position, std::span(gradients).subspan(q * nodes, nodes));
+    batch.set_geometry(e, gradients, weights);
+  }
+  batch.set_values(elastic.values);
+  model.quadrature_batches_.push_back({body, std::move(batch)});
+}
+
 void Model::Builder::add_solid_energies(BodyId id) {
   const SolidDescription& solid = scene.solid(id);
   const SolidMaterial& material = solid.material;
@@ -119,7 +141,12 @@ void Model::Builder::add_solid_energies(BodyId id) {
   const std::string& name = scene.name(id);
 
   const ElasticEnergy elastic = elastic_energy(solid);
-  add_batch(elastic.definition, offset_stencils(solid.mesh.tets, body.first_site), name, elastic.values);
+  std::vector<int32_t> stencils = solid.mesh.elements;
+  for (int32_t& site : stencils) site += body.first_site;
+  if (solid.mesh.type == ElementType::Tet4)
+    add_batch(elastic.definition, stencils, name, elastic.values);
+  else
+    add_quadrature_batch(solid.mesh, elastic, stencils, name);
   add_strain_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness, body,
                    name);
 }

@@ -132,7 +132,7 @@ BodyId Scene::add_solid(SolidDescription body) {
   const std::string owner = owner_text(BodyKind::Solid, body.name);
   std::vector<std::string> warnings;
   validate(body.material, owner);
-  check_solid_mesh(owner, body.mesh, warnings);
+  check_solid_mesh(owner, body.mesh);
   check_fields(owner, body);
   check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
   check_common(owner, body);
@@ -365,7 +365,7 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
         scene.kind(body) == BodyKind::Cloth
             ? find_smallest_height(scene.cloth(body).mesh.vertices, scene.cloth(body).mesh.triangles)
             : find_smallest_height(scene.solid(body).mesh.vertices,
-                                   find_boundary_triangles(scene.solid(body).mesh.tets));
+                                   find_boundary_triangles(scene.solid(body).mesh));
     if (2.0 * distance <= smallest.height) continue;
     warnings.push_back(
         owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +

@@ -16,6 +16,7 @@
 
 #include <stark/base/math.h>
 #include <stark/geometry/mesh.h>
+#include <stark/geometry/solid_mesh.h>
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/field_values.h>
 #include <stark/sim/energy.h>
@@ -71,7 +72,7 @@ struct ClothDescription {
 
 struct SolidDescription {
   std::string name{};
-  TetMesh mesh{};  ///< [m] rest shape; all tetrahedra of positive volume
+  SolidMesh mesh{};  ///< [m] rest shape, of any element type; a TetMesh converts
   SolidMaterial material{};
   std::optional<SolidLaw> law{};  ///< unset: stable Neo-Hookean
   ParameterValues fields{};       ///< as of cloth

@@ -75,7 +75,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const PotentialBatch* batch : model_->all_batches()) batches.push_back(batch);
-  assembler_->set_static_batches(std::move(batches));
+  std::vector<const QuadratureBatch*> quadrature;
+  for (const ModelQuadrature& elements : model_->quadrature_batches()) quadrature.push_back(&elements.batch);
+  assembler_->set_static_batches(std::move(batches), quadrature);
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &model_->constraints(), model_->block_scales(), *timer_);
   potential_->set_active_set_updates(settings_.contact.friction_updates);
@@ -278,6 +280,13 @@ EnergyLedger Simulation::energies(std::span<const Vec3> x) const {
     out.resize(batch.batch.block_count() * symbolic::kLanes);
     batch.batch.evaluate(symbolic::Order::Energy, x, 0, batch.batch.block_count(), out.data());
     for (int64_t e = 0; e < batch.batch.size(); ++e) ledger.elastic += out[e];
+  }
+  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+    const PotentialBatch& points = elements.batch.law();
+    elements.batch.set_previous(x);
+    out.resize(points.block_count() * symbolic::kLanes);
+    elements.batch.evaluate(symbolic::Order::Energy, x, 0, elements.batch.group_count(), out.data());
+    for (int64_t q = 0; q < points.size(); ++q) ledger.elastic += out[q];
   }
   if (contact_)
     for (const double energy : contact_->active_set().energies()) ledger.contact += energy;

@@ -172,6 +172,10 @@ void Simulation::predict(double h) {
     group.batch.set_previous(x);
     group.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
   }
+  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+    elements.batch.set_previous(x);
+    elements.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
+  }
   for (ModelBatch& batch : model_->batches()) {
     batch.batch.set_previous(x);
     batch.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);

@@ -2,6 +2,7 @@
 #include <stark/sim/validation.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <stark/base/error.h>
@@ -30,30 +31,31 @@ void check_vertices(std::string_view owner, std::string_view what, std::span<con
                            " m: positions must be finite; repair or remove this vertex");
 }
 
-template <size_t n>
-void check_indices(std::string_view owner, const char* element,
-                   std::span<const std::array<int32_t, n>> elements, size_t vertex_count) {
-  for (size_t e = 0; e < elements.size(); ++e)
-    for (size_t i = 0; i < n; ++i) {
-      const int32_t v = elements[e][i];
-      if (v < 0 || static_cast<size_t>(v) >= vertex_count)
-        fail_mesh(owner, std::string(element) + " " + std::to_string(e) + " refers to vertex " +
-                             std::to_string(v) + ": indices must be in [0, " + std::to_string(vertex_count) +
-                             "); indices start at 0, check the numbering of the mesh");
-      for (size_t j = 0; j < i; ++j)
-        if (elements[e][j] == v)
-          fail_mesh(owner, std::string(element) + " " + std::to_string(e) + " uses vertex " +
-                               std::to_string(v) +
-                               " twice: its vertices must be different; remove the element");
-    }
+/// One element: indices in range, no vertex twice.
+void check_element(std::string_view owner, std::string_view kind, size_t number,
+                   std::span<const int32_t> vertices, size_t vertex_count) {
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const int32_t v = vertices[i];
+    if (v < 0 || static_cast<size_t>(v) >= vertex_count)
+      fail_mesh(owner, std::string(kind) + " " + std::to_string(number) + " refers to vertex " +
+                           std::to_string(v) + ": indices must be in [0, " + std::to_string(vertex_count) +
+                           "); indices start at 0, check the numbering of the mesh");
+    for (size_t j = 0; j < i; ++j)
+      if (vertices[j] == v)
+        fail_mesh(owner, std::string(kind) + " " + std::to_string(number) + " uses vertex " +
+                             std::to_string(v) +
+                             " twice: its vertices must be different; remove the element");
+  }
 }
 
-template <size_t n>
-int32_t find_first_unused(std::span<const std::array<int32_t, n>> elements, size_t vertex_count,
-                          size_t& out_count) {
+/// All vertex numbers of the elements in a row.
+std::span<const int32_t> flat(std::span<const Index3> triangles) {
+  return {triangles.empty() ? nullptr : triangles[0].data(), 3 * triangles.size()};
+}
+
+int32_t find_first_unused(std::span<const int32_t> used_vertices, size_t vertex_count, size_t& out_count) {
   std::vector<char> used(vertex_count, 0);
-  for (const auto& element : elements)
-    for (int32_t v : element) used[v] = 1;
+  for (const int32_t v : used_vertices) used[v] = 1;
   out_count = static_cast<size_t>(std::count(used.begin(), used.end(), 0));
   return static_cast<int32_t>(std::find(used.begin(), used.end(), 0) - used.begin());
 }
@@ -62,14 +64,13 @@ std::string count_text(size_t count, const char* singular, const char* plural) {
   return std::to_string(count) + " " + (count == 1 ? singular : plural);
 }
 
-template <size_t n>
-void check_all_used(std::string_view owner, const char* element,
-                    std::span<const std::array<int32_t, n>> elements, size_t vertex_count) {
+void check_all_used(std::string_view owner, std::string_view kind, std::span<const int32_t> used_vertices,
+                    size_t vertex_count) {
   size_t count = 0;
-  const int32_t first = find_first_unused(elements, vertex_count, count);
+  const int32_t first = find_first_unused(used_vertices, vertex_count, count);
   if (count > 0)
     fail_mesh(owner, count_text(count, "vertex", "vertices") + " (first: " + std::to_string(first) +
-                         ") in no " + element +
+                         ") in no " + std::string(kind) +
                          ": every vertex must have mass; remove them with stark.mesh.compact(mesh)");
 }
 
@@ -77,11 +78,23 @@ double longest_edge(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::max({norm(b - a), norm(c - b), norm(a - c)});
 }
 
+/// Longest edge between corners; edges of quadratic elements count from corner to corner.
+double longest_element_edge(const SolidMesh& mesh, int64_t element) {
+  const auto nodes = mesh.element(element);
+  const bool is_tet = mesh.type == ElementType::Tet4 || mesh.type == ElementType::Tet10;
+  double longest = 0.0;
+  for (int a = 0; a < (is_tet ? 4 : 8); ++a)
+    for (int b = 0; b < a; ++b)
+      longest = std::max(longest, norm(mesh.vertices[nodes[a]] - mesh.vertices[nodes[b]]));
+  return longest;
+}
+
 void check_triangles(std::string_view owner, const TriangleMesh& mesh, double thinnest) {
   if (mesh.triangles.empty())
     fail_mesh(owner, "the mesh has 0 triangles: it must have at least one; check the file or the generator");
   check_vertices(owner, "vertex", mesh.vertices);
-  check_indices<3>(owner, "triangle", mesh.triangles, mesh.vertices.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    check_element(owner, "triangle", t, mesh.triangles[t], mesh.vertices.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto [i, j, k] = mesh.triangles[t];
     const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
@@ -138,7 +151,7 @@ void check_rotation(std::string_view owner, const Mat3& rotation) {
 void check_rigid_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings) {
   check_triangles(owner, mesh, kThinnestRigidTriangle);
   size_t unused = 0;
-  const int32_t first = find_first_unused<3>(mesh.triangles, mesh.vertices.size(), unused);
+  const int32_t first = find_first_unused(flat(mesh.triangles), mesh.vertices.size(), unused);
   if (unused > 0)
     warnings.push_back(std::string(owner) + ": " + count_text(unused, "vertex", "vertices") +
                        " (first: " + std::to_string(first) +
@@ -147,7 +160,7 @@ void check_rigid_mesh(std::string_view owner, const TriangleMesh& mesh, std::vec
 
 void check_cloth_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings) {
   check_triangles(owner, mesh, kThinnestElement);
-  check_all_used<3>(owner, "triangle", mesh.triangles, mesh.vertices.size());
+  check_all_used(owner, "triangle", flat(mesh.triangles), mesh.vertices.size());
   warn_about_edges(owner, mesh, warnings);
   if (!is_orientation_consistent(mesh.triangles))
     warnings.push_back(
@@ -155,22 +168,15 @@ void check_cloth_mesh(std::string_view owner, const TriangleMesh& mesh, std::vec
         ": neighbouring triangles are oriented differently; forces are not affected, normals are");
 }
 
-void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<std::string>&) {
-  if (mesh.tets.empty())
-    fail_mesh(owner,
-              "the mesh has 0 tetrahedra: it must have at least one; for surfaces use "
-              "stark.mesh.tetrahedralise(mesh) or add_cloth");
-  check_vertices(owner, "vertex", mesh.vertices);
-  check_indices<4>(owner, "tetrahedron", mesh.tets, mesh.vertices.size());
-  const std::vector<double> volumes = compute_tet_volumes(mesh.vertices, mesh.tets);
+namespace {
+
+void check_tet_volumes(std::string_view owner, const SolidMesh& mesh) {
+  const std::vector<double> volumes = compute_element_volumes(mesh);
   size_t inverted = 0, first = 0;
   for (size_t e = 0; e < volumes.size(); ++e)
     if (volumes[e] < 0.0 && inverted++ == 0) first = e;
   for (size_t e = 0; e < volumes.size(); ++e) {
-    const auto& [i, j, k, l] = mesh.tets[e];
-    const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k], &d = mesh.vertices[l];
-    const double longest =
-        std::max({norm(b - a), norm(c - a), norm(d - a), norm(c - b), norm(d - b), norm(d - c)});
+    const double longest = longest_element_edge(mesh, static_cast<int64_t>(e));
     // Six volumes over the cube of the longest edge bounds the smallest height over that edge from below.
     if (!(6.0 * std::fabs(volumes[e]) > kThinnestElement * longest * longest * longest))
       fail_mesh(owner, "tetrahedron " + std::to_string(e) + " has a volume of " +
@@ -184,7 +190,38 @@ void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<s
                          std::to_string(volumes.size()) +
                          " are inverted): volumes must be positive; reorder their vertices with "
                          "stark.mesh.oriented(mesh)");
-  check_all_used<4>(owner, "tetrahedron", mesh.tets, mesh.vertices.size());
+}
+
+void check_jacobians(std::string_view owner, const SolidMesh& mesh) {
+  const std::string kind(reference_element(mesh.type).name);
+  for (int64_t e = 0; e < mesh.element_count(); ++e) {
+    const double smallest = smallest_jacobian(mesh, e), longest = longest_element_edge(mesh, e);
+    if (!(smallest > kThinnestElement * longest * longest * longest))
+      fail_mesh(owner, kind + " " + std::to_string(e) + " has a Jacobian of " +
+                           quantity_text(smallest, "m^3") + " at a quadrature point, with edges of " +
+                           quantity_text(longest, "m") +
+                           ": must be positive at all of them; its nodes must be in the order of VTK, nodes "
+                           "between corners near the middle, and the element neither flat nor inverted");
+  }
+}
+
+}  // namespace
+
+void check_solid_mesh(std::string_view owner, const SolidMesh& mesh) {
+  const std::string_view kind = reference_element(mesh.type).name;
+  if (mesh.elements.empty())
+    fail_mesh(owner, std::string("the mesh has 0 ") +
+                         (mesh.type == ElementType::Tet4 ? "tetrahedra" : "elements") +
+                         ": it must have at least one; for surfaces use stark.mesh.tetrahedralise(mesh) or "
+                         "add_cloth");
+  check_vertices(owner, "vertex", mesh.vertices);
+  for (int64_t e = 0; e < mesh.element_count(); ++e)
+    check_element(owner, kind, static_cast<size_t>(e), mesh.element(e), mesh.vertices.size());
+  if (mesh.type == ElementType::Tet4)
+    check_tet_volumes(owner, mesh);
+  else
+    check_jacobians(owner, mesh);
+  check_all_used(owner, kind, mesh.elements, mesh.vertices.size());
 }
 
 void check_initial_positions(std::string_view owner, std::span<const Vec3> positions, size_t vertex_count) {

@@ -11,6 +11,7 @@
 #include <stark/base/math.h>
 #include <stark/base/settings.h>
 #include <stark/geometry/mesh.h>
+#include <stark/geometry/solid_mesh.h>
 
 namespace stark {
 
@@ -26,8 +27,8 @@ void check_rotation(std::string_view owner, const Mat3& rotation);
 void check_rigid_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings);
 /// As above; also every vertex used (it would have no mass) and no triangle too thin to compute with.
 void check_cloth_mesh(std::string_view owner, const TriangleMesh& mesh, std::vector<std::string>& warnings);
-/// Tetrahedra of positive volume, not too flat, every vertex used.
-void check_solid_mesh(std::string_view owner, const TetMesh& mesh, std::vector<std::string>& warnings);
+/// Elements with positive Jacobians at all quadrature points, not too flat, every vertex used.
+void check_solid_mesh(std::string_view owner, const SolidMesh& mesh);
 
 /// As many finite positions as the rest mesh has vertices.
 void check_initial_positions(std::string_view owner, std::span<const Vec3> positions, size_t vertex_count);

@@ -53,7 +53,13 @@ struct ArrayFunctionState {
 
 namespace {
 
-constexpr int64_t kBlocks = 8;  // evaluated together: enough work for a call, few enough to stay in L1
+/// Blocks that are evaluated together: enough work for a call, few enough for inputs and outputs to stay in
+/// the first-level cache, where results are read once per element.
+int64_t blocks_together(size_t values_per_element) {
+  constexpr int64_t kMost = 8, kCacheValues = 3072;  // 24 KiB
+  return std::clamp<int64_t>(kCacheValues / static_cast<int64_t>(kLanes * (values_per_element + 1)), 1,
+                             kMost);
+}
 
 Graph* graph_of(std::span<const Scalar> outputs) {
   Graph* graph = nullptr;
@@ -186,8 +192,8 @@ class Walker {
 /// Inputs of one kind, packed lane by lane.
 class Packer {
  public:
-  Packer(const std::vector<Source>& sources, std::span<const StridedArray> arrays)
-      : sources_(sources), arrays_(arrays), lanes_(sources.size() * kBlocks * kLanes) {}
+  Packer(const std::vector<Source>& sources, std::span<const StridedArray> arrays, int64_t blocks)
+      : sources_(sources), arrays_(arrays), lanes_(sources.size() * static_cast<size_t>(blocks * kLanes)) {}
 
   void pack(int64_t block, const std::vector<std::array<int64_t, kLanes>>& places) {
     double* out = lanes_.data() + block * static_cast<int64_t>(sources_.size()) * kLanes;
@@ -285,14 +291,15 @@ void ArrayFunction::evaluate(Order order, std::span<const StridedArray> argument
   for (const int64_t d : shape) count *= d;
   if (count == 0) return;
   const int width = energy ? s.kernel.output_count(order) : s.get(static_cast<int>(order)).output_count();
-  Packer unknowns(s.unknowns, arguments), elements(s.elements, arguments);
-  AlignedVector<double> out(static_cast<size_t>(width) * kBlocks * kLanes);
+  const int64_t together = blocks_together(width + s.unknowns.size() + s.elements.size());
+  Packer unknowns(s.unknowns, arguments, together), elements(s.elements, arguments, together);
+  AlignedVector<double> out(static_cast<size_t>(width * together * kLanes));
   std::vector<Walker> walkers;
   for (const StridedArray& array : arguments) walkers.emplace_back(array, shape);
   std::vector<std::array<int64_t, kLanes>> places(arguments.size());
   const Scatter scatter(s, order, out_results);
-  for (int64_t begin = 0; begin < count; begin += kBlocks * kLanes) {
-    const int64_t here = std::min(count - begin, kBlocks * kLanes);
+  for (int64_t begin = 0; begin < count; begin += together * kLanes) {
+    const int64_t here = std::min(count - begin, together * kLanes);
     const int64_t blocks = (here + kLanes - 1) / kLanes;
     for (int64_t block = 0; block < blocks; ++block) {
       for (size_t a = 0; a < walkers.size(); ++a) {

@@ -183,8 +183,8 @@ NodeId Graph::add(NodeId a, NodeId b) {
   // c x + d x = (c + d) x
   if (nodes_[a].op == Op::Mul && nodes_[b].op == Op::Mul && nodes_[a].operands[1] == nodes_[b].operands[1] &&
       is_constant(nodes_[a].operands[0]) && is_constant(nodes_[b].operands[0])) {
-    return mul(constant(nodes_[nodes_[a].operands[0]].value + nodes_[nodes_[b].operands[0]].value),
-               nodes_[a].operands[1]);
+    const double sum = nodes_[nodes_[a].operands[0]].value + nodes_[nodes_[b].operands[0]].value;
+    if (std::isfinite(sum)) return mul(constant(sum), nodes_[a].operands[1]);
   }
   if (a > b) std::swap(a, b);
   return intern(Op::Add, a, b);
@@ -211,7 +211,9 @@ NodeId Graph::mul(NodeId a, NodeId b) {
     if (x == -1.0) return neg(b);
     if (n.op == Op::Neg) return mul(constant(-x), n.operands[0]);
     if (n.op == Op::Mul && is_constant(n.operands[0])) {
-      return mul(constant(x * nodes_[n.operands[0]].value), n.operands[1]);
+      // Not where the factors alone leave the range of normal numbers.
+      const double product = x * nodes_[n.operands[0]].value;
+      if (std::isnormal(product)) return mul(constant(product), n.operands[1]);
     }
     return intern(Op::Mul, a, b);
   }

@@ -176,7 +176,7 @@ Scalar abs(const Scalar& a);
 Scalar sqrt(const Scalar& a);
 Scalar square(const Scalar& a);
 Scalar pow(const Scalar& a, int exponent);
-/// Real power of a base >= 0; integral literal exponents become products and take any base.
+/// Real power of a base >= 0; integral literal exponents up to 64 in size become products and take any base.
 Scalar pow(const Scalar& a, const Scalar& exponent);
 Scalar pow(const Scalar& a, double exponent);
 Scalar exp(const Scalar& a);

@@ -12,7 +12,8 @@ namespace stark::symbolic {
 
 namespace {
 
-// Beyond this many conjunctions a guard is weakened to what all of them have in common.
+// Guards with more conjunctions than this become single conditions of the graph: as exact, but no longer
+// simplified.
 constexpr size_t kMaxConjunctions = 16;
 
 bool contains(const std::vector<int32_t>& large, const std::vector<int32_t>& small) {
@@ -26,8 +27,8 @@ Guards::Guards(Graph& graph) : graph_(graph) {
   intern({});               // kNever
 }
 
-GuardId Guards::intern(Disjunction d) {
-  // Merge x and c, x and not c into x; drop conjunctions implied by others; repeat until nothing changes.
+// Merges x and c, x and not c into x; drops conjunctions implied by others; repeats until nothing changes.
+void Guards::simplify(Disjunction& d) {
   for (bool changed = true; changed;) {
     changed = false;
     for (size_t i = 0; i < d.size() && !changed; ++i) {
@@ -50,15 +51,10 @@ GuardId Guards::intern(Disjunction d) {
       }
     }
   }
-  if (d.size() > kMaxConjunctions) {
-    Conjunction common = d[0];
-    for (const auto& c : d) {
-      Conjunction next;
-      std::set_intersection(common.begin(), common.end(), c.begin(), c.end(), std::back_inserter(next));
-      common = std::move(next);
-    }
-    d = {common};
-  }
+}
+
+GuardId Guards::intern(Disjunction d) {
+  simplify(d);
   std::sort(d.begin(), d.end());
   const auto [it, inserted] = ids_.try_emplace(d, static_cast<GuardId>(guards_.size()));
   if (inserted) guards_.push_back(std::move(d));
@@ -78,6 +74,13 @@ GuardId Guards::conjunction(GuardId a, GuardId b) {
       if (possible) d.push_back(std::move(both));
     }
   }
+  simplify(d);
+  if (d.size() > kMaxConjunctions) {
+    Conjunction both;
+    const Conjunction x = as_conjunction(a), y = as_conjunction(b);
+    std::set_union(x.begin(), x.end(), y.begin(), y.end(), std::back_inserter(both));
+    d = {std::move(both)};
+  }
   return intern(std::move(d));
 }
 
@@ -91,7 +94,15 @@ GuardId Guards::disjunction(GuardId a, GuardId b) {
   if (a == kAlways || b == kAlways) return kAlways;
   Disjunction d = guards_[a];
   d.insert(d.end(), guards_[b].begin(), guards_[b].end());
+  simplify(d);
+  if (d.size() > kMaxConjunctions) d = {{2 * condition_of(d)}};
   return intern(std::move(d));
+}
+
+// The guard as one conjunction: its own, or one condition of the graph.
+Guards::Conjunction Guards::as_conjunction(GuardId guard) {
+  const Disjunction& d = guards_[guard];
+  return d.size() == 1 ? d[0] : Conjunction{2 * condition_of(d)};
 }
 
 Guards::Conjunction Guards::remainder(GuardId guard, GuardId known) const {
@@ -115,6 +126,10 @@ NodeId Guards::condition(GuardId guard, GuardId known) {
   STARK_CHECK(guard != kAlways && guard != kNever);
   Disjunction d = guards_[guard];
   if (d.size() == 1) d[0] = remainder(guard, known);
+  return condition_of(d);
+}
+
+NodeId Guards::condition_of(const Disjunction& d) {
   NodeId any = -1;
   for (const auto& c : d) {
     NodeId all = -1;

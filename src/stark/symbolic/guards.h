@@ -33,7 +33,10 @@ class Guards {
  private:
   using Conjunction = std::vector<Literal>;
   using Disjunction = std::vector<Conjunction>;
+  static void simplify(Disjunction& d);
   GuardId intern(Disjunction d);
+  Conjunction as_conjunction(GuardId guard);
+  NodeId condition_of(const Disjunction& d);
   Conjunction remainder(GuardId guard, GuardId known) const;
 
   Graph& graph_;

@@ -1,0 +1,12 @@
+// Projection of element Hessians in the kernels' layout (step phase 4d).
+#pragma once
+
+#include <stark/mechanics/potential.h>
+
+namespace stark {
+
+/// Makes the Hessians of the blocks of lanes at `out`, outputs of Order::Hessian, positive semidefinite;
+/// returns how many were not.
+int64_t project_blocks(const Potential& potential, int64_t block_count, double* out);
+
+}  // namespace stark

@@ -1,0 +1,70 @@
+// Elements whose energy is a sum over quadrature points: E = sum_q w_q psi(F_q) with F_q = sum_a x_a (x)
+// G_qa. The law is evaluated in F, nine unknowns whatever the element, with lanes = quadrature points; the
+// gradients of the shape functions G bring its derivatives to the nodes (step phase 4c and 4e).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <stark/mechanics/constitutive_law.h>
+#include <stark/mechanics/field_values.h>
+#include <stark/mechanics/potential_batch.h>
+
+namespace stark {
+
+/// Elements that are evaluated together: their quadrature points fill whole blocks of lanes.
+inline constexpr int64_t kGroupElements = symbolic::kLanes;
+
+class QuadratureBatch {
+ public:
+  /// `law`: compiled quadrature_point(), or a sum of them.
+  QuadratureBatch(std::shared_ptr<const Potential> law, int node_count, int points_per_element);
+
+  int node_count() const { return node_count_; }
+  int points_per_element() const { return points_; }
+  int64_t size() const { return size_; }
+  int64_t group_count() const { return (size_ + kGroupElements - 1) / kGroupElements; }
+  /// The law at all quadrature points, element by element.
+  const PotentialBatch& law() const { return law_; }
+
+  /// Replaces all elements; stencils is [count][node_count] sites of points.
+  void resize(std::span<const int32_t> stencils);
+  std::span<const int32_t> stencils() const { return stencils_; }
+  std::span<const int32_t> stencil(int64_t element) const {
+    return {stencils_.data() + element * node_count_, static_cast<size_t>(node_count_)};
+  }
+
+  /// gradients: [points_per_element][node_count] rest gradients of the shape functions [1/m]; weights:
+  /// [points_per_element] volumes [m^3].
+  void set_geometry(int64_t element, std::span<const Vec3> gradients, std::span<const double> weights);
+  /// Parameters of the law, one for all elements or one for each, as set_values() of a PotentialBatch.
+  void set_values(const ParameterValues& values);
+  void set_previous(std::span<const Vec3> x_prev);  ///< by site [m]
+  void set_time(double h, double time) { law_.set_time(h, time); }
+
+  /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.
+  const double* gradients(int64_t element, int point) const {
+    return gradients_.data() + (element * points_ + point) * 3 * padded_nodes();
+  }
+  int padded_nodes() const { return (node_count_ + 3) / 4 * 4; }
+
+  /// Evaluates the law at the points of groups [first, last) for nodes at x. out: [(last - first)
+  /// points_per_element][output_count][kLanes]; those past the last element repeat the last point.
+  void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
+                double* out) const;
+  /// Blocks of lanes that groups [0, group) have; the last group may have fewer than points_per_element.
+  int64_t block_of_group(int64_t group) const { return std::min(group * points_, law_.block_count()); }
+
+ private:
+  /// Column j of F at a point.
+  Vec3 column(int64_t element, int point, int j, std::span<const Vec3> x) const;
+
+  int node_count_ = 0, points_ = 0;
+  int64_t size_ = 0;
+  PotentialBatch law_;
+  std::vector<int32_t> stencils_;
+  AlignedVector<double> gradients_;
+};
+
+}  // namespace stark
