@@ -46,7 +46,8 @@ def text() -> str:
             ]
         ),
         "## Joints (`scene.add_joint`)",
-        "Built-in kinds; [the guide](joints.md) has the short forms `scene.add_hinge(...)` and how to write your own.",
+        "Built-in kinds; [the guide](joints.md) has the short forms `scene.add_hinge(...)` and how to write "
+        "your own.",
         "\n".join(
             [
                 "| kind | holds | coordinates | constants |",

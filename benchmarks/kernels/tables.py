@@ -14,8 +14,8 @@ from pathlib import Path
 
 README = Path(__file__).with_name("README.md")
 
-# EGH of the public implementation, STARK 0.1.0, in ns per element: the path that its solver takes (scalar code, double,
-# one thread) on a Xeon of the Cascade Lake generation at 2.5 GHz.
+# EGH of the public implementation, STARK 0.1.0, in ns per element: the path that its solver takes (scalar
+# code, double, one thread) on a Xeon of the Cascade Lake generation at 2.5 GHz.
 PUBLIC_EGH = {
     "tet_nh": 273, "tet_snh": 275, "tet_full": 1653, "shell": 1096,
     "ee": 738, "pt": 780, "hinge": 681, "rbee": 1489,
