@@ -187,10 +187,10 @@ void bind_report(nb::module_& m) {
           "numerical (what closes the balance) [J].")
       .def_prop_ro(
           "momentum", [](const StepReport& r) { return vector3(r.momentum.linear); },
-          "Momentum of all free masses (3,) [N s].")
+          nb::rv_policy::automatic, "Momentum of all free masses (3,) [N s].")
       .def_prop_ro(
           "angular_momentum", [](const StepReport& r) { return vector3(r.momentum.angular); },
-          "Angular momentum of all free masses about the origin (3,) [N m s].")
+          nb::rv_policy::automatic, "Angular momentum of all free masses about the origin (3,) [N m s].")
       .def_prop_ro("phases", phases_dict, "Seconds by phase.")
       .def("brief", &StepReport::brief, "One line.")
       .def("to_dict", report_dict)
@@ -250,6 +250,10 @@ void bind_simulation(nb::module_& m) {
            [](const Simulation& s, int body) {
              return nb::make_tuple(vector3(s.linear_velocity(BodyId{body})),
                                    vector3(s.angular_velocity(BodyId{body})));
+           })
+      .def("acceleration",
+           [](const Simulation& s, int body, nb::object point) {
+             return vector3(s.acceleration(BodyId{body}, to_vec3(point, "point")));
            })
       .def("set_pose",
            [](Simulation& s, int body, nb::object position, nb::object rotation) {

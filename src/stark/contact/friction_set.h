@@ -25,6 +25,8 @@ class FrictionSet {
                const FrictionTable& coefficient, std::span<const Vec3> x_reference, double duration);
 
   std::vector<const PotentialBatch*> batches() const;
+  /// Forces on the sides A of the pairs at site positions x [N].
+  std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
   bool empty() const { return strengths_.empty(); }
 
   /// Energies at x are compared with those at the last remember(), element by element.
@@ -34,8 +36,10 @@ class FrictionSet {
  private:
   std::vector<double> energies(std::span<const Vec3> x) const;
 
-  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points
-  std::map<PairKey, double> strengths_;  ///< mu lambda [N]
+  std::vector<PotentialBatch> batches_;               ///< of 2, 3 and 4 points
+  std::array<std::vector<PairKey>, 3> keys_;          ///< of their elements
+  std::array<std::vector<int8_t>, 3> side_a_counts_;  ///< points of side A of their elements
+  std::map<PairKey, double> strengths_;               ///< mu lambda [N]
   std::vector<double> remembered_;
 };
 

@@ -163,6 +163,29 @@ double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<con
   return largest;
 }
 
+std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> x) const {
+  std::vector<Vec3> forces;
+  active_.evaluate_forces(x, forces);
+  const std::map<PairKey, Vec3> frictions = friction_.forces(x);
+  std::vector<ContactForce> result;
+  for (size_t c = 0; c < forces.size(); ++c) {
+    ContactForce entry{.contact = contacts()[c], .normal_force = forces[c]};
+    Vec3 motion;
+    for (int p = 0; p < entry.contact.point_count; ++p) {
+      const int32_t site = entry.contact.sites[p];
+      const double weight = entry.contact.weights[p];
+      (p < entry.contact.side_a_count ? entry.point_a : entry.point_b) += x[site] * std::fabs(weight);
+      motion += (x[site] - x_reference_[site]) * weight;
+    }
+    const Vec3 n = normalized(entry.point_a - entry.point_b);
+    entry.slip = (motion - n * dot(n, motion)) / duration_;
+    if (const auto found = frictions.find(entry.contact.key); found != frictions.end())
+      entry.friction = found->second;
+    result.push_back(entry);
+  }
+  return result;
+}
+
 double ContactPipeline::energy() const {
   double total = 0.0;
   for (const double energy : active_.energies()) total += energy;

@@ -37,6 +37,15 @@ struct ContactPotentials {
 /// One barrier per StencilKind and friction of 2, 3 and 4 points, compiled for the back end.
 ContactPotentials compile_contact_potentials(symbolic::Backend backend);
 
+/// A contact with the forces and the motion of the last step.
+struct ContactForce {
+  Contact contact;
+  Vec3 point_a, point_b;  ///< closest points [m]
+  Vec3 normal_force;      ///< on side A [N]
+  Vec3 friction;          ///< on side A [N]
+  Vec3 slip;              ///< tangential velocity of side A against side B [m/s]
+};
+
 struct ContactCounters {
   int64_t candidate_builds = 0, swept_builds = 0, candidates = 0;
 };
@@ -67,6 +76,8 @@ class ContactPipeline final : public ActiveSet {
   const SurfaceMesh& mesh() const { return broad_phase_.mesh(); }
   const PairFilter& filter() const { return broad_phase_.filter(); }
   const ContactCounters& counters() const { return counters_; }
+  /// The active contacts at x, where the last update() was.
+  std::vector<ContactForce> contact_forces(std::span<const Vec3> x) const;
   /// Barrier energy of the active contacts [J].
   double energy() const;
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }

@@ -79,6 +79,13 @@ class Simulation {
   /// last step; what carries frame a gets the opposite.
   Wrench joint_reaction(JointId joint) const;
 
+  /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
+  /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
+  std::vector<ContactForce> contacts() const;
+  /// Acceleration [m/s^2] in the last step of a point of a rigid body, given in the frame of its mesh [m]:
+  /// the change of velocity over the time step. Zero before the first step and after set_state().
+  Vec3 acceleration(BodyId body, const Vec3& point) const;
+
   /// Asked between Newton iterations; returning true ends the step with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);
 
