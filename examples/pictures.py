@@ -1,8 +1,8 @@
-"""Pictures of the tutorials: bodies of several moments side by side, and plots of points on curves."""
+"""Pictures of the tutorials: bodies of several moments side by side, toothed wheels, points on curves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 import stark
 
-OUT = Path("out")
+OUT, WIDTH = Path("out"), 1280
 RED, BLUE, GREEN, YELLOW = (0.87, 0.44, 0.34), (0.33, 0.45, 0.66), (0.20, 0.64, 0.60), (0.94, 0.68, 0.26)
 
 
@@ -31,27 +31,57 @@ def snapshot(
 
 def save(
     name: str,
-    bodies: Sequence[SimpleNamespace],
+    bodies: Iterable[SimpleNamespace],
     *,
     azimuth: float,
     elevation: float,
-    zoom: float = 1.0,
     height: int = 480,
     edges: bool = False,
 ) -> Path:
-    """Draws bodies, seen from ``azimuth`` and ``elevation`` [degrees], and writes out/NAME.png. At ``zoom`` 1
-    the ball around all of them fills the height."""
-    scene = SimpleNamespace(bodies=list(bodies))
-    bounds = stark.render.scene_bounds(scene)
-    distance = bounds.radius / np.sin(0.5 * stark.render.Camera.vertical_fov) / zoom
-    camera = stark.render.Camera.looking(
-        bounds.center, distance, azimuth * stark.deg, elevation * stark.deg
-    )
-    picture = stark.render.render(scene, 1280, height, camera=camera, bounds=bounds, edges=edges)
+    """Draws bodies, seen from ``azimuth`` and ``elevation`` [degrees], and writes out/NAME.png."""
+    bodies = list(bodies)
+    points = np.concatenate([body.positions for body in bodies])
+    camera = fitted_camera(points, azimuth * stark.deg, elevation * stark.deg, WIDTH / height)
+    picture = stark.render.render(SimpleNamespace(bodies=bodies), WIDTH, height, camera=camera, edges=edges)
     OUT.mkdir(exist_ok=True)
     path = OUT / f"{name}.png"
     stark.render.write_png(path, picture)
     return path
+
+
+def fitted_camera(
+    points: np.ndarray, azimuth: float, elevation: float, aspect: float, fill: float = 0.86
+) -> stark.render.Camera:
+    """The camera from which the points (n, 3) fill this share of the picture and stand in its middle."""
+    c, s = np.cos([azimuth, elevation]), np.sin([azimuth, elevation])
+    back, right = np.array([c[1] * c[0], c[1] * s[0], s[1]]), np.array([-s[0], c[0], 0.0])
+    axes = np.stack([right, np.cross(back, right)])
+    half = np.tan(0.5 * stark.render.Camera.vertical_fov) * np.array([aspect, 1.0])
+    target = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    for _ in range(20):  # each time the middle of the picture comes closer to the middle of the points
+        plane, depth = (points - target) @ axes.T / half, (points - target) @ back
+        distance = np.max(np.abs(plane).max(axis=1) / fill + depth)
+        seen = plane / (distance - depth)[:, None]
+        target = target + 0.5 * (seen.min(axis=0) + seen.max(axis=0)) * half * distance @ axes
+    return stark.render.Camera.looking(target, float(distance), azimuth, elevation)
+
+
+def toothed_wheel(
+    teeth: int, radius: float, thickness: float, gap_at_zero: bool = False
+) -> stark.mesh.TriangleMesh:
+    """A wheel about the z axis with a tooth, or a gap, at angle zero. Two wheels mesh where their pitch
+    circles, of ``radius`` [m], touch and radius / teeth is the same."""
+    # Corners of a tooth: (share of a pitch from its middle, height in radius / teeth), slim enough to clear.
+    profile = np.array([(-0.30, -1.2), (-0.24, -0.6), (-0.10, 0.9), (0.10, 0.9), (0.24, -0.6), (0.30, -1.2)])
+    k = np.repeat(np.arange(teeth), len(profile)) + 0.5 * gap_at_zero
+    angle = 2 * np.pi / teeth * (k + np.tile(profile[:, 0], teeth))
+    r = radius * (1 + np.tile(profile[:, 1], teeth) / teeth)
+    rim = np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(len(r), 0.5 * thickness)])
+    n, up = len(rim), np.array([0, 0, 0.5 * thickness])
+    vertices = np.concatenate([rim, rim * (1, 1, -1), [up, -up]])
+    i, j = np.arange(n), np.roll(np.arange(n), -1)
+    faces = [(i, j, 2 * n + 0 * i), (n + j, n + i, 2 * n + 1 + 0 * i), (i, n + i, j), (j, n + i, n + j)]
+    return stark.mesh.TriangleMesh(vertices, np.concatenate([np.column_stack(face) for face in faces]))
 
 
 def plot(name: str, curve: ArrayLike, points: ArrayLike, x_label: str, y_label: str) -> Path:
@@ -67,9 +97,11 @@ def plot(name: str, curve: ArrayLike, points: ArrayLike, x_label: str, y_label: 
         return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="middle"{turned}>{words}</text>'
 
     lines = [
-        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 620 380" font-family="sans-serif" font-size="14">',
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 620 380"',
+        '  font-family="sans-serif" font-size="14">',
         '<rect width="620" height="380" fill="white"/>',
-        f'<path d="M{left:.0f},{bottom - height:.0f} v{height:.0f} h{width:.0f}" fill="none" stroke="black"/>',
+        f'<path d="M{left:.0f},{bottom - height:.0f} v{height:.0f} h{width:.0f}"',
+        '  fill="none" stroke="black"/>',
     ]
     for u in np.linspace(0.0, 1.0, 6):
         x, y = low + u * (high - low)
