@@ -69,7 +69,7 @@ def main():
             shown.append(pictures.snapshot(bar, shift=(0, -0.1 * len(shown), 0)))
     curve = [(stretch, exact_stress(stretch) / 1e3) for stretch in np.linspace(0.6, 3.0, 100)]
     print(pictures.plot("energies_mooney_rivlin", curve, measured, "stretch", "nominal stress [kPa]"))
-    print(pictures.save("energies_mooney_rivlin", shown, azimuth=-70, elevation=32, edges=True))
+    print(pictures.save("energies_mooney_rivlin", shown, azimuth=-80, elevation=45, edges=True))
     print("check: passed")
 
 

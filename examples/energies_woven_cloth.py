@@ -71,7 +71,7 @@ def main():
         # The strain is the same everywhere, which triangles represent: no error of the mesh.
         assert np.abs(stretch - exact_stretch(angle)).max() < 1e-8, "the stretch is not the closed form"
     shown += [pictures.snapshot(strip) for strip in strips.values()]
-    print(pictures.save("energies_woven_cloth", shown, azimuth=-90, elevation=55, edges=True))
+    print(pictures.save("energies_woven_cloth", shown, height=400, azimuth=-90, elevation=88, edges=True))
     print("check: passed")
 
 
