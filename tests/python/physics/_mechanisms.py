@@ -46,7 +46,9 @@ class Work:
     def look_at(self, joints: Iterable[stark.Joint]) -> None:
         joints = list(joints)
         self.reaction = joints[0].reaction.force
-        self.worst_residual = max(self.worst_residual, *(np.abs(j.residuals).max(initial=0.0) for j in joints))
+        self.worst_residual = max(
+            self.worst_residual, *(np.abs(j.residuals).max(initial=0.0) for j in joints)
+        )
 
     def __str__(self) -> str:
         return f"{self.steps} steps, {self.mean_iterations:.1f} iterations (most {self.most_iterations}), {self.retried} retried"
@@ -95,7 +97,9 @@ def extrapolate(*results: ArrayLike) -> Floats:
     in h."""
     level = [np.asarray(r, dtype=float) for r in results]
     for k in range(1, len(results)):
-        level = [fine + (fine - coarse) / (2.0**k - 1.0) for coarse, fine in zip(level, level[1:], strict=False)]
+        level = [
+            fine + (fine - coarse) / (2.0**k - 1.0) for coarse, fine in zip(level, level[1:], strict=False)
+        ]
     return level[0]
 
 

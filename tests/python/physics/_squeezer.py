@@ -79,8 +79,16 @@ def squeezer(time_step: float, until: float, work: Work | None = None) -> tuple[
     ]
     k1, k2, k3, k4, k5, k6, k7 = bodies
     pairs = [
-        (None, k1, _at(0, 0)), (k1, k2, knee), (None, k3, B), (k2, k3, meeting), (k2, k4, meeting), (k2, k6, meeting),
-        (k4, k5, upper), (None, k5, A), (k6, k7, lower), (None, k7, A),
+        (None, k1, _at(0, 0)),
+        (k1, k2, knee),
+        (None, k3, B),
+        (k2, k3, meeting),
+        (k2, k4, meeting),
+        (k2, k6, meeting),
+        (k4, k5, upper),
+        (None, k5, A),
+        (k6, k7, lower),
+        (None, k7, A),
     ]
     joints = [scene.add_hinge(a, b, anchor=at, axis=(0, 0, 1)) for a, b, at in pairs]
     scene.add(motor(k1, torque=TORQUE))
@@ -95,7 +103,15 @@ def squeezer(time_step: float, until: float, work: Work | None = None) -> tuple[
         t4, t6 = turn[4] + turn[1] + turn[0], turn[5] + turn[1] + turn[0]
         t5, t7 = turn[7], turn[9]
         return np.array(
-            [beta + turn[0], theta + turn[1], gamma + turn[2], phi + t4 - t5, delta + t5, omega + t6 - t7, epsilon + t7]
+            [
+                beta + turn[0],
+                theta + turn[1],
+                gamma + turn[2],
+                phi + t4 - t5,
+                delta + t5,
+                omega + t6 - t7,
+                epsilon + t7,
+            ]
         )
 
     return record(sim, until, angles, work)

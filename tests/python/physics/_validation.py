@@ -35,7 +35,10 @@ def rows() -> dict[str, Row]:
         assert name not in result, f"{name} occurs twice in {PAGE.name}"
         is_bound = reference.strip().startswith("<=")
         result[name] = Row(
-            _numbers(reference), is_bound, _numbers(measured), 0.0 if is_bound else float(_numbers(tolerance)[0])
+            _numbers(reference),
+            is_bound,
+            _numbers(measured),
+            0.0 if is_bound else float(_numbers(tolerance)[0]),
         )
     return result
 
@@ -51,7 +54,9 @@ def validate(name: str, measured: ArrayLike) -> None:
         assert np.all(values <= row.reference), f"{name}: {values} is beyond {row.reference}"
         stale = np.abs(values - row.measured) > _STALE * row.reference
     else:
-        assert values.shape == row.reference.shape, f"{name}: {values.size} values, {row.reference.size} expected"
+        assert values.shape == row.reference.shape, (
+            f"{name}: {values.size} values, {row.reference.size} expected"
+        )
         error = np.abs(values - row.reference)
         assert np.all(error <= row.tolerance), f"{name}: {values}, expected {row.reference}, off by {error}"
         stale = np.abs(values - row.measured) > _STALE * row.tolerance

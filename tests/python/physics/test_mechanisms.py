@@ -138,7 +138,7 @@ def test_two_loop_four_bar_passes_its_singular_position() -> None:
 def test_two_loop_four_bar_at_default_settings(redundant: bool) -> None:
     kind = "redundant" if redundant else "minimal"
     work = Work()
-    times, angles = four_bar(1e-2, 10.0, work, redundant=redundant)
+    _, angles = four_bar(1e-2, 10.0, work, redundant=redundant)
     validate(f"V16.iterations_{kind}", work.mean_iterations)
     validate(f"V16.retried_{kind}", work.retried)
     assert work.worst_residual < 1e-5  # [rad], the larger of the two tolerances
