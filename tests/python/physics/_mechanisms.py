@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 import stark
 
-G = 9.81  # [m/s^2]
 Floats = NDArray[np.float64]
 
 # What is left of the equations of a step must be below what the order of convergence is to show.
@@ -51,7 +51,8 @@ class Work:
         )
 
     def __str__(self) -> str:
-        return f"{self.steps} steps, {self.mean_iterations:.1f} iterations (most {self.most_iterations}), {self.retried} retried"
+        iterations = f"{self.mean_iterations:.1f} iterations (most {self.most_iterations})"
+        return f"{self.steps} steps, {iterations}, {self.retried} retried"
 
 
 def simulate(scene: stark.Scene, time_step: float, **settings: Any) -> stark.Simulation:
@@ -97,9 +98,7 @@ def extrapolate(*results: ArrayLike) -> Floats:
     in h."""
     level = [np.asarray(r, dtype=float) for r in results]
     for k in range(1, len(results)):
-        level = [
-            fine + (fine - coarse) / (2.0**k - 1.0) for coarse, fine in zip(level, level[1:], strict=False)
-        ]
+        level = [fine + (fine - coarse) / (2.0**k - 1.0) for coarse, fine in pairwise(level)]
     return level[0]
 
 

@@ -1,6 +1,6 @@
-"""Andrews' squeezer: seven bodies in the plane, the benchmark of multibody codes. Data and initial angles of
-W. Schiehlen (ed.), Multibody Systems Handbook, Springer 1990, and of the IVP test set (problem "andrews"), in SI
-units; names of the test set."""
+"""Andrews' squeezer: seven bodies in the plane, the benchmark of multibody codes. Data and initial angles
+of W. Schiehlen (ed.), Multibody Systems Handbook, Springer 1990, and of the IVP test set (problem "andrews"),
+in SI units; names of the test set."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Tables of docs/validation.md as data: what tests measure must agree with what is documented.
 
-A row of a table is ``| `case.quantity` | what | reference | measured | tolerance |``. Numbers in a cell are the
-entries of the value; ``<= x`` as the reference stands for a bound, without a tolerance."""
+A row of a table is ``| `case.quantity` | what | reference | measured | tolerance |``. Numbers in a cell are
+the entries of the value; ``<= x`` as the reference stands for a bound, without a tolerance."""
 
 from __future__ import annotations
 
