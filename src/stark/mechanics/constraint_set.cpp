@@ -24,6 +24,12 @@ double beyond(double value, double zone) {
   return std::copysign(std::max(0.0, std::fabs(value) - zone), value);
 }
 
+double norm_of_rows(std::span<const double> values, int64_t first, int rows) {
+  double squared = 0.0;
+  for (int64_t r = first; r < first + rows; ++r) squared += values[r] * values[r];
+  return std::sqrt(squared);
+}
+
 /// Stiffness of two sides in series.
 double in_series(double a, bool a_is_rigid, double b, bool b_is_rigid) {
   if (a_is_rigid) return b_is_rigid ? 0.0 : b;
@@ -93,15 +99,20 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   const std::vector<double> C = residuals(x);
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
-    const auto& units = groups_[places_[j].group].joint->units();
-    for (size_t k = 0; k < units.size(); ++k) {
-      const int64_t r = places_[j].residual + static_cast<int64_t>(k);
-      const double step = penalties_[r] * beyond(C[r], kDeadZone * tolerance_of(units[k]));
-      multipliers_[r] += step;
-      change = std::max(change, std::fabs(step));
-      const bool is_slow = !last_residuals_.empty() && std::fabs(C[r]) > tolerance_of(units[k]) &&
-                           std::fabs(C[r]) * kFall > std::fabs(last_residuals_[r]);
-      if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
+    const Joint& joint = *groups_[places_[j].group].joint;
+    int64_t r = places_[j].residual;
+    for (const int rows : joint.hold_sizes()) {
+      const double tolerance = tolerance_of(joint.units()[r - places_[j].residual]);
+      // What counts is the norm, as in worst(): each entry may be within the tolerance while it is not.
+      const double size = norm_of_rows(C, r, rows);
+      const bool is_slow = !last_residuals_.empty() && size > tolerance &&
+                           size * kFall > norm_of_rows(last_residuals_, r, rows);
+      for (const int64_t end = r + rows; r < end; ++r) {
+        const double step = penalties_[r] * beyond(C[r], kDeadZone * tolerance);
+        multipliers_[r] += step;
+        change = std::max(change, std::fabs(step));
+        if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
+      }
     }
   }
   last_residuals_ = C;
@@ -130,9 +141,7 @@ ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
     int64_t r = places_[j].residual;
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - places_[j].residual];
-      double squared = 0.0;
-      for (int k = 0; k < rows; ++k) squared += C[r + k] * C[r + k];
-      const double size = std::sqrt(squared), ratio = size / tolerance_of(unit);
+      const double size = norm_of_rows(C, r, rows), ratio = size / tolerance_of(unit);
       if (penalties_[r] > 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
       r += rows;
     }
