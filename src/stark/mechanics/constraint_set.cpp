@@ -51,12 +51,14 @@ ConstraintSet::ConstraintSet(std::vector<ConstraintGroup> groups) : groups_(std:
     }
   multipliers_.assign(residuals, 0.0);
   penalties_.assign(residuals, 0.0);
+  enabled_.assign(joint_count_, 0.0);
 }
 
 void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
                                std::span<const double> enabled, const ConstraintTolerance& tolerance) {
   tolerance_ = tolerance;
   multipliers_.assign(multipliers.begin(), multipliers.end());
+  enabled_.assign(enabled.begin(), enabled.end());
   last_residuals_.clear();
   smallest_violation_ = std::numeric_limits<double>::infinity();
   idle_updates_ = 0;
@@ -74,6 +76,12 @@ void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<co
       if (penalties_[r] == 0.0) multipliers_[r] = 0.0;
     }
   }
+  write_inputs();
+}
+
+void ConstraintSet::set_forces(std::span<const double> forces) {
+  multipliers_.assign(forces.begin(), forces.end());
+  std::fill(penalties_.begin(), penalties_.end(), 0.0);
   write_inputs();
 }
 
@@ -117,7 +125,7 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   }
   last_residuals_ = C;
   write_inputs();
-  return change;
+  return change > 0.0 ? change : std::numeric_limits<double>::infinity();
 }
 
 std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
@@ -142,7 +150,7 @@ ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - places_[j].residual];
       const double size = norm_of_rows(C, r, rows), ratio = size / tolerance_of(unit);
-      if (penalties_[r] > 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
+      if (enabled_[j] != 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
       r += rows;
     }
   }

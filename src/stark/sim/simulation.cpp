@@ -128,6 +128,7 @@ void Simulation::set_state(const State& state) {
                           "; use a state of the same scene");
   state_ = state;
   step_start_.clear();
+  model_->constraints().set_forces(state_.joint_multiplier);
   for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
 }
 
