@@ -17,7 +17,11 @@ const FieldTable& ShellMaterial::fields() {
        field(&S::strain_limit_stiffness, "strain_limit_stiffness", "Pa", non_negative(),
              "stiffness above the strain limit"),
        field(&S::bending_stiffness, "bending_stiffness", "J", non_negative(),
-             "bending stiffness of the hinges"),
+             "bending stiffness of the hinges, cheap but dependent on the mesh"),
+       field(
+           &S::flexural_rigidity, "flexural_rigidity", "N m", non_negative(),
+           "rigidity E t^3 / (12 (1 - nu^2)) of a plate, the same on every mesh; where positive, in place of "
+           "bending_stiffness"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "N s/m", non_negative(),
              "damping of the rate of Green strain"),
@@ -81,6 +85,23 @@ ShellMaterial towel() {
           .bending_damping = 0.1 * 5e-6};
 }
 
+ShellMaterial plate(double youngs_modulus, double poissons_ratio, double thickness, double density) {
+  const double t3 = thickness * thickness * thickness;
+  return {.density = density * thickness,
+          .thickness = thickness,
+          .youngs_modulus = youngs_modulus,
+          .poissons_ratio = poissons_ratio,
+          .bending_stiffness = 0.0,
+          .flexural_rigidity = youngs_modulus * t3 / (12.0 * (1.0 - poissons_ratio * poissons_ratio)),
+          .mass_damping = 0.1};
+}
+
+ShellMaterial paper() { return plate(3e9, 0.3, 1e-4, 800.0); }
+
+ShellMaterial pet() { return plate(2.8e9, 0.4, 1.45e-4, 1380.0); }
+
+ShellMaterial steel_sheet() { return plate(2.1e11, 0.3, 1e-4, 7850.0); }
+
 SolidMaterial soft_rubber() {
   return {.density = 1000.0,
           .youngs_modulus = 1e4,
@@ -101,6 +122,13 @@ const std::vector<Preset<ShellMaterial>>& shell_presets() {
   static const std::vector<Preset<ShellMaterial>> presets = {
       {"cotton", "light woven cotton as in the public preset Cotton_Fabric of the paper's authors", cotton()},
       {"towel", "terry towel measured for the robot experiments of the Stark paper, section IV-A", towel()},
+      {"paper",
+       "office paper, 80 g/m^2 and 0.1 mm; modulus of the two directions averaged, Alava and Niskanen 2006",
+       paper()},
+      {"pet",
+       "polyester film of 0.145 mm, the wall of a thin drinking cup; modulus and density of data sheets",
+       pet()},
+      {"steel_sheet", "spring steel of 0.1 mm; elastic constants of steel, EN 1993-1-1", steel_sheet()},
   };
   return presets;
 }

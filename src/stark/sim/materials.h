@@ -22,7 +22,8 @@ struct ShellMaterial {
   double strain_limit =
       std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
   double strain_limit_stiffness = 1e6;          ///< [Pa]
-  double bending_stiffness = 1e-6;              ///< [J]
+  double bending_stiffness = 1e-6;              ///< [J] of hinges, cheap but dependent on the mesh
+  double flexural_rigidity = 0.0;               ///< [N m] of a plate; where positive, in place of the hinges
   double mass_damping = 0.0;                    ///< [1/s]
   double strain_damping = 0.0;                  ///< [N s/m]
   double bending_damping = 0.0;                 ///< [J s]
@@ -49,7 +50,13 @@ void validate(const SolidMaterial& material, std::string_view owner);
 namespace materials {
 
 ShellMaterial cotton();  ///< light woven cotton
-ShellMaterial towel();   ///< terry towel, 1.75 m x 0.75 m of 0.484 kg
+/// Thin plate of an elastic material: flexural rigidity E t^3 / (12 (1 - nu^2)), mass rho t per area, mass
+/// damping 0.1/s.
+ShellMaterial plate(double youngs_modulus, double poissons_ratio, double thickness, double density);
+ShellMaterial paper();        ///< office paper of 80 g/m^2
+ShellMaterial pet();          ///< polyester film of 0.145 mm, a thin drinking cup
+ShellMaterial steel_sheet();  ///< spring steel of 0.1 mm
+ShellMaterial towel();        ///< terry towel, 1.75 m x 0.75 m of 0.484 kg
 SolidMaterial soft_rubber();
 SolidMaterial silicone();  ///< soft platinum-cure silicone (Ecoflex 00-30)
 

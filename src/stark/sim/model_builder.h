@@ -38,6 +38,7 @@ struct Model::Builder {
   void add_solid_energies(BodyId id);
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
                             std::span<const int32_t> stencils, const std::string& body);
+  void add_plate_bending(const ClothDescription& cloth, const ModelBody& body, const std::string& name);
   void add_strain_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
                         const ModelBody& body, const std::string& name);
   void add_inertia();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/plate_element.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
 
@@ -102,7 +103,9 @@ void Model::Builder::add_cloth_energies(BodyId id) {
   const ElasticEnergy membrane = elastic_energy(cloth);
   add_batch(membrane.definition, offset_stencils(body.triangles, body.first_site), name, membrane.values);
 
-  if (material.bending_stiffness > 0.0 || material.bending_damping > 0.0) {
+  if (material.flexural_rigidity > 0.0) {
+    add_plate_bending(cloth, body, name);
+  } else if (material.bending_stiffness > 0.0 || material.bending_damping > 0.0) {
     const std::vector<Index4> hinges = find_hinges(body.triangles);
     PotentialBatch& bending = add_batch(
         cloth.rest_angles == RestAngles::Flat ? models::flat_bending() : models::discrete_shell_bending(),
@@ -113,6 +116,38 @@ void Model::Builder::add_cloth_energies(BodyId id) {
   const std::vector<Index2> edges = find_edges(std::span<const Index3>(body.triangles));
   add_strain_limit({edges, compute_edge_areas(cloth.mesh.vertices, body.triangles, edges)},
                    material.thickness, material.strain_limit, material.strain_limit_stiffness, body, name);
+}
+
+void Model::Builder::add_plate_bending(const ClothDescription& cloth, const ModelBody& body,
+                                       const std::string& name) {
+  const auto elements =
+      find_plate_elements(cloth.mesh.vertices, body.triangles, cloth.material.poissons_ratio);
+  const std::array<PotentialDefinition, 4> definitions{models::plate_bending_1(), models::plate_bending_2(),
+                                                       models::plate_bending_3(), models::plate_bending_4()};
+  for (int hinges = 1; hinges <= 4; ++hinges) {
+    std::vector<const PlateElement*> chosen;
+    std::vector<int32_t> stencils;
+    for (const PlateElement& element : elements) {
+      if (element.hinge_count != hinges) continue;
+      chosen.push_back(&element);
+      for (int k = 0; k < 3 + hinges; ++k) stencils.push_back(body.first_site + element.vertices[k]);
+    }
+    if (chosen.empty()) continue;
+    PotentialBatch& batch = add_batch(definitions[hinges - 1], stencils, name);
+    for (size_t e = 0; e < chosen.size(); ++e) {
+      for (int i = 0; i < hinges; ++i)
+        batch.set("rest_angle" + std::to_string(i), static_cast<int64_t>(e),
+                  cloth.rest_angles == RestAngles::Flat ? 0.0 : chosen[e]->rest_angles[i]);
+      size_t k = 0;
+      for (int i = 0; i < 4; ++i)
+        for (int j = i; j < 4; ++j, ++k)
+          if (j < hinges)
+            batch.set("form" + std::to_string(i) + std::to_string(j), static_cast<int64_t>(e),
+                      chosen[e]->form[k]);
+    }
+    batch.set_uniform("flexural_rigidity", cloth.material.flexural_rigidity);
+    batch.set_uniform("bending_damping", cloth.material.bending_damping);
+  }
 }
 
 void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,

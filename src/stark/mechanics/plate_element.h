@@ -1,0 +1,43 @@
+// Triangles that bend like plates: the fold angles of the hinges around a triangle determine its curvature
+// tensor, exactly for every surface of constant curvature and on every mesh. Phase: model building.
+//
+// A triangle and the three vertices opposite to its edges are six points, as many as a quadratic surface has
+// coefficients [as in the rotation-free triangles of Onate and Zarate 2000]. Affine functions fold no hinge,
+// so that the three fold angles theta = C k correspond to the three curvatures k = (k11, k22, 2 k12). The
+// energy of the triangle, with the smallest curvature energy that has these angles,
+//     E = D/2 theta^T S theta,   S = (C (A P)^-1 C^T)^-1,   P = [1 nu 0; nu 1 0; 0 0 (1 - nu)/2],
+// is that of a plate with rigidity D and area A. At the boundary, hinges between triangles of fewer
+// neighbours are
+// compared with the angle that a whole triangle next to them predicts, E = D/2 |e|^2/(A_1 + A_2) (theta_4 - c
+// C^-1 theta)^2, which is zero for constant curvature.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <stark/geometry/mesh.h>
+
+namespace stark {
+
+/// Hinges 0 to 2 are at the edges of the triangle, hinge k from vertex k to k + 1 with vertex 3 + k beyond.
+/// A fourth one is at the edge from vertex 0 to 3, between the triangle (0, 3, 1) and vertex 6.
+struct PlateElement {
+  int hinge_count = 0;                  ///< 1 to 4
+  std::array<int32_t, 7> vertices{};    ///< of the triangle, then those beyond the hinges
+  std::array<double, 4> rest_angles{};  ///< fold angles of the hinges in the rest shape [rad]
+  std::array<double, 10> form{};        ///< S by rows of the upper triangle of 4 x 4 [1]
+};
+
+/// Vertices of a hinge of an element: the two of the edge, then the one on either side.
+std::array<int, 4> plate_hinge(int hinge);
+
+/// Elements that carry the bending of a surface in its rest shape `X` [m]. Triangles with a hinge at each
+/// edge stand for themselves and for the areas of neighbours at the boundary, whose curvature cannot be
+/// told; where there is no such triangle, as in strips of one cell, elements have the hinges there are.
+/// Edges of more than two triangles do not bend. Every element is unfolded into its plane, so that X may be
+/// curved.
+std::vector<PlateElement> find_plate_elements(std::span<const Vec3> X, std::span<const Index3> triangles,
+                                              double poissons_ratio);
+
+}  // namespace stark
