@@ -27,8 +27,8 @@ from stark._core import (  # noqa: E402
     TraceError,
     __version__,
 )
-from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
-from stark.materials import ShellMaterial, SolidMaterial  # noqa: E402
+from stark.bodies import Body, Cloth, RigidBody, Rod, Solid  # noqa: E402
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
 from stark.rotations import deg, rotation, to_quaternion  # noqa: E402
 from stark.scene import Scene, StarkWarning  # noqa: E402
@@ -85,6 +85,8 @@ __all__ = [
     "InvalidMesh",
     "InvalidSetting",
     "RigidBody",
+    "Rod",
+    "RodMaterial",
     "Scene",
     "Settings",
     "ShellMaterial",
