@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from inspect import Parameter, Signature
-from typing import Any, Generic, Self, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,7 +32,7 @@ class _Material(Generic[_CoreMaterial]):
 
     __slots__ = ("_core", "_fields", "law", "name", "source")
     _core_type: type[Any]
-    _laws: dict[str, Any]
+    _laws: ClassVar[dict[str, Any]]
     _core: _CoreMaterial
     _fields: _Fields
     law: Any
@@ -184,7 +184,7 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
 
     __slots__ = ()
     _core_type = _core.ShellMaterial
-    _laws = {law.name: law for law in _core.shell_laws()}  # noqa: RUF012
+    _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.shell_laws()}
     density: float
     thickness: float
     youngs_modulus: float
@@ -202,7 +202,7 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
 
     __slots__ = ()
     _core_type = _core.SolidMaterial
-    _laws = {law.name: law for law in _core.solid_laws()}  # noqa: RUF012
+    _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.solid_laws()}
     density: float
     youngs_modulus: float
     poissons_ratio: float

@@ -24,7 +24,7 @@ Settings no_contact(double h = 0.01) {
 
 ParameterValues values_of(const JointDefinition& definition, double length) {
   ParameterValues values;
-  for (const UniformField& field : joint_parameters(definition)) values[field.name] = {{length}};
+  for (const ParameterDeclaration& field : joint_parameters(definition)) values[field.name] = {{length}};
   return values;
 }
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stark._core import InvalidArgument
+from stark.formulas.diagnosis import culprit
 from stark.formulas.energy import Binding, EnergyFormula
 from stark.formulas.handle import Energy
 from stark.formulas.inspection import sample_inputs, stacked
@@ -58,14 +59,17 @@ def check_start(binding: Binding) -> None:
         rows = np.arange(begin, min(begin + _CHUNK, binding.element_count))
         x = stacked(binding, "positions", rows)
         sample = binding.trace.formula.sample(sample_inputs(binding, x, x, rows))
-        _require_finite(binding, sample.evaluate(2), x, rows, "at time 0")
+        _require_finite(binding, sample.evaluate(2), x, x, rows, "at time 0")
         if any(body._rest_placement is not None for body in binding.bodies):
             rest = stacked(binding, "placed_rest_positions", rows)
             sample.set_positions(np.ascontiguousarray(rest).reshape(-1, 3))
-            _require_finite(binding, sample.evaluate(2), rest, rows, "at rest")
+            _require_finite(binding, sample.evaluate(2), rest, x, rows, "at rest")
 
 
-def _require_finite(binding: Binding, flat: np.ndarray, x: np.ndarray, rows: np.ndarray, when: str) -> None:
+def _require_finite(
+    binding: Binding, flat: np.ndarray, x: np.ndarray, x_prev: np.ndarray, rows: np.ndarray, when: str
+) -> None:
+    """x, x_prev (elements, points, 3) are where the outputs `flat` were evaluated; rows: their numbers."""
     values = flat.reshape(len(rows), -1)
     wrong = ~np.isfinite(values)
     if not wrong.any():
@@ -79,10 +83,12 @@ def _require_finite(binding: Binding, flat: np.ndarray, x: np.ndarray, rows: np.
         for label, point in zip(binding.trace.labels, x[element], strict=True)
     )
     others = int(wrong.any(axis=1).sum()) - 1
+    one = slice(element, element + 1)
+    found = culprit(binding, sample_inputs(binding, x[one], x_prev[one], rows[one]))
+    cause = f"it comes from {found}" if found else "look for a division by zero, or a root or norm of zero"
     raise InvalidArgument(
         f"{binding.name}: the {what} of element {rows[element]} is {values[element, output]} {when}"
         + (f", and {others} more elements are not finite" if others else "")
-        + f", with its points at {places} m: must be finite; look for a division by zero, or a square root, "
-        f"norm or logarithm of zero, and guard it with stark.where or a small offset\n"
-        + binding.energy.location
+        + f", with its points at {places} m: must be finite; guard it with stark.where, or add a small "
+        f"offset; {cause}" + ("" if "File" in found else f"\n{binding.energy.location}")
     )

@@ -46,7 +46,7 @@ class EnergyFormula:
         self.name = function.__name__
         self.doc = inspect.getdoc(function) or self.name
         self.arguments = tuple(arguments)
-        self._function = function
+        self.function = function
         self._declared_invariant = translation_invariant
         self._traces: dict[tuple[str, ...], tracing.Trace] = {}
         self._lock = threading.Lock()
@@ -56,7 +56,7 @@ class EnergyFormula:
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """The energy on points with values. Inside another formula: the expression of it."""
         if any(isinstance(a, (Scalar, Tensor, Point, Stencil, Frame)) for a in (*args, *kwargs.values())):
-            return self._function(*args, **kwargs)
+            return self.function(*args, **kwargs)
         try:
             bound = self.__signature__.bind(*args, **kwargs)
         except TypeError as error:
@@ -68,7 +68,7 @@ class EnergyFormula:
         key = tuple(frames) or ("sites",) * sum(isinstance(a, FrameArgument) for a in self.arguments)
         with self._lock:
             if key not in self._traces:
-                self._traces[key] = tracing.trace(self.name, self._function, self.arguments, key)
+                self._traces[key] = tracing.trace(self.name, self.function, self.arguments, key)
             return self._traces[key]
 
     @property
@@ -104,7 +104,7 @@ class EnergyFormula:
     @property
     def location(self) -> str:
         """Where the function is defined."""
-        return definition_of(self._function)
+        return definition_of(self.function)
 
     def __repr__(self) -> str:
         return f"<stark.energy {self.name}{self.__signature__}>"

@@ -111,7 +111,10 @@ class PatchFrame(Frame):
     point_count = 3
 
     def _constant(self, name: str, width: int, unit: str, doc: str) -> list[Scalar]:
-        return self._inputs.builder.parameter(f"{self._label}.{name}", width, unit, doc, UNBOUNDED)
+        label = f"{self._label}.{name}"
+        entries = self._inputs.builder.parameter(label, width, unit, doc, UNBOUNDED)
+        self._inputs.note(entries, label)
+        return entries
 
     def _vertices(self, kind: str) -> list[Vec]:
         return [self._inputs.position(self._first + i, kind, f"{self._label}[{i}]") for i in range(3)]

@@ -23,6 +23,7 @@ class Inputs:
         self.unknowns: dict[int, int] = {}  # node of an unknown -> its coordinate 0, 1, 2
         self.clocks: dict[str, int] = {}  # argument -> node
         self._labels: dict[str, list[int]] = {}  # argument -> nodes of its columns
+        self.sources: dict[int, tuple[str, int, int]] = {}  # input -> what it is of, point, component
         self._place = {point: place for place, point in enumerate(kept)}
 
     def position(self, point: int, kind: str, label: str) -> Vec:
@@ -30,6 +31,7 @@ class Inputs:
         if point not in self._place:  # computed, but known not to occur in the result
             return Vec(self.builder.parameter(f"unused {label}.{kind}", 3, "1", "occurs nowhere", UNBOUNDED))
         value = Vec(getattr(self.builder, kind)(self._place[point]))
+        self.note(value.entries, kind, self._place[point])
         shown = {"x_initial": "x0"}.get(kind, kind)
         for c, entry in enumerate(value.entries):
             self.builder.set_name(entry, f"{label}.{shown}[{c}]")
@@ -37,6 +39,10 @@ class Inputs:
             if kind == "x":
                 self.unknowns[entry.id] = c
         return value
+
+    def note(self, entries: Sequence[Scalar], source: str, point: int = 0) -> None:
+        """Remembers what inputs stand for: the name of a parameter, "time", "x", "X", ..."""
+        self.sources |= {entry.id: (source, point, k) for k, entry in enumerate(entries)}
 
     def column(self, j: int, kind: str, label: str) -> Vec:
         """Column of a strain F as the point j, named F[i,j]."""

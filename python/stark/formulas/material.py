@@ -205,7 +205,7 @@ class MaterialLaw:
             elif isinstance(argument, ClockArgument):
                 values.append(clock_symbol(inputs, argument))
             else:
-                values.append(parameter_symbols(inputs.builder, argument))
+                values.append(parameter_symbols(inputs, argument))
         with recording(self.name):
             result = self._function(*values)
         output = scalar_result(self.name, result, self._function)

@@ -38,11 +38,11 @@ def trace(
     if count > 4 * MAX_POINTS:  # frames may leave some out
         raise formula_error(name, _too_many(count), function)
     inputs = Inputs(list(range(count)))
-    output = _run(name, function, arguments, frames, inputs)
+    output = record(name, function, arguments, frames, inputs)
     used = _check_use(name, function, arguments, frames, inputs, output)
     if len(used) < count:
         inputs = Inputs(sorted(used))
-        output = _run(name, function, arguments, frames, inputs)
+        output = record(name, function, arguments, frames, inputs)
     if len(used) > MAX_POINTS:
         raise formula_error(name, _too_many(len(used)), function)
     formula = inputs.builder.finish([output])
@@ -75,7 +75,7 @@ def point_counts(arguments: Sequence[Argument], frames: Sequence[str]) -> list[i
     ]
 
 
-def _run(
+def record(
     name: str,
     function: Callable[..., object],
     arguments: Sequence[Argument],
@@ -92,27 +92,28 @@ def _run(
         elif isinstance(argument, ClockArgument):
             values.append(clock_symbol(inputs, argument))
         else:
-            values.append(parameter_symbols(inputs.builder, argument))
+            values.append(parameter_symbols(inputs, argument))
         point += count
     with recording(name):
         result = function(*values)
     return scalar_result(name, result, function)
 
 
-def parameter_symbols(builder: _core.FormulaBuilder, parameter: Parameter) -> object:
+def parameter_symbols(inputs: Inputs, parameter: Parameter) -> object:
     """The parameter as a Scalar, Vec or Mat of named inputs."""
     declaration = parameter.declaration
-    entries = builder.parameter(
+    entries = inputs.builder.parameter(
         parameter.name, parameter.width, parameter.unit, declaration.doc or parameter.name, declaration.range
     )
+    inputs.note(entries, parameter.name)
     value = from_shape(entries, parameter.shape)
     if not parameter.shape:
-        builder.set_name(entries[0], parameter.name)
+        inputs.builder.set_name(entries[0], parameter.name)
         return value
     columns = parameter.shape[-1]
     for k, entry in enumerate(entries):
         place = f"{k}" if len(parameter.shape) == 1 else f"{k // columns},{k % columns}"
-        builder.set_name(entry, f"{parameter.name}[{place}]")
+        inputs.builder.set_name(entry, f"{parameter.name}[{place}]")
     return value
 
 
@@ -175,6 +176,7 @@ def clock_symbol(inputs: Inputs, argument: ClockArgument) -> Scalar:
     value = getattr(inputs.builder, argument.quantity)()
     inputs.builder.set_name(value, argument.name)
     inputs.clocks[argument.name] = value.id
+    inputs.note([value], argument.quantity)
     return value
 
 

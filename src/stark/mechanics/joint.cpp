@@ -1,5 +1,7 @@
 #include <stark/mechanics/joint.h>
 
+#include <set>
+
 #include <stark/base/error.h>
 #include <stark/symbolic/diff.h>
 
@@ -24,13 +26,14 @@ FrameExpressions frame_of(PotentialBuilder& builder, FrameKind kind, int first, 
           turned.column(1), turned.column(2)};
 }
 
-/// Points of a traced formula whose positions, now or before, the outputs need.
+/// Points of a traced formula whose positions the outputs need: now, at the start of the step, at time 0.
 struct UsedPoints {
-  std::vector<char> now, before;
+  std::vector<char> now, before, initial;
 };
 
 UsedPoints find_used_points(const PotentialBuilder& builder, std::span<const Scalar> outputs) {
-  UsedPoints used{std::vector<char>(builder.point_count(), 0), std::vector<char>(builder.point_count(), 0)};
+  const std::vector<char> none(builder.point_count(), 0);
+  UsedPoints used{none, none, none};
   std::vector<symbolic::NodeId> roots;
   for (const Scalar& output : outputs)
     if (!output.is_literal()) roots.push_back(output.id());
@@ -41,10 +44,11 @@ UsedPoints find_used_points(const PotentialBuilder& builder, std::span<const Sca
     const symbolic::Node& node = graph.node(static_cast<symbolic::NodeId>(id));
     if (node.op == symbolic::Op::Unknown) used.now[node.operands[0] / 3] = 1;
     if (node.op != symbolic::Op::Element) continue;
-    for (const ElementField& field : builder.element_fields())
-      if (field.source == ElementField::Source::Previous && node.operands[0] >= field.offset &&
-          node.operands[0] < field.offset + field.width)
-        used.before[field.point] = 1;
+    for (const ElementField& field : builder.element_fields()) {
+      if (node.operands[0] < field.offset || node.operands[0] >= field.offset + field.width) continue;
+      if (field.source == ElementField::Source::Previous) used.before[field.point] = 1;
+      if (field.source == ElementField::Source::Initial) used.initial[field.point] = 1;
+    }
   }
   return used;
 }
@@ -64,6 +68,8 @@ JointBuilder::JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKin
   b = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x);
   a_prev = frame_of(builder, kind_a, 0, "placement_a", &PotentialBuilder::x_prev);
   b_prev = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x_prev);
+  a_initial = frame_of(builder, kind_a, 0, "placement_a", &PotentialBuilder::x_initial);
+  b_initial = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x_initial);
 }
 
 void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) {
@@ -73,11 +79,13 @@ void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) {
 }
 
 void JointBuilder::hold(const SymbolicVec3& residual, ResidualUnit unit) {
-  for (int c = 0; c < 3; ++c) {
-    residuals_.push_back(residual[c]);
-    units_.push_back(unit);
-  }
-  hold_sizes_.push_back(3);
+  hold(std::span<const Scalar>(residual.v), unit);
+}
+
+void JointBuilder::hold(std::span<const Scalar> residuals, ResidualUnit unit) {
+  residuals_.insert(residuals_.end(), residuals.begin(), residuals.end());
+  units_.insert(units_.end(), residuals.size(), unit);
+  hold_sizes_.push_back(static_cast<int>(residuals.size()));
 }
 
 void JointBuilder::coordinate(const std::string& name, const Scalar& value, const std::string& unit) {
@@ -97,10 +105,43 @@ JointDefinition define_joint(std::string name, std::string doc, std::function<vo
   return {std::move(name), std::move(doc), std::move(formula)};
 }
 
+JointDefinition define_joint(std::string name, std::string doc, Formula formula, JointOutputs outputs) {
+  STARK_CHECK(formula.point_count() == 8);
+  return define_joint(std::move(name), std::move(doc),
+                      [formula = std::move(formula), outputs = std::move(outputs)](JointBuilder& j) {
+                        const auto points = [](const FrameExpressions& a, const FrameExpressions& b) {
+                          return std::vector<SymbolicVec3>{a.origin, a.x, a.y, a.z, b.origin, b.x, b.y, b.z};
+                        };
+                        const std::vector<Scalar> values =
+                            formula.repeat(j.inputs(), {.x = points(j.a, j.b),
+                                                        .x_prev = points(j.a_prev, j.b_prev),
+                                                        .x_initial = points(j.a_initial, j.b_initial)});
+                        size_t next = 0;
+                        for (const JointOutputs::Hold& hold : outputs.holds) {
+                          j.hold(std::span(values).subspan(next, hold.count), hold.unit);
+                          next += hold.count;
+                        }
+                        for (const JointOutputs::Coordinate& coordinate : outputs.coordinates)
+                          j.coordinate(coordinate.name, values[next++], coordinate.unit);
+                      });
+}
+
+namespace {
+
+/// Parameters of a joint: each joint has its own values.
+std::set<std::string> parameter_names(const JointDefinition& definition) {
+  std::set<std::string> names;
+  for (const ParameterDeclaration& parameter : joint_parameters(definition)) names.insert(parameter.name);
+  return names;
+}
+
+}  // namespace
+
 Joint::Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind_b, symbolic::Backend backend)
     : name_(definition.name) {
   const int point_count = frame_point_count(kind_a) + frame_point_count(kind_b);
-  const auto traced = std::make_shared<PotentialBuilder>(point_count);
+  const std::set<std::string> parameters = parameter_names(definition);
+  const auto traced = std::make_shared<PotentialBuilder>(point_count, parameters);
   JointBuilder builder(*traced, kind_a, kind_b);
   definition.formula(builder);
   units_ = builder.units();
@@ -113,15 +154,17 @@ Joint::Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind
 
   const UsedPoints used = find_used_points(*traced, outputs);
   for (int p = 0; p < point_count; ++p)
-    if (used.now[p] || used.before[p]) points_.push_back(p);
-  const auto target = std::make_shared<PotentialBuilder>(static_cast<int>(points_.size()));
+    if (used.now[p] || used.before[p] || used.initial[p]) points_.push_back(p);
+  const auto target = std::make_shared<PotentialBuilder>(static_cast<int>(points_.size()), parameters);
   PointExpressions points;
   points.x.resize(point_count);
   points.x_prev.resize(point_count);
+  points.x_initial.resize(point_count);
   for (size_t k = 0; k < points_.size(); ++k) {
     const int p = points_[k];
     if (used.now[p]) points.x[p] = target->x(static_cast<int>(k));
     if (used.before[p]) points.x_prev[p] = target->x_prev(static_cast<int>(k));
+    if (used.initial[p]) points.x_initial[p] = target->x_initial(static_cast<int>(k));
   }
   const std::vector<Scalar> values = Formula(traced, outputs).repeat(*target, points);
   const int count = static_cast<int>(units_.size());
@@ -135,16 +178,26 @@ Joint::Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind
   values_ = symbolic::compile_function(values, backend);
 }
 
-std::vector<UniformField> joint_parameters(const JointDefinition& definition) {
+std::vector<ParameterDeclaration> joint_parameters(const JointDefinition& definition) {
+  const PotentialDefinition residuals =
+      define_potential(definition.name, 8, definition.doc, [&](PotentialBuilder& traced) {
+        JointBuilder builder(traced, FrameKind::Axes, FrameKind::Axes);
+        definition.formula(builder);
+        return Scalar(0.0);
+      });
+  std::vector<ParameterDeclaration> parameters = parameters_of(residuals);
+  for (ParameterDeclaration& parameter : parameters) parameter.is_data = false;
+  return parameters;
+}
+
+std::vector<JointOutputs::Coordinate> joint_coordinates(const JointDefinition& definition) {
   PotentialBuilder traced(2 * frame_point_count(FrameKind::Axes));
   JointBuilder builder(traced, FrameKind::Axes, FrameKind::Axes);
   definition.formula(builder);
-  std::vector<UniformField> parameters;
-  for (const ElementField& field : traced.element_fields())
-    if (field.source == ElementField::Source::Data)
-      parameters.push_back(
-          {.name = field.name, .unit = field.unit, .doc = field.doc, .width = field.width, .offset = 0});
-  return parameters;
+  std::vector<JointOutputs::Coordinate> coordinates;
+  for (const JointBuilder::Coordinate& coordinate : builder.coordinates())
+    coordinates.push_back({coordinate.name, coordinate.unit});
+  return coordinates;
 }
 
 }  // namespace stark

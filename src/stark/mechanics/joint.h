@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include <stark/mechanics/field_values.h>
 #include <stark/mechanics/formula.h>
 #include <stark/symbolic/evaluate.h>
 
@@ -46,12 +47,14 @@ class JointBuilder {
  public:
   JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKind kind_b);
 
-  FrameExpressions a, b;            ///< now
-  FrameExpressions a_prev, b_prev;  ///< at the start of the step
+  FrameExpressions a, b;                  ///< now
+  FrameExpressions a_prev, b_prev;        ///< at the start of the step
+  FrameExpressions a_initial, b_initial;  ///< at time 0
 
   /// Residuals to be held at zero.
   void hold(const symbolic::Scalar& residual, ResidualUnit unit);
   void hold(const symbolic::Vec3& residual, ResidualUnit unit);
+  void hold(std::span<const symbolic::Scalar> residuals, ResidualUnit unit);
   /// A coordinate of the joint. Coordinates in rad may jump by full turns: they are unwrapped in time.
   void coordinate(const std::string& name, const symbolic::Scalar& value, const std::string& unit);
 
@@ -59,6 +62,7 @@ class JointBuilder {
   symbolic::Scalar parameter(const std::string& name, const std::string& unit, const std::string& doc);
   symbolic::Vec3 parameter3(const std::string& name, const std::string& unit, const std::string& doc);
 
+  PotentialBuilder& inputs() { return builder_; }
   struct Coordinate {
     std::string name, unit;
     symbolic::Scalar value;
@@ -84,6 +88,22 @@ struct JointDefinition {
 
 JointDefinition define_joint(std::string name, std::string doc, std::function<void(JointBuilder&)> formula);
 
+/// What the outputs of a formula mean as a joint: residuals, hold by hold, then coordinates.
+struct JointOutputs {
+  struct Hold {
+    ResidualUnit unit = ResidualUnit::Length;
+    int count = 1;
+  };
+  struct Coordinate {
+    std::string name, unit;
+  };
+  std::vector<Hold> holds{};
+  std::vector<Coordinate> coordinates{};
+};
+
+/// Joint from a formula of eight points: origin and axes x, y, z of frame a, then of frame b.
+JointDefinition define_joint(std::string name, std::string doc, Formula formula, JointOutputs outputs);
+
 /// A compiled joint between two kinds of frames. Immutable; shared by all joints of the definition.
 class Joint {
  public:
@@ -95,9 +115,7 @@ class Joint {
   const std::vector<ResidualUnit>& units() const { return units_; }  ///< by residual
   /// Residuals of each hold(): the norm of so many in a row is what a tolerance bounds.
   const std::vector<int>& hold_sizes() const { return hold_sizes_; }
-  struct Coordinate {
-    std::string name, unit;
-  };
+  using Coordinate = JointOutputs::Coordinate;
   const std::vector<Coordinate>& coordinates() const { return coordinates_; }
 
   /// Element data "multiplier" and "penalty" (a number for each residual), and what the formula declares.
@@ -116,6 +134,8 @@ class Joint {
 };
 
 /// Inputs that a joint's formula declares, other than the placement of patches.
-std::vector<UniformField> joint_parameters(const JointDefinition& definition);
+std::vector<ParameterDeclaration> joint_parameters(const JointDefinition& definition);
+/// Coordinates that it has.
+std::vector<JointOutputs::Coordinate> joint_coordinates(const JointDefinition& definition);
 
 }  // namespace stark

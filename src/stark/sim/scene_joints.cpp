@@ -1,6 +1,5 @@
 // Scene: checks of joints.
 #include <algorithm>
-#include <cmath>
 
 #include <stark/base/error.h>
 #include <stark/sim/scene.h>
@@ -82,20 +81,12 @@ JointId Scene::add_joint(JointDescription joint) {
   if (carrier(joint.a) && carrier(joint.b))
     throw InvalidArgument(owner + ": both frames are of the world: at least one must be carried by a body");
   std::vector<std::string> names;
-  for (const UniformField& field : joint_parameters(*joint.definition)) {
+  for (const ParameterDeclaration& field : joint_parameters(*joint.definition)) {
     names.push_back(field.name);
     const auto given = joint.values.find(field.name);
     if (given == joint.values.end())
       throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "] is missing: " + field.doc);
-    const std::vector<double>& numbers = given->second.values;
-    if (static_cast<int>(numbers.size()) != field.width)
-      throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "]: got " +
-                            std::to_string(numbers.size()) + " numbers: must be " +
-                            std::to_string(field.width));
-    for (const double number : numbers)
-      if (!std::isfinite(number))
-        throw InvalidArgument(owner + ": '" + field.name + "' [" + field.unit + "] = " + to_text(number) +
-                              ": must be finite; check where it is computed");
+    check_values(owner, field, given->second, 1);
   }
   for (const auto& [name, values] : joint.values)
     if (std::find(names.begin(), names.end(), name) == names.end())

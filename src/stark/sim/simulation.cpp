@@ -126,6 +126,7 @@ void Simulation::set_state(const State& state) {
     throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(mine) +
                           "; use a state of the same scene");
   state_ = state;
+  step_start_.clear();
   for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
 }
 

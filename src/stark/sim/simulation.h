@@ -74,6 +74,8 @@ class Simulation {
   bool joint_enabled(JointId joint) const;
   /// Coordinates of a joint [m, rad] at the end of the last step; angles count full turns from time 0 on.
   std::vector<double> joint_coordinates(JointId joint) const;
+  /// Their rates in the last step [m/s, rad/s].
+  std::vector<double> joint_rates(JointId joint) const;
   std::vector<Joint::Coordinate> joint_coordinate_names(JointId joint) const;
   /// What is left of its residuals [m, rad].
   std::vector<double> joint_residuals(JointId joint) const;

@@ -131,6 +131,20 @@ std::vector<double> Simulation::joint_coordinates(JointId joint) const {
   return {first, first + static_cast<std::ptrdiff_t>(count)};
 }
 
+std::vector<double> Simulation::joint_rates(JointId joint) const {
+  const std::vector<Joint::Coordinate> names = joint_coordinate_names(joint);
+  std::vector<double> rates(names.size(), 0.0);
+  if (step_start_.empty() || !(report_.time_step > 0.0)) return rates;
+  const int64_t first = model_->constraints().place(joint.index).coordinate;
+  const std::vector<double> now = model_->constraints().coordinates(site_positions()),
+                            before = model_->constraints().coordinates(step_start_);
+  for (size_t k = 0; k < names.size(); ++k) {
+    const double change = now[first + k] - before[first + k];
+    rates[k] = (names[k].unit == "rad" ? unwrap(change, 0.0) : change) / report_.time_step;
+  }
+  return rates;
+}
+
 std::vector<double> Simulation::joint_residuals(JointId joint) const {
   scene_.joint(joint);
   const ConstraintSet& constraints = model_->constraints();
