@@ -280,5 +280,8 @@ void bind_formulas(nanobind::module_& m) {
   m.def(
       "element_formula", [](const ShellLaw& law) { return formula_of(triangle3(law)); }, "law"_a,
       "A law on triangles.");
+  m.def(
+      "element_formula", [](const RodLaw& law) { return formula_of(rod_segment(law)); }, "law"_a,
+      "A law on segments of rods.");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }

@@ -351,13 +351,13 @@ class Rod(_Deformable):
 
     @property
     def triangles(self) -> Indices:
-        """None: rods touch with their edges and nodes. ``surface_triangles`` are those of a tube around it."""
+        """None: rods touch with edges and nodes. ``surface_triangles`` are those of a tube for pictures."""
         return np.empty((0, 3), dtype=np.int32)
 
     @property
     def surface_positions(self) -> Points:
-        """Vertices of a tube around the rod (k, 3) [m], for pictures: the section at each node, and the middles
-        of both ends."""
+        """Vertices of a tube around the rod (k, 3) [m], for pictures: the section at each node, and the
+        middles of both ends."""
         positions, frames = self.positions, self.frames
         rings = positions[:, None] + np.einsum("nij,kj->nki", frames[:, :, :2], self._outline())
         return np.concatenate([rings.reshape(-1, 3), positions[[0, -1]]])

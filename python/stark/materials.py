@@ -1,8 +1,8 @@
 """Materials: immutable parameter sets with units, presets, and constitutive laws.
 
-``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``, ``steel_wire``; every preset says where its
-numbers come from in ``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The parameters, their
-units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them.
+``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``, ``steel_wire``; every preset says where
+its numbers come from in ``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The
+parameters, their units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them.
 
 Materials of another law than Neo-Hookean come from the function of its name::
 
@@ -213,13 +213,13 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
 
 
 class RodMaterial(_Material[_core.RodMaterial]):
-    """Rods: Kirchhoff's rod with stretch unless another ``law`` is given. The section is round, or rectangular
-    with ``width`` along the first axis and ``height`` along the second one; stiffnesses that are given replace
-    those of the section."""
+    """Rods: Kirchhoff's rod with stretch unless another ``law`` is given. The section is round, or
+    rectangular with ``width`` along the first axis and ``height`` along the second one; stiffnesses that are
+    given replace those of the section."""
 
     __slots__ = ()
     _core_type = _core.RodMaterial
-    _laws = {law.name: law for law in _core.rod_laws()}  # noqa: RUF012
+    _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.rod_laws()}
     density: float
     youngs_modulus: float
     poissons_ratio: float

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.bodies import Body, RigidBody
+from stark.bodies import Body, RigidBody, Rod
 from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.formulas.points import FrameHandle, rigid_frame, world_frame
 from stark.joints.definition import JointFormula, built_in
@@ -70,7 +70,7 @@ def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats
         return side
     if not isinstance(side, RigidBody):
         raise InvalidArgument(
-            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)), or None for "
+            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)) or rod.frame(node), or None for "
             f"the world"
         )
     origin, axes = scene._core.pose(side._index)
@@ -130,6 +130,11 @@ def _frame(
         return _described("world", position, rotation)
     if side._scene is not scene:
         raise InvalidArgument(f"{owner}: '{side.name}' belongs to another scene: must be a body of this one")
+    if isinstance(side, Rod):
+        raise InvalidArgument(
+            f"{owner}: '{side.name}' is a rod: say which node, {side.name}.frame(0) at its start or "
+            f"{side.name}.frame(-1) at its end"
+        )
     if not isinstance(side, RigidBody):
         raise InvalidArgument(
             f"{owner}: '{side.name}' is a {side.kind} body: give a patch of it, {side.name}.frame((i, j, "
@@ -151,6 +156,11 @@ def _explicit(scene: Scene, owner: str, frame: FrameHandle) -> dict[str, Any]:
         corners = np.array([column._columns["vertices"][0] for column in frame.columns], dtype=np.int32)
         position, rotation = _patch_placement(frame)
         return _described("patch", position, rotation, body._index) | {"vertices": corners}
+    if frame.columns[0]._kind == "node_point":
+        assert body is not None
+        places = np.array([column.positions[0] for column in frame.columns])
+        node = {"node": frame.columns[0]._columns["node"]}
+        return _described("node", places[0], places[1:].T, body._index) | node
     local = [np.asarray(column._columns["local"][0], dtype=np.float64) for column in frame.columns]
     rotation = np.column_stack(local[1:])
     return _described("world" if body is None else "body", local[0], rotation, body and body._index)

@@ -271,6 +271,48 @@ def barrier_edge_edge(s: stark.Stencil[4], stiffness: float, contact_distance: f
     return barrier(edge_edge(*(p.x for p in s)), stiffness, contact_distance)
 
 
+@stark.material
+def linear_rod(
+    stretch: float,
+    curvature: stark.Vec2,
+    twist: float,
+    axial_stiffness: float,
+    bending_stiffness_1: float,
+    bending_stiffness_2: float,
+    torsional_stiffness: float,
+):
+    return 0.5 * (
+        axial_stiffness * stark.square(stretch - 1.0)
+        + bending_stiffness_1 * stark.square(curvature[0])
+        + bending_stiffness_2 * stark.square(curvature[1])
+        + torsional_stiffness * stark.square(twist)
+    )
+
+
+@stark.material
+def rod_damping(
+    stretch: float,
+    curvature: stark.Vec2,
+    twist: float,
+    stretch_prev: float,
+    curvature_prev: stark.Vec2,
+    twist_prev: float,
+    h: stark.TimeStep,
+    axial_stiffness: float,
+    bending_stiffness_1: float,
+    bending_stiffness_2: float,
+    torsional_stiffness: float,
+    strain_damping: float,
+):
+    rates = (
+        axial_stiffness * stark.square(stretch - stretch_prev)
+        + bending_stiffness_1 * stark.square(curvature[0] - curvature_prev[0])
+        + bending_stiffness_2 * stark.square(curvature[1] - curvature_prev[1])
+        + torsional_stiffness * stark.square(twist - twist_prev)
+    )
+    return 0.5 * strain_damping / h * rates
+
+
 @stark.energy
 def barrier_mollified_point_point(
     s: stark.Stencil[4], stiffness: float, contact_distance: float, parallel_threshold: float
