@@ -42,6 +42,8 @@ def add_joint(
     place = None
     if anchor is not None or axis is not None or rotation is not None:
         place = _placement(owner, anchor, axis, rotation)
+    else:
+        place = next((_placement_of(side) for side in (a, b) if _is_one_frame(side)), None)
     frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
     index = scene._core.add_joint(
         {
@@ -158,9 +160,8 @@ def _explicit(scene: Scene, owner: str, frame: FrameHandle) -> dict[str, Any]:
         return _described("patch", position, rotation, body._index) | {"vertices": corners}
     if frame.columns[0]._kind == "node_point":
         assert body is not None
-        places = np.array([column.positions[0] for column in frame.columns])
         node = {"node": frame.columns[0]._columns["node"]}
-        return _described("node", places[0], places[1:].T, body._index) | node
+        return _described("node", *_placement_of(frame), body._index) | node
     local = [np.asarray(column._columns["local"][0], dtype=np.float64) for column in frame.columns]
     rotation = np.column_stack(local[1:])
     return _described("world" if body is None else "body", local[0], rotation, body and body._index)
@@ -175,6 +176,18 @@ def _patch_placement(frame: FrameHandle) -> tuple[Floats, Floats]:
     axes = np.column_stack([tangent, np.cross(normal, tangent), normal])
     position = frame.constants["weights"] @ p + frame.constants["offset"] * normal
     return position, axes @ frame.constants["rotation"].reshape(3, 3)
+
+
+def _is_one_frame(side: Any) -> bool:
+    return isinstance(side, FrameHandle) and len(side) == 1
+
+
+def _placement_of(frame: FrameHandle) -> tuple[Floats, Floats]:
+    """Where a frame is at time 0: a body on the other side gets the same one."""
+    if frame.kind == "patch":
+        return _patch_placement(frame)
+    places = np.array([column.positions[0] for column in frame.columns])
+    return places[0], places[1:].T
 
 
 def _described(carrier: str, position: Floats, rotation: Floats, body: Any = None) -> dict[str, Any]:
