@@ -81,8 +81,8 @@ class Samples:
 
     @property
     def smallest_stiffness(self) -> float:
-        """Smallest eigenvalue of the stiffness at rest, with strains scaled so that the largest entries of the
-        diagonal are 1."""
+        """Smallest eigenvalue of the stiffness at rest, with strains scaled so that the largest entries of
+        the diagonal are 1."""
         unit = np.sqrt(np.where(self.scale > 0.0, self.scale, 1.0))
         return float(np.linalg.eigvalsh(self.rest[2] / (unit[:, None] * unit))[:, 0].min())
 
@@ -102,8 +102,8 @@ def problems(law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> list[Prob
         found.append(
             Problem(
                 True,
-                f"{law.name}: at rest, where stretch is 1 and curvature and twist are 0, {strongest}: must be "
-                f"zero, or the rod deforms by itself; say @stark.material(stress_free=False) if it is meant",
+                f"{law.name}: at rest, where stretch is 1 and curvature and twist are 0, {strongest}: must "
+                f"be zero, or the rod deforms by itself; say @stark.material(stress_free=False) if it is meant",
             )
         )
     if samples.smallest_stiffness < -_STABLE_TOLERANCE:
@@ -128,9 +128,9 @@ def check(law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> CheckReport:
 
 
 _NOT_FINITE = (
-    "psi or a derivative is not finite at rest, where stretch is 1 and curvature and twist are 0: must be; look "
-    "for a division by zero, or a square root, norm or logarithm of zero, and guard it with stark.where or a "
-    "small offset"
+    "psi or a derivative is not finite at rest, where stretch is 1 and curvature and twist are 0: must be; "
+    "look for a division by zero, or a square root, norm or logarithm of zero, and guard it with stark.where "
+    "or a small offset"
 )
 
 

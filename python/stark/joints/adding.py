@@ -72,8 +72,8 @@ def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats
         return side
     if not isinstance(side, RigidBody):
         raise InvalidArgument(
-            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)) or rod.frame(node), or None for "
-            f"the world"
+            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)) or "
+            f"rod.frame(node), or None for the world"
         )
     origin, axes = scene._core.pose(side._index)
     return rigid_frame(side, axes.T @ (position - origin), axes.T)
