@@ -12,27 +12,28 @@ namespace {
 
 using Point = symbolic::Vec3 (PotentialBuilder::*)(int);
 
-/// Edge and turn of a segment in the frame of its middle; lengths and angles, not yet per rest length.
+/// Edge and material axes of a segment; differences of lengths and angles, not yet per rest length.
 struct SegmentStrain {
-  symbolic::Vec3 edge;      ///< [m] along m1, m2, m3
-  symbolic::Vec3 rotation;  ///< 4 tan(phi/4) about the axis of rotation, which all frames between share
+  symbolic::Vec3 edge_in_frame;  ///< [m] along m1, m2, m3
+  symbolic::Vec3 rotation;       ///< 4 tan(phi/4) about d1, d2, d3
 };
 
 SegmentStrain segment_strain(PotentialBuilder& b, Point p) {
+  const symbolic::Vec3 edge = (b.*p)(1) - (b.*p)(0);
   const auto axis = [&](int node, int k) { return (b.*p)(2 + 3 * node + k); };
-  // Q = R0^T R1 turns by phi about n: axial vector a = sin(phi) n, trace 1 + 2 cos(phi). With
-  // c = cos(phi/2), 4 tan(phi/4) = 2 sin(phi) / (c (1 + c)): close to phi, smooth below half a turn.
+  SegmentStrain strain;
+  // Sums of axes instead of the exact frame halfway: they differ by second order in phi where bending and
+  // twist meet, have half the instructions, and stay bounded up to half a turn.
+  for (int k = 0; k < 3; ++k) strain.edge_in_frame[k] = dot(edge, normalized(axis(0, k) + axis(1, k)));
+  // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi). With c = cos(phi/2),
+  // 4 tan(phi/4) = 2 sin(phi) / (c (1 + c)): close to phi, smooth, and without a kink below half a turn.
   const auto Q = [&](int i, int j) { return dot(axis(0, i), axis(1, j)); };
-  const symbolic::Vec3 a =
-      0.5 * symbolic::Vec3(Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1));
   const Scalar c = 0.5 * sqrt(1.0 + Q(0, 0) + Q(1, 1) + Q(2, 2));
-  // R0 + R1 = M (2 c 1 + 2 (1 - c) n n^T) with the frame M of the middle, and (1 - c) n n^T =
-  // a a^T / (4 c^2 (1 + c)): so M^T e follows from w = (R0 + R1)^T e.
-  const symbolic::Vec3 e = (b.*p)(1) - (b.*p)(0);
-  symbolic::Vec3 w;
-  for (int k = 0; k < 3; ++k) w[k] = dot(e, axis(0, k) + axis(1, k));
-  const Scalar along = dot(a, w) / (4.0 * square(c) * (1.0 + c));
-  return {.edge = (0.5 / c) * (w - along * a), .rotation = (2.0 / (c * (1.0 + c))) * a};
+  const Scalar factor = 1.0 / (c * (1.0 + c));
+  strain.rotation[0] = factor * (Q(2, 1) - Q(1, 2));
+  strain.rotation[1] = factor * (Q(0, 2) - Q(2, 0));
+  strain.rotation[2] = factor * (Q(1, 0) - Q(0, 1));
+  return strain;
 }
 
 Scalar rest_length(PotentialBuilder& b) { return norm(b.X(1) - b.X(0)); }
@@ -40,9 +41,9 @@ Scalar rest_length(PotentialBuilder& b) { return norm(b.X(1) - b.X(0)); }
 RodStrain strain_of(PotentialBuilder& b, Point p) {
   const SegmentStrain now = segment_strain(b, p), rest = segment_strain(b, &PotentialBuilder::X);
   const Scalar inverse_length = 1.0 / rest_length(b);
-  const auto shear = [&](int k) { return (now.edge[k] - rest.edge[k]) * inverse_length; };
+  const auto shear = [&](int k) { return (now.edge_in_frame[k] - rest.edge_in_frame[k]) * inverse_length; };
   const auto turn = [&](int k) { return (now.rotation[k] - rest.rotation[k]) * inverse_length; };
-  return {.stretch = now.edge[2] / rest.edge[2],
+  return {.stretch = now.edge_in_frame[2] / rest.edge_in_frame[2],
           .shear = {shear(0), shear(1)},
           .curvature = {turn(0), turn(1)},
           .twist = turn(2)};

@@ -2,10 +2,10 @@
 // twist, and the segment that supplies them. Phase: model building.
 //
 // A rod is a chain of nodes, each with a position x and a material frame of directors d1, d2 (axes of the
-// cross-section) and d3 (its normal): a geometrically exact rod [Simo 1985, Reissner 1981]. A segment has one
-// quadrature point in its middle, which keeps slender rods free of shear locking. With the rest length L, the
-// edge t = (x1 - x0) / L and the frame m halfway between those of the nodes, the strains are [theory eq. 29,
-// 30]
+// cross-section) and d3 (its normal): a geometrically exact rod [Simo 1985, Reissner 1981] in directors
+// [Romero 2004]. A segment has one quadrature point in its middle, which keeps slender rods free of shear
+// locking. With the rest length L, the edge t = (x1 - x0) / L and the axes m_k of the middle, d_k of the two
+// nodes added and normalised, the strains are [theory eq. 26, 27]
 //     v_k = t . m_k              shear (k = 1, 2) and stretch (k = 3),
 //     u = 4 tan(phi/4) n / L     curvature (1, 2) and twist (3): the rotation from one frame to the other is
 //                                by phi about n,
