@@ -24,7 +24,8 @@ FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& 
 }
 
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                          const FrictionTable& coefficient, std::span<const Vec3> x_start, double time_step) {
+                          const FrictionTable& coefficient, std::span<const Vec3> x_reference,
+                          double duration) {
   std::map<PairKey, double> strengths;
   std::array<std::vector<int32_t>, 3> stencils;
   std::array<std::vector<size_t>, 3> members;
@@ -40,8 +41,8 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   for (int k = 0; k < 3; ++k) {
     PotentialBatch& batch = batches_[k];
     batch.resize(stencils[k]);
-    batch.set_previous(x_start);
-    batch.set_time(time_step, 0.0);
+    batch.set_previous(x_reference);
+    batch.set_time(duration, 0.0);
     const int strength = batch.field_index("strength"), normal = batch.field_index("normal");
     for (int64_t e = 0; e < batch.size(); ++e) {
       const size_t c = members[k][e];

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/mechanics/time_integrator.h>
 #include <stark/sim/model.h>
 #include <stark/sim/step_report.h>
 #include <stark/solve/newton.h>
@@ -110,10 +111,21 @@ class Simulation {
   /// against.
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
-  void predict(double h);
+  /// Sets what the velocities of a step of length h are measured from.
+  void set_reference(double h);
+  /// Predictions and times of all energies, for a step `stretch` times as long as the one that was set.
+  void predict(double h, double stretch);
+  /// Keeps the state for the next step, where the integrator asks for it.
+  void remember_state(double h);
   bool attempt(double h, SolveReport& total);
   void commit(double h);
-  EnergyLedger energies(std::span<const Vec3> x) const;
+  /// Stored energies of the current state with sites at x; contact is left at zero.
+  EnergyLedger stored_energies(std::span<const Vec3> x) const;
+  /// Completes the ledger of the step that has just been committed; `before`: stored energies at its start.
+  EnergyLedger balance(const EnergyLedger& before) const;
+  double prescribed_work() const;
+  double damping_work() const;
+  Momentum momentum() const;
   void finish_report(StepStatus status);
 
   Scene scene_;
@@ -129,6 +141,15 @@ class Simulation {
   SurfaceMesh surface_mesh_;
   State state_;
   StepReport report_;
+  struct Reference {
+    TimeStencil stencil;
+    Configuration place;
+    std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
+    std::vector<Mat3> body_rotation_rate;             ///< [1/s]
+    std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
+  };
+  Reference reference_;
+  EnergyLedger energies_before_;  ///< stored at the start of the last attempt
   std::vector<Vec3> step_start_;  ///< site positions that the last step started from [m]
   BlockMatrix diagonal_hessian_;
   std::vector<double> scratch_gradient_;
