@@ -178,8 +178,8 @@ def _derivative(name: str, samples: Samples, order: int) -> Finding:
 
 def _unstable(samples: Samples) -> str:
     return (
-        f"unstable at rest: the smallest stiffness is {samples.smallest_stiffness:.2g} of the largest, so the "
-        f"rod deforms at once; look at signs and ranges of the parameters"
+        f"unstable at rest: the smallest stiffness is {samples.smallest_stiffness:.2g} of the largest, so "
+        f"the rod deforms at once; look at signs and ranges of the parameters"
     )
 
 
