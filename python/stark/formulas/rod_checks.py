@@ -103,7 +103,8 @@ def problems(law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> list[Prob
             Problem(
                 True,
                 f"{law.name}: at rest, where stretch is 1 and curvature and twist are 0, {strongest}: must "
-                f"be zero, or the rod deforms by itself; say @stark.material(stress_free=False) if it is meant",
+                f"be zero, or the rod deforms by itself; say @stark.material(stress_free=False) if it is "
+                f"meant",
             )
         )
     if samples.smallest_stiffness < -_STABLE_TOLERANCE:
