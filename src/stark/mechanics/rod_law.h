@@ -5,7 +5,7 @@
 // cross-section) and d3 (its normal): a geometrically exact rod [Simo 1985, Reissner 1981] in directors
 // [Romero 2004]. A segment has one quadrature point in its middle, which keeps slender rods free of shear
 // locking. With the rest length L, the edge t = (x1 - x0) / L and the axes m_k of the middle, d_k of the two
-// nodes added and normalised, the strains are [theory eq. 26, 27]
+// nodes added and normalised, the strains are [theory eq. 28, 29]
 //     v_k = t . m_k              shear (k = 1, 2) and stretch (k = 3),
 //     u = 4 tan(phi/4) n / L     curvature (1, 2) and twist (3): the rotation from one frame to the other is
 //                                by phi about n,

@@ -1,5 +1,5 @@
 // Kirchhoff's rod with stretch: psi = (EA (stretch - 1)^2 + B1 k1^2 + B2 k2^2 + C tau^2) / 2 with changes of
-// curvature k and twist tau. [Antman 2005, "Nonlinear Problems of Elasticity", ch. VIII; theory eq. 31]
+// curvature k and twist tau. [Antman 2005, "Nonlinear Problems of Elasticity", ch. VIII; theory eq. 30]
 #include <stark/mechanics/define.h>
 
 namespace stark::models {

@@ -1,6 +1,6 @@
 // Kelvin-Voigt damping of a rod: the stiffnesses of the section times a relaxation time resist the rates of
 // stretch, curvature and twist, as the incremental potential tau/(2h) sum_i K_i (e_i - e_i^n)^2. [Lang,
-// Linn, Arnold 2011, "Multi-body dynamics simulation of geometrically exact Cosserat rods"; theory eq. 32]
+// Linn, Arnold 2011, "Multi-body dynamics simulation of geometrically exact Cosserat rods"; theory eq. 31]
 #include <stark/mechanics/define.h>
 
 namespace stark::models {
