@@ -28,6 +28,8 @@ def text() -> str:
         stark.ShellMaterial.markdown(),
         "## Materials of solids (`stark.SolidMaterial`)",
         stark.SolidMaterial.markdown(),
+        "## Materials of rods (`stark.RodMaterial`)",
+        stark.RodMaterial.markdown(),
         "## Constitutive laws (`stark.materials`)",
         "Functions that make a material of another law than its class has: `stark.materials.neo_hookean("
         "youngs_modulus=1e5)`. Parameters may have a value for each element. Cloth of a law with directions "
@@ -77,7 +79,7 @@ def joint_row(joint: JointFormula) -> str:
     return f"| `{joint.name}` | {joint.doc} | {coordinates} | {constants} |"
 
 
-def values(material: stark.ShellMaterial | stark.SolidMaterial) -> str:
+def values(material: stark.ShellMaterial | stark.SolidMaterial | stark.RodMaterial) -> str:
     """All parameters of a material in one cell of a table."""
     return ", ".join(f"{name} {value:.6g}" for name, value in material.to_dict().items())
 

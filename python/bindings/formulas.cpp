@@ -177,6 +177,8 @@ PointSet to_point_set(const nb::dict& given) {
   if (kind == "world") return world_points(local());
   if (kind == "point") return body_points(body(), local());
   if (kind == "direction") return body_directions(body(), local());
+  if (kind == "node_point") return node_points(body(), nb::cast<int32_t>(given["node"]), local());
+  if (kind == "node_direction") return node_directions(body(), nb::cast<int32_t>(given["node"]), local());
   if (kind == "vertices") {
     const auto indices =
         array<Column<int32_t>>(given["vertices"], "vertices", "a flat array of vertex indices");
@@ -268,6 +270,8 @@ void bind_formulas(nanobind::module_& m) {
       .def("statistics", &statistics, "backend"_a = "automatic");
   m.def("solid_law", &law_of<SolidLaw, solid_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
         "Law of solids from a formula of 3 points, the columns of the deformation gradient.");
+  m.def("rod_law", &rod_law_from, "name"_a, "doc"_a, "formula"_a,
+        "Law of a rod from a formula of the points (0, 0, stretch) and (curvature 1, curvature 2, twist).");
   m.def("shell_law", &law_of<ShellLaw, shell_law_from>, "name"_a, "doc"_a, "formula"_a, "isotropic"_a,
         "Law of shells from a formula of 2 points, the columns of the deformation gradient.");
   m.def(
@@ -276,5 +280,8 @@ void bind_formulas(nanobind::module_& m) {
   m.def(
       "element_formula", [](const ShellLaw& law) { return formula_of(triangle3(law)); }, "law"_a,
       "A law on triangles.");
+  m.def(
+      "element_formula", [](const RodLaw& law) { return formula_of(rod_segment(law)); }, "law"_a,
+      "A law on segments of rods.");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }

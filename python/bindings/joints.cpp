@@ -49,7 +49,8 @@ Vec3 to_point(nb::handle given, const std::string& name) {
   return {numbers.data()[0], numbers.data()[1], numbers.data()[2]};
 }
 
-/// {"carrier": "world" | "body" | "patch", "body": index, "position", "rotation" (9,), "vertices": (3,)}
+/// {"carrier": "world" | "body" | "patch" | "node", "body": index, "position", "rotation" (9,),
+/// "vertices": (3,), "node": index}
 FrameDescription to_frame(const nb::dict& given) {
   const auto carrier = nb::cast<std::string>(given["carrier"]);
   const Vec3 position = to_point(given["position"], "frame position");
@@ -60,6 +61,7 @@ FrameDescription to_frame(const nb::dict& given) {
   if (carrier == "world") return world_frame(position, rotation);
   const BodyId body{nb::cast<int32_t>(given["body"])};
   if (carrier == "body") return body_frame(body, position, rotation);
+  if (carrier == "node") return node_frame(body, nb::cast<int32_t>(given["node"]), position, rotation);
   const auto vertices = array<Column<int32_t>>(given["vertices"], "frame vertices", "three vertex indices");
   if (vertices.shape(0) != 3) throw InvalidArgument("frame vertices: must be three vertex indices");
   return patch_frame(body, {vertices.data()[0], vertices.data()[1], vertices.data()[2]}, position, rotation);

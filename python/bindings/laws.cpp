@@ -16,6 +16,7 @@ using namespace stark::bindings;
 
 PotentialDefinition linear_element(const SolidLaw& law) { return tet4(law); }
 PotentialDefinition linear_element(const ShellLaw& law) { return triangle3(law); }
+PotentialDefinition linear_element(const RodLaw& law) { return rod_segment(law); }
 
 /// Checks {name: (numbers, per_element)} against the declarations of the law; other names are not its
 /// business.
@@ -48,6 +49,8 @@ void bind_law(nb::module_& m, const char* name, const char* doc) {
 void bind_laws(nb::module_& m) {
   bind_law<SolidLaw>(m, "SolidLaw", "Stored energy of a solid as a formula of the deformation gradient.");
   bind_law<ShellLaw>(m, "ShellLaw", "Stored energy of a membrane as a formula of the deformation gradient.");
+  bind_law<RodLaw>(m, "RodLaw", "Stored energy of a rod as a formula of stretch, curvature and twist.");
+  m.def("rod_laws", registered_rod_laws, "All built-in laws of rods.");
   m.def("solid_laws", registered_solid_laws, "All built-in laws of solids.");
   m.def("shell_laws", registered_shell_laws, "All built-in laws of membranes that are formulas of F.");
 }

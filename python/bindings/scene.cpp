@@ -248,6 +248,19 @@ SolidDescription solid_of(const nb::dict& given, const SolidMaterial& material) 
   return body;
 }
 
+RodDescription rod_of(const nb::dict& given, const RodMaterial& material) {
+  std::string owner;
+  auto body = description_of<RodDescription>(given, owner, "rod");
+  body.material = material;
+  read_law(given, owner, body);
+  if (!given["initial_positions"].is_none())
+    body.initial_positions = points_of(given["initial_positions"], owner + ": initial_positions");
+  if (!given["normal"].is_none()) body.normal = vector_of(given["normal"], owner + ": normal");
+  body.self_contact = nb::cast<bool>(given["self_contact"]);
+  body.rest_shape = choice_of<RestShape>(nb::cast<std::string>(given["rest_shape"]), owner + ": rest_shape");
+  return body;
+}
+
 RigidDescription rigid_of(const nb::dict& given) {
   std::string owner;
   auto body = description_of<RigidDescription>(given, owner, "rigid body");
@@ -278,6 +291,18 @@ nb::dict inertia_to_dict(const RigidInertia& inertia) {
   return dict;
 }
 
+nb::dict section_to_dict(const RodMaterial& material) {
+  const RodSection section = section_of(material);
+  nb::dict dict;
+  dict["mass"] = section.mass;
+  dict["axial_stiffness"] = section.axial_stiffness;
+  dict["shear_stiffness"] = section.shear_stiffness;
+  dict["bending_stiffness_1"] = section.bending_stiffness[0];
+  dict["bending_stiffness_2"] = section.bending_stiffness[1];
+  dict["torsional_stiffness"] = section.torsional_stiffness;
+  return dict;
+}
+
 void bind_scene_class(nb::module_& m) {
   nb::class_<Scene>(m, "Scene",
                     "Description of what is simulated; bodies are indices in the order of adding.")
@@ -298,6 +323,30 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "add_rigid", [](Scene& s, const nb::dict& given) { return s.add_rigid(rigid_of(given)).index; },
           "description"_a)
+      .def(
+          "add_rod",
+          [](Scene& s, const nb::dict& given, const RodMaterial& material) {
+            return s.add_rod(rod_of(given, material)).index;
+          },
+          "description"_a, "material"_a)
+      .def(
+          "clamp",
+          [](Scene& s, int32_t body, nb::handle nodes) {
+            const auto indices =
+                array<Column<int32_t>>(nodes, "'" + s.name({body}) + "': clamped nodes", "a row of indices");
+            s.clamp({body}, values(indices));
+          },
+          "body"_a, "nodes"_a)
+      .def(
+          "clamped",
+          [](const Scene& s, int32_t body) {
+            return to_numpy<int32_t>(std::vector<int32_t>(s.pins({body}).clamped));
+          },
+          "body"_a)
+      .def(
+          "initial_frames",
+          [](const Scene& s, int32_t body) { return to_numpy<double>(s.initial_frames({body})); }, "body"_a,
+          "Frames of the nodes of a rod at time 0 (n, 3, 3).")
       .def(
           "pin",
           [](Scene& s, int32_t body, nb::handle vertices) {
@@ -375,6 +424,11 @@ void bind_scene(nb::module_& m) {
   bind_settings(m);
   bind_described<ShellMaterial>(m, "ShellMaterial", "Parameters of cloth and thin shells.");
   bind_described<SolidMaterial>(m, "SolidMaterial", "Parameters of soft solids.");
+  bind_described<RodMaterial>(m, "RodMaterial", "Parameters of rods.");
+  m.def("rod_section", &section_to_dict, "material"_a, "What the cross-section gives a rod.");
+  m.def(
+      "rod_presets", [] { return bind_presets(materials::rod_presets()); },
+      "(name, source, material) of each.");
   m.def(
       "shell_presets", [] { return bind_presets(materials::shell_presets()); },
       "(name, source, material) of each.");

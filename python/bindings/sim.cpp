@@ -271,6 +271,14 @@ void bind_simulation(nb::module_& m) {
              const auto t = array<Rows<double, 3>>(targets, "targets", "an (n, 3) array of positions");
              s.set_pin_targets(BodyId{body}, rows<Vec3>(t));
            })
+      .def("frames", [](const Simulation& s, int body) { return to_numpy<double>(s.frames(BodyId{body})); })
+      .def("clamp_targets",
+           [](const Simulation& s, int body) { return to_numpy<double>(s.clamp_targets(BodyId{body})); })
+      .def("set_clamp_targets",
+           [](Simulation& s, int body, nb::object targets) {
+             const auto t = array<Rows<double, 9>>(targets, "targets", "an (n, 9) array of rotations");
+             s.set_clamp_targets(BodyId{body}, rows<Mat3>(t));
+           })
       .def("set_energy_value", &set_energy_value, "energy"_a, "name"_a, "values"_a)
       .def(
           "element_energies",

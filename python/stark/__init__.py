@@ -28,8 +28,9 @@ from stark._core import (  # noqa: E402
     __version__,
 )
 from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
-from stark.materials import ShellMaterial, SolidMaterial  # noqa: E402
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
+from stark.rods import Rod  # noqa: E402
 from stark.rotations import deg, rotation, to_quaternion  # noqa: E402
 from stark.scene import Scene, StarkWarning  # noqa: E402
 from stark.sensors import Contacts, Imu  # noqa: E402
@@ -89,6 +90,8 @@ __all__ = [
     "InvalidMesh",
     "InvalidSetting",
     "RigidBody",
+    "Rod",
+    "RodMaterial",
     "Scene",
     "Settings",
     "ShellMaterial",

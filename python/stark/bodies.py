@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.mesh import Indices, Points, SolidMesh, TetMesh, TriangleMesh
+from stark.mesh import Indices, Points, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, vector
 from stark.sensors import ContactSensors, InertialSensors
 
@@ -31,7 +31,7 @@ class Body(ContactSensors):
     kind: str = ""
 
     def __init__(
-        self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh | SolidMesh, color: Any = None
+        self, scene: Scene, index: int, mesh: TriangleMesh | TetMesh | SolidMesh | Polyline, color: Any = None
     ) -> None:
         self._scene = scene
         self._index = index
@@ -51,7 +51,7 @@ class Body(ContactSensors):
         return self._scene._core.motion(self._index)
 
     @property
-    def mesh(self) -> TriangleMesh | TetMesh | SolidMesh:
+    def mesh(self) -> TriangleMesh | TetMesh | SolidMesh | Polyline:
         """The mesh it was made from, in the frame of the body [m]."""
         return self._mesh
 

@@ -1,8 +1,8 @@
 """Materials: immutable parameter sets with units, presets, and constitutive laws.
 
-``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``; every preset says where its numbers come
-from in ``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The parameters, their
-units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them.
+``stark.materials.cotton``, ``towel``, ``soft_rubber``, ``silicone``, ``steel_wire``; every preset says where
+its numbers come from in ``.source``. ``cotton.replace(bending_stiffness=1e-5)`` gives a changed copy. The
+parameters, their units and ranges are declared once in the core; ``ShellMaterial.parameters()`` lists them.
 
 Materials of another law than Neo-Hookean come from the function of its name::
 
@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
-from stark._core import InvalidArgument, ShellLaw, SolidLaw
+from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
 
-_CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial)
-_Law: TypeAlias = SolidLaw | ShellLaw
+_CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)
+_Law: TypeAlias = SolidLaw | ShellLaw | RodLaw
 _Fields: TypeAlias = dict[str, NDArray[np.float64]]
 
 
@@ -192,6 +192,7 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
     strain_limit: float
     strain_limit_stiffness: float
     bending_stiffness: float
+    flexural_rigidity: float
     mass_damping: float
     strain_damping: float
     bending_damping: float
@@ -210,6 +211,35 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
     strain_limit_stiffness: float
     mass_damping: float
     strain_damping: float
+
+
+class RodMaterial(_Material[_core.RodMaterial]):
+    """Rods: Kirchhoff's rod with stretch unless another ``law`` is given. The section is round, or
+    rectangular with ``width`` along the first axis and ``height`` along the second one; stiffnesses that are
+    given replace those of the section."""
+
+    __slots__ = ()
+    _core_type = _core.RodMaterial
+    _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.rod_laws()}
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    radius: float
+    width: float
+    height: float
+    axial_stiffness: float
+    shear_stiffness: float
+    bending_stiffness_1: float
+    bending_stiffness_2: float
+    torsional_stiffness: float
+    mass_damping: float
+    strain_damping: float
+
+    @property
+    def section(self) -> dict[str, float]:
+        """What the section gives the rod: mass [kg/m], axial_stiffness and shear_stiffness [N],
+        bending_stiffness_1, bending_stiffness_2 and torsional_stiffness [N m^2]."""
+        return _core.rod_section(self._core)
 
 
 solid_laws: dict[str, SolidLaw] = SolidMaterial._laws
@@ -260,10 +290,13 @@ orthotropic_cloth: Callable[..., ShellMaterial] = _material_of(ShellMaterial, sh
 _shells = {name: ShellMaterial._of(core, name, source) for name, source, core in _core.shell_presets()}
 _solids = {name: SolidMaterial._of(core, name, source) for name, source, core in _core.solid_presets()}
 
+_rods = {name: RodMaterial._of(core, name, source) for name, source, core in _core.rod_presets()}
+
 cotton: ShellMaterial = _shells["cotton"]
 towel: ShellMaterial = _shells["towel"]
 soft_rubber: SolidMaterial = _solids["soft_rubber"]
 silicone: SolidMaterial = _solids["silicone"]
+steel_wire: RodMaterial = _rods["steel_wire"]
 
-presets: dict[str, ShellMaterial | SolidMaterial] = {**_shells, **_solids}
+presets: dict[str, ShellMaterial | SolidMaterial | RodMaterial] = {**_shells, **_solids, **_rods}
 """All presets by name."""

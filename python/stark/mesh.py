@@ -219,6 +219,30 @@ class SolidMesh(_MeshBase):
         return f"SolidMesh({len(self.vertices)} vertices, {len(self.elements)} elements: {kind})"
 
 
+class Polyline(_MeshBase):
+    """Chain of points for rods: ``vertices`` (n, 3) float64 [m], each joined to the next."""
+
+    def __init__(self, vertices: ArrayLike) -> None:
+        self.__dict__["vertices"] = _points(vertices, "Polyline: vertices")
+
+    def _with(self, vertices: Points) -> Polyline:
+        return Polyline(vertices)
+
+    @property
+    def edges(self) -> Indices:
+        """Edges (n - 1, 2) as indices of ``vertices``."""
+        first = np.arange(len(self.vertices) - 1, dtype=np.int32)
+        return np.column_stack([first, first + 1]).astype(np.int32)
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return float(np.linalg.norm(np.diff(self.vertices, axis=0), axis=1).sum())
+
+    def __repr__(self) -> str:
+        return f"Polyline({len(self.vertices)} points, {self.length:g} m)"
+
+
 Mesh: TypeAlias = TriangleMesh | TetMesh | SolidMesh
 
 
@@ -267,6 +291,21 @@ def as_solid_mesh(mesh: Any, name: str) -> TetMesh | SolidMesh:
     if is_pair and np.ndim(mesh[1]) == 2 and np.shape(mesh[1])[1] in (8, 10, 27):
         return _named(name, SolidMesh, mesh[0], mesh[1])
     return as_tet_mesh(mesh, name)
+
+
+def as_polyline(mesh: Any, name: str) -> Polyline:
+    """A Polyline, or an array of points (n, 3)."""
+    if isinstance(mesh, Polyline):
+        return mesh
+    if isinstance(mesh, (TriangleMesh, TetMesh, SolidMesh)):
+        raise InvalidMesh(
+            f"{name}: got a {type(mesh).__name__}, need a stark.mesh.Polyline or points (n, 3); use "
+            f"stark.mesh.polyline(start, end, segments)"
+        )
+    try:
+        return Polyline(mesh)
+    except InvalidMesh as error:
+        raise InvalidMesh(f"{name}: {error}") from None
 
 
 def _named(name: str, kind: type[Any], vertices: ArrayLike, elements: ArrayLike) -> Any:
@@ -437,6 +476,22 @@ def torus(
             _count(minor_segments, "torus: minor_segments", 3),
         )
     )
+
+
+def polyline(start: ArrayLike, end: ArrayLike, segments: int) -> Polyline:
+    """Straight chain from ``start`` to ``end`` [m] with equal edges."""
+    a, b = vector(start, "polyline: start"), vector(end, "polyline: end")
+    t = np.linspace(0.0, 1.0, _count(segments, "polyline: segments") + 1)[:, None]
+    return Polyline(a + t * (b - a))
+
+
+def helix(radius: float, pitch: float, turns: float, segments: int) -> Polyline:
+    """Helix about z that starts at (radius, 0, 0) and rises by ``pitch`` [m] a turn; ``segments`` in all."""
+    r, rise = _positive(radius, "helix: radius"), float(pitch)
+    angle = np.linspace(
+        0.0, 2.0 * np.pi * _positive(turns, "helix: turns"), _count(segments, "helix: segments") + 1
+    )
+    return Polyline(np.column_stack([r * np.cos(angle), r * np.sin(angle), rise * angle / (2.0 * np.pi)]))
 
 
 def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMesh:

@@ -14,7 +14,8 @@ from stark import mesh as meshes
 from stark._core import InvalidArgument
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.joints.scene_joints import SceneJoints
-from stark.materials import ShellMaterial, SolidMaterial
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
+from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
 
 if TYPE_CHECKING:
@@ -169,6 +170,67 @@ class Scene(SceneJoints):
         if pins is not None:
             solid.pin(pins)
         return solid
+
+    def add_rod(
+        self,
+        points: Any,
+        material: RodMaterial = materials.steel_wire,
+        *,
+        name: str | None = None,
+        position: Vec3Like = _ZERO,
+        rotation: ArrayLike | None = None,
+        velocity: Vec3Like = _ZERO,
+        angular_velocity: Vec3Like = _ZERO,
+        initial_positions: ArrayLike | None = None,
+        rest_shape: str = "mesh",
+        normal: Vec3Like | None = None,
+        pins: ArrayLike | None = None,
+        clamps: ArrayLike | None = None,
+        self_contact: bool = True,
+        contact_distance: float | None = None,
+        friction: float | None = None,
+        color: Vec3Like | None = None,
+    ) -> Rod:
+        """Adds a thin elastic rod along ``points`` (n, 3) [m], its nodes: an array or a
+        ``stark.mesh.polyline``, ``helix``.
+
+        ``rest_shape`` is "mesh" (the rod is at rest where the points are) or "straight" (without curvature
+        and twist, with the same lengths). ``normal`` is the first axis of the section at the first node, in
+        the frame of the body; the others follow along the rod without twist. ``pins``: nodes with prescribed
+        positions; ``clamps``: nodes with prescribed positions and frames. ``contact_distance`` [m] is the
+        radius of the section, or half its thickness, if left out. Other arguments as in ``add_cloth``."""
+        _require(material, RodMaterial, "rod", "stark.materials.steel_wire")
+        chain = meshes.as_polyline(points, _title("rod", name))
+        given = self._description(
+            name,
+            chain.vertices,
+            position,
+            rotation,
+            velocity,
+            angular_velocity,
+            contact_distance,
+            friction,
+            color,
+        )
+        given |= {
+            "initial_positions": initial_positions,
+            "normal": normal,
+            "rest_shape": rest_shape,
+            "self_contact": bool(self_contact),
+            **material._description(),
+        }
+        _check_pins(pins, len(chain.vertices), _title("rod", name))
+        _check_pins(clamps, len(chain.vertices), _title("rod", name))
+        rod = Rod(self, self._core.add_rod(given, material._core), chain, color)
+        rod._shared["material"] = material
+        if initial_positions is not None:
+            rod._rest_placement = given["position"], given["rotation"]
+        self._append(rod)
+        if pins is not None:
+            rod.pin(pins)
+        if clamps is not None:
+            rod.clamp(clamps)
+        return rod
 
     # --- rigid bodies ---
 

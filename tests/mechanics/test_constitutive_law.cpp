@@ -60,7 +60,8 @@ void check_same(const PotentialDefinition& a, const PotentialDefinition& b) {
 
 TEST_CASE("a law without memory asks for no past, a viscous one does") {
   const auto remembers = [](const PotentialDefinition& definition) {
-    for (const ElementField& field : Potential(definition, Backend::Interpreter).element_fields())
+    const Potential potential(definition, Backend::Interpreter);
+    for (const ElementField& field : potential.element_fields())
       if (field.source == ElementField::Source::Previous) return true;
     return false;
   };

@@ -12,6 +12,13 @@ TEST_CASE("free points come first, then free bodies with two blocks each") {
   CHECK(layout.block_count == 6);
 }
 
+TEST_CASE("translation and rotation are prescribed one without the other") {
+  const DofLayout layout = DofLayout::build({false}, {false, true, true, false}, {true, false, true, false});
+  CHECK(layout.body_block == std::vector<int32_t>{1, kNoBlock, kNoBlock, 3});
+  CHECK(layout.rotation_block == std::vector<int32_t>{kNoBlock, 2, kNoBlock, 4});
+  CHECK(layout.block_count == 5);
+}
+
 TEST_CASE("a scene of prescribed parts has no unknowns") {
   const DofLayout layout = DofLayout::build({true, true}, {true});
   CHECK(layout.block_count == 0);

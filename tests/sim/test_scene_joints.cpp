@@ -288,7 +288,8 @@ TEST_CASE("joints that cannot be built are refused") {
   refused({.definition = ball, .a = body_frame(body, {}), .b = body_frame(body, {})},
           "must be of two bodies");
   refused({.definition = ball, .a = world_frame({}), .b = body_frame(cloth, {})}, "only rigid bodies");
-  refused({.definition = ball, .a = world_frame({}), .b = patch_frame(body, {0, 1, 2}, {})}, "is rigid");
+  refused({.definition = ball, .a = world_frame({}), .b = patch_frame(body, {0, 1, 2}, {})},
+          "is a rigid body");
   refused({.definition = ball, .a = world_frame({}), .b = patch_frame(cloth, {0, 1, 2}, {})}, "no area");
   refused({.definition = ball, .a = world_frame({}), .b = patch_frame(cloth, {0, 1, 9}, {})}, "in [0, 9)");
   refused({.definition = find_joint("distance"), .a = world_frame({}), .b = body_frame(body, {})},

@@ -48,11 +48,15 @@ class Inputs:
         """Column of a strain F as the point j, named F[i,j]."""
         value = Vec(getattr(self.builder, kind)(j))
         for i, entry in enumerate(value.entries):
-            self.builder.set_name(entry, f"{label}[{i},{j}]")
-            self._labels.setdefault(label, []).append(entry.id)
-            if kind == "x":
-                self.unknowns[entry.id] = i
+            self.strain(entry, kind, i, label, f"{label}[{i},{j}]")
         return value
+
+    def strain(self, entry: Scalar, kind: str, coordinate: int, label: str, name: str) -> None:
+        """Names a coordinate of a point that is part of a strain, the argument ``label``."""
+        self.builder.set_name(entry, name)
+        self._labels.setdefault(label, []).append(entry.id)
+        if kind == "x":
+            self.unknowns[entry.id] = coordinate
 
     def nodes_of(self, argument: str) -> list[int]:
         """Inputs that belong to a clock or a strain."""

@@ -16,7 +16,7 @@
     scene.add_solid(mesh, rubber)
 
 The result is the stored energy per rest volume [J/m^3]; the core differentiates and compiles it with its
-elements."""
+elements. Laws of rods are in rod_material.py."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ import inspect
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,7 +39,7 @@ from stark.formulas.inspection import FormulaStatistics
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.formulas.tracing import clock_symbol, parameter_symbols, scalar_result, unused_text
-from stark.materials import ShellMaterial, SolidMaterial
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.symbolic.errors import definition_of, formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.signature import ArgumentType, Matrix
@@ -50,6 +50,7 @@ ShellDeformationGradient = Matrix[3, 2]
 CauchyGreen = Matrix[2, 2]
 
 _RESERVED = frozenset({"law", "name", "source", "base", "time", "time_step", "thickness", "warp_direction"})
+ROD_STRAINS = ("stretch", "curvature", "twist")
 _STRAINS = {
     (3, 3): ("F", "solid"),
     (3, 2): ("F", "shell"),
@@ -57,7 +58,8 @@ _STRAINS = {
 }
 _NEED = (
     "the first argument must be the strain: F: stark.DeformationGradient (3x3, solids), "
-    "F: stark.ShellDeformationGradient (3x2) or C: stark.CauchyGreen (2x2, shells)"
+    "F: stark.ShellDeformationGradient (3x2) or C: stark.CauchyGreen (2x2, shells), or arguments named "
+    "stretch, curvature, twist (rods)"
 )
 
 
@@ -96,24 +98,32 @@ class MaterialLaw:
         self.__signature__ = inspect.Signature([*shown, others])
 
     def __call__(
-        self, *args: Any, base: SolidMaterial | ShellMaterial | None = None, name: str = "", **given: Any
+        self,
+        *args: Any,
+        base: SolidMaterial | ShellMaterial | RodMaterial | None = None,
+        name: str = "",
+        **given: Any,
     ) -> Any:
         """A material of this law. Keywords are the parameters of the law, each a number or an array with a
         value for each element, and those of the material (density, thickness, damping, ...), which come from
         ``base`` where they are left out. Called with a strain instead: its energy density."""
         if args:
             return self._function(*args, **given)
-        kind = SolidMaterial if self.is_solid else ShellMaterial
+        kind = self.material_type
         if base is not None and not isinstance(base, kind):
             raise InvalidArgument(
-                f"{self.name}: base = {base!r}: must be a stark.{kind.__name__}, the law is one of "
-                f"{'solids' if self.is_solid else 'shells'}"
+                f"{self.name}: base = {base!r}: must be a stark.{kind.__name__}, for which the law is"
             )
         values = {p.name: self._value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
         self.checked(values)
         inherited = {} if base is None else base._core.to_dict()
         flat = {p.name: _flattened(p, values[p.name]) for p in self.parameters}
         return kind(law=self.law(values), name=name or self.name, **{**inherited, **given, **flat})
+
+    @property
+    def material_type(self) -> type[Any]:
+        """The class of its materials."""
+        return SolidMaterial if self.is_solid else ShellMaterial
 
     @property
     def is_solid(self) -> bool:
@@ -157,12 +167,15 @@ class MaterialLaw:
     def checked(self, values: Mapping[str, np.ndarray]) -> None:
         """Raises InvalidArgument for a law that is not finite or has stresses at rest, and warns of one that
         is not objective or not stable, unless it is declared so."""
-        for problem in law_checks.problems(self, values):
+        for problem in self._problems(values):
             if problem.is_error:
                 raise InvalidArgument(f"{problem.text}\n{self.location}")
             from stark.scene import StarkWarning
 
             warnings.warn(f"{problem.text}\n{self.location}", StarkWarning, stacklevel=3)
+
+    def _problems(self, values: Mapping[str, np.ndarray]) -> list[law_checks.Problem]:
+        return law_checks.problems(self, values)
 
     def law(self, values: Mapping[str, np.ndarray]) -> Any:
         """The law of the core."""
@@ -196,12 +209,11 @@ class MaterialLaw:
             return self._recorded
 
     def _record(self) -> tuple[_core.Formula, ExpressionGraph]:
-        inputs = Inputs(list(range(self.directions)))
-        name, _ = self._strain
-        values: list[object] = [self._strain_symbols(inputs, "x", name)]
+        inputs = Inputs(list(range(self._point_count)))
+        values: list[object] = self._strains(inputs)
         for argument in self.arguments:
             if isinstance(argument, Past):
-                values.append(self._strain_symbols(inputs, "x_prev", argument.name))
+                values.append(self._past(inputs, argument))
             elif isinstance(argument, ClockArgument):
                 values.append(clock_symbol(inputs, argument))
             else:
@@ -209,10 +221,11 @@ class MaterialLaw:
         with recording(self.name):
             result = self._function(*values)
         output = scalar_result(self.name, result, self._function)
-        title = f"{self.name}({', '.join([name, *(a.name for a in self.arguments)])})"
+        title = f"{self.name}({', '.join([*self._strain_names, *(a.name for a in self.arguments)])})"
         graph = ExpressionGraph(title, [output])
-        if not any(node in graph.nodes for node in inputs.unknowns):
-            raise formula_error(self.name, f"the energy does not depend on {name}", self._function)
+        for name in self._strain_names:
+            if not any(node in graph.nodes for node in inputs.nodes_of(name)):
+                raise formula_error(self.name, f"the energy does not depend on {name}", self._function)
         formula = inputs.builder.finish([output])
         known = {row["name"] for row in formula.fields}
         for argument in self.arguments:
@@ -224,6 +237,22 @@ class MaterialLaw:
             if not occurs:
                 raise formula_error(self.name, unused_text(argument.name), self._function)
         return formula, graph
+
+    @property
+    def _point_count(self) -> int:
+        """Points of the formula."""
+        return self.directions
+
+    @property
+    def _strain_names(self) -> tuple[str, ...]:
+        """The arguments that are strains; they come first."""
+        return (self._strain[0],)
+
+    def _strains(self, inputs: Inputs) -> list[object]:
+        return [self._strain_symbols(inputs, "x", self._strain[0])]
+
+    def _past(self, inputs: Inputs, argument: Past) -> object:
+        return self._strain_symbols(inputs, "x_prev", argument.name)
 
     def _strain_symbols(self, inputs: Inputs, kind: str, label: str) -> Mat:
         """F, or C of it, from the columns that are the points of the formula."""
@@ -243,11 +272,13 @@ def material(
     isotropic: bool | None = None,
 ) -> Any:
     """Decorator: makes a constitutive law of a function of the strain and parameters, which returns the
-    energy per rest volume [J/m^3].
+    energy per rest volume [J/m^3], of rods per rest length [J/m].
 
     The first argument is F: stark.DeformationGradient (3x3) for solids, F: stark.ShellDeformationGradient
-    (3x2) or C: stark.CauchyGreen (2x2) for shells. F_prev (C_prev), stark.TimeStep and stark.Time may follow
-    for viscous laws; all other arguments are parameters as in ``@stark.energy``.
+    (3x2) or C: stark.CauchyGreen (2x2) for shells. Laws of rods start with some of the arguments stretch
+    (1 at rest), curvature (two numbers: changes about the axes d1 and d2 [1/m]) and twist (change [rad/m]),
+    known by their names. F_prev (C_prev, stretch_prev, ...), stark.TimeStep and stark.Time may follow for
+    viscous laws; all other arguments are parameters as in ``@stark.energy``.
 
     stress_free, objective: False for a law that has stresses at rest, or depends on the orientation in space,
     on purpose. isotropic: whether the material directions are equivalent, found out by tests if None; cloth
@@ -258,18 +289,32 @@ def material(
     name = getattr(function, "__name__", "material")
     signature = signature_of(function, name, dict(sys._getframe(1).f_locals))
     parameters = list(signature.parameters.values())
+    if parameters and parameters[0].name in ROD_STRAINS:
+        from stark.formulas.rod_material import rod_material
+
+        return rod_material(function, name, parameters, declared)
     shape = getattr(parameters[0].annotation, "shape", None) if parameters else None
     if shape not in _STRAINS:
         raise formula_error(name, _NEED, function)
-    arguments: list[Parameter | ClockArgument | Past] = []
     strain = parameters[0].name
     for parameter in parameters[1:]:
+        if parameter.name == f"{strain}_prev" and getattr(parameter.annotation, "shape", None) != shape:
+            raise formula_error(name, f"'{parameter.name}' must have the type of '{strain}'", function)
+    arguments = read_others(parameters[1:], {f"{strain}_prev"}, name, function)
+    assert isinstance(parameters[0].annotation, ArgumentType)
+    return MaterialLaw(function, (strain, shape), arguments, declared)
+
+
+def read_others(
+    parameters: Sequence[inspect.Parameter], pasts: Set[str], name: str, function: Callable[..., object]
+) -> list[Parameter | ClockArgument | Past]:
+    """Arguments behind the strains: strains of the past, which have the names `pasts`, clocks, parameters."""
+    arguments: list[Parameter | ClockArgument | Past] = []
+    for parameter in parameters:
         clock = read_clock(parameter)
         if clock is not None:
             arguments.append(clock)
-        elif parameter.name == f"{strain}_prev":
-            if getattr(parameter.annotation, "shape", None) != shape:
-                raise formula_error(name, f"'{parameter.name}' must have the type of '{strain}'", function)
+        elif parameter.name in pasts:
             arguments.append(Past(parameter.name))
         elif parameter.name in _RESERVED:
             raise formula_error(
@@ -279,8 +324,7 @@ def material(
             arguments.append(
                 read_parameter(parameter, name, function, "float, stark.Vec3, stark.Mat3 or stark.TimeStep")
             )
-    assert isinstance(parameters[0].annotation, ArgumentType)
-    return MaterialLaw(function, (strain, shape), arguments, declared)
+    return arguments
 
 
 def _flattened(parameter: Parameter, value: np.ndarray) -> Any:

@@ -43,7 +43,8 @@ class Points:
     def __getitem__(self, key: Any) -> Points:
         """Some of the points: an index, a slice, indices or a mask. An index gives a set of one point."""
         rows = _rows(key, len(self), repr(self))
-        chosen = Points(self.body, self._kind, {k: v[rows] for k, v in self._columns.items()}, self._initial)
+        columns = {k: v if k == "node" else v[rows] for k, v in self._columns.items()}
+        chosen = Points(self.body, self._kind, columns, self._initial)
         chosen.is_direction = self.is_direction
         return chosen
 
@@ -211,6 +212,29 @@ def rigid_frame(body: Body, position: ArrayLike, rotation: ArrayLike | None) -> 
     axes = as_matrix(rotation, f"{owner}: rotation")
     origin = vector(position, f"{owner}: position")
     columns = [local_points(body, origin), *(local_directions(body, axes[:, i]) for i in range(3))]
+    return FrameHandle("sites", columns, {})
+
+
+def node_frame(body: Body, node: int, position: ArrayLike, rotation: ArrayLike | None) -> FrameHandle:
+    """Frame carried by a node of a rod; position [m] and rotation in the frame of the node, whose axes are
+    d1, d2 of the section and d3 along the rod."""
+    owner = f"'{body.name}': frame"
+    count = len(body.mesh.vertices)
+    if isinstance(node, bool) or not isinstance(node, (int, np.integer)) or not -count <= node < count:
+        raise InvalidArgument(f"{owner}: node = {node!r}: must be the index of a node in [0, {count})")
+    k = int(node) % count
+    axes = as_matrix(rotation, f"{owner}: rotation")
+    origin = vector(position, f"{owner}: position")
+
+    def place(points: Points) -> Floats:
+        frames = body._scene._core.initial_frames(body._index).reshape(-1, 3, 3)
+        turned = points._columns["local"] @ frames[k].T
+        return turned if points.is_direction else turned + _vertices_at_start(body)[k]
+
+    columns = [Points(body, "node_point", {"local": origin[None], "node": k}, place)]
+    for i in range(3):
+        columns.append(Points(body, "node_direction", {"local": axes[:, i][None].copy(), "node": k}, place))
+        columns[-1].is_direction = True
     return FrameHandle("sites", columns, {})
 
 

@@ -14,6 +14,7 @@ from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.formulas.points import FrameHandle, rigid_frame, world_frame
 from stark.joints.definition import JointFormula, built_in
 from stark.joints.handle import Joint
+from stark.rods import Rod
 from stark.rotations import as_matrix, vector
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ def add_joint(
     place = None
     if anchor is not None or axis is not None or rotation is not None:
         place = _placement(owner, anchor, axis, rotation)
+    else:
+        place = next((_placement_of(side) for side in (a, b) if _is_one_frame(side)), None)
     frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
     index = scene._core.add_joint(
         {
@@ -70,8 +73,8 @@ def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats
         return side
     if not isinstance(side, RigidBody):
         raise InvalidArgument(
-            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)), or None for "
-            f"the world"
+            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)) or "
+            f"rod.frame(node), or None for the world"
         )
     origin, axes = scene._core.pose(side._index)
     return rigid_frame(side, axes.T @ (position - origin), axes.T)
@@ -130,6 +133,11 @@ def _frame(
         return _described("world", position, rotation)
     if side._scene is not scene:
         raise InvalidArgument(f"{owner}: '{side.name}' belongs to another scene: must be a body of this one")
+    if isinstance(side, Rod):
+        raise InvalidArgument(
+            f"{owner}: '{side.name}' is a rod: say which node, {side.name}.frame(0) at its start or "
+            f"{side.name}.frame(-1) at its end"
+        )
     if not isinstance(side, RigidBody):
         raise InvalidArgument(
             f"{owner}: '{side.name}' is a {side.kind} body: give a patch of it, {side.name}.frame((i, j, "
@@ -151,6 +159,10 @@ def _explicit(scene: Scene, owner: str, frame: FrameHandle) -> dict[str, Any]:
         corners = np.array([column._columns["vertices"][0] for column in frame.columns], dtype=np.int32)
         position, rotation = _patch_placement(frame)
         return _described("patch", position, rotation, body._index) | {"vertices": corners}
+    if frame.columns[0]._kind == "node_point":
+        assert body is not None
+        node = {"node": frame.columns[0]._columns["node"]}
+        return _described("node", *_placement_of(frame), body._index) | node
     local = [np.asarray(column._columns["local"][0], dtype=np.float64) for column in frame.columns]
     rotation = np.column_stack(local[1:])
     return _described("world" if body is None else "body", local[0], rotation, body and body._index)
@@ -165,6 +177,18 @@ def _patch_placement(frame: FrameHandle) -> tuple[Floats, Floats]:
     axes = np.column_stack([tangent, np.cross(normal, tangent), normal])
     position = frame.constants["weights"] @ p + frame.constants["offset"] * normal
     return position, axes @ frame.constants["rotation"].reshape(3, 3)
+
+
+def _is_one_frame(side: Any) -> bool:
+    return isinstance(side, FrameHandle) and len(side) == 1
+
+
+def _placement_of(frame: FrameHandle) -> tuple[Floats, Floats]:
+    """Where a frame is at time 0: a body on the other side gets the same one."""
+    if frame.kind == "patch":
+        return _patch_placement(frame)
+    places = np.array([column.positions[0] for column in frame.columns])
+    return places[0], places[1:].T
 
 
 def _described(carrier: str, position: Floats, rotation: Floats, body: Any = None) -> dict[str, Any]:

@@ -47,10 +47,9 @@ class SceneJoints:
         """Adds a joint of any kind: the name of a built-in one or a function with ``@stark.joint``.
 
         ``axis`` is the z axis of both frames, or ``rotation`` (matrix or quaternion) gives all axes, in the
-        world at
-        time 0. ``values``: constants that the kind has. Joints are held within ``joints.length_tolerance``
-        and
-        ``joints.angle_tolerance`` of the settings."""
+        world at time 0; without them, a body gets the frame of the other side. ``values``: constants that
+        the kind has. Joints are held within ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the
+        settings."""
         from stark.joints.adding import add_joint
 
         joint = add_joint(
@@ -69,8 +68,9 @@ class SceneJoints:
         self._joints.append(joint)
         return joint
 
-    def add_fixed(self, a: Side, b: Side, anchor: Vec3Like = (0.0, 0.0, 0.0), **options: Any) -> Joint:
-        """Welds b to a as they are at time 0. The reaction is given about ``anchor`` [m]."""
+    def add_fixed(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:
+        """Welds b to a as they are at time 0. The reaction is given about ``anchor`` [m], the origin if left
+        out."""
         return self.add_joint("fixed", a, b, **_anchored(a, b, anchor), **options)
 
     def add_ball(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:
@@ -152,11 +152,13 @@ class SceneJoints:
         return tuple(self._joints)
 
 
-def _anchored(a: Side, b: Side, anchor: Vec3Like) -> dict[str, Any]:
-    """Bodies get frames at the anchor; two frames have places of their own."""
+def _anchored(a: Side, b: Side, anchor: Vec3Like | None) -> dict[str, Any]:
+    """Bodies get frames at the anchor; frames have places of their own."""
     from stark.formulas.points import FrameHandle
 
-    return {} if isinstance(a, FrameHandle) and isinstance(b, FrameHandle) else {"anchor": anchor}
+    if anchor is None and (isinstance(a, FrameHandle) or isinstance(b, FrameHandle)):
+        return {}
+    return {"anchor": (0.0, 0.0, 0.0) if anchor is None else anchor}
 
 
 def _cross_axes(axis_a: Vec3Like | None, axis_b: Vec3Like | None) -> Any:

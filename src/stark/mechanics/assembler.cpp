@@ -55,8 +55,10 @@ void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
 void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches,
                                    const std::vector<const QuadratureBatch*>& quadrature) {
   std::vector<std::pair<int32_t, int32_t>> pairs;
-  for (const int32_t block : map_.layout().body_block)
-    if (block != kNoBlock) pairs.emplace_back(block, block + 1);
+  const DofLayout& layout = map_.layout();
+  for (size_t b = 0; b < layout.body_block.size(); ++b)
+    if (layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock)
+      pairs.emplace_back(layout.body_block[b], layout.rotation_block[b]);
   for (const PotentialBatch* batch : batches) append_pairs(batch->stencils(), batch->point_count(), pairs);
   for (const QuadratureBatch* batch : quadrature) append_pairs(batch->stencils(), batch->node_count(), pairs);
   static_pattern_ = BlockPattern::from_pairs(map_.layout().block_count, std::move(pairs));
@@ -217,12 +219,12 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
 
 void Assembler::add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const {
   for (size_t b = 0; b < body_moment_.size(); ++b) {
-    const int32_t block = map_.layout().body_block[b];
+    const int32_t block = map_.layout().rotation_block[b];
     if (block == kNoBlock) continue;
     const Mat3& M = body_moment_[b];
     Mat3 K = (M + transpose(M)) * 0.5 - Mat3::identity() * trace(M);
     if (options.project) K = psd_project(K);
-    add_block(hessian, hessian.pattern.slot(block + 1, block + 1), K);
+    add_block(hessian, hessian.pattern.slot(block, block), K);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
+#include <stark/mechanics/rod_law.h>
 
 namespace stark::models {
 

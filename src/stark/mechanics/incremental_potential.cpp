@@ -28,16 +28,24 @@ IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& a
       scales_(std::move(scales)),
       timer_(timer) {
   STARK_CHECK(static_cast<int32_t>(scales_.size()) == block_count());
-  for (const int32_t block : map_.layout().body_block)
-    if (block != kNoBlock) rotation_blocks_.push_back(block + 1);
-  // Sites that nothing moves and that can be scripted; directions of prescribed bodies enter no energy.
+  const DofLayout& layout = map_.layout();
+  for (size_t b = 0; b < layout.rotation_block.size(); ++b) {
+    if (layout.rotation_block[b] == kNoBlock) continue;
+    rotation_blocks_.push_back(layout.rotation_block[b]);
+    if (layout.body_block[b] == kNoBlock) pinned_bodies_.push_back(static_cast<int32_t>(b));
+  }
+  // Sites that nothing moves and that can be scripted.
   for (int32_t i = 0; i < map_.site_count(); ++i)
     if (map_.is_prescribed(i)) prescribed_sites_.push_back(i);
-  // Points embedded between free and prescribed ones follow both.
+  // Points embedded between free and prescribed ones follow both, as do levers on pinned nodes of rods.
   for (int32_t i = 0; i < map_.site_count(); ++i)
     if (map_.site(i).kind == SiteKind::Barycentric && !map_.is_prescribed(i)) embedded_sites_.push_back(i);
-  for (size_t p = 0; p < map_.layout().point_block.size(); ++p)
-    if (map_.layout().point_block[p] == kNoBlock) prescribed_points_.push_back(static_cast<int32_t>(p));
+  for (int32_t i = 0; i < map_.site_count(); ++i)
+    if (map_.site(i).kind == SiteKind::RigidPoint && !map_.is_prescribed(i) &&
+        layout.body_block[map_.site(i).index] == kNoBlock)
+      lever_sites_.push_back(i);
+  for (size_t p = 0; p < layout.point_block.size(); ++p)
+    if (layout.point_block[p] == kNoBlock) prescribed_points_.push_back(static_cast<int32_t>(p));
   x_.resize(map_.site_count());
   x_trial_.resize(map_.site_count());
   block_positions_.resize(block_count());
@@ -63,9 +71,8 @@ void IncrementalPotential::begin(const Configuration& start, const Configuration
   for (size_t p = 0; p < layout.point_block.size(); ++p)
     if (layout.point_block[p] != kNoBlock) block_positions_[layout.point_block[p]] = start.point_position[p];
   for (size_t b = 0; b < layout.body_block.size(); ++b)
-    if (layout.body_block[b] != kNoBlock)
-      block_positions_[layout.body_block[b]] = block_positions_[layout.body_block[b] + 1] =
-          start.body_position[b];
+    for (const int32_t block : {layout.body_block[b], layout.rotation_block[b]})
+      if (block != kNoBlock) block_positions_[block] = start.body_position[b];
 }
 
 void IncrementalPotential::place_prescribed(double progress, std::span<Vec3> x) const {
@@ -92,6 +99,10 @@ void IncrementalPotential::linearize(bool project, std::span<double> out_gradien
       for (int k = 0; k < 4; ++k)
         if (const int32_t p = site.points[k]; map_.layout().point_block[p] == kNoBlock)
           pending_[i] += (target_.point_position[p] - iterate_.point_position[p]) * site.weights[k];
+    }
+    for (const int32_t i : lever_sites_) {
+      const int32_t b = map_.site(i).index;
+      pending_[i] = target_.body_position[b] - iterate_.body_position[b];
     }
     options.pending = pending_;
   }
@@ -123,6 +134,11 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
         trial_progress_ >= 1.0 ? target_.point_position[p]
                                : start_.point_position[p] +
                                      (target_.point_position[p] - start_.point_position[p]) * trial_progress_;
+  for (const int32_t b : pinned_bodies_)
+    trial_.body_position[b] =
+        trial_progress_ >= 1.0 ? target_.body_position[b]
+                               : start_.body_position[b] +
+                                     (target_.body_position[b] - start_.body_position[b]) * trial_progress_;
   map_.positions(trial_, x_trial_);
   place_prescribed(trial_progress_, x_trial_);
 }
@@ -175,11 +191,10 @@ void IncrementalPotential::accept_trial() {
   if (progress_ >= 1.0) {
     // Prescribed parts have arrived: from here on the configuration holds their exact target.
     const DofLayout& layout = map_.layout();
-    for (size_t b = 0; b < layout.body_block.size(); ++b)
-      if (layout.body_block[b] == kNoBlock) {
-        iterate_.body_position[b] = target_.body_position[b];
-        iterate_.body_rotation[b] = target_.body_rotation[b];
-      }
+    for (size_t b = 0; b < layout.body_block.size(); ++b) {
+      if (layout.body_block[b] == kNoBlock) iterate_.body_position[b] = target_.body_position[b];
+      if (layout.rotation_block[b] == kNoBlock) iterate_.body_rotation[b] = target_.body_rotation[b];
+    }
   }
 }
 

@@ -67,6 +67,8 @@ class IncrementalPotential final : public Objective {
   std::vector<Vec3> x_, x_trial_;  ///< by site [m]
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
   std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;
+  std::vector<int32_t> pinned_bodies_;  ///< prescribed translation, free rotation
+  std::vector<int32_t> lever_sites_;    ///< points on them that their rotation moves
   std::vector<int32_t> rotation_blocks_;
   std::vector<Vec3> block_positions_;
   double progress_ = 1.0, trial_progress_ = 1.0;

@@ -4,6 +4,13 @@
 
 namespace stark {
 
+namespace {
+
+/// Whether rotation leaves the site where it is: centres of mass and nodes of rods.
+bool is_centre(const Site& site) { return site.local == Vec3{}; }
+
+}  // namespace
+
 KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites)
     : layout_(std::move(layout)), sites_(std::move(sites)) {
   std::vector<int32_t> blocks;
@@ -50,12 +57,12 @@ SiteJacobian KinematicMap::jacobian(int32_t i, const Configuration& configuratio
           .block = block, .is_identity = true, .weight = weight, .J = {}};
   };
   const auto add_rotation = [&] {
-    const int32_t block = layout_.body_block[site.index];
-    if (block == kNoBlock) return;
+    const int32_t block = layout_.rotation_block[site.index];
+    if (block == kNoBlock || is_centre(site)) return;
     jacobian.body = site.index;
     jacobian.lever = configuration.body_rotation[site.index] * site.local;
     jacobian.terms[jacobian.term_count++] = {
-        .block = block + 1, .is_identity = false, .weight = 1.0, .J = skew(-jacobian.lever)};
+        .block = block, .is_identity = false, .weight = 1.0, .J = skew(-jacobian.lever)};
   };
   switch (site.kind) {
     case SiteKind::Point:
@@ -88,10 +95,8 @@ void KinematicMap::append_blocks(int32_t i, std::vector<int32_t>& out_blocks) co
       break;
     case SiteKind::RigidPoint:
     case SiteKind::RigidDirection:
-      if (const int32_t block = layout_.body_block[site.index]; block != kNoBlock) {
-        if (site.kind == SiteKind::RigidPoint) add(block);
-        add(block + 1);
-      }
+      if (site.kind == SiteKind::RigidPoint) add(layout_.body_block[site.index]);
+      if (!is_centre(site)) add(layout_.rotation_block[site.index]);
       break;
     case SiteKind::Barycentric:
       for (int k = 0; k < 4; ++k)
@@ -112,10 +117,10 @@ void KinematicMap::retract(const Configuration& configuration, std::span<const d
     if (const int32_t block = layout_.point_block[p]; block != kNoBlock)
       out.point_position[p] += increment(block);
   for (size_t b = 0; b < out.body_position.size(); ++b) {
-    const int32_t block = layout_.body_block[b];
-    if (block == kNoBlock) continue;
-    out.body_position[b] += increment(block);
-    out.body_rotation[b] = exp_rotation(increment(block + 1)) * configuration.body_rotation[b];
+    if (const int32_t block = layout_.body_block[b]; block != kNoBlock)
+      out.body_position[b] += increment(block);
+    if (const int32_t block = layout_.rotation_block[b]; block != kNoBlock)
+      out.body_rotation[b] = exp_rotation(increment(block)) * configuration.body_rotation[b];
   }
 }
 

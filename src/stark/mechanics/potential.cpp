@@ -198,7 +198,7 @@ Potential::Potential(std::string name, const PotentialBuilder& builder, const Sc
                      symbolic::Backend backend, bool translation_invariant)
     : name_(std::move(name)),
       point_count_(builder.point_count()),
-      translation_invariant_(translation_invariant),
+      translation_invariant_(translation_invariant && point_count_ >= 2 && point_count_ <= 4),
       element_width_(total_width(builder.element_fields())),
       uniform_width_(total_width(builder.uniform_fields())),
       element_fields_(builder.element_fields()),

@@ -12,13 +12,13 @@ namespace stark {
 
 /// Where a frame is and what carries it. Axes are the columns of `rotation`.
 struct FrameDescription {
-  enum class Carrier : uint8_t { World, Body, Patch };
+  enum class Carrier : uint8_t { World, Body, Patch, Node };
   Carrier carrier = Carrier::World;
-  BodyId body{};  ///< Body: rigid; Patch: cloth or solid
-  /// World and Patch: in the world at time 0. Body: in the frame of the body's mesh. [m]
+  BodyId body{};  ///< Body: rigid; Patch: cloth or solid; Node: rod
+  /// World, Patch and Node: in the world at time 0. Body: in the frame of the body's mesh. [m]
   Vec3 position{};
   Mat3 rotation = Mat3::identity();
-  std::array<int32_t, 3> vertices{};  ///< Patch: three vertices of the body
+  std::array<int32_t, 3> vertices{};  ///< Patch: three vertices of the body; Node: the first one
 };
 
 inline FrameDescription world_frame(const Vec3& position, const Mat3& rotation = Mat3::identity()) {
@@ -36,6 +36,15 @@ inline FrameDescription patch_frame(BodyId body, const std::array<int32_t, 3>& v
           .position = position,
           .rotation = rotation,
           .vertices = vertices};
+}
+
+inline FrameDescription node_frame(BodyId rod, int32_t node, const Vec3& position,
+                                   const Mat3& rotation = Mat3::identity()) {
+  return {.carrier = FrameDescription::Carrier::Node,
+          .body = rod,
+          .position = position,
+          .rotation = rotation,
+          .vertices = {node, -1, -1}};
 }
 
 struct JointDescription {

@@ -18,6 +18,9 @@ int64_t element_count(const SolidDescription& solid) { return solid.mesh.element
 int64_t element_count(const ClothDescription& cloth) {
   return static_cast<int64_t>(cloth.mesh.triangles.size());
 }
+int64_t element_count(const RodDescription& rod) {
+  return static_cast<int64_t>(rod.mesh.vertices.size()) - 1;
+}
 
 template <typename Description>
 bool is_damped(const Description& body) {
@@ -38,6 +41,12 @@ PotentialDefinition definition_of(const ClothDescription& cloth) {
   return compose("membrane", terms);
 }
 
+PotentialDefinition definition_of(const RodDescription& rod) {
+  std::vector<RodLaw> laws{rod.law.value_or(models::linear_rod())};
+  if (is_damped(rod)) laws.push_back(models::rod_damping());
+  return rod_segment(sum("rod", laws));
+}
+
 /// x, but y on triangles perpendicular to x.
 FieldValues default_warp(const TriangleMesh& mesh) {
   FieldValues warp{.values = {}, .per_element = true};
@@ -53,6 +62,18 @@ FieldValues default_warp(const TriangleMesh& mesh) {
 void add_defaults(const SolidDescription&, ParameterValues&) {}
 void add_defaults(const ClothDescription& cloth, ParameterValues& values) {
   if (cloth.law && !cloth.law->isotropic) values.try_emplace("warp_direction", default_warp(cloth.mesh));
+}
+/// What the material leaves to the section.
+void add_defaults(const RodDescription& rod, ParameterValues& values) {
+  const RodSection section = section_of(rod.material);
+  const auto add = [&](const char* name, double value) {
+    values.try_emplace(name, FieldValues{{value}, false});
+  };
+  add("axial_stiffness", section.axial_stiffness);
+  add("shear_stiffness", section.shear_stiffness);
+  add("bending_stiffness_1", section.bending_stiffness[0]);
+  add("bending_stiffness_2", section.bending_stiffness[1]);
+  add("torsional_stiffness", section.torsional_stiffness);
 }
 
 /// Values of a body: its fields, then its material, then defaults. Parameters without any are left out.
@@ -131,6 +152,7 @@ void check_warp(std::string_view owner, const ClothDescription& cloth) {
 
 ElasticEnergy elastic_energy(const SolidDescription& solid) { return energy_of(solid); }
 ElasticEnergy elastic_energy(const ClothDescription& cloth) { return energy_of(cloth); }
+ElasticEnergy elastic_energy(const RodDescription& rod) { return energy_of(rod); }
 
 void check_fields(std::string_view owner, const SolidDescription& solid) {
   check(owner, solid, "stable_neo_hookean");
@@ -141,7 +163,10 @@ void check_fields(std::string_view owner, const ClothDescription& cloth) {
   check_warp(owner, cloth);
 }
 
+void check_fields(std::string_view owner, const RodDescription& rod) { check(owner, rod, "linear_rod"); }
+
 double element_density(const SolidDescription& solid, size_t element) { return density_at(solid, element); }
 double element_density(const ClothDescription& cloth, size_t element) { return density_at(cloth, element); }
+double element_density(const RodDescription& rod, size_t element) { return density_at(rod, element); }
 
 }  // namespace stark

@@ -1,6 +1,11 @@
 // Descriptor tables of the materials and the presets with their sources. See materials.h.
 #include <stark/sim/materials.h>
 
+#include <algorithm>
+#include <numbers>
+
+#include <stark/base/error.h>
+
 namespace stark {
 
 const FieldTable& ShellMaterial::fields() {
@@ -45,6 +50,73 @@ const FieldTable& SolidMaterial::fields() {
        field(&S::strain_damping, "strain_damping", "Pa s", non_negative(),
              "damping of the rate of Green strain")});
   return table;
+}
+
+const FieldTable& RodMaterial::fields() {
+  using S = RodMaterial;
+  static const FieldTable table(
+      "RodMaterial", TableKind::Parameters,
+      {field(&S::density, "density", "kg/m^3", positive(), "mass of a unit of volume"),
+       field(&S::youngs_modulus, "youngs_modulus", "Pa", positive(), "Young's modulus"),
+       field(&S::poissons_ratio, "poissons_ratio", "1", closed_interval(0.0, 0.5), "Poisson's ratio"),
+       field(&S::radius, "radius", "m", positive(), "radius of a round section; also the contact distance"),
+       field(&S::width, "width", "m", non_negative(), "of a rectangular section along d1; 0: round"),
+       field(&S::height, "height", "m", non_negative(), "of a rectangular section along d2; 0: round"),
+       field(&S::axial_stiffness, "axial_stiffness", "N", non_negative(),
+             "force for unit stretch; 0: of the section"),
+       field(&S::shear_stiffness, "shear_stiffness", "N", non_negative(),
+             "force for unit shear; 0: of the section"),
+       field(&S::bending_stiffness_1, "bending_stiffness_1", "N m^2", non_negative(),
+             "bending stiffness about d1; 0: of the section"),
+       field(&S::bending_stiffness_2, "bending_stiffness_2", "N m^2", non_negative(),
+             "bending stiffness about d2; 0: of the section"),
+       field(&S::torsional_stiffness, "torsional_stiffness", "N m^2", non_negative(),
+             "torque for a twist of 1 rad/m; 0: of the section"),
+       field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
+       field(&S::strain_damping, "strain_damping", "s", non_negative(),
+             "relaxation time of stretch, bending and twist")});
+  return table;
+}
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Saint-Venant's torsion constant of a rectangle [m^4], exact to 0.5 % [Timoshenko and Goodier, sec. 109].
+double torsion_constant(double width, double height) {
+  const double a = std::max(width, height), b = std::min(width, height), r = b / a;
+  return a * b * b * b * (1.0 / 3.0 - 0.21 * r * (1.0 - r * r * r * r / 12.0));
+}
+
+double given_or(double value, double of_section) { return value > 0.0 ? value : of_section; }
+
+}  // namespace
+
+RodSection section_of(const RodMaterial& m) {
+  const bool is_round = m.width == 0.0;
+  const double r = m.radius, nu = m.poissons_ratio;
+  const double area = is_round ? kPi * r * r : m.width * m.height;
+  const double around_1 = is_round ? 0.25 * area * r * r : area * m.height * m.height / 12.0;
+  const double around_2 = is_round ? around_1 : area * m.width * m.width / 12.0;
+  const double torsion = is_round ? 2.0 * around_1 : torsion_constant(m.width, m.height);
+  const double shear_factor =
+      is_round ? 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu) : 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
+  const double E = m.youngs_modulus, G = E / (2.0 * (1.0 + nu));
+  return {.mass = m.density * area,
+          .second_moments = {m.density * around_2, m.density * around_1},
+          .axial_stiffness = given_or(m.axial_stiffness, E * area),
+          .shear_stiffness = given_or(m.shear_stiffness, shear_factor * G * area),
+          .bending_stiffness = {given_or(m.bending_stiffness_1, E * around_1),
+                                given_or(m.bending_stiffness_2, E * around_2)},
+          .torsional_stiffness = given_or(m.torsional_stiffness, G * torsion)};
+}
+
+void validate(const RodMaterial& material, std::string_view owner) {
+  RodMaterial::fields().validate(&material, owner);
+  if ((material.width > 0.0) != (material.height > 0.0))
+    throw InvalidArgument(std::string(owner) + ": width = " + quantity_text(material.width, "m") +
+                          ", height = " + quantity_text(material.height, "m") +
+                          ": must both be > 0 for a rectangular section or both be 0 for a round one");
 }
 
 void validate(const ShellMaterial& material, std::string_view owner) {
@@ -118,6 +190,14 @@ SolidMaterial silicone() {
   return {.density = 1070.0, .youngs_modulus = 6.9e4, .poissons_ratio = 0.47, .mass_damping = 0.1};
 }
 
+RodMaterial steel_wire() {
+  return {.density = 7850.0,
+          .youngs_modulus = 2.06e11,
+          .poissons_ratio = 206.0 / (2.0 * 81.5) - 1.0,
+          .radius = 0.5e-3,
+          .mass_damping = 0.1};
+}
+
 const std::vector<Preset<ShellMaterial>>& shell_presets() {
   static const std::vector<Preset<ShellMaterial>> presets = {
       {"cotton", "light woven cotton as in the public preset Cotton_Fabric of the paper's authors", cotton()},
@@ -138,6 +218,15 @@ const std::vector<Preset<SolidMaterial>>& solid_presets() {
       {"soft_rubber", "very soft rubber as in the public preset Soft_Rubber of the paper's authors",
        soft_rubber()},
       {"silicone", "soft platinum-cure silicone, Smooth-On Ecoflex 00-30 data sheet", silicone()},
+  };
+  return presets;
+}
+
+const std::vector<Preset<RodMaterial>>& rod_presets() {
+  static const std::vector<Preset<RodMaterial>> presets = {
+      {"steel_wire",
+       "patented cold drawn spring steel wire of EN 10270-1: E = 206 GPa, G = 81.5 GPa by EN 13906-1",
+       steel_wire()},
   };
   return presets;
 }

@@ -1,7 +1,8 @@
-// Materials of cloth and solids: plain parameters with units, a descriptor table each, and presets. They say
-// nothing about energies; sim/model picks the potentials.
+// Materials of cloth, solids and rods: plain parameters with units, a descriptor table each, and presets.
+// They say nothing about energies; sim/model picks the potentials.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -43,9 +44,39 @@ struct SolidMaterial {
   static const FieldTable& fields();
 };
 
+/// Rods: Kirchhoff's rod with stretch, of a round or rectangular section. Stiffnesses of 0 are those of the
+/// section.
+struct RodMaterial {
+  double density = 1000.0;      ///< [kg/m^3]
+  double youngs_modulus = 1e6;  ///< [Pa]
+  double poissons_ratio = 0.3;
+  double radius = 1e-3;              ///< [m] of a round section; also the contact distance
+  double width = 0.0, height = 0.0;  ///< [m] along the axes d1 and d2; 0: the section is round
+  double axial_stiffness = 0.0;      ///< [N]
+  double shear_stiffness = 0.0;      ///< [N]
+  double bending_stiffness_1 = 0.0;  ///< [N m^2] about the axis d1
+  double bending_stiffness_2 = 0.0;  ///< [N m^2] about the axis d2
+  double torsional_stiffness = 0.0;  ///< [N m^2]
+  double mass_damping = 0.0;         ///< [1/s]
+  double strain_damping = 0.0;       ///< [s] relaxation time of stretch, bending and twist
+  static const FieldTable& fields();
+};
+
+/// What a cross-section gives a rod, per rest length.
+struct RodSection {
+  double mass = 0.0;                          ///< [kg/m]
+  std::array<double, 2> second_moments{};     ///< integral of rho X_k^2 along d1 and d2 [kg m]
+  double axial_stiffness = 0.0;               ///< EA [N]
+  double shear_stiffness = 0.0;               ///< k G A [N] with the shear factor of Cowper 1966
+  std::array<double, 2> bending_stiffness{};  ///< E I about d1 and d2 [N m^2]
+  double torsional_stiffness = 0.0;           ///< G J [N m^2] with Saint-Venant's torsion constant
+};
+RodSection section_of(const RodMaterial& material);
+
 /// Throws InvalidArgument naming owner, parameter, value, unit and rule.
 void validate(const ShellMaterial& material, std::string_view owner);
 void validate(const SolidMaterial& material, std::string_view owner);
+void validate(const RodMaterial& material, std::string_view owner);
 
 namespace materials {
 
@@ -59,6 +90,7 @@ ShellMaterial steel_sheet();  ///< spring steel of 0.1 mm
 ShellMaterial towel();        ///< terry towel, 1.75 m x 0.75 m of 0.484 kg
 SolidMaterial soft_rubber();
 SolidMaterial silicone();  ///< soft platinum-cure silicone (Ecoflex 00-30)
+RodMaterial steel_wire();  ///< spring steel, 1 mm thick
 
 /// One row of the reference table: name, where the numbers come from, values.
 template <typename Material>
@@ -69,6 +101,7 @@ struct Preset {
 };
 const std::vector<Preset<ShellMaterial>>& shell_presets();
 const std::vector<Preset<SolidMaterial>>& solid_presets();
+const std::vector<Preset<RodMaterial>>& rod_presets();
 
 }  // namespace materials
 }  // namespace stark

@@ -13,14 +13,17 @@ namespace stark {
 void Model::Builder::build() {
   add_deformables();
   add_rigids();
-  DofLayout layout = DofLayout::build(point_prescribed, body_prescribed);
+  add_rods();
+  DofLayout layout = DofLayout::build(point_prescribed, body_prescribed, rotation_prescribed);
   add_rigid_sites();
+  add_rod_sites();
   add_energy_sites();
   add_joint_sites();
   model.map_ = KinematicMap(std::move(layout), std::move(sites));
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     if (scene.kind(BodyId{i}) == BodyKind::Cloth) add_cloth_energies(BodyId{i});
     if (scene.kind(BodyId{i}) == BodyKind::Solid) add_solid_energies(BodyId{i});
+    if (scene.kind(BodyId{i}) == BodyKind::Rod) add_rod_energies(BodyId{i});
   }
   add_inertia();
   add_energies();
@@ -54,12 +57,13 @@ void Model::Builder::set_block_scales() {
     if (layout.point_block[p] != kNoBlock)
       model.block_scales_[layout.point_block[p]].inverse_inertia = 1.0 / model.point_masses_[p];
   for (size_t b = 0; b < layout.body_block.size(); ++b) {
-    if (layout.body_block[b] == kNoBlock) continue;
     const RigidMass& mass = model.rigid_masses_[b];
-    const double smallest = std::min({mass.moments.x, mass.moments.y, mass.moments.z});
-    model.block_scales_[layout.body_block[b]].inverse_inertia = 1.0 / mass.mass;
-    model.block_scales_[layout.body_block[b] + 1] = {
-        .inverse_inertia = mass.reach / smallest, .inverse_length = 1.0 / mass.reach, .reach = mass.reach};
+    if (const int32_t block = layout.body_block[b]; block != kNoBlock)
+      model.block_scales_[block].inverse_inertia = 1.0 / mass.mass;
+    if (const int32_t block = layout.rotation_block[b]; block != kNoBlock)
+      model.block_scales_[block] = {.inverse_inertia = mass.reach / mass.resistance,
+                                    .inverse_length = 1.0 / mass.reach,
+                                    .reach = mass.reach};
   }
 }
 
@@ -68,7 +72,7 @@ void Model::Builder::set_initial_state() {
   state.time_step = settings.time.step;
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId id{i};
-    if (scene.kind(id) == BodyKind::Rigid) continue;
+    if (scene.kind(id) == BodyKind::Rigid || scene.kind(id) == BodyKind::Rod) continue;
     const std::vector<Vec3> x = scene.initial_positions(id), v = scene.initial_velocities(id);
     state.point_position.insert(state.point_position.end(), x.begin(), x.end());
     state.point_velocity.insert(state.point_velocity.end(), v.begin(), v.end());
@@ -85,6 +89,7 @@ void Model::Builder::set_initial_state() {
     state.body_rotation_rate.push_back(moves ? skew(rigid.angular_velocity) * state.body_rotation.back()
                                              : Mat3{});
   }
+  set_initial_rods();
   state.script_position = state.body_position;
   state.script_rotation = state.body_rotation;
   state.script_remaining.assign(state.body_position.size(), 0.0);
@@ -151,7 +156,9 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
       mesh.triangles.push_back({body.first_site + t[0], body.first_site + t[1], body.first_site + t[2]});
       mesh.triangle_group.push_back(group);
     }
-    for (const Index2& e : find_edges(std::span<const Index3>(body.triangles))) {
+    std::vector<Index2> edges = find_edges(std::span<const Index3>(body.triangles));
+    edges.insert(edges.end(), body.edges.begin(), body.edges.end());
+    for (const Index2& e : edges) {
       mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});
       mesh.edge_group.push_back(group);
     }

@@ -20,19 +20,23 @@ namespace stark {
 struct ModelBody {
   BodyKind kind = BodyKind::Cloth;
   int32_t first_site = 0, site_count = 0;  ///< vertices of the body's mesh, in its order
-  int32_t rigid_index = -1;                ///< into the state's body arrays
+  int32_t rigid_index = -1;                ///< into the state's body arrays; of rods: of the first node
   std::vector<Index3> triangles;           ///< surface, indices into the body's vertices
   Vec3 centre;                             ///< rigid: origin of the body frame in the mesh frame [m]
   Mat3 axes = Mat3::identity();            ///< rigid: axes of the body frame in the mesh frame
+  std::vector<Index2> edges;               ///< rods: from node to node
   std::vector<int32_t> pins;               ///< prescribed vertices
+  std::vector<int32_t> clamped;            ///< rods: nodes with prescribed frames
 };
 
-/// Mass distribution of a rigid body in its principal frame.
+/// Mass distribution of a rigid body in its principal frame, or of a node of a rod in its frame.
 struct RigidMass {
   double mass = 0.0;    ///< [kg], 0 for fixed and scripted bodies
   Vec3 moments;         ///< principal moments of inertia [kg m^2]
   Vec3 second_moments;  ///< tr(J)/2 - J_k: integral of rho x_k^2 [kg m^2]
-  double reach = 0.0;   ///< largest distance of a vertex from the centre of mass [m]
+  double reach = 0.0;   ///< largest distance of a vertex from the centre of mass; rods: of the next node [m]
+  double resistance =
+      0.0;  ///< what torques are measured against: the smallest moment; rods: m reach^2 [kg m^2]
   double linear_damping = 0.0, angular_damping = 0.0;  ///< [1/s]
 };
 

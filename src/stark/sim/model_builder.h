@@ -26,16 +26,22 @@ struct Model::Builder {
 
   void build();
 
-  // Points and rigid bodies (model_deformables.cpp, model_rigids.cpp)
+  // Points and rigid bodies (model_deformables.cpp, model_rigids.cpp, model_rods.cpp)
   void add_deformables();
   void lump_cloth(const ClothDescription& cloth, ModelBody& body);
   void lump_solid(const SolidDescription& solid, ModelBody& body);
   void add_rigids();
   void add_rigid_sites();
+  void add_axis_sites(int32_t body);
+  void add_rods();
+  void add_rod_nodes(BodyId id);
+  void add_rod_sites();
+  void set_initial_rods();
 
   // Energies
   void add_cloth_energies(BodyId id);
   void add_solid_energies(BodyId id);
+  void add_rod_energies(BodyId id);
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
                             std::span<const int32_t> stencils, const std::string& body);
   void add_plate_bending(const ClothDescription& cloth, const ModelBody& body, const std::string& name);
@@ -80,10 +86,12 @@ struct Model::Builder {
   const Scene& scene;
   const Settings& settings;
   std::vector<Site> sites;
-  std::vector<bool> point_prescribed, body_prescribed;
+  std::vector<bool> point_prescribed;
+  std::vector<bool> body_prescribed, rotation_prescribed;  ///< by index in the state's body arrays
   std::vector<double> point_damping;
-  std::vector<int32_t> rigid_bodies;                  ///< body ids in the order of the state's body arrays
-  std::vector<int32_t> centre_sites;                  ///< of the dynamic ones; the three directions follow
+  std::vector<int32_t> rigid_bodies;  ///< body ids in the order of the state's body arrays; rods come after
+  /// By index in the state's body arrays: the centre of mass or node, the first of the three axes; -1: none.
+  std::vector<int32_t> centre_sites, axis_sites;
   std::vector<std::vector<int32_t>> energy_stencils;  ///< by energy of the scene
   std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
 };

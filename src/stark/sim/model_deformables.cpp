@@ -36,7 +36,7 @@ void Model::Builder::add_deformables() {
     const BodyId id{i};
     ModelBody& body = model.bodies_[i];
     body.kind = scene.kind(id);
-    if (body.kind == BodyKind::Rigid) continue;
+    if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) continue;
     const std::vector<Vec3>& rest =
         body.kind == BodyKind::Cloth ? scene.cloth(id).mesh.vertices : scene.solid(id).mesh.vertices;
     body.first_site = static_cast<int32_t>(sites.size());

@@ -1,4 +1,6 @@
 // The user's energies of a model: sites of their points, batches with their values.
+#include <algorithm>
+
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -18,17 +20,18 @@ std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
     return result;
   }
   const ModelBody& body = model.bodies_[points.body.index];
+  const int32_t moving = body.rigid_index + std::max(points.node, 0);
   switch (points.kind) {
     case PointKind::Vertices:
       for (const int32_t v : points.vertices) result.push_back(body.first_site + v);
       break;
     case PointKind::BodyPoints:
       for (const Vec3& p : points.local)
-        add_local(SiteKind::RigidPoint, body.rigid_index, transpose(body.axes) * (p - body.centre), p);
+        add_local(SiteKind::RigidPoint, moving, transpose(body.axes) * (p - body.centre), p);
       break;
     case PointKind::BodyDirections:
       for (const Vec3& d : points.local)
-        add_local(SiteKind::RigidDirection, body.rigid_index, transpose(body.axes) * d, d);
+        add_local(SiteKind::RigidDirection, moving, transpose(body.axes) * d, d);
       break;
     case PointKind::Embedded:
       for (size_t k = 0; k < points.supports.size(); ++k) {

@@ -43,6 +43,14 @@ std::vector<int32_t> Model::Builder::add_frame_sites(const FrameDescription& fra
       append(body_points(frame.body, {frame.position}));
       append(body_directions(frame.body, axes));
       break;
+    case Carrier::Node: {
+      const int32_t node = frame.vertices[0];
+      const Mat3 to_node = transpose(scene.initial_frames(frame.body)[node]);
+      const Vec3 offset = frame.position - scene.initial_positions(frame.body)[node];
+      append(node_points(frame.body, node, {to_node * offset}));
+      append(node_directions(frame.body, node, {to_node * axes[0], to_node * axes[1], to_node * axes[2]}));
+      break;
+    }
     case Carrier::Patch:
       append(vertex_points(frame.body, {frame.vertices.begin(), frame.vertices.end()}));
       break;
@@ -115,13 +123,16 @@ std::vector<double> Model::Builder::placement(const FrameDescription& frame) con
 JointSide Model::Builder::side_of(const FrameDescription& frame) const {
   JointSide side;
   const DofLayout& layout = model.map_.layout();
-  if (frame.carrier == Carrier::Body) {
-    const int32_t body = model.bodies_[frame.body.index].rigid_index;
+  if (frame.carrier == Carrier::Body || frame.carrier == Carrier::Node) {
+    const int32_t node = frame.carrier == Carrier::Node ? frame.vertices[0] : 0;
+    const int32_t body = model.bodies_[frame.body.index].rigid_index + node;
+    const RigidMass& mass = model.rigid_masses_[body];
     if (const int32_t block = layout.body_block[body]; block != kNoBlock) {
-      const RigidMass& mass = model.rigid_masses_[body];
       side.blocks = {block};
-      side.rotation_block = block + 1;
       side.mass = mass.mass;
+    }
+    if (const int32_t block = layout.rotation_block[body]; block != kNoBlock) {
+      side.rotation_block = block;
       side.moment = (mass.moments.x + mass.moments.y + mass.moments.z) / 3.0;
     }
   }

@@ -26,6 +26,7 @@ void Model::Builder::add_rigids() {
             std::max(0.0, 0.5 * (mass.moments.x + mass.moments.y + mass.moments.z) - mass.moments[k]);
       mass.linear_damping = rigid.linear_damping;
       mass.angular_damping = rigid.angular_damping;
+      mass.resistance = std::min({mass.moments.x, mass.moments.y, mass.moments.z});
       body.centre = inertia.center_of_mass;
       body.axes = principal.axes;
     }
@@ -33,11 +34,23 @@ void Model::Builder::add_rigids() {
     model.rigid_masses_.push_back(mass);
     rigid_bodies.push_back(i);
     body_prescribed.push_back(rigid.motion != Motion::Dynamic);
+    rotation_prescribed.push_back(rigid.motion != Motion::Dynamic);
   }
 }
 
+void Model::Builder::add_axis_sites(int32_t body) {
+  axis_sites[body] = static_cast<int32_t>(sites.size());
+  for (int k = 0; k < 3; ++k)
+    sites.push_back({.kind = SiteKind::RigidDirection,
+                     .index = body,
+                     .local = Mat3::identity().column(k),
+                     .points = {},
+                     .weights = {}});
+}
+
 void Model::Builder::add_rigid_sites() {
-  const Mat3 identity = Mat3::identity();
+  centre_sites.assign(body_prescribed.size(), -1);
+  axis_sites.assign(body_prescribed.size(), -1);
   for (const int32_t i : rigid_bodies) {
     ModelBody& body = model.bodies_[i];
     body.first_site = static_cast<int32_t>(sites.size());
@@ -53,15 +66,10 @@ void Model::Builder::add_rigid_sites() {
   for (const int32_t i : rigid_bodies) {
     const ModelBody& body = model.bodies_[i];
     if (body_prescribed[body.rigid_index]) continue;
-    centre_sites.push_back(static_cast<int32_t>(sites.size()));
+    centre_sites[body.rigid_index] = static_cast<int32_t>(sites.size());
     sites.push_back(
         {.kind = SiteKind::RigidPoint, .index = body.rigid_index, .local = {}, .points = {}, .weights = {}});
-    for (int k = 0; k < 3; ++k)
-      sites.push_back({.kind = SiteKind::RigidDirection,
-                       .index = body.rigid_index,
-                       .local = identity.column(k),
-                       .points = {},
-                       .weights = {}});
+    add_axis_sites(body.rigid_index);
     model.rest_positions_.resize(sites.size());
   }
 }
@@ -75,14 +83,13 @@ void Model::Builder::add_inertia() {
       translations.push_back(static_cast<int32_t>(p));
       translation_subjects.push_back(static_cast<int32_t>(p));
     }
-  size_t next = 0;
   for (size_t b = 0; b < body_prescribed.size(); ++b) {
-    if (body_prescribed[b]) continue;
-    const int32_t centre = centre_sites[next++];
-    translations.push_back(centre);
-    translation_subjects.push_back(-1 - static_cast<int32_t>(b));
-    for (int k = 0; k < 3; ++k) {
-      rotations.push_back(centre + 1 + k);
+    if (!body_prescribed[b]) {
+      translations.push_back(centre_sites[b]);
+      translation_subjects.push_back(-1 - static_cast<int32_t>(b));
+    }
+    for (int k = 0; k < 3 && !rotation_prescribed[b]; ++k) {
+      rotations.push_back(axis_sites[b] + k);
       rotation_subjects.push_back(static_cast<int32_t>(3 * b) + k);
     }
   }

@@ -18,7 +18,9 @@ struct PointSet {
   PointKind kind = PointKind::WorldPoints;
   BodyId body{};                    ///< all kinds but WorldPoints
   std::vector<int32_t> vertices{};  ///< Vertices: of the body's mesh
-  /// BodyPoints [m], BodyDirections: in the frame of the mesh of a rigid body. WorldPoints [m].
+  int32_t node = -1;                ///< BodyPoints, BodyDirections of a rod: whose frame carries them
+  /// BodyPoints [m], BodyDirections: in the frame of the mesh of a rigid body, or of a node of a rod with the
+  /// axes d1, d2, d3. WorldPoints [m].
   std::vector<Vec3> local{};
   std::vector<std::array<int32_t, 4>> supports{};  ///< Embedded: vertices of a cloth or solid ...
   std::vector<std::array<double, 4>> weights{};    ///< ... and their weights, which sum to one
@@ -38,6 +40,12 @@ inline PointSet body_points(BodyId body, std::vector<Vec3> local) {
 }
 inline PointSet body_directions(BodyId body, std::vector<Vec3> local) {
   return {.kind = PointKind::BodyDirections, .body = body, .local = std::move(local)};
+}
+inline PointSet node_points(BodyId rod, int32_t node, std::vector<Vec3> local) {
+  return {.kind = PointKind::BodyPoints, .body = rod, .node = node, .local = std::move(local)};
+}
+inline PointSet node_directions(BodyId rod, int32_t node, std::vector<Vec3> local) {
+  return {.kind = PointKind::BodyDirections, .body = rod, .node = node, .local = std::move(local)};
 }
 inline PointSet embedded_points(BodyId body, std::vector<std::array<int32_t, 4>> supports,
                                 std::vector<std::array<double, 4>> weights) {

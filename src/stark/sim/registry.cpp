@@ -10,6 +10,7 @@ std::vector<PotentialDefinition> registered_potentials() {
 #define STARK_POTENTIAL(name) models::name(),
 #define STARK_SOLID_LAW(name) tet4(models::name()),
 #define STARK_SHELL_LAW(name) triangle3(models::name()),
+#define STARK_ROD_LAW(name) rod_segment(models::name()),
 #include <stark/sim/registry.inc>
   };
 }
@@ -24,6 +25,13 @@ std::vector<SolidLaw> registered_solid_laws() {
 std::vector<ShellLaw> registered_shell_laws() {
   return {
 #define STARK_SHELL_LAW(name) models::name(),
+#include <stark/sim/registry.inc>
+  };
+}
+
+std::vector<RodLaw> registered_rod_laws() {
+  return {
+#define STARK_ROD_LAW(name) models::name(),
 #include <stark/sim/registry.inc>
   };
 }

@@ -7,6 +7,7 @@
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
+#include <stark/mechanics/rod_law.h>
 
 namespace stark {
 
@@ -14,14 +15,16 @@ namespace models {
 #define STARK_POTENTIAL(name) PotentialDefinition name();
 #define STARK_SOLID_LAW(name) SolidLaw name();
 #define STARK_SHELL_LAW(name) ShellLaw name();
+#define STARK_ROD_LAW(name) RodLaw name();
 #define STARK_JOINT(name) JointDefinition name();
 #include <stark/sim/registry.inc>
 }  // namespace models
 
-/// The potentials, and the laws on their linear elements: tetrahedra and triangles.
+/// The potentials, and the laws on their linear elements: tetrahedra, triangles and segments.
 std::vector<PotentialDefinition> registered_potentials();
 std::vector<SolidLaw> registered_solid_laws();
 std::vector<ShellLaw> registered_shell_laws();
+std::vector<RodLaw> registered_rod_laws();
 /// Shared by all joints that are made of them.
 const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints();
 /// Throws InvalidArgument for unknown names, with the nearest one as a hint.

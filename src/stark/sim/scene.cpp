@@ -6,48 +6,15 @@
 
 #include <stark/base/error.h>
 #include <stark/geometry/mass_properties.h>
+#include <stark/geometry/polyline.h>
 #include <stark/geometry/topology.h>
+#include <stark/sim/body_checks.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/validation.h>
 
 namespace stark {
 
 namespace {
-
-std::string owner_text(BodyKind kind, const std::string& name) {
-  return (kind == BodyKind::Rigid ? "rigid body '" : to_string(kind) + " '") + name + "'";
-}
-
-/// What all kinds of bodies share.
-template <typename Description>
-void check_common(const std::string& owner, const Description& body) {
-  check_finite(owner, "position", body.position, "m");
-  check_rotation(owner, body.rotation);
-  check_finite(owner, "velocity", body.velocity, "m/s");
-  check_finite(owner, "angular_velocity", body.angular_velocity, "rad/s");
-  if (body.contact_distance)
-    check_number(owner, "contact_distance", *body.contact_distance, "m", positive(),
-                 "leave it out to use contact.distance of the settings");
-  if (body.friction)
-    check_number(owner, "friction", *body.friction, "1", non_negative(),
-                 "leave it out to use the scene's default");
-  if (body.color)
-    for (double channel : *body.color)
-      check_number(owner, "color channel", channel, "1", closed_interval(0.0, 1.0),
-                   "give red, green, blue in [0, 1]");
-}
-
-/// A mesh of a hundred metres is usually one in millimetres.
-void warn_about_size(const std::string& owner, std::span<const Vec3> vertices,
-                     std::vector<std::string>& warnings) {
-  Vec3 low = vertices[0], high = vertices[0];
-  for (const Vec3& v : vertices)
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], v[i]), high[i] = std::max(high[i], v[i]);
-  const double extent = max_abs(high - low);
-  if (extent > 100.0 || extent < 1e-4)
-    warnings.push_back(owner + ": the mesh has an extent of " + quantity_text(extent, "m") +
-                       "; if it is not in metres, scale it with mesh.scaled(factor)");
-}
 
 RigidInertia checked_inertia(const std::string& owner, const RigidInertia& inertia) {
   check_number(owner, "inertia.mass", inertia.mass, "kg", positive(), "give the mass in kilograms");
@@ -178,25 +145,24 @@ std::string Scene::unique_name(const std::string& name, BodyKind kind) {
   return name;
 }
 
-void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
-  const Body& target = at(body);
-  const std::string owner = owner_text(target.kind, target.name);
-  if (target.kind == BodyKind::Rigid)
-    throw InvalidArgument(
-        owner +
-        ": has no vertices of its own to pin: only cloth and solids do; use motion = fixed or "
-        "scripted for the whole body");
-  const size_t count =
-      target.kind == BodyKind::Cloth ? cloth(body).mesh.vertices.size() : solid(body).mesh.vertices.size();
-  for (int32_t v : vertices)
+void Scene::check_vertices(BodyId body, std::string_view action, std::span<const int32_t> vertices) const {
+  const std::string owner = owner_text(kind(body), name(body));
+  const size_t count = initial_positions(body).size();
+  for (const int32_t v : vertices)
     if (v < 0 || static_cast<size_t>(v) >= count)
-      throw InvalidArgument(owner + ": pinned vertex " + std::to_string(v) + ": must be in [0, " +
-                            std::to_string(count) + "); give indices of vertices of the mesh");
-  std::vector<int32_t>& pinned = pins_[at_index(body)].vertices;
-  std::vector<char> known(count, 0);
-  for (int32_t v : pinned) known[v] = 1;
-  for (int32_t v : vertices)
-    if (!std::exchange(known[v], 1)) pinned.push_back(v);
+      throw InvalidArgument(owner + ": " + std::string(action) + " vertex " + std::to_string(v) +
+                            ": must be in [0, " + std::to_string(count) +
+                            "); give indices of vertices of the mesh");
+}
+
+void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
+  if (kind(body) == BodyKind::Rigid)
+    throw InvalidArgument(
+        owner_text(kind(body), name(body)) +
+        ": has no vertices of its own to pin: only cloth, solids and rods do; use motion = fixed or "
+        "scripted for the whole body");
+  check_vertices(body, "pinned", vertices);
+  append_new(pins_[at_index(body)].vertices, vertices);
 }
 
 void Scene::set_friction(BodyId a, BodyId b, double coefficient) {
@@ -230,6 +196,8 @@ bool Scene::contact_enabled(BodyId a, BodyId b) const {
       return cloth(a).self_contact;
     case BodyKind::Solid:
       return solid(a).self_contact;
+    case BodyKind::Rod:
+      return rod(a).self_contact;
     case BodyKind::Rigid:
       return false;
   }
@@ -267,6 +235,11 @@ Motion Scene::motion(BodyId body) const {
 
 namespace {
 
+double half_thickness(const RodDescription& rod) {
+  const RodMaterial& m = rod.material;
+  return m.width > 0.0 ? 0.5 * std::min(m.width, m.height) : m.radius;
+}
+
 [[noreturn]] void fail_kind(const std::string& name, BodyKind kind, BodyKind wanted) {
   throw InvalidArgument("body '" + name + "' is a " + to_string(kind) + " body: a " + to_string(wanted) +
                         " body is needed here");
@@ -289,6 +262,11 @@ const RigidDescription& Scene::rigid(BodyId body) const {
   return rigids_[index_in_kind(body)];
 }
 
+const RodDescription& Scene::rod(BodyId body) const {
+  if (kind(body) != BodyKind::Rod) fail_kind(name(body), kind(body), BodyKind::Rod);
+  return rods_[index_in_kind(body)];
+}
+
 const RigidInertia& Scene::rigid_inertia(BodyId body) const {
   rigid(body);
   return inertias_[index_in_kind(body)];
@@ -304,6 +282,8 @@ auto visit_body(const Scene& scene, BodyId body, Function&& function) {
       return function(scene.cloth(body));
     case BodyKind::Solid:
       return function(scene.solid(body));
+    case BodyKind::Rod:
+      return function(scene.rod(body));
     case BodyKind::Rigid:
       break;
   }
@@ -323,6 +303,7 @@ std::vector<Vec3> placed_vertices(const Description& body) {
 }  // namespace
 
 std::optional<double> Scene::contact_distance(BodyId body) const {
+  if (kind(body) == BodyKind::Rod) return rod(body).contact_distance.value_or(half_thickness(rod(body)));
   return visit_body(*this, body, [](const auto& b) { return b.contact_distance; });
 }
 
@@ -347,6 +328,21 @@ std::vector<Vec3> Scene::initial_velocities(BodyId body) const {
   });
 }
 
+namespace {
+
+void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
+                            std::vector<std::string>& warnings) {
+  const std::vector<double> lengths = polyline_lengths(scene.rod(body).mesh.vertices);
+  const double shortest = *std::min_element(lengths.begin(), lengths.end());
+  if (2.0 * distance <= shortest || lengths.size() < 3) return;
+  warnings.push_back(owner_text(BodyKind::Rod, scene.name(body)) + ": contact_distance = " +
+                     quantity_text(distance, "m") + " is more than half of its shortest edge, " +
+                     quantity_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
+                     quantity_text(0.5 * shortest, "m") + ", longer edges, or self_contact = false");
+}
+
+}  // namespace
+
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings) {
   std::vector<std::string> warnings;
   if (!settings.contact.enabled || !settings.contact.self_contact) return warnings;
@@ -354,6 +350,10 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
     const BodyId body{i};
     if (!scene.contact_enabled(body, body)) continue;
     const double distance = scene.contact_distance(body).value_or(settings.contact.distance);
+    if (scene.kind(body) == BodyKind::Rod) {
+      warn_about_short_edges(scene, body, distance, warnings);
+      continue;
+    }
     const SmallestHeight smallest =
         scene.kind(body) == BodyKind::Cloth
             ? find_smallest_height(scene.cloth(body).mesh.vertices, scene.cloth(body).mesh.triangles)

@@ -19,6 +19,7 @@
 #include <stark/geometry/solid_mesh.h>
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/field_values.h>
+#include <stark/mechanics/rod_law.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/joint.h>
@@ -28,20 +29,26 @@
 
 namespace stark {
 
-enum class BodyKind : uint8_t { Cloth, Solid, Rigid };
+enum class BodyKind : uint8_t { Cloth, Solid, Rigid, Rod };
 /// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or
 /// else their constant initial velocities; forces do not move them.
 enum class Motion : uint8_t { Dynamic, Fixed, Scripted };
 /// Rest angles of cloth: flat everywhere, or those of the rest mesh.
 enum class RestAngles : uint8_t { Flat, Mesh };
+/// Rest shape of a rod: that of its points, or straight and without twist.
+enum class RestShape : uint8_t { Mesh, Straight };
 
 template <>
 struct EnumNames<BodyKind> {
-  static constexpr std::array<std::string_view, 3> kNames{"cloth", "solid", "rigid"};
+  static constexpr std::array<std::string_view, 4> kNames{"cloth", "solid", "rigid", "rod"};
 };
 template <>
 struct EnumNames<Motion> {
   static constexpr std::array<std::string_view, 3> kNames{"dynamic", "fixed", "scripted"};
+};
+template <>
+struct EnumNames<RestShape> {
+  static constexpr std::array<std::string_view, 2> kNames{"mesh", "straight"};
 };
 template <>
 struct EnumNames<RestAngles> {
@@ -88,6 +95,32 @@ struct SolidDescription {
   std::optional<Color> color{};
 };
 
+/// A chain of points from end to end; edge i joins the points i and i + 1.
+struct Polyline {
+  std::vector<Vec3> vertices;
+};
+
+struct RodDescription {
+  std::string name{};
+  Polyline mesh{};  ///< [m] nodes, in the frame of the body
+  RodMaterial material{};
+  std::optional<RodLaw> law{};  ///< unset: linear_rod
+  ParameterValues fields{};     ///< of the law; values for each segment where they are per element
+  RestShape rest_shape = RestShape::Mesh;
+  /// First axis d1 of the section at the first node, in the frame of the body, up to its part along the rod;
+  /// the frames of the other nodes follow without twist. Unset: the coordinate axis farthest from the rod.
+  std::optional<Vec3> normal{};
+  Vec3 position{};
+  Mat3 rotation = Mat3::identity();
+  std::vector<Vec3> initial_positions{};  ///< frames follow those positions, with the same normal
+  Vec3 velocity{};
+  Vec3 angular_velocity{};
+  std::optional<double> contact_distance{};  ///< [m]; unset: the radius, or half the thickness
+  std::optional<double> friction{};
+  bool self_contact = true;
+  std::optional<Color> color{};
+};
+
 /// Mass, centre and inertia of a rigid body in the frame of its mesh.
 struct RigidInertia {
   double mass = 0.0;      ///< [kg]
@@ -115,10 +148,12 @@ struct RigidDescription {
   std::optional<Color> color{};
 };
 
-/// Vertices of a cloth or solid whose positions are prescribed: they keep their initial position, or follow
-/// the targets that Simulation::set_pin_targets gives in this order. They have no unknowns.
+/// Vertices of a cloth, solid or rod whose positions are prescribed: they keep their initial position, or
+/// follow the targets that Simulation::set_pin_targets gives in this order. They have no unknowns. Nodes of
+/// rods may be clamped as well: their frames are prescribed too.
 struct Pins {
   std::vector<int32_t> vertices{};  ///< in the order of pinning, no vertex twice
+  std::vector<int32_t> clamped{};   ///< nodes among them, in the order of clamping
 };
 
 class Scene {
@@ -128,9 +163,12 @@ class Scene {
   BodyId add_cloth(ClothDescription description);
   BodyId add_solid(SolidDescription description);
   BodyId add_rigid(RigidDescription description);
+  BodyId add_rod(RodDescription description);
 
-  /// Prescribes vertices of a cloth or a solid; vertices that are pinned already stay pinned.
+  /// Prescribes vertices of a cloth, a solid or a rod; vertices that are pinned already stay pinned.
   void pin(BodyId body, std::span<const int32_t> vertices);
+  /// Prescribes positions and frames of nodes of a rod.
+  void clamp(BodyId body, std::span<const int32_t> nodes);
 
   /// Adds an energy of n points (mechanics/potential.h) between points of bodies and of the world. Throws
   /// InvalidArgument for points that do not exist, missing, unknown or non-finite values.
@@ -167,24 +205,29 @@ class Scene {
   std::string free_name(const std::string& stem) { return body_names_.next(stem); }
   const std::string& name(BodyId body) const { return at(body).name; }
   BodyKind kind(BodyId body) const { return at(body).kind; }
-  Motion motion(BodyId body) const;  ///< Dynamic for cloth and solids
-  /// Position of the description in cloths(), solids() or rigids().
+  Motion motion(BodyId body) const;  ///< Dynamic for cloth, solids and rods
+  /// Position of the description in cloths(), solids(), rigids() or rods().
   int32_t index_in_kind(BodyId body) const { return at(body).index_in_kind; }
   const std::vector<ClothDescription>& cloths() const { return cloths_; }
   const std::vector<SolidDescription>& solids() const { return solids_; }
   const std::vector<RigidDescription>& rigids() const { return rigids_; }
+  const std::vector<RodDescription>& rods() const { return rods_; }
   const ClothDescription& cloth(BodyId body) const;
   const SolidDescription& solid(BodyId body) const;
   const RigidDescription& rigid(BodyId body) const;
+  const RodDescription& rod(BodyId body) const;
   const RigidInertia& rigid_inertia(BodyId body) const;  ///< zero mass for fixed and scripted bodies
   const Pins& pins(BodyId body) const { return pins_[at_index(body)]; }
-  std::optional<double> contact_distance(BodyId body) const;  ///< unset: settings.contact.distance
+  std::optional<double> contact_distance(
+      BodyId body) const;  ///< unset: settings.contact.distance; rods have one
   std::optional<double> body_friction(BodyId body) const;
   std::optional<Color> color(BodyId body) const;
 
   /// Positions [m] of the vertices at time 0 in the world, any kind of body.
   std::vector<Vec3> initial_positions(BodyId body) const;
-  /// Velocities [m/s] of the vertices at time 0 in the world, cloth and solids.
+  /// Frames of the nodes of a rod at time 0 in the world, axes d1, d2, d3 as columns.
+  std::vector<Mat3> initial_frames(BodyId body) const;
+  /// Velocities [m/s] of the vertices at time 0 in the world, cloth, solids and rods.
   std::vector<Vec3> initial_velocities(BodyId body) const;
 
   /// Findings that do not prevent a simulation: non-manifold edges, unused vertices of rigid meshes, ...
@@ -200,6 +243,7 @@ class Scene {
 
   size_t at_index(BodyId body) const;  ///< throws for ids of another scene
   const Body& at(BodyId body) const { return bodies_[at_index(body)]; }
+  void check_vertices(BodyId body, std::string_view action, std::span<const int32_t> vertices) const;
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
   std::string unique_name(const std::string& name, BodyKind kind);
   void check_points(const std::string& owner, const PointSet& points) const;
@@ -210,6 +254,7 @@ class Scene {
   std::vector<ClothDescription> cloths_;
   std::vector<SolidDescription> solids_;
   std::vector<RigidDescription> rigids_;
+  std::vector<RodDescription> rods_;
   std::vector<RigidInertia> inertias_;  // parallel to rigids_
   std::vector<Pins> pins_;              // parallel to bodies_
   std::vector<EnergyDescription> energies_;
@@ -222,7 +267,8 @@ class Scene {
 };
 
 /// What a scene with these settings should be warned about: contact distances above half the smallest height
-/// of a triangle that can touch its own body, which makes a mesh press on itself at rest.
+/// of a triangle (the shortest edge of a rod) that can touch its own body, which makes a mesh press on itself
+/// at rest.
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings);
 
 }  // namespace stark

@@ -36,23 +36,27 @@ void Scene::check_points(const std::string& owner, const PointSet& points) const
       throw InvalidArgument(where + ": vertex " + std::to_string(v) + ": must be in [0, " +
                             std::to_string(count) + "); give indices of vertices of the mesh");
   };
+  const bool is_rod = kind(points.body) == BodyKind::Rod;
   switch (points.kind) {
     case PointKind::Vertices:
       for (const int32_t v : points.vertices) check_vertex(v);
       break;
     case PointKind::BodyPoints:
     case PointKind::BodyDirections:
-      if (!is_rigid)
+      if (is_rod)
+        check_vertex(points.node);
+      else if (!is_rigid)
         throw InvalidArgument(where +
-                              ": only rigid bodies have points and directions in their frame; use "
+                              ": only rigid bodies and nodes of rods have points and directions in their "
+                              "frame; use "
                               "vertices, or points embedded in an element");
       check_finite_points();
       break;
     case PointKind::Embedded:
-      if (is_rigid)
+      if (is_rigid || is_rod)
         throw InvalidArgument(where +
                               ": points are embedded in cloth and solids only; use points in the "
-                              "frame of the rigid body");
+                              "frame of the rigid body or of a node of the rod");
       if (points.weights.size() != points.supports.size())
         throw InvalidArgument(where + ": " + std::to_string(points.weights.size()) + " rows of weights for " +
                               count_text(points.size(), "point") + ": must be as many");

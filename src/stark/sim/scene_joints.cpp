@@ -37,13 +37,22 @@ void Scene::check_frame(const std::string& owner, const FrameDescription& frame)
     case FrameDescription::Carrier::Body:
       if (kind(frame.body) != BodyKind::Rigid)
         throw InvalidArgument(owner + ": '" + name(frame.body) + "' is a " + to_string(kind(frame.body)) +
-                              " body: only rigid bodies carry frames; use a patch of three vertices");
+                              " body: only rigid bodies and nodes of rods carry frames; use a patch of three "
+                              "vertices");
       break;
     case FrameDescription::Carrier::Patch:
-      if (kind(frame.body) == BodyKind::Rigid)
-        throw InvalidArgument(owner + ": '" + name(frame.body) +
-                              "' is rigid: patches belong to cloth and solids; use a frame of the body");
+      if (kind(frame.body) == BodyKind::Rigid || kind(frame.body) == BodyKind::Rod)
+        throw InvalidArgument(owner + ": '" + name(frame.body) + "' is a " + to_string(kind(frame.body)) +
+                              " body: patches belong to cloth and solids; use a frame of the body or of a "
+                              "node of the rod");
       check_patch(owner, *this, frame);
+      break;
+    case FrameDescription::Carrier::Node:
+      if (const auto nodes = static_cast<int32_t>(rod(frame.body).mesh.vertices.size());
+          frame.vertices[0] < 0 || frame.vertices[0] >= nodes)
+        throw InvalidArgument(owner + ": node " + std::to_string(frame.vertices[0]) + " of '" +
+                              name(frame.body) + "': must be in [0, " + std::to_string(nodes) +
+                              "); give the index of a node of the rod");
       break;
   }
 }

@@ -57,7 +57,8 @@ std::string StepReport::brief() const {
 Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {
   validate(settings_);
   if (scene_.body_count() == 0)
-    throw InvalidArgument("scene has no bodies; add at least one with add_cloth, add_solid or add_rigid");
+    throw InvalidArgument(
+        "scene has no bodies; add at least one with add_cloth, add_solid, add_rod or add_rigid");
   pool_ = std::make_unique<ThreadPool>(settings_.execution.threads);
   timer_ = std::make_unique<PhaseTimer>();
   model_ = std::make_unique<Model>(scene_, settings_);
@@ -145,7 +146,9 @@ std::vector<Vec3> Simulation::positions(BodyId body) const {
   scene_.name(body);
   const ModelBody& b = model_->bodies()[body.index];
   std::vector<Vec3> x(b.site_count);
-  if (b.kind == BodyKind::Rigid) {
+  if (b.kind == BodyKind::Rod) {
+    std::copy_n(state_.body_position.begin() + b.rigid_index, b.site_count, x.begin());
+  } else if (b.kind == BodyKind::Rigid) {
     for (int32_t v = 0; v < b.site_count; ++v)
       x[v] = state_.body_position[b.rigid_index] +
              state_.body_rotation[b.rigid_index] * model_->map().site(b.first_site + v).local;
@@ -159,6 +162,10 @@ std::vector<Vec3> Simulation::velocities(BodyId body) const {
   scene_.name(body);
   const ModelBody& b = model_->bodies()[body.index];
   std::vector<Vec3> v(b.site_count);
+  if (b.kind == BodyKind::Rod) {
+    std::copy_n(state_.body_velocity.begin() + b.rigid_index, b.site_count, v.begin());
+    return v;
+  }
   for (int32_t i = 0; i < b.site_count; ++i)
     v[i] = b.kind == BodyKind::Rigid
                ? state_.body_velocity[b.rigid_index] +
@@ -224,28 +231,6 @@ void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& ang
   state_.script_remaining[b.rigid_index] = 0.0;
   state_.body_velocity[b.rigid_index] = velocity;
   state_.body_rotation_rate[b.rigid_index] = skew(angular_velocity) * state_.body_rotation[b.rigid_index];
-}
-
-void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
-  const std::string& name = scene_.name(body);
-  const ModelBody& b = model_->bodies()[body.index];
-  if (b.pins.size() != targets.size())
-    throw InvalidArgument("pin targets of body '" + name + "': " + std::to_string(targets.size()) +
-                          " positions for " + std::to_string(b.pins.size()) +
-                          " pinned vertices; give one position [m] for each");
-  for (const Vec3& target : targets)
-    if (!is_finite(target))
-      throw InvalidArgument("pin targets of body '" + name + "': " + point_text(target) + " must be finite");
-  for (size_t k = 0; k < targets.size(); ++k) state_.pin_target[b.first_site + b.pins[k]] = targets[k];
-  state_.pin_remaining = settings_.time.step;
-}
-
-std::vector<Vec3> Simulation::pin_targets(BodyId body) const {
-  scene_.name(body);
-  const ModelBody& b = model_->bodies()[body.index];
-  std::vector<Vec3> targets;
-  for (const int32_t pin : b.pins) targets.push_back(state_.pin_target[b.first_site + pin]);
-  return targets;
 }
 
 void Simulation::set_interrupt(std::function<bool()> interrupted) {

@@ -54,6 +54,11 @@ class Simulation {
   void set_pin_targets(BodyId body, std::span<const Vec3> targets);
   /// Where the pinned vertices are or are going to [m], in the order of pinning.
   std::vector<Vec3> pin_targets(BodyId body) const;
+  /// Frames of the nodes of a rod, axes d1, d2, d3 as columns.
+  std::vector<Mat3> frames(BodyId body) const;
+  /// Frames of the clamped nodes of a rod, in the order of clamping, at the end of the next full time step.
+  void set_clamp_targets(BodyId body, std::span<const Mat3> targets);
+  std::vector<Mat3> clamp_targets(BodyId body) const;
 
   /// Replaces a value of an energy of the scene from now on, without rebuilding anything: as many numbers as
   /// it was added with. Throws InvalidArgument for unknown names, wrong counts and numbers that are not
@@ -108,6 +113,7 @@ class Simulation {
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
   const ModelBody& rigid(BodyId body, const char* what) const;
+  const ModelBody& rod(BodyId body) const;
   Configuration start_configuration() const;
   /// Diagonal blocks of inertia and elasticity at the start of a step: what barriers and joints are measured
   /// against.

@@ -158,7 +158,8 @@ Configuration Simulation::target_configuration(double h) const {
       }
   }
   for (size_t b = 0; b < target.body_position.size(); ++b) {
-    if (model_->map().layout().body_block[b] != kNoBlock) continue;
+    const DofLayout& layout = model_->map().layout();
+    if (layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock) continue;
     if (state_.script_remaining[b] > 0.0) {
       const double fraction = std::min(1.0, h / state_.script_remaining[b]);
       target.body_position[b] += (state_.script_position[b] - target.body_position[b]) * fraction;
@@ -221,12 +222,17 @@ void Simulation::commit(double h) {
   }
   const auto arrived = [&](double remaining) { return remaining - h <= kTimeRounding * (state_.time + h); };
   for (size_t b = 0; b < end.body_position.size(); ++b) {
-    if (layout.body_block[b] != kNoBlock) {
-      const Mat3 rotation = orthonormalized(end.body_rotation[b]);
+    const bool keeps_velocity = state_.script_remaining[b] == 0.0;
+    if (layout.body_block[b] != kNoBlock)
       state_.body_velocity[b] = (end.body_position[b] - from.body_position[b]) / s;
+    else if (!keeps_velocity)
+      state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
+    state_.body_position[b] = end.body_position[b];
+    if (layout.rotation_block[b] != kNoBlock) {
+      const Mat3 rotation = orthonormalized(end.body_rotation[b]);
       state_.body_rotation_rate[b] = (rotation - from.body_rotation[b]) * (1.0 / s);
       state_.body_rotation[b] = rotation;
-    } else if (state_.script_remaining[b] == 0.0) {
+    } else if (keeps_velocity) {
       // The world axes of the angular velocity stay the same: the rate turns along with the body.
       const Mat3 W = state_.body_rotation_rate[b] * transpose(state_.body_rotation[b]);
       state_.body_rotation[b] = end.body_rotation[b];
@@ -234,14 +240,12 @@ void Simulation::commit(double h) {
     } else {
       // Following poses, or resting at the last one: the velocities tell what it did.
       const Vec3 turn = log_rotation(end.body_rotation[b] * transpose(state_.body_rotation[b]));
-      state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
       state_.body_rotation_rate[b] = skew(turn / h) * end.body_rotation[b];
       state_.body_rotation[b] = end.body_rotation[b];
-      if (state_.script_remaining[b] > 0.0)
-        state_.script_remaining[b] =
-            arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;
     }
-    state_.body_position[b] = end.body_position[b];
+    if (state_.script_remaining[b] > 0.0)
+      state_.script_remaining[b] =
+          arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;
   }
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;

@@ -36,10 +36,11 @@ EnergyLedger Simulation::stored_energies(std::span<const Vec3> x) const {
   }
   for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
     const RigidMass& mass = model_->rigid_masses()[b];
-    if (mass.mass == 0.0) continue;
-    ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
-    for (int k = 0; k < 3; ++k)
+    const DofLayout& layout = model_->map().layout();
+    for (int k = 0; k < 3 && layout.rotation_block[b] != kNoBlock; ++k)
       ledger.kinetic += 0.5 * mass.second_moments[k] * squared_norm(state_.body_rotation_rate[b].column(k));
+    if (layout.body_block[b] == kNoBlock) continue;
+    ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
   if (settings_.time.integrator == Integrator::Quasistatic) ledger.kinetic = 0.0;
@@ -92,6 +93,10 @@ double Simulation::prescribed_work() const {
   const std::span<const Vec3> x = potential_->site_positions();
   // How much of each site's motion was prescribed.
   std::vector<Vec3> motion(x.size());
+  std::vector<Vec3> body_motion(map.layout().body_block.size());
+  for (int32_t i = 0; i < map.site_count(); ++i)
+    if (map.site(i).kind == SiteKind::RigidPoint && map.site(i).local == Vec3{})
+      body_motion[map.site(i).index] = x[i] - step_start_[i];
   bool any = false;
   for (int32_t i = 0; i < map.site_count(); ++i) {
     const Site& site = map.site(i);
@@ -101,6 +106,8 @@ double Simulation::prescribed_work() const {
       for (int k = 0; k < 4; ++k)
         if (map.layout().point_block[site.points[k]] == kNoBlock)
           motion[i] += (x[site.points[k]] - step_start_[site.points[k]]) * site.weights[k];
+    } else if (site.kind == SiteKind::RigidPoint && map.layout().body_block[site.index] == kNoBlock) {
+      motion[i] = body_motion[site.index];  // a lever on a pinned node of a rod: its rotation is free
     }
     any = any || motion[i] != Vec3{};
   }
@@ -144,13 +151,14 @@ Momentum Simulation::momentum() const {
   }
   for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
     const RigidMass& mass = model_->rigid_masses()[b];
-    if (mass.mass == 0.0) continue;
+    const DofLayout& layout = model_->map().layout();
+    for (int k = 0; k < 3 && layout.rotation_block[b] != kNoBlock; ++k)
+      total.angular += cross(state_.body_rotation[b].column(k), state_.body_rotation_rate[b].column(k)) *
+                       mass.second_moments[k];
+    if (layout.body_block[b] == kNoBlock) continue;
     const Vec3 momentum = state_.body_velocity[b] * mass.mass;
     total.linear += momentum;
     total.angular += cross(state_.body_position[b], momentum);
-    for (int k = 0; k < 3; ++k)
-      total.angular += cross(state_.body_rotation[b].column(k), state_.body_rotation_rate[b].column(k)) *
-                       mass.second_moments[k];
   }
   return total;
 }

@@ -63,6 +63,115 @@ def discrete_shell_bending(
     return (elastic + viscous) * s.rest_weight * stark.squared_norm(s.rest_edge)
 
 
+def fold_angle(p0: stark.Vec, p1: stark.Vec, p2: stark.Vec, p3: stark.Vec) -> stark.Scalar:
+    e = p1 - p0
+    a, b = stark.cross(e, p2 - p0), stark.cross(p3 - p0, e)
+    return stark.atan2(stark.dot(stark.cross(a, b), e) / stark.norm(e), stark.dot(a, b))
+
+
+def plate(s: object, h: object, rigidity: object, damping: object, rest: list, form: dict) -> object:
+    hinges = [(0, 1, 2, 3), (1, 2, 0, 4), (2, 0, 1, 5), (0, 3, 1, 6)][: len(rest)]
+    angles = [fold_angle(*(s[i].x for i in hinge)) for hinge in hinges]
+    bend = [angle - at_rest for angle, at_rest in zip(angles, rest, strict=True)]
+    turn = [
+        angle - fold_angle(*(s[i].x_prev for i in hinge)) for angle, hinge in zip(angles, hinges, strict=True)
+    ]
+    elastic, viscous = 0.0, 0.0
+    for i in range(len(rest)):
+        for j in range(i, len(rest)):
+            factor = 0.5 if i == j else 1.0
+            elastic = elastic + factor * form[i, j] * bend[i] * bend[j]
+            viscous = viscous + factor * form[i, j] * turn[i] * turn[j]
+    return rigidity * elastic + damping / h * viscous
+
+
+@stark.energy
+def plate_bending_1(
+    s: stark.Stencil[4],
+    h: stark.TimeStep,
+    flexural_rigidity: float,
+    bending_damping: float,
+    rest_angle0: float,
+    form00: float,
+):
+    form = {(0, 0): form00}
+    return plate(s, h, flexural_rigidity, bending_damping, [rest_angle0], form)
+
+
+@stark.energy
+def plate_bending_2(
+    s: stark.Stencil[5],
+    h: stark.TimeStep,
+    flexural_rigidity: float,
+    bending_damping: float,
+    rest_angle0: float,
+    rest_angle1: float,
+    form00: float,
+    form01: float,
+    form11: float,
+):
+    form = {(0, 0): form00, (0, 1): form01, (1, 1): form11}
+    return plate(s, h, flexural_rigidity, bending_damping, [rest_angle0, rest_angle1], form)
+
+
+@stark.energy
+def plate_bending_3(
+    s: stark.Stencil[6],
+    h: stark.TimeStep,
+    flexural_rigidity: float,
+    bending_damping: float,
+    rest_angle0: float,
+    rest_angle1: float,
+    rest_angle2: float,
+    form00: float,
+    form01: float,
+    form02: float,
+    form11: float,
+    form12: float,
+    form22: float,
+):
+    form = {(0, 0): form00, (0, 1): form01, (0, 2): form02, (1, 1): form11, (1, 2): form12, (2, 2): form22}
+    return plate(s, h, flexural_rigidity, bending_damping, [rest_angle0, rest_angle1, rest_angle2], form)
+
+
+@stark.energy
+def plate_bending_4(
+    s: stark.Stencil[7],
+    h: stark.TimeStep,
+    flexural_rigidity: float,
+    bending_damping: float,
+    rest_angle0: float,
+    rest_angle1: float,
+    rest_angle2: float,
+    rest_angle3: float,
+    form00: float,
+    form01: float,
+    form02: float,
+    form03: float,
+    form11: float,
+    form12: float,
+    form13: float,
+    form22: float,
+    form23: float,
+    form33: float,
+):
+    form = {
+        (0, 0): form00,
+        (0, 1): form01,
+        (0, 2): form02,
+        (0, 3): form03,
+        (1, 1): form11,
+        (1, 2): form12,
+        (1, 3): form13,
+        (2, 2): form22,
+        (2, 3): form23,
+        (3, 3): form33,
+    }
+    return plate(
+        s, h, flexural_rigidity, bending_damping, [rest_angle0, rest_angle1, rest_angle2, rest_angle3], form
+    )
+
+
 @stark.energy
 def membrane_neo_hookean(t: stark.Triangle, youngs_modulus: float, poissons_ratio: float, thickness: float):
     mu = youngs_modulus / (2.0 * (1.0 + poissons_ratio))
@@ -269,6 +378,48 @@ def barrier_point_triangle(s: stark.Stencil[4], stiffness: float, contact_distan
 @stark.energy
 def barrier_edge_edge(s: stark.Stencil[4], stiffness: float, contact_distance: float):
     return barrier(edge_edge(*(p.x for p in s)), stiffness, contact_distance)
+
+
+@stark.material
+def linear_rod(
+    stretch: float,
+    curvature: stark.Vec2,
+    twist: float,
+    axial_stiffness: float,
+    bending_stiffness_1: float,
+    bending_stiffness_2: float,
+    torsional_stiffness: float,
+):
+    return 0.5 * (
+        axial_stiffness * stark.square(stretch - 1.0)
+        + bending_stiffness_1 * stark.square(curvature[0])
+        + bending_stiffness_2 * stark.square(curvature[1])
+        + torsional_stiffness * stark.square(twist)
+    )
+
+
+@stark.material
+def rod_damping(
+    stretch: float,
+    curvature: stark.Vec2,
+    twist: float,
+    stretch_prev: float,
+    curvature_prev: stark.Vec2,
+    twist_prev: float,
+    h: stark.TimeStep,
+    axial_stiffness: float,
+    bending_stiffness_1: float,
+    bending_stiffness_2: float,
+    torsional_stiffness: float,
+    strain_damping: float,
+):
+    rates = (
+        axial_stiffness * stark.square(stretch - stretch_prev)
+        + bending_stiffness_1 * stark.square(curvature[0] - curvature_prev[0])
+        + bending_stiffness_2 * stark.square(curvature[1] - curvature_prev[1])
+        + torsional_stiffness * stark.square(twist - twist_prev)
+    )
+    return 0.5 * strain_damping / h * rates
 
 
 @stark.energy

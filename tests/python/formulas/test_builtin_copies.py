@@ -25,8 +25,22 @@ def formula_of(name: str) -> Any:
 
 
 def inputs_of(formula: Any, rng: np.random.Generator) -> dict[str, Any]:
-    """Random inputs of some elements: simplices of about 1 m that are strained by up to 20 %."""
+    """Random inputs of some elements: simplices of about 1 m that are strained by up to 20 %, segments of
+    rods of two nodes and six axes."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)[: formula.point_count]
+    if 5 <= formula.point_count <= 7:  # a triangle and what is around it
+        around = [
+            [0, 0, 0],
+            [1, 0, 0],
+            [0.4, 1, 0],
+            [0.5, -1, 0],
+            [1.5, 1, 0],
+            [-0.5, 0.9, 0],
+            [-0.6, -0.5, 0],
+        ]
+        corners = np.array(around, dtype=float)[: formula.point_count]
+    if formula.point_count == 8:
+        corners = np.concatenate([[[0, 0, 0], [0, 0, 1]], np.eye(3), np.eye(3)])
     X = corners + rng.uniform(-0.1, 0.1, (ELEMENTS, *corners.shape))
 
     def strained() -> np.ndarray:

@@ -1,0 +1,116 @@
+"""Handles of rods: nodes with material frames, drawn as tubes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.bodies import _Deformable
+from stark.mesh import Indices, Points, Polyline
+
+if TYPE_CHECKING:
+    from stark.formulas.points import FrameHandle
+
+_TUBE_SIDES = 8  # of round rods in pictures
+
+
+class Rod(_Deformable):
+    """A thin elastic rod: a chain of nodes, each with a material frame."""
+
+    kind = "rod"
+
+    def frame(  # type: ignore[override]
+        self, node: int, *, position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None
+    ) -> FrameHandle:
+        """Frame carried by a node, for energies and joints: ``position`` [m] and ``rotation`` in the frame of
+        the node, whose axes are d1 and d2 of the section and d3 along the rod."""
+        from stark.formulas.points import node_frame
+
+        return node_frame(self, node, position, rotation)
+
+    @property
+    def frames(self) -> NDArray[np.float64]:
+        """Material frames of the nodes (n, 3, 3): axes d1, d2 of the section and d3 along the rod as columns;
+        a copy."""
+        simulation = self._simulation()
+        if simulation is None:
+            return self._scene._core.initial_frames(self._index).reshape(-1, 3, 3)
+        return simulation._core.frames(self._index).reshape(-1, 3, 3)
+
+    @property
+    def clamped(self) -> Indices:
+        """Indices of the clamped nodes, in the order of clamping."""
+        return self._scene._core.clamped(self._index)
+
+    def clamp(self, nodes: ArrayLike) -> None:
+        """Prescribes positions and frames of nodes, by index: they stay, or follow ``pin_targets`` and
+        ``clamp_targets``. Before the simulation is made."""
+        self._scene._core.clamp(self._index, np.atleast_1d(np.asarray(nodes)))
+
+    @property
+    def clamp_targets(self) -> NDArray[np.float64]:
+        """Frames that the clamped nodes reach at the end of the next step (k, 3, 3), in the order of
+        ``clamped``; assign to turn them."""
+        simulation = self._require_simulation("clamp_targets")
+        return simulation._core.clamp_targets(self._index).reshape(-1, 3, 3)
+
+    @clamp_targets.setter
+    def clamp_targets(self, targets: ArrayLike) -> None:
+        array = np.asarray(targets, dtype=np.float64)
+        count = len(self.clamped)
+        if array.shape != (count, 3, 3):
+            raise InvalidArgument(
+                f"'{self.name}': clamp_targets has the shape {array.shape}: "
+                f"must be ({count}, 3, 3), a rotation for each clamped node"
+            )
+        core = self._require_simulation("clamp_targets")._core
+        core.set_clamp_targets(self._index, np.ascontiguousarray(array.reshape(count, 9)))
+
+    @property
+    def triangles(self) -> Indices:
+        """None: rods touch with edges and nodes. ``surface_triangles`` are those of a tube for pictures."""
+        return np.empty((0, 3), dtype=np.int32)
+
+    @property
+    def surface_positions(self) -> Points:
+        """Vertices of a tube around the rod (k, 3) [m], for pictures: the section at each node, and the
+        middles of both ends."""
+        positions, frames = self.positions, self.frames
+        rings = positions[:, None] + np.einsum("nij,kj->nki", frames[:, :, :2], self._outline())
+        return np.concatenate([rings.reshape(-1, 3), positions[[0, -1]]])
+
+    @property
+    def surface_triangles(self) -> Indices:
+        if "tube" not in self._shared:
+            self._shared["tube"] = _tube(len(self._mesh.vertices), len(self._outline()))
+        return self._shared["tube"]
+
+    def _outline(self) -> Points:
+        """Corners of the section in the axes d1, d2 (k, 2) [m]."""
+        material = self._shared["material"]
+        if material.width > 0.0:
+            corners = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+            return 0.5 * np.array([material.width, material.height]) * corners
+        angle = np.arange(_TUBE_SIDES) * (2.0 * np.pi / _TUBE_SIDES)
+        return material.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+    def _edge_indices(self) -> Indices:
+        assert isinstance(self._mesh, Polyline)
+        return self._mesh.edges
+
+
+def _tube(rings: int, sides: int) -> Indices:
+    """Triangles of a tube, outwards: rings of vertices one after the other, then the middles of both ends."""
+    k = np.arange(sides)
+    near, far = k, np.roll(k, -1)
+    quads = np.concatenate(
+        [np.column_stack([near, far, near + sides]), np.column_stack([far, far + sides, near + sides])]
+    )
+    walls = (quads[None] + sides * np.arange(rings - 1)[:, None, None]).reshape(-1, 3)
+    middle, last = rings * sides, (rings - 1) * sides
+    start = np.column_stack([far, near, np.full(sides, middle)])
+    end = np.column_stack([near + last, far + last, np.full(sides, middle + 1)])
+    return np.concatenate([walls, start, end]).astype(np.int32)

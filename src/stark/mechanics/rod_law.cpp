@@ -1,0 +1,127 @@
+// Laws of rods and the segment that evaluates them. See rod_law.h.
+#include <stark/mechanics/rod_law.h>
+
+#include <stark/base/error.h>
+#include <stark/base/rotation.h>
+
+namespace stark {
+
+using symbolic::Scalar;
+
+namespace {
+
+using Point = symbolic::Vec3 (PotentialBuilder::*)(int);
+
+/// Edge and material axes of a segment; differences of lengths and angles, not yet per rest length.
+struct SegmentStrain {
+  symbolic::Vec3 edge_in_frame;  ///< [m] along m1, m2, m3
+  symbolic::Vec3 rotation;       ///< 4 tan(phi/4) about d1, d2, d3
+};
+
+SegmentStrain segment_strain(PotentialBuilder& b, Point p) {
+  const symbolic::Vec3 edge = (b.*p)(1) - (b.*p)(0);
+  const auto axis = [&](int node, int k) { return (b.*p)(2 + 3 * node + k); };
+  SegmentStrain strain;
+  // Sums of axes instead of the exact frame halfway: they differ by second order in phi where bending and
+  // twist meet, have half the instructions, and stay bounded up to half a turn.
+  for (int k = 0; k < 3; ++k) strain.edge_in_frame[k] = dot(edge, normalized(axis(0, k) + axis(1, k)));
+  // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi). With c = cos(phi/2),
+  // 4 tan(phi/4) = 2 sin(phi) / (c (1 + c)): close to phi, smooth, and without a kink below half a turn.
+  const auto Q = [&](int i, int j) { return dot(axis(0, i), axis(1, j)); };
+  const Scalar c = 0.5 * sqrt(1.0 + Q(0, 0) + Q(1, 1) + Q(2, 2));
+  const Scalar factor = 1.0 / (c * (1.0 + c));
+  strain.rotation[0] = factor * (Q(2, 1) - Q(1, 2));
+  strain.rotation[1] = factor * (Q(0, 2) - Q(2, 0));
+  strain.rotation[2] = factor * (Q(1, 0) - Q(0, 1));
+  return strain;
+}
+
+Scalar rest_length(PotentialBuilder& b) { return norm(b.X(1) - b.X(0)); }
+
+RodStrain strain_of(PotentialBuilder& b, Point p) {
+  const SegmentStrain now = segment_strain(b, p), rest = segment_strain(b, &PotentialBuilder::X);
+  const Scalar inverse_length = 1.0 / rest_length(b);
+  const auto shear = [&](int k) { return (now.edge_in_frame[k] - rest.edge_in_frame[k]) * inverse_length; };
+  const auto turn = [&](int k) { return (now.rotation[k] - rest.rotation[k]) * inverse_length; };
+  return {.stretch = now.edge_in_frame[2] / rest.edge_in_frame[2],
+          .shear = {shear(0), shear(1)},
+          .curvature = {turn(0), turn(1)},
+          .twist = turn(2)};
+}
+
+std::vector<symbolic::Vec3> points_of(const RodStrain& strain) {
+  return {symbolic::Vec3(0.0, 0.0, strain.stretch),
+          symbolic::Vec3(strain.curvature[0], strain.curvature[1], strain.twist)};
+}
+
+/// A segment of about a metre, moderately bent, twisted, stretched and sheared.
+PotentialSample sample_segment(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> small(-0.2, 0.2);
+  const auto shape = [&](double amount) {
+    const auto vector = [&] { return Vec3{small(random), small(random), small(random)} * amount; };
+    std::vector<Vec3> points{vector(), Vec3{0, 0, 1.0} + vector()};
+    for (int node = 0; node < 2; ++node) {
+      const Mat3 R = exp_rotation(vector());
+      for (int k = 0; k < 3; ++k) points.push_back(R.column(k));
+    }
+    return points;
+  };
+  return {.X = shape(0.5), .x_prev = shape(1.0), .x = shape(1.0), .values = {}};
+}
+
+}  // namespace
+
+RodLaw define_rod_law(std::string name, std::string doc,
+                      std::function<Scalar(PotentialBuilder&, const RodDeformation&)> psi) {
+  return {.name = std::move(name), .doc = std::move(doc), .psi = std::move(psi)};
+}
+
+RodLaw rod_law_from(std::string name, std::string doc, Formula formula) {
+  if (formula.point_count() != 2)
+    throw InvalidArgument("rod law '" + name + "': its formula has " + std::to_string(formula.point_count()) +
+                          " points: must have 2, for stretch and for curvature and twist");
+  const bool remembers = formula.uses(ElementField::Source::Previous);
+  RodLaw law = define_rod_law(
+      std::move(name), std::move(doc),
+      [formula = std::move(formula), remembers](PotentialBuilder& b, const RodDeformation& deformation) {
+        PointExpressions points{.x = points_of(deformation.strain())};
+        points.X = points.x_initial = {symbolic::Vec3(0.0, 0.0, 1.0), symbolic::Vec3(0.0, 0.0, 0.0)};
+        points.x_prev = remembers ? points_of(deformation.strain_prev()) : points.x;
+        return formula.repeat(b, points).at(0);
+      });
+  law.zero_at_rest = false;  // nobody has promised it
+  return law;
+}
+
+RodLaw sum(std::string name, const std::vector<RodLaw>& laws) {
+  STARK_CHECK(!laws.empty());
+  RodLaw total = laws.front();
+  total.name = std::move(name);
+  total.psi = [laws](PotentialBuilder& b, const RodDeformation& deformation) {
+    Scalar psi = laws.front().psi(b, deformation);
+    for (size_t k = 1; k < laws.size(); ++k) psi = psi + laws[k].psi(b, deformation);
+    return psi;
+  };
+  for (const RodLaw& law : laws) total.zero_at_rest = total.zero_at_rest && law.zero_at_rest;
+  return total;
+}
+
+PotentialDefinition rod_segment(const RodLaw& law) {
+  PotentialDefinition definition = define_potential(
+      law.name, kRodSegmentPoints, law.doc + " of segments", [psi = law.psi](PotentialBuilder& b) {
+        const RodDeformation deformation{[&] { return strain_of(b, &PotentialBuilder::x); },
+                                         [&] { return strain_of(b, &PotentialBuilder::x_prev); }};
+        const Scalar density = psi(b, deformation);
+        const RodStrain strain = deformation.strain();
+        const Scalar k =
+            b.parameter("shear_stiffness", "N", "force for unit shear of the section", positive());
+        const Scalar shear = 0.5 * k * (square(strain.shear[0]) + square(strain.shear[1]));
+        return rest_length(b) * (density + shear);
+      });
+  definition.translation_invariant = false;  // six of the points are directions
+  definition.zero_at_rest = law.zero_at_rest;
+  definition.sample = sample_segment;
+  return definition;
+}
+
+}  // namespace stark

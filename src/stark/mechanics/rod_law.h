@@ -1,0 +1,64 @@
+// Constitutive laws of rods: stored energy per rest length [J/m] as a formula of stretch, curvature and
+// twist, and the segment that supplies them. Phase: model building.
+//
+// A rod is a chain of nodes, each with a position x and a material frame of directors d1, d2 (axes of the
+// cross-section) and d3 (its normal): a geometrically exact rod [Simo 1985, Reissner 1981] in directors
+// [Romero 2004]. A segment has one quadrature point in its middle, which keeps slender rods free of shear
+// locking. With the rest length L, the edge t = (x1 - x0) / L and the axes m_k of the middle, d_k of the two
+// nodes added and normalised, the strains are [theory eq. 28, 29]
+//     v_k = t . m_k              shear (k = 1, 2) and stretch (k = 3),
+//     u = 4 tan(phi/4) n / L     curvature (1, 2) and twist (3): the rotation from one frame to the other is
+//                                by phi about n,
+// each compared with its value in the rest shape.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <stark/mechanics/formula.h>
+#include <stark/mechanics/potential.h>
+
+namespace stark {
+
+/// Strains of a rod, zero in the rest shape, the stretch apart, which is 1 there.
+struct RodStrain {
+  symbolic::Scalar stretch;                   ///< length over rest length
+  std::array<symbolic::Scalar, 2> shear;      ///< along the axes d1, d2 of the section
+  std::array<symbolic::Scalar, 2> curvature;  ///< change, about the axes d1, d2 [1/m]
+  symbolic::Scalar twist;                     ///< change, about d3 [rad/m]
+};
+
+/// Evaluated when asked for, so that a law without memory has no inputs for the past.
+struct RodDeformation {
+  std::function<RodStrain()> strain;       ///< at the end of the step
+  std::function<RodStrain()> strain_prev;  ///< at the start of the step
+};
+
+struct RodLaw {
+  std::string name;
+  std::string doc;
+  /// Energy per rest length [J/m]. Of the builder use parameters, data and time only.
+  std::function<symbolic::Scalar(PotentialBuilder&, const RodDeformation&)> psi;
+  bool zero_at_rest = true;  ///< declared: no energy and no force in the rest shape; checked by the sweep
+};
+
+RodLaw define_rod_law(std::string name, std::string doc,
+                      std::function<symbolic::Scalar(PotentialBuilder&, const RodDeformation&)> psi);
+
+/// Law whose psi is the first output of a formula of two points: (0, 0, stretch) and (curvature 1,
+/// curvature 2, twist); x_prev are those at the start of the step. Throws InvalidArgument for another number
+/// of points.
+RodLaw rod_law_from(std::string name, std::string doc, Formula formula);
+
+/// Sum of laws, for instance of an elastic and a viscous one; parameters of the same name are one.
+RodLaw sum(std::string name, const std::vector<RodLaw>& laws);
+
+/// Segment of a rod: 8 points, the nodes x0 and x1, then d1, d2, d3 of each. psi times rest length, plus the
+/// energy of shear with the parameter `shear_stiffness` [N], which keeps sections normal to the rod.
+PotentialDefinition rod_segment(const RodLaw& law);
+inline constexpr int kRodSegmentPoints = 8;
+
+}  // namespace stark

@@ -1,0 +1,71 @@
+// Simulation: prescribed vertices, prescribed frames of rods.
+#include <cmath>
+
+#include <stark/base/error.h>
+#include <stark/sim/simulation.h>
+#include <stark/sim/validation.h>
+
+namespace stark {
+
+void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
+  const std::string owner = "pin targets of body '" + scene_.name(body) + "'";
+  const ModelBody& b = model_->bodies()[body.index];
+  if (b.pins.size() != targets.size())
+    throw InvalidArgument(owner + ": " + std::to_string(targets.size()) + " positions for " +
+                          std::to_string(b.pins.size()) + " pinned vertices; give one position [m] for each");
+  for (const Vec3& target : targets)
+    if (!is_finite(target))
+      throw InvalidArgument(owner + ": " + to_text(FieldValue(target)) + " m must be finite");
+  if (b.kind == BodyKind::Rod) {
+    for (size_t k = 0; k < targets.size(); ++k) {
+      state_.script_position[b.rigid_index + b.pins[k]] = targets[k];
+      state_.script_remaining[b.rigid_index + b.pins[k]] = settings_.time.step;
+    }
+    return;
+  }
+  for (size_t k = 0; k < targets.size(); ++k) state_.pin_target[b.first_site + b.pins[k]] = targets[k];
+  state_.pin_remaining = settings_.time.step;
+}
+
+std::vector<Vec3> Simulation::pin_targets(BodyId body) const {
+  scene_.name(body);
+  const ModelBody& b = model_->bodies()[body.index];
+  std::vector<Vec3> targets;
+  for (const int32_t pin : b.pins)
+    targets.push_back(b.kind == BodyKind::Rod ? state_.script_position[b.rigid_index + pin]
+                                              : state_.pin_target[b.first_site + pin]);
+  return targets;
+}
+
+std::vector<Mat3> Simulation::frames(BodyId body) const {
+  const ModelBody& b = rod(body);
+  const auto first = state_.body_rotation.begin() + b.rigid_index;
+  return {first, first + b.site_count};
+}
+
+void Simulation::set_clamp_targets(BodyId body, std::span<const Mat3> targets) {
+  const ModelBody& b = rod(body);
+  const std::string owner = "clamp targets of body '" + scene_.name(body) + "'";
+  if (b.clamped.size() != targets.size())
+    throw InvalidArgument(owner + ": " + std::to_string(targets.size()) + " rotations for " +
+                          std::to_string(b.clamped.size()) + " clamped nodes; give one rotation for each");
+  for (const Mat3& target : targets) check_rotation(owner, target);
+  for (size_t k = 0; k < targets.size(); ++k) {
+    state_.script_rotation[b.rigid_index + b.clamped[k]] = targets[k];
+    state_.script_remaining[b.rigid_index + b.clamped[k]] = settings_.time.step;
+  }
+}
+
+std::vector<Mat3> Simulation::clamp_targets(BodyId body) const {
+  const ModelBody& b = rod(body);
+  std::vector<Mat3> targets;
+  for (const int32_t node : b.clamped) targets.push_back(state_.script_rotation[b.rigid_index + node]);
+  return targets;
+}
+
+const ModelBody& Simulation::rod(BodyId body) const {
+  scene_.rod(body);  // throws for ids of another scene and other kinds of bodies
+  return model_->bodies()[body.index];
+}
+
+}  // namespace stark

@@ -1,0 +1,271 @@
+"""Rods in Python: meshes, handles, materials, joints, bad input, recording, laws of one's own."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stark
+from stark import InvalidArgument, InvalidMesh, StarkWarning, TraceError
+from stark.recording import Recorder, Recording
+
+GUIDE = Path(__file__).resolve().parents[2] / "docs/rods.md"
+RUBBER = stark.RodMaterial(density=1000.0, youngs_modulus=1e7, radius=0.01)
+
+
+@stark.material
+def stiffening(
+    stretch,
+    curvature: stark.Vec2,
+    twist: float,
+    EA: float = stark.parameter(unit="N", above=0.0),
+    EI: float = stark.parameter(unit="N m^2", above=0.0),
+    GJ: float = stark.parameter(unit="N m^2", above=0.0),
+    cubic: float = stark.parameter(0.0, unit="N m^4", min=0.0),
+):
+    """Resists strong bending more than Kirchhoff's rod does."""
+    bending = stark.squared_norm(curvature)
+    return 0.5 * (EA * (stretch - 1) ** 2 + EI * bending + GJ * twist**2) + 0.25 * cubic * bending**2
+
+
+def section_values() -> dict[str, float]:
+    section = RUBBER.section
+    return {
+        "EA": section["axial_stiffness"],
+        "EI": section["bending_stiffness_1"],
+        "GJ": section["torsional_stiffness"],
+    }
+
+
+def cantilever(material: stark.RodMaterial = RUBBER, **options: object) -> tuple[stark.Scene, stark.Rod]:
+    scene = stark.Scene()
+    mesh = stark.mesh.polyline((0, 0, 0), (1, 0, 0), 8)
+    return scene, scene.add_rod(mesh, material, clamps=[0], **options)
+
+
+def tip_after(material: stark.RodMaterial) -> np.ndarray:
+    scene, rod = cantilever(material)
+    sim = stark.Simulation(scene, time_step=0.01)
+    for _ in range(20):
+        assert not sim.step().failed
+    return rod.positions[-1]
+
+
+def hanging_tip(material: stark.RodMaterial) -> float:
+    """Height of the tip in equilibrium [m]."""
+    scene, rod = cantilever(material)
+    sim = stark.Simulation(scene, **{"time.integrator": "quasistatic"})
+    assert not sim.step().failed
+    return float(rod.positions[-1, 2])
+
+
+def test_meshes() -> None:
+    line = stark.mesh.polyline((0, 0, 0), (0, 0, 2), 4)
+    assert line.length == pytest.approx(2.0)
+    np.testing.assert_array_equal(line.edges, [[0, 1], [1, 2], [2, 3], [3, 4]])
+    coil = stark.mesh.helix(0.1, 0.05, 3, 90)
+    assert coil.vertices[-1] == pytest.approx([0.1, 0.0, 0.15])
+    assert np.linalg.norm(coil.vertices[:, :2], axis=1) == pytest.approx(0.1)
+    assert coil.scaled(2.0).length == pytest.approx(2.0 * coil.length)
+    with pytest.raises(InvalidArgument, match="segments"):
+        stark.mesh.polyline((0, 0, 0), (1, 0, 0), 0)
+
+
+def test_the_handle_knows_positions_frames_and_clamps() -> None:
+    scene, rod = cantilever(name="boom", normal=(0.0, 0.0, 1.0))
+    assert scene["boom"] == rod and rod.kind == "rod"
+    assert rod.positions.shape == (9, 3)
+    assert rod.frames.shape == (9, 3, 3)
+    np.testing.assert_allclose(rod.frames[3], [[0, 0, 1], [0, -1, 0], [1, 0, 0]], atol=1e-15)
+    np.testing.assert_array_equal(rod.clamped, [0])
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.step()
+    assert rod.velocities[-1, 2] < 0.0
+    assert np.abs(rod.frames[-1] - rod.frames[0]).max() > 0.0
+    np.testing.assert_array_equal(rod.clamp_targets, rod.frames[:1])
+
+
+def test_sections_of_round_and_rectangular_rods() -> None:
+    E, nu, r = 1e7, 0.3, 0.01
+    section = RUBBER.section
+    assert section["axial_stiffness"] == pytest.approx(E * np.pi * r**2)
+    assert section["bending_stiffness_1"] == pytest.approx(E * np.pi * r**4 / 4)
+    assert section["torsional_stiffness"] == pytest.approx(E / (2 * (1 + nu)) * np.pi * r**4 / 2)
+    flat = RUBBER.replace(width=0.04, height=0.01).section
+    assert flat["bending_stiffness_1"] == pytest.approx(E * 0.04 * 0.01**3 / 12)
+    assert flat["bending_stiffness_2"] == pytest.approx(E * 0.01 * 0.04**3 / 12)
+    # Timoshenko and Goodier, table of sec. 109: b/a = 4 has J = 0.281 a^3 b.
+    assert flat["torsional_stiffness"] == pytest.approx(E / 2.6 * 0.281 * 0.04 * 0.01**3, rel=5e-3)
+    own = RUBBER.replace(bending_stiffness_1=2.0)
+    assert own.section["bending_stiffness_1"] == 2.0
+    assert own.section["bending_stiffness_2"] == section["bending_stiffness_2"]
+    assert stark.materials.steel_wire.source
+
+
+def test_a_law_in_python_moves_a_rod_with_the_bits_of_the_built_in() -> None:
+    own = stiffening(**section_values(), base=RUBBER)
+    assert isinstance(own, stark.RodMaterial) and own.law.name == "stiffening"
+    plain = stiffening_free(**section_values(), base=RUBBER)
+    np.testing.assert_array_equal(tip_after(plain), tip_after(RUBBER))
+    assert hanging_tip(own.replace(cubic=1.0)) > hanging_tip(own) + 1e-3
+
+
+@stark.material
+def stiffening_free(
+    stretch,
+    curvature,
+    twist,
+    EA: float = stark.parameter(unit="N", above=0.0),
+    EI: float = stark.parameter(unit="N m^2", above=0.0),
+    GJ: float = stark.parameter(unit="N m^2", above=0.0),
+):
+    bending = EI * curvature[0] ** 2 + EI * curvature[1] ** 2
+    return 0.5 * (EA * (stretch - 1) ** 2 + bending + GJ * twist**2)
+
+
+def test_the_check_of_a_law_reports_derivatives_and_stability() -> None:
+    report = stiffening.check(**section_values(), cubic=3.0)
+    assert report.ok and {f.name for f in report.findings} == {"rest", "force", "stiffness", "stability"}
+
+
+def test_laws_that_cannot_be_are_refused() -> None:
+    modulus = stark.parameter(1.0, unit="N", above=0.0)
+
+    @stark.material
+    def tense(stretch, twist, k: float = modulus):
+        return k * stretch + k * twist**2
+
+    @stark.material
+    def unstable(stretch, twist, k: float = modulus):
+        return k * (stretch - 1) ** 2 - k * twist**2
+
+    @stark.material
+    def kinked(stretch, k: float = modulus):
+        return k * stark.sqrt(stretch - 1)
+
+    with pytest.raises(InvalidArgument, match="the force against stretch is 1 N: must be zero"):
+        tense()
+    with pytest.warns(StarkWarning, match="unstable at rest"):
+        unstable()
+    with pytest.raises(InvalidArgument, match="not finite at rest"):
+        kinked()
+
+    @stark.material
+    def idle(stretch, curvature, k: float = modulus):
+        return k * (stretch - 1) ** 2
+
+    with pytest.raises(TraceError, match="does not depend on curvature"):
+        idle()
+
+
+def test_arguments_of_laws_are_checked_when_they_are_written() -> None:
+    with pytest.raises(TraceError, match=r"need stark\.Vec2"):
+
+        @stark.material
+        def wrong(stretch, curvature: stark.Vec3):
+            return stretch
+
+    with pytest.raises(TraceError, match="must come before"):
+
+        @stark.material
+        def late(stretch, k: float, twist: float):
+            return k * stretch * twist
+
+
+def test_joints_hold_nodes_at_position_and_orientation() -> None:
+    scene, rod = cantilever()
+    box = scene.add_box(0.05, mass=0.01, position=(1.025, 0.0, 0.0))
+    fixed = scene.add_fixed(rod.frame(-1), box)
+    sim = stark.Simulation(scene, time_step=0.01)
+    before = rod.frames[-1].T @ np.asarray(box.rotation)
+    for _ in range(30):
+        assert not sim.step().failed
+    after = rod.frames[-1].T @ np.asarray(box.rotation)
+    assert np.abs(after - before).max() < 1e-5
+    assert np.abs(fixed.residuals).max() < 1e-5
+    assert box.position[2] < -0.01
+    with pytest.raises(InvalidArgument, match=r"say which node, rod.frame\(0\)"):
+        scene.add_ball(rod, None, anchor=(0, 0, 0))
+    with pytest.raises(InvalidArgument, match="node = 9: must be the index"):
+        rod.frame(9)
+
+
+def test_energies_act_on_frames_of_nodes() -> None:
+    @stark.energy
+    def torque(f: stark.Frame, moment: float):
+        return -moment * (f.x @ stark.vec(0.0, 0.0, 1.0))
+
+    scene, rod = cantilever(normal=(0.0, 1.0, 0.0))
+    scene.add(torque(rod.frame(8), moment=0.01))
+    sim = stark.Simulation(scene, gravity=(0, 0, 0), time_step=0.01)
+    for _ in range(20):
+        assert not sim.step().failed
+    assert rod.frames[-1, 2, 0] > 0.01
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"clamps": [9]}, "must be in"),
+        ({"clamps": [0.5]}, "clamp|pins|indices|index"),
+        ({"rest_shape": "bent"}, "rest_shape"),
+        ({"normal": (1.0, 0.0, 0.0)}, "along the first edge"),
+        ({"contact_distance": -1.0}, "contact_distance"),
+        ({"initial_positions": np.zeros((3, 3))}, "initial_positions"),
+    ],
+)
+def test_bad_options_are_refused(options: dict, message: str) -> None:
+    with pytest.raises(InvalidArgument, match=message):
+        stark.Scene().add_rod(stark.mesh.polyline((0, 0, 0), (1, 0, 0), 8), RUBBER, **options)
+
+
+def test_wrong_meshes_and_materials_are_refused() -> None:
+    scene = stark.Scene()
+    with pytest.raises(InvalidMesh, match="polyline"):
+        scene.add_rod(stark.mesh.box((1, 1, 1)), RUBBER)
+    with pytest.raises(InvalidMesh, match="at least 2"):
+        scene.add_rod([(0, 0, 0)], RUBBER)
+    with pytest.raises(InvalidArgument, match="RodMaterial"):
+        scene.add_rod([(0, 0, 0), (1, 0, 0)], stark.materials.cotton)
+    with pytest.raises(InvalidArgument, match="RodMaterial"):
+        stiffening(**section_values(), base=stark.materials.cotton)
+
+
+def test_values_may_differ_by_segment() -> None:
+    stiff = np.where(np.arange(8) < 4, 100.0, 1.0) * RUBBER.section["bending_stiffness_1"]
+    both = {"bending_stiffness_1": stiff, "bending_stiffness_2": stiff}
+    assert hanging_tip(RUBBER.replace(**both)) > hanging_tip(RUBBER) + 1e-2
+    with pytest.raises(InvalidArgument, match="bending_stiffness_1"):
+        cantilever(RUBBER.replace(bending_stiffness_1=stiff[:5]))
+
+
+def test_pictures_and_recordings_show_a_tube(tmp_path: Path) -> None:
+    scene, rod = cantilever()
+    assert rod.triangles.shape == (0, 3)
+    tube = stark.TriangleMesh(rod.surface_positions, rod.surface_triangles)
+    assert tube.is_closed
+    sides = len(rod._outline())
+    area = 0.5 * sides * np.sin(2.0 * np.pi / sides) * 0.01**2
+    assert tube.volume == pytest.approx(area * 1.0, rel=1e-9)
+    sim = stark.Simulation(scene, time_step=0.01)
+    with Recorder(tmp_path / "run", sim) as recorder:
+        for _ in range(3):
+            sim.step()
+            recorder.record(sim)
+    run = Recording(tmp_path / "run")
+    assert run.frame(-1).bodies[0].kind == "rod"
+    assert run.still(0.0, width=80, height=60).std() > 1.0  # not an empty picture
+    np.testing.assert_allclose(run.positions("rod", -1), rod.surface_positions, atol=1e-6)
+
+
+def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 2
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(compile(block.replace("until=0.5", "until=0.05"), str(GUIDE), "exec"), names)
+    assert len(capsys.readouterr().out.splitlines()) == 5
+    assert isinstance(names["soft"], stark.RodMaterial)
