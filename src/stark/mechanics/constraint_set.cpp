@@ -24,6 +24,15 @@ double beyond(double value, double zone) {
   return std::copysign(std::max(0.0, std::fabs(value) - zone), value);
 }
 
+/// Multiplier after an update. A limit lets go of all that its gap does not justify.
+double updated(double multiplier, double penalty, double residual, double zone, bool one_sided) {
+  if (one_sided && residual < 0.0) return std::max(0.0, multiplier + penalty * residual);
+  return multiplier + penalty * beyond(residual, zone);
+}
+
+/// What counts as violation of a residual.
+double excess(double residual, bool one_sided) { return one_sided ? std::max(0.0, residual) : residual; }
+
 /// Stiffness of two sides in series.
 double in_series(double a, bool a_is_rigid, double b, bool b_is_rigid) {
   if (a_is_rigid) return b_is_rigid ? 0.0 : b;
@@ -93,14 +102,17 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   const std::vector<double> C = residuals(x);
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
-    const auto& units = groups_[places_[j].group].joint->units();
-    for (size_t k = 0; k < units.size(); ++k) {
+    const Joint& joint = *groups_[places_[j].group].joint;
+    for (size_t k = 0; k < joint.units().size(); ++k) {
       const int64_t r = places_[j].residual + static_cast<int64_t>(k);
-      const double step = penalties_[r] * beyond(C[r], kDeadZone * tolerance_of(units[k]));
-      multipliers_[r] += step;
-      change = std::max(change, std::fabs(step));
-      const bool is_slow = !last_residuals_.empty() && std::fabs(C[r]) > tolerance_of(units[k]) &&
-                           std::fabs(C[r]) * kFall > std::fabs(last_residuals_[r]);
+      const bool one_sided = joint.one_sided()[k] != 0;
+      const double tolerance = tolerance_of(joint.units()[k]), off = std::fabs(excess(C[r], one_sided));
+      const double multiplier =
+          updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance, one_sided);
+      change = std::max(change, std::fabs(multiplier - multipliers_[r]));
+      multipliers_[r] = multiplier;
+      const bool is_slow = !last_residuals_.empty() && off > tolerance &&
+                           off * kFall > std::fabs(excess(last_residuals_[r], one_sided));
       if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
     }
   }
@@ -113,10 +125,11 @@ std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
   std::vector<double> result = multipliers_;
   const std::vector<double> C = residuals(x);
   for (int32_t j = 0; j < joint_count_; ++j) {
-    const auto& units = groups_[places_[j].group].joint->units();
-    for (size_t k = 0; k < units.size(); ++k) {
+    const Joint& joint = *groups_[places_[j].group].joint;
+    for (size_t k = 0; k < joint.units().size(); ++k) {
       const int64_t r = places_[j].residual + static_cast<int64_t>(k);
-      result[r] += penalties_[r] * beyond(C[r], kDeadZone * tolerance_of(units[k]));
+      result[r] = updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance_of(joint.units()[k]),
+                          joint.one_sided()[k] != 0);
     }
   }
   return result;
@@ -131,7 +144,10 @@ ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - places_[j].residual];
       double squared = 0.0;
-      for (int k = 0; k < rows; ++k) squared += C[r + k] * C[r + k];
+      for (int k = 0; k < rows; ++k) {
+        const double off = excess(C[r + k], joint.one_sided()[r + k - places_[j].residual] != 0);
+        squared += off * off;
+      }
       const double size = std::sqrt(squared), ratio = size / tolerance_of(unit);
       if (penalties_[r] > 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
       r += rows;

@@ -69,7 +69,7 @@ class Simulation {
   bool joint_enabled(JointId joint) const;
   /// Coordinates of a joint [m, rad] at the end of the last step; angles count full turns from time 0 on.
   std::vector<double> joint_coordinates(JointId joint) const;
-  /// Their rates in the last step [m/s, rad/s].
+  /// Their rates in the last step [m/s, rad/s]; before the first one, those of the initial velocities.
   std::vector<double> joint_rates(JointId joint) const;
   std::vector<Joint::Coordinate> joint_coordinate_names(JointId joint) const;
   /// What is left of its residuals [m, rad].
@@ -77,6 +77,18 @@ class Simulation {
   /// Force [N] and torque [N m] of the joint on what carries frame b, about the origin of that frame, in the
   /// last step; what carries frame a gets the opposite.
   Wrench joint_reaction(JointId joint) const;
+
+  /// Replaces a value of an actuator from the next step on: targets, caps, gains. Throws InvalidArgument for
+  /// unknown names and forbidden values.
+  void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
+  double actuator_value(ActuatorId actuator, const std::string& name) const;
+  void set_actuator_enabled(ActuatorId actuator, bool enabled);
+  bool actuator_enabled(ActuatorId actuator) const;
+  /// Force [N] or torque [N m] along its (first) coordinate in the last step, positive where it raises the
+  /// coordinate: it acts on frame b of the joint, its opposite on frame a.
+  double actuator_effort(ActuatorId actuator) const;
+  /// Power [W] that it fed into the motion in the last step.
+  double actuator_power(ActuatorId actuator) const;
 
   /// Asked between Newton iterations; returning true ends the step with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);
@@ -94,7 +106,14 @@ class Simulation {
   void begin_joints(std::span<const Mat3> diagonal);
   /// Takes the stiffness of joints out of the energies.
   void release_joints();
-  void commit_joints();
+  void commit_joints(double h);
+  void check_actuators();
+  /// Writes the inputs of actuators for a step that starts with the sites at x.
+  void begin_actuators(std::span<const Vec3> x);
+  /// Takes efforts and memories over at the end of a step.
+  void commit_actuators(std::span<const Vec3> x);
+  /// 1 for each joint, then for each actuator, that acts; actuators of released joints rest.
+  std::vector<double> acting() const;
   std::string violation_text() const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;

@@ -104,6 +104,7 @@ bool Simulation::attempt(double h, SolveReport& total) {
     // Barriers and joints are measured against the inertia of the full time step: one cut short would stiffen
     // them under what already rests on them and throw it off.
     predict(contact_ || model_->constraints().joint_count() > 0 ? settings_.time.step : h);
+    begin_actuators(step_start_);
   }
   const bool has_joints = model_->constraints().joint_count() > 0;
   if (contact_ || has_joints) {
@@ -230,7 +231,7 @@ void Simulation::commit(double h) {
   }
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
-  commit_joints();
+  commit_joints(h);
   state_.time += h;
   ++state_.step_count;
 }
