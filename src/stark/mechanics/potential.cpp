@@ -181,7 +181,8 @@ symbolic::Kernel compile_canonical(const PotentialBuilder& builder, const Scalar
   // Inputs that do not occur count too: they are part of the layout.
   for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform})
     if (const int count = builder.graph()->input_count(kind); count > 0) graph.input_node(kind, count - 1);
-  return symbolic::compile(copy, backend);
+  // A constant energy, as that of a joint that holds nothing, has forces too: zero on all points.
+  return symbolic::compile(copy.is_literal() ? Scalar(&graph, graph.constant(copy.value())) : copy, backend);
 }
 
 }  // namespace
