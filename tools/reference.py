@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import stark
+from stark.joints.definition import JointFormula, built_in
 
 PATH = Path(__file__).resolve().parent.parent / "docs" / "reference.md"
 
@@ -44,6 +45,16 @@ def text() -> str:
                 ),
             ]
         ),
+        "## Joints (`scene.add_joint`)",
+        "Built-in kinds; [the guide](joints.md) has the short forms `scene.add_hinge(...)` and how to write "
+        "your own.",
+        "\n".join(
+            [
+                "| kind | holds | coordinates | constants |",
+                "|---|---|---|---|",
+                *(joint_row(built_in(name)) for name in stark._core.joint_names()),
+            ]
+        ),
         "## Presets (`stark.materials`)",
         "\n".join(
             [
@@ -57,6 +68,13 @@ def text() -> str:
         ),
     ]
     return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def joint_row(joint: JointFormula) -> str:
+    """One row of the table of joints."""
+    coordinates = ", ".join(f"`{name}` [{unit}]" for name, unit in joint.coordinates)
+    constants = ", ".join(f"`{p.name}` [{p.unit}]" for p in joint.parameters)
+    return f"| `{joint.name}` | {joint.doc} | {coordinates} | {constants} |"
 
 
 def values(material: stark.ShellMaterial | stark.SolidMaterial) -> str:

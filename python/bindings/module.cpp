@@ -19,6 +19,7 @@ void bind_simulation(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_potentials(nb::module_& m);
 void bind_formulas(nb::module_& m);
+void bind_joints(nb::module_& m);
 void bind_symbolic(nb::module_& m);
 
 namespace {
@@ -114,5 +115,6 @@ NB_MODULE(_core, m) {
   bind_io(m);
   bind_potentials(m);
   bind_formulas(m);
+  bind_joints(m);
   bind_symbolic(m);
 }

@@ -13,6 +13,7 @@
 #include "arrays.h"
 #include "field_values.h"
 #include "formulas.h"
+#include "joints.h"
 #include "solid_mesh.h"
 
 namespace {
@@ -356,6 +357,9 @@ void bind_scene_class(nb::module_& m) {
       .def("add_energy", &add_energy, "description"_a, "Adds an energy of the user's own; returns its index.")
       .def(
           "energy_name", [](const Scene& s, int32_t energy) { return s.energy({energy}).name; }, "energy"_a)
+      .def("add_joint", &add_joint, "description"_a, "Adds a joint; returns its index.")
+      .def(
+          "joint_name", [](const Scene& s, int32_t joint) { return s.joint({joint}).name; }, "joint"_a)
       .def_prop_ro("warnings", &Scene::warnings)
       .def(
           "check_contact_distances",

@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "formulas.h"
+#include "joints.h"
 
 namespace {
 
@@ -251,6 +252,28 @@ void bind_simulation(nb::module_& m) {
           "element_forces",
           [](const Simulation& s, int32_t energy) { return to_numpy<double>(s.element_forces({energy})); },
           "energy"_a, "Forces on the points of its elements in the last step (n * points, 3) [N].")
+      .def_prop_ro("joint_count", [](const Simulation& s) { return s.scene().joints().size(); })
+      .def(
+          "joint_coordinates",
+          [](const Simulation& s, int32_t joint) { return to_numpy<double>(s.joint_coordinates({joint})); },
+          "joint"_a, "[m, rad]")
+      .def(
+          "joint_rates",
+          [](const Simulation& s, int32_t joint) { return to_numpy<double>(s.joint_rates({joint})); },
+          "joint"_a, "[m/s, rad/s]")
+      .def(
+          "joint_residuals",
+          [](const Simulation& s, int32_t joint) { return to_numpy<double>(s.joint_residuals({joint})); },
+          "joint"_a, "[m, rad]")
+      .def("joint_reaction", &joint_reaction, "joint"_a,
+           "(force [N], torque [N m]) on frame b in the last step.")
+      .def(
+          "joint_enabled", [](const Simulation& s, int32_t joint) { return s.joint_enabled({joint}); },
+          "joint"_a)
+      .def(
+          "set_joint_enabled",
+          [](Simulation& s, int32_t joint, bool enabled) { s.set_joint_enabled({joint}, enabled); },
+          "joint"_a, "enabled"_a)
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
 }

@@ -256,12 +256,18 @@ class Solid(_Deformable):
 
     @property
     def tetrahedra(self) -> Stencils:
-        """All elements, as stencils of four points for energies."""
+        """All elements of a mesh of linear tetrahedra, as stencils of four points for energies."""
         return self._stencils(self._elements, "tetrahedra")
 
     def _elements(self) -> Indices:
-        assert isinstance(self._mesh, TetMesh)
-        return self._mesh.tets
+        mesh = self._mesh
+        elements = mesh.tets if isinstance(mesh, TetMesh) else mesh.elements  # type: ignore[union-attr]
+        if elements.shape[1] != 4:
+            raise InvalidArgument(
+                f"'{self.name}': its elements have {elements.shape[1]} nodes: must be tetrahedra of 4; "
+                f"choose points with vertices, faces or stark.stencils(body, indices)"
+            )
+        return elements
 
     def _edge_indices(self) -> Indices:
         return _core.find_tet_edges(self._elements())

@@ -13,12 +13,14 @@ from stark import _core, materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument
 from stark.bodies import Body, Cloth, RigidBody, Solid
+from stark.joints.scene_joints import SceneJoints
 from stark.materials import ShellMaterial, SolidMaterial
 from stark.rotations import Vec3Like, as_matrix
 
 if TYPE_CHECKING:
     from stark.formulas.energy import Binding
     from stark.formulas.handle import Energy
+    from stark.joints.handle import Joint
     from stark.simulation import Simulation
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -51,7 +53,7 @@ class FrictionTable:
         self._scene._core.set_friction(a, b, value)
 
 
-class Scene:
+class Scene(SceneJoints):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     def __init__(self, name: str = "scene") -> None:
@@ -59,6 +61,7 @@ class Scene:
         self._core = _core.Scene()
         self._bodies: list[Body] = []
         self._energies: list[Energy] = []
+        self._joints: list[Joint] = []
         self._latest_simulation: Callable[[], Simulation | None] = lambda: None
         self._warned = 0
 

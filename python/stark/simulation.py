@@ -19,6 +19,7 @@ from stark.settings import Settings
 if TYPE_CHECKING:
     from stark._core import State, StepReport
     from stark.formulas.handle import Energy
+    from stark.joints.handle import Joint
 
 
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
@@ -150,6 +151,12 @@ class Simulation:
     def __getitem__(self, body: Body | str) -> Body:
         """The handle of a body, bound to this simulation."""
         return self._scene.bodies[self._scene._index(body)]._bound_to(self)
+
+    @property
+    def joints(self) -> list[Joint]:
+        """Handles of the joints of the scene; their coordinates and reactions are those of this
+        simulation."""
+        return [joint._bound_to(self) for joint in self._scene.joints[: self._core.joint_count]]
 
     @property
     def energies(self) -> list[Energy]:

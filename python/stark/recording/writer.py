@@ -62,15 +62,17 @@ class Recorder:
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
         self.folder = Path(folder)
-        self.frame_count = 0
+        self._written = 0
         self._chunk_frames = chunk_frames
         self._chunk_index = 0
-        self._times: list[float] = []
+        #: Frames not written yet: time [s] and the positions of each body.
+        self._pending: list[tuple[float, list[np.ndarray]]] = []
+        #: Time of the last frame [s], minus infinity before the first.
+        self.last_time = -np.inf
         self._closed = False
         self._prepare_folder()
         bodies = list(sim.bodies)
         self._entries = [self._entry(body) for body in bodies]
-        self._buffers: list[list[np.ndarray]] = [[] for _ in bodies]
         self._manifest: dict[str, Any] = {
             "format": FORMAT_NAME,
             "version": FORMAT_VERSION,
@@ -150,11 +152,10 @@ class Recorder:
                     f"body '{entry.name}': {positions.shape} positions, recorded as {(entry.vertex_count, 3)}"
                 )
             frame.append(positions)
-        for buffer, positions in zip(self._buffers, frame, strict=True):
-            buffer.append(positions)
-        self._times.append(float(sim.time if time is None else time))
-        self.frame_count += 1
-        if len(self._times) == self._chunk_frames:
+        at = float(sim.time if time is None else time)
+        self._pending.append((at, frame))  # one operation: an interrupt cannot leave half a frame
+        self.last_time = at
+        if len(self._pending) >= self._chunk_frames:
             self.flush()
 
     def report(self, step_report: Any, **extra: float) -> None:
@@ -163,21 +164,28 @@ class Recorder:
 
     def flush(self) -> None:
         """Writes the frames held in memory as one chunk. A body that did not move in it is stored once."""
-        if not self._times:
+        if not self._pending:
             return
-        arrays: dict[str, np.ndarray] = {"times": np.array(self._times, dtype=np.float64)}
-        for i, buffer in enumerate(self._buffers):
-            still = all(np.array_equal(buffer[0], positions) for positions in buffer[1:])
-            arrays[f"positions_{i:04d}"] = np.stack(buffer[:1] if still else buffer)
-            buffer.clear()
-        self._times.clear()
+        times = [at for at, _ in self._pending]
+        arrays: dict[str, np.ndarray] = {"times": np.array(times, dtype=np.float64)}
+        for i in range(len(self._entries)):
+            track = [frame[i] for _, frame in self._pending]
+            still = all(np.array_equal(track[0], positions) for positions in track[1:])
+            arrays[f"positions_{i:04d}"] = np.stack(track[:1] if still else track)
         path = self.folder / chunk_path(self._chunk_index)
         write_atomically(path, lambda file: np.savez(file, **arrays))
         self._chunk_index += 1
+        self._written += len(self._pending)
+        self._pending = []
         self._write_manifest()
 
+    @property
+    def frame_count(self) -> int:
+        """Frames recorded so far, written or not."""
+        return self._written + len(self._pending)
+
     def _write_manifest(self) -> None:
-        self._manifest["frame_count"] = self.frame_count - len(self._times)
+        self._manifest["frame_count"] = self._written
         self._manifest["chunk_count"] = self._chunk_index
         text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"
         write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()) and None)

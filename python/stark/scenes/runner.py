@@ -90,7 +90,6 @@ def run(
     recorder = Recorder(folder, sim, scene=scene_file.name, settings=stored, stark_version=stark.__version__)
     result = RunResult(scene_file.name, "complete", "", float(sim.time), 0.0, folder=folder)
     begin = clock.perf_counter()
-    last_frame = float(sim.time)
     try:
         recorder.record(sim)
         while not reached(sim, end):
@@ -102,9 +101,8 @@ def run(
             if status_of(report) == "failed":
                 result.status, result.message = "failed", str(report.message)
                 break
-            if reached(sim, end) or sim.time - last_frame >= 1.0 / fps - 1e-9:
+            if reached(sim, end) or sim.time - recorder.last_time >= 1.0 / fps - 1e-9:
                 recorder.record(sim)
-                last_frame = float(sim.time)
             if on_step:
                 on_step(sim, report)
     except KeyboardInterrupt:
@@ -112,6 +110,8 @@ def run(
     except BaseException as error:
         recorder.close("failed", f"{type(error).__name__}: {error}")
         raise
+    if sim.time > recorder.last_time:
+        recorder.record(sim)  # where a stopped or failed run got to
     result.simulated = float(sim.time)
     result.wall = clock.perf_counter() - begin
     observables = scene_file.observables(sim) if result.status == "complete" else {}

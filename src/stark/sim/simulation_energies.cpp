@@ -77,13 +77,11 @@ void Simulation::check_invariance(const PotentialBatch& batch, std::span<const d
 
 namespace {
 
-/// Width of a value of the energy; throws for unknown names.
-int width_of(const EnergyDescription& energy, const std::string& name) {
+/// What the value was when the energy was added; throws for unknown names.
+const FieldValues& added_value(const EnergyDescription& energy, const std::string& name) {
+  if (const auto found = energy.values.find(name); found != energy.values.end()) return found->second;
   std::vector<std::string> names;
-  for (const ParameterDeclaration& field : parameters_of(energy.potential)) {
-    if (field.name == name) return field.width;
-    names.push_back(field.name);
-  }
+  for (const auto& [known, value] : energy.values) names.push_back(known);
   throw InvalidArgument(owner_text(energy) + ": unknown value '" + name + "'" +
                         nearest_name_hint(name, names) + ": must be an input of the formula");
 }
@@ -92,10 +90,11 @@ int width_of(const EnergyDescription& energy, const std::string& name) {
 
 void Simulation::set_energy_value(EnergyId id, const std::string& name, std::span<const double> values) {
   const EnergyDescription& energy = scene_.energy(id);
-  const auto width = static_cast<size_t>(width_of(energy, name));
+  // Not from the formula: recording it again would cost more than the step of a small scene.
+  const FieldValues& added = added_value(energy, name);
   PotentialBatch& batch = model_->batches()[model_->energy_batch(id)].batch;
-  const bool per_element = energy.values.at(name).per_element;
-  const size_t expected = per_element ? width * batch.size() : width;
+  const bool per_element = added.per_element;
+  const size_t expected = added.values.size();
   const std::string owner = owner_text(energy) + ": '" + name + "'";
   if (values.size() != expected)
     throw InvalidArgument(owner + ": got " + std::to_string(values.size()) + " numbers: must be " +
@@ -107,6 +106,7 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
                           ": must be finite; check where it is computed");
   if (!per_element) return batch.set_uniform(name, values);
   const int field = batch.field_index(name);
+  const size_t width = expected / static_cast<size_t>(batch.size());
   for (int64_t e = 0; e < batch.size(); ++e) batch.set(field, e, values.subspan(e * width, width));
 }
 

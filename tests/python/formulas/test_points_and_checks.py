@@ -116,3 +116,12 @@ def test_listings_counts_and_timings() -> None:
     assert all(0.0 < ns < 1e5 for ns in nanoseconds.values())
     assert spring.name == "spring" and "Spring between" in spring.__doc__
     assert repr(spring(cloth.edges)) == "<spring on 16 elements; add it with scene.add>"
+
+
+def test_meshes_of_other_elements_have_no_tetrahedra() -> None:
+    scene = stark.Scene()
+    solid = scene.add_solid(stark.mesh.box_hexahedra(0.1, 1), name="brick")
+    assert len(solid.vertices) == 8 and len(solid.faces) == 12
+    for stencils in ("tetrahedra", "edges"):
+        with pytest.raises(stark.InvalidArgument, match="'brick': its elements have 8 nodes"):
+            getattr(solid, stencils)

@@ -1,0 +1,213 @@
+"""``scene.add_joint`` and its short forms: frames from bodies, anchors and axes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.bodies import Body, RigidBody
+from stark.formulas.parameters import Parameter, check_range, numbers_of
+from stark.formulas.points import FrameHandle, rigid_frame, world_frame
+from stark.joints.definition import JointFormula, built_in
+from stark.joints.handle import Joint
+from stark.rotations import as_matrix, vector
+
+if TYPE_CHECKING:
+    from stark.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+def add_joint(
+    scene: Scene,
+    kind: str | JointFormula,
+    a: Any,
+    b: Any,
+    *,
+    anchor: ArrayLike | None,
+    axis: ArrayLike | None,
+    rotation: ArrayLike | None,
+    name: str | None,
+    contact: bool,
+    enabled: bool,
+    values: Mapping[str, Any],
+) -> Joint:
+    """Adds a joint to a scene; InvalidArgument says what is wrong with it."""
+    formula = kind if isinstance(kind, JointFormula) else built_in(_text(kind))
+    owner = f"joint '{name or formula.name}'"
+    place = None
+    if anchor is not None or axis is not None or rotation is not None:
+        place = _placement(owner, anchor, axis, rotation)
+    frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
+    index = scene._core.add_joint(
+        {
+            "name": name or "",
+            "definition": formula.core,
+            "a": frames[0],
+            "b": frames[1],
+            "values": _values(owner, formula, values),
+            "enabled": bool(enabled),
+        }
+    )
+    bodies = {frame["body"] for frame in frames if "body" in frame}
+    if not contact and len(bodies) == 2:
+        scene._core.disable_contact(*sorted(bodies))
+    return Joint(scene, index, formula, bool(enabled))
+
+
+def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:
+    """Frame of a side at a place of the world, with the axes of the world."""
+    owner = f"{owner}: side {label}"
+    if isinstance(side, str):
+        side = scene[side] if side != "world" or "world" in scene else None
+    if side is None:
+        return world_frame(position)
+    if isinstance(side, FrameHandle):
+        return side
+    if not isinstance(side, RigidBody):
+        raise InvalidArgument(
+            f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)), or None for "
+            f"the world"
+        )
+    origin, axes = scene._core.pose(side._index)
+    return rigid_frame(side, axes.T @ (position - origin), axes.T)
+
+
+def frame_with_z(axis: ArrayLike, owner: str) -> Floats:
+    """A rotation whose third column is the axis."""
+    z = vector(axis, f"{owner}: axis")
+    length = np.linalg.norm(z)
+    if not length > 0.0:
+        raise InvalidArgument(f"{owner}: axis = {z.tolist()}: must not be zero")
+    z = z / length
+    helper = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.cross(helper, z)
+    x = x / np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def _placement(
+    owner: str, anchor: ArrayLike | None, axis: ArrayLike | None, rotation: ArrayLike | None
+) -> tuple[Floats, Floats]:
+    """Position and rotation in the world at time 0 that both frames get."""
+    if anchor is None:
+        raise InvalidArgument(
+            f"{owner}: axis or rotation without anchor: give anchor=(x, y, z) [m] in the world"
+        )
+    if axis is not None and rotation is not None:
+        raise InvalidArgument(f"{owner}: axis and rotation are both given: give one of them")
+    position = vector(anchor, f"{owner}: anchor")
+    if axis is not None:
+        return position, frame_with_z(axis, owner)
+    return position, as_matrix(rotation, f"{owner}: rotation")
+
+
+def _frame(
+    scene: Scene, owner: str, label: str, side: Any, place: tuple[Floats, Floats] | None
+) -> dict[str, Any]:
+    """A side as the core reads it."""
+    owner = f"{owner}: side {label}"
+    if isinstance(side, str):
+        side = scene[side] if side != "world" or "world" in scene else None
+    if isinstance(side, FrameHandle):
+        return _explicit(scene, owner, side)
+    if side is not None and not isinstance(side, Body):
+        raise InvalidArgument(
+            f"{owner} = {side!r}: must be a rigid body, a frame such as box.frame(...) or "
+            f"cloth.frame(vertices), or "
+            f"None for the world"
+        )
+    if place is None:
+        raise InvalidArgument(
+            f"{owner}: no anchor: give anchor=(x, y, z) [m] in the world, or frames on both sides"
+        )
+    position, rotation = place
+    if side is None:
+        return _described("world", position, rotation)
+    if side._scene is not scene:
+        raise InvalidArgument(f"{owner}: '{side.name}' belongs to another scene: must be a body of this one")
+    if not isinstance(side, RigidBody):
+        raise InvalidArgument(
+            f"{owner}: '{side.name}' is a {side.kind} body: give a patch of it, {side.name}.frame((i, j, "
+            f"k)), three "
+            f"vertices that carry the joint"
+        )
+    origin, axes = scene._core.pose(side._index)
+    return _described("body", axes.T @ (position - origin), axes.T @ rotation, side._index)
+
+
+def _explicit(scene: Scene, owner: str, frame: FrameHandle) -> dict[str, Any]:
+    if len(frame) != 1:
+        raise InvalidArgument(f"{owner}: {frame!r} is {len(frame)} frames: a joint has one on each side")
+    body = frame.columns[0].body
+    if body is not None and body._scene is not scene:
+        raise InvalidArgument(f"{owner}: '{body.name}' belongs to another scene: must be a body of this one")
+    if frame.kind == "patch":
+        assert body is not None
+        corners = np.array([column._columns["vertices"][0] for column in frame.columns], dtype=np.int32)
+        position, rotation = _patch_placement(frame)
+        return _described("patch", position, rotation, body._index) | {"vertices": corners}
+    local = [np.asarray(column._columns["local"][0], dtype=np.float64) for column in frame.columns]
+    rotation = np.column_stack(local[1:])
+    return _described("world" if body is None else "body", local[0], rotation, body and body._index)
+
+
+def _patch_placement(frame: FrameHandle) -> tuple[Floats, Floats]:
+    """Where a patch frame is at time 0."""
+    p = np.array([column.positions[0] for column in frame.columns])
+    normal = np.cross(p[1] - p[0], p[2] - p[0])
+    normal /= np.linalg.norm(normal)
+    tangent = (p[1] - p[0]) / np.linalg.norm(p[1] - p[0])
+    axes = np.column_stack([tangent, np.cross(normal, tangent), normal])
+    position = frame.constants["weights"] @ p + frame.constants["offset"] * normal
+    return position, axes @ frame.constants["rotation"].reshape(3, 3)
+
+
+def _described(carrier: str, position: Floats, rotation: Floats, body: Any = None) -> dict[str, Any]:
+    frame = {
+        "carrier": carrier,
+        "position": np.ascontiguousarray(position, dtype=np.float64),
+        "rotation": np.ascontiguousarray(rotation, dtype=np.float64).reshape(-1),
+    }
+    return frame if body is None else frame | {"body": body}
+
+
+def _values(owner: str, formula: JointFormula, given: Mapping[str, Any]) -> dict[str, tuple[Floats, bool]]:
+    known = [parameter.name for parameter in formula.parameters]
+    for name in given:
+        if name not in known:
+            takes = f"takes {', '.join(known)}" if known else "takes no values"
+            raise InvalidArgument(
+                f"{owner}: unknown value '{name}': a joint of the kind '{formula.name}' {takes}"
+            )
+    values = {}
+    for parameter in formula.parameters:
+        value = given.get(parameter.name, parameter.declaration.default)
+        if value is None:
+            raise InvalidArgument(f"{owner}: {parameter.describe()} has no value: must be given")
+        values[parameter.name] = (_checked(owner, parameter, value), False)
+    return values
+
+
+def _checked(owner: str, parameter: Parameter, value: Any) -> Floats:
+    array = numbers_of(owner, parameter, value)
+    if array.shape != parameter.shape:
+        raise InvalidArgument(
+            f"{owner}: {parameter.describe()} has the shape {array.shape}: must be "
+            f"{parameter.shape or 'a number'}"
+        )
+    check_range(owner, parameter, array, False)
+    return np.ascontiguousarray(array).reshape(-1)
+
+
+def _text(kind: Any) -> str:
+    if not isinstance(kind, str):
+        raise InvalidArgument(
+            f"scene.add_joint: kind = {kind!r}: must be the name of a built-in joint or a function with "
+            f"@stark.joint"
+        )
+    return kind

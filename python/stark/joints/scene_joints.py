@@ -1,0 +1,172 @@
+"""The joint methods of a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stark._core import InvalidArgument
+from stark.rotations import Vec3Like, vector
+
+if TYPE_CHECKING:
+    from stark.bodies import Body
+    from stark.formulas.points import FrameHandle
+    from stark.joints.definition import JointFormula
+    from stark.joints.handle import Joint
+
+    Side = Body | FrameHandle | str | None
+
+
+class SceneJoints:
+    """What ``stark.Scene`` knows about joints.
+
+    The sides ``a`` and ``b`` of a joint are rigid bodies, None for the world, or frames: ``box.frame(...)``,
+    ``cloth.frame((i, j, k))`` (a patch of three vertices), ``stark.world_frame(...)``. Bodies get frames at
+    ``anchor`` [m], in the world at time 0. Coordinates are those of b against a. Two bodies that a joint
+    connects do
+    not touch each other unless ``contact=True``."""
+
+    _joints: list[Joint]
+
+    def add_joint(
+        self,
+        kind: str | JointFormula,
+        a: Side,
+        b: Side,
+        *,
+        anchor: Vec3Like | None = None,
+        axis: Vec3Like | None = None,
+        rotation: ArrayLike | None = None,
+        name: str | None = None,
+        contact: bool = False,
+        enabled: bool = True,
+        **values: Any,
+    ) -> Joint:
+        """Adds a joint of any kind: the name of a built-in one or a function with ``@stark.joint``.
+
+        ``axis`` is the z axis of both frames, or ``rotation`` (matrix or quaternion) gives all axes, in the
+        world at
+        time 0. ``values``: constants that the kind has. Joints are held within ``joints.length_tolerance``
+        and
+        ``joints.angle_tolerance`` of the settings."""
+        from stark.joints.adding import add_joint
+
+        joint = add_joint(
+            self,  # type: ignore[arg-type]
+            kind,
+            a,
+            b,
+            anchor=anchor,
+            axis=axis,
+            rotation=rotation,
+            name=name,
+            contact=contact,
+            enabled=enabled,
+            values=values,
+        )
+        self._joints.append(joint)
+        return joint
+
+    def add_fixed(self, a: Side, b: Side, anchor: Vec3Like = (0.0, 0.0, 0.0), **options: Any) -> Joint:
+        """Welds b to a as they are at time 0. The reaction is given about ``anchor`` [m]."""
+        return self.add_joint("fixed", a, b, **_anchored(a, b, anchor), **options)
+
+    def add_ball(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:
+        """Ball joint at ``anchor`` [m]."""
+        return self.add_joint("ball", a, b, anchor=anchor, **options)
+
+    def add_hinge(
+        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+    ) -> Joint:
+        """Hinge (revolute joint) at ``anchor`` [m] about ``axis``; coordinate ``angle`` [rad]."""
+        return self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
+
+    def add_slider(
+        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+    ) -> Joint:
+        """Slider (prismatic joint) along ``axis`` of a; coordinate ``displacement`` [m]."""
+        return self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
+
+    def add_cylindrical(
+        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+    ) -> Joint:
+        """Cylindrical joint along and about ``axis``; coordinates ``displacement`` [m] and ``angle``
+        [rad]."""
+        return self.add_joint("cylindrical", a, b, anchor=anchor, axis=axis, **options)
+
+    def add_planar(
+        self, a: Side, b: Side, anchor: Vec3Like | None = None, normal: Vec3Like | None = None, **options: Any
+    ) -> Joint:
+        """Planar joint in the plane through ``anchor`` [m] with this ``normal``; coordinates
+        ``displacement_x``,
+        ``displacement_y`` [m], ``angle`` [rad]."""
+        return self.add_joint("planar", a, b, anchor=anchor, axis=normal, **options)
+
+    def add_point_on_axis(
+        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+    ) -> Joint:
+        """The point of b at ``anchor`` [m] stays on the axis of a; coordinate ``displacement`` [m]."""
+        return self.add_joint("point_on_axis", a, b, anchor=anchor, axis=axis, **options)
+
+    def add_universal(
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        axis_a: Vec3Like | None = None,
+        axis_b: Vec3Like | None = None,
+        **options: Any,
+    ) -> Joint:
+        """Universal (Cardan) joint: a turns about ``axis_a``, b about ``axis_b``, which are perpendicular;
+        coordinates ``angle_a`` and ``angle_b`` [rad]."""
+        rotation = None if axis_a is None and axis_b is None else _cross_axes(axis_a, axis_b)
+        return self.add_joint("universal", a, b, anchor=anchor, rotation=rotation, **options)
+
+    def add_distance(
+        self,
+        a: Side,
+        b: Side,
+        anchor_a: Vec3Like,
+        anchor_b: Vec3Like,
+        length: float | None = None,
+        **options: Any,
+    ) -> Joint:
+        """Keeps the points at ``anchor_a`` of a and ``anchor_b`` of b [m, in the world at time 0] at a
+        distance, as a
+        rod without mass does; ``length`` [m] is that at time 0 if left out."""
+        from stark.joints.adding import place_side
+
+        first, second = vector(anchor_a, "distance: anchor_a"), vector(anchor_b, "distance: anchor_b")
+        frames = [
+            place_side(self, "distance", label, side, point)  # type: ignore[arg-type]
+            for label, side, point in (("a", a, first), ("b", b, second))
+        ]
+        length = float(np.linalg.norm(second - first)) if length is None else length
+        return self.add_joint("distance", *frames, length=length, **options)
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Joints in the order of adding."""
+        return tuple(self._joints)
+
+
+def _anchored(a: Side, b: Side, anchor: Vec3Like) -> dict[str, Any]:
+    """Bodies get frames at the anchor; two frames have places of their own."""
+    from stark.formulas.points import FrameHandle
+
+    return {} if isinstance(a, FrameHandle) and isinstance(b, FrameHandle) else {"anchor": anchor}
+
+
+def _cross_axes(axis_a: Vec3Like | None, axis_b: Vec3Like | None) -> Any:
+    if axis_a is None or axis_b is None:
+        raise InvalidArgument("universal: only one of axis_a and axis_b is given: give both")
+    x, y = vector(axis_a, "universal: axis_a"), vector(axis_b, "universal: axis_b")
+    lengths = np.linalg.norm(x) * np.linalg.norm(y)
+    if not lengths > 0.0 or abs(x @ y) > 1e-9 * lengths:
+        raise InvalidArgument(
+            f"universal: axis_a = {x.tolist()} and axis_b = {y.tolist()}: must be perpendicular and not zero"
+        )
+    x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+    return np.column_stack([x, y, np.cross(x, y)])

@@ -1,0 +1,185 @@
+"""Joints in Python: built-in kinds and their short forms, coordinates, reactions, patches, enabling."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stark
+
+G = 9.81
+
+
+def body(
+    scene: stark.Scene, position: tuple[float, float, float] = (0.0, 0.0, 0.0), mass: float = 1.0
+) -> stark.RigidBody:
+    return scene.add_box(0.1, mass=mass, position=position)
+
+
+def simulate(scene: stark.Scene, **settings: object) -> stark.Simulation:
+    return stark.Simulation(scene, **{"time_step": 0.01, "contact.enabled": False, **settings})
+
+
+def test_the_sketch_of_the_readme_runs() -> None:
+    scene = stark.Scene()
+    base = scene.add_box(0.2, motion="fixed")
+    arm = body(scene, (0.4, 0.0, 0.0))
+    hinge = scene.add_hinge(base, arm, anchor=(0.0, 0.0, 0.0), axis=(0.0, 1.0, 0.0))
+    assert not scene.contact_enabled(base, arm)
+    sim = simulate(scene)
+    for _ in range(10):
+        assert not sim.step().failed
+    assert 0.0 < hinge.angle < 0.2  # the z axis of the hinge is +y, so falling arms turn by positive angles
+    np.testing.assert_allclose(hinge.rates["angle"], arm.angular_velocity[1], rtol=1e-3)
+    assert hinge.reaction.force[2] > 0.0
+    assert np.abs(hinge.residuals).max() < 1e-6
+    assert hinge.coordinates == {"angle": hinge.angle}
+    assert hinge in scene.joints and sim.joints[0].angle == hinge.angle
+    assert "angle" in dir(hinge)
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "coordinates"),
+    [
+        ("add_fixed", {}, []),
+        ("add_ball", {}, []),
+        ("add_hinge", {"axis": (0, 0, 1)}, ["angle"]),
+        ("add_slider", {"axis": (0, 1, 1)}, ["displacement"]),
+        ("add_cylindrical", {"axis": (1, 0, 1)}, ["displacement", "angle"]),
+        ("add_planar", {"normal": (0, 1, 0)}, ["displacement_x", "displacement_y", "angle"]),
+        ("add_point_on_axis", {"axis": (1, 0, 0)}, ["displacement"]),
+        ("add_universal", {"axis_a": (1, 0, 0), "axis_b": (0, 1, 0)}, ["angle_a", "angle_b"]),
+    ],
+)
+@pytest.mark.parametrize("other", ["world", "body", "patch"])
+def test_every_kind_holds(method: str, options: dict, coordinates: list[str], other: str) -> None:
+    scene = stark.Scene()
+    b = body(scene, (0.3, 0.0, 0.0))
+    a: object = None
+    if other == "body":
+        a = body(scene, (-0.1, 0.0, 0.0), mass=3.0)
+        scene.add_ball(None, a, anchor=(-0.2, 0.0, 0.0))
+    place = {"anchor": (0.1, 0.0, 0.0), **options}
+    if other == "patch":
+        cloth = scene.add_cloth(
+            stark.mesh.grid(0.2, 0.2, cells=4),
+            stark.materials.cotton.replace(density=3.0),
+            pins=[0, 4, 20, 24],
+        )
+        if method != "add_ball":
+            return
+        a, b_side = cloth.frame((12, 13, 17), position=(0.1, 0.0, 0.0)), b.frame(position=(-0.2, 0.0, 0.0))
+        joint = scene.add_ball(a, b_side)
+    else:
+        joint = getattr(scene, method)(a, b, **place)
+    assert list(dict(joint.formula.coordinates)) == coordinates
+    sim = simulate(scene)
+    for _ in range(20):
+        report = sim.step()
+        assert report.status == "accepted", report.message
+    assert np.abs(joint.residuals).max() < 1e-5
+    assert set(joint.coordinates) == set(coordinates)
+
+
+def test_a_slider_measures_free_fall_and_carries_nothing_along_its_axis() -> None:
+    scene = stark.Scene()
+    slider = scene.add_slider(None, body(scene), anchor=(0, 0, 0), axis=(0, 0, 1))
+    sim = simulate(scene)
+    for _ in range(10):
+        sim.step()
+    np.testing.assert_allclose(slider.displacement, -G * 1e-4 * 55, rtol=1e-6)
+    np.testing.assert_allclose(slider.rates["displacement"], -G * 0.1, rtol=1e-6)
+    assert abs(slider.reaction.force[2]) < 1e-9
+
+
+def test_a_distance_joint_is_a_pendulum_rod() -> None:
+    scene = stark.Scene()
+    bob = body(scene, (0.5, 0.0, 0.0))
+    rod = scene.add_distance(None, bob, anchor_a=(0, 0, 0), anchor_b=(0.5, 0, 0))
+    sim = simulate(scene)
+    for _ in range(30):
+        sim.step()
+        np.testing.assert_allclose(np.linalg.norm(bob.position), 0.5, atol=1e-6)
+    assert np.linalg.norm(rod.reaction.force) > 0.0
+
+
+def test_release_and_hold_again() -> None:
+    scene = stark.Scene()
+    falling = body(scene)
+    joint = scene.add_ball(None, falling, anchor=(0, 0, 0))
+    assert joint.enabled
+    sim = simulate(scene)
+    sim.step()
+    joint.enabled = False
+    sim.step()
+    assert falling.position[2] < -9e-4 and not joint.enabled
+    joint.enabled = True
+    assert not sim.step().failed
+    assert abs(falling.position[2]) < 1e-6
+
+
+def test_states_rewind_bitwise_with_joints() -> None:
+    scene = stark.Scene()
+    previous = None
+    for k in range(5):
+        link = body(scene, (0.15 * k + 0.075, 0.0, 0.0))
+        scene.add_universal(previous, link, anchor=(0.15 * k, 0, 0), axis_a=(0, 1, 0), axis_b=(0, 0, 1))
+        previous = link
+    sim = simulate(scene)
+    for _ in range(5):
+        sim.step()
+    before = sim.state.copy()
+    hashes = [(sim.step(), sim.state.hash)[1] for _ in range(3)]
+    sim.state = before
+    assert [(sim.step(), sim.state.hash)[1] for _ in range(3)] == hashes
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda s, b, c: s.add_hinge(None, b, axis=(0, 0, 1)), "axis or rotation without anchor"),
+        (lambda s, b, c: s.add_hinge(None, b), "no anchor: give anchor"),
+        (lambda s, b, c: s.add_hinge(None, b, anchor=(0, 0, 0), axis=(0, 0, 0)), "must not be zero"),
+        (lambda s, b, c: s.add_hinge(None, c, anchor=(0, 0, 0)), "give a patch of it"),
+        (lambda s, b, c: s.add_hinge(None, None, anchor=(0, 0, 0)), "both frames are of the world"),
+        (lambda s, b, c: s.add_hinge(3, b, anchor=(0, 0, 0)), "must be a rigid body"),
+        (lambda s, b, c: s.add_joint("hing", None, b, anchor=(0, 0, 0)), "did you mean 'hinge'"),
+        (lambda s, b, c: s.add_joint(3, None, b, anchor=(0, 0, 0)), "name of a built-in joint"),
+        (lambda s, b, c: s.add_joint("distance", None, b, anchor=(0, 0, 0)), "'length' .m. has no value"),
+        (lambda s, b, c: s.add_joint("ball", None, b, anchor=(0, 0, 0), length=2), "unknown value 'length'"),
+        (lambda s, b, c: s.add_ball(None, b, anchor=(0, np.nan, 0)), "anchor"),
+        (lambda s, b, c: s.add_universal(None, b, anchor=(0, 0, 0), axis_a=(1, 0, 0)), "give both"),
+        (
+            lambda s, b, c: s.add_universal(None, b, anchor=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(1, 1, 0)),
+            "must be perpendicular",
+        ),
+        (
+            lambda s, b, c: s.add_ball(stark.Scene().add_box(1, mass=1), b, anchor=(0, 0, 0)),
+            "belongs to another scene",
+        ),
+    ],
+)
+def test_bad_joints_are_refused(call: object, message: str) -> None:
+    scene = stark.Scene()
+    b = body(scene)
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2))
+    with pytest.raises(stark.InvalidArgument, match=message):
+        call(scene, b, cloth)  # type: ignore[operator]
+    assert scene.joints == ()
+
+
+def test_a_joint_that_is_apart_at_the_start_is_refused() -> None:
+    scene = stark.Scene()
+    b = body(scene)
+    scene.add_ball(stark.world_frame((0.0, 0.0, 0.2)), b.frame())
+    with pytest.raises(stark.InvalidArgument, match=r"differ by 0.2 m at time 0"):
+        simulate(scene)
+
+
+def test_a_joint_needs_a_simulation_to_be_read() -> None:
+    scene = stark.Scene()
+    joint = scene.add_hinge(None, body(scene), anchor=(0, 0, 0))
+    with pytest.raises(stark.InvalidArgument, match="needs a simulation"):
+        _ = joint.angle
+    with pytest.raises(AttributeError, match="no attribute 'angel'"):
+        _ = joint.angel
