@@ -20,7 +20,8 @@ inline Settings machine_settings(double h, double acceleration_tolerance = 1e-10
 
 /// Body of 1 kg whose moments of inertia are all `inertia` [kg m^2].
 inline RigidDescription wheel(double inertia, const Vec3& position = {}, double mass = 1.0) {
-  RigidInertia given{.mass = mass, .center_of_mass = {}, .tensor = Mat3::diagonal({inertia, inertia, inertia})};
+  RigidInertia given{
+      .mass = mass, .center_of_mass = {}, .tensor = Mat3::diagonal({inertia, inertia, inertia})};
   return {.mesh = make_box({0.1, 0.1, 0.1}), .inertia = given, .position = position};
 }
 
@@ -41,7 +42,8 @@ inline Machine machine(const std::string& kind, const RigidDescription& body) {
 
 inline ActuatorId add(Scene& scene, const std::string& kind, JointId joint,
                       std::map<std::string, double> values) {
-  return scene.add_actuator({.definition = find_actuator(kind), .on = {{joint}}, .values = std::move(values)});
+  return scene.add_actuator(
+      {.definition = find_actuator(kind), .on = {{joint}}, .values = std::move(values)});
 }
 
 }  // namespace stark::test

@@ -11,8 +11,8 @@
 //
 // The energy E is that of one implicit time step, so the effort -dE/dq is applied at the end of it: a torque
 // [N m] along coordinates in rad, a force [N] along those in m, positive where it raises the coordinate. It
-// acts on frame b of the joint, and its opposite on frame a. A cap is a property of dE/dq and therefore exact.
-// Phase: model building.
+// acts on frame b of the joint, and its opposite on frame a. A cap is a property of dE/dq and therefore
+// exact. Phase: model building.
 #pragma once
 
 #include <functional>

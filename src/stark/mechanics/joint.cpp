@@ -58,9 +58,7 @@ JointBuilder::JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKin
   b_initial = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x_initial);
 }
 
-void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) {
-  hold(std::span(&residual, 1), unit);
-}
+void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) { hold(std::span(&residual, 1), unit); }
 
 void JointBuilder::hold(const SymbolicVec3& residual, ResidualUnit unit) {
   hold(std::span<const Scalar>(residual.v), unit);

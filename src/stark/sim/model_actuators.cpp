@@ -40,7 +40,8 @@ void Model::Builder::add_actuators(std::vector<ConstraintGroup>& groups) {
     std::vector<JointCoordinate> on;
     for (const CoordinateName& coordinate : actuator.on) {
       const JointDescription& joint = scene.joint(coordinate.joint);
-      on.push_back({joint.definition.get(), coordinate_index(coordinate), kind_of(joint.a), kind_of(joint.b)});
+      on.push_back(
+          {joint.definition.get(), coordinate_index(coordinate), kind_of(joint.a), kind_of(joint.b)});
       key.on.push_back({on.back().joint, on.back().index, on.back().a, on.back().b});
     }
     const auto [entry, is_new] = index.try_emplace(key, members.size());

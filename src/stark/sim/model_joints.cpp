@@ -138,8 +138,7 @@ void Model::Builder::set_initial_rates(std::span<const Vec3> x) {
       const auto& coordinates = group.joint->coordinates();
       for (size_t k = 0; k < coordinates.size(); ++k) {
         const double change = state.joint_coordinate[first + k] - from[first + k];
-        state.joint_rate[first + k] =
-            (coordinates[k].unit == "rad" ? shortest_turn(change) : change) / h;
+        state.joint_rate[first + k] = (coordinates[k].unit == "rad" ? shortest_turn(change) : change) / h;
       }
     }
 }

@@ -19,7 +19,8 @@ std::string resolve(const std::string& owner, const JointDescription& joint, Coo
   }
   const std::string which = owner + ": joint '" + joint.name + "' (" + joint.definition->name + ")";
   if (known.empty())
-    throw InvalidArgument(which + " has no coordinate to act on; use a joint with one, such as hinge or slider");
+    throw InvalidArgument(which +
+                          " has no coordinate to act on; use a joint with one, such as hinge or slider");
   if (!coordinate.name.empty())
     throw InvalidArgument(which + " has no coordinate '" + coordinate.name + "'" +
                           nearest_name_hint(coordinate.name, names));
@@ -58,8 +59,9 @@ void check_values(const std::string& owner, const std::vector<ActuatorParameter>
 
 ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
   if (!actuator.definition || !actuator.definition->formula)
-    throw InvalidArgument("actuator '" + actuator.name +
-                          "': has no definition; take one with find_actuator or make one with define_actuator");
+    throw InvalidArgument(
+        "actuator '" + actuator.name +
+        "': has no definition; take one with find_actuator or make one with define_actuator");
   const auto taken = [&](const std::string& name) {
     return std::any_of(actuators_.begin(), actuators_.end(), [&](const auto& a) { return a.name == name; });
   };
@@ -68,9 +70,10 @@ ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
     for (int i = 2; taken(actuator.name); ++i)
       actuator.name = actuator.definition->name + "_" + std::to_string(i);
   } else if (taken(actuator.name)) {
-    throw InvalidArgument("actuator '" + actuator.name +
-                          "': the name is taken: names of actuators must be unique in a scene; choose another "
-                          "or leave it out");
+    throw InvalidArgument(
+        "actuator '" + actuator.name +
+        "': the name is taken: names of actuators must be unique in a scene; choose another "
+        "or leave it out");
   }
   const std::string owner = "actuator '" + actuator.name + "'";
   const auto expected = static_cast<size_t>(actuator.definition->coordinate_count);

@@ -7,8 +7,8 @@ namespace stark::models {
 ActuatorDefinition gear() {
   ActuatorDefinition definition =
       define_actuator("gear", "couples the coordinates of two joints", [](ActuatorBuilder& a) {
-        const Scalar ratio =
-            a.parameter("ratio", a.unit(0) + "/" + a.unit(1), "change of the coordinate per change of the other");
+        const Scalar ratio = a.parameter("ratio", a.unit(0) + "/" + a.unit(1),
+                                         "change of the coordinate per change of the other");
         const Scalar offset =
             a.parameter("offset", a.unit(), "coordinate where the other one is zero", any_number(), 0.0);
         a.hold(a.q(0) - ratio * a.q(1) - offset);

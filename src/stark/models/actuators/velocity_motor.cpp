@@ -6,12 +6,12 @@
 namespace stark::models {
 
 ActuatorDefinition velocity_motor() {
-  ActuatorDefinition definition =
-      define_actuator("velocity_motor", "drives the rate to a target with at most cap", [](ActuatorBuilder& a) {
+  ActuatorDefinition definition = define_actuator(
+      "velocity_motor", "drives the rate to a target with at most cap", [](ActuatorBuilder& a) {
         const Scalar target = a.parameter("target", a.rate_unit(), "rate to be reached");
         const Scalar cap = a.parameter("cap", a.effort_unit(), "largest effort", non_negative());
-        const Scalar delta =
-            a.parameter("delta", a.rate_unit(), "difference of rates at which the cap is reached", positive());
+        const Scalar delta = a.parameter("delta", a.rate_unit(),
+                                         "difference of rates at which the cap is reached", positive());
         return a.time_step() * cap / delta * huber(target - a.rate(), delta);
       });
   definition.needs_rates = true;
