@@ -155,7 +155,7 @@ TEST_CASE("a given torque accelerates, and an armature adds to the inertia") {
   const double I = 0.02, J = 0.03, torque = 0.4, h = 1e-3;
   for (const bool has_armature : {false, true}) {
     Machine m = machine("hinge", wheel(I));
-    const ActuatorId drive = add(m.scene, "effort", m.joint, {{"effort", torque}});
+    const ActuatorId drive = add(m.scene, "effort", m.joint, {{"target", torque}});
     if (has_armature) add(m.scene, "armature", m.joint, {{"inertia", J}});
     Simulation simulation(m.scene, machine_settings(h));
     for (int n = 0; n < 200; ++n) step(simulation);
@@ -201,7 +201,7 @@ TEST_CASE("dry friction brings a wheel and a carriage to rest where constant dec
 TEST_CASE("a loaded joint under friction creeps slower than the stick rate") {
   Machine m = machine("hinge", wheel(0.01));
   const ActuatorId friction = add(m.scene, "joint_friction", m.joint, {{"cap", 1.0}, {"stick_rate", 1e-3}});
-  add(m.scene, "effort", m.joint, {{"effort", 0.75}});
+  add(m.scene, "effort", m.joint, {{"target", 0.75}});
   Simulation simulation(m.scene, machine_settings(0.01));
   for (int n = 0; n < 50; ++n) step(simulation);
   CHECK(simulation.actuator_effort(friction) == Approx(-0.75).epsilon(1e-9));
@@ -237,7 +237,7 @@ TEST_CASE("limits beyond a turn, and released joints without their actuators") {
   Machine m = machine("hinge", wheel(0.01));
   const double stop = 2.5 * kTurn;
   add(m.scene, "upper_limit", m.joint, {{"upper", stop}});
-  const ActuatorId drive = add(m.scene, "effort", m.joint, {{"effort", 0.3}});
+  const ActuatorId drive = add(m.scene, "effort", m.joint, {{"target", 0.3}});
   Simulation simulation(m.scene, machine_settings(0.01, 1e-6));
   for (int n = 0; n < 200; ++n) step(simulation);
   CHECK(simulation.joint_coordinates(m.joint)[0] == Approx(stop).epsilon(1e-6));
@@ -307,7 +307,7 @@ TEST_CASE("a gear couples two wheels") {
   const JointId near = hinge(a, {}), far = hinge(b, {1, 0, 0});
   const ActuatorId gear = scene.add_actuator(
       {.definition = find_actuator("gear"), .on = {{far}, {near}}, .values = {{"ratio", ratio}}});
-  add(scene, "effort", near, {{"effort", torque}});
+  add(scene, "effort", near, {{"target", torque}});
   Simulation simulation(scene, machine_settings(1e-3));
   for (int n = 0; n < 400; ++n) {
     step(simulation);

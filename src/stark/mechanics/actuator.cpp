@@ -86,6 +86,33 @@ ActuatorDefinition define_actuator(std::string name, std::string doc,
   return {.name = std::move(name), .doc = std::move(doc), .formula = std::move(formula)};
 }
 
+ActuatorDefinition define_actuator(std::string name, std::string doc, Formula formula,
+                                   ActuatorOutputs outputs) {
+  STARK_CHECK(formula.point_count() == 1);
+  const int coordinates = outputs.coordinates;
+  ActuatorDefinition definition =
+      define_actuator(std::move(name), std::move(doc),
+                      [formula = std::move(formula), outputs = std::move(outputs)](ActuatorBuilder& a) {
+                        for (const UniformField& field : formula.uniform_fields()) {
+                          if (field.name == "time_step" || field.name == "time") continue;
+                          const auto fallback = outputs.fallbacks.find(field.name);
+                          const bool is_given = fallback != outputs.fallbacks.end();
+                          a.parameter(field.name, field.unit, field.doc, field.rule,
+                                      is_given ? std::optional(fallback->second) : std::nullopt);
+                        }
+                        for (const std::string& memory : outputs.memories)
+                          a.memory(memory, "", "kept from step to step");
+                        const std::vector<Scalar> values = a.repeat(formula);
+                        size_t next = 1;
+                        for (const bool one_sided : outputs.one_sided)
+                          one_sided ? a.limit(values[next++]) : a.hold(values[next++]);
+                        for (const std::string& memory : outputs.memories) a.remember(memory, values[next++]);
+                        return values[0];
+                      });
+  definition.coordinate_count = coordinates;
+  return definition;
+}
+
 std::vector<ActuatorParameter> actuator_parameters(const ActuatorDefinition& definition,
                                                    const std::vector<std::string>& units) {
   PotentialBuilder inputs(1);

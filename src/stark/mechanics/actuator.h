@@ -16,6 +16,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,9 @@ class ActuatorBuilder {
   void hold(const symbolic::Scalar& residual);
   void limit(const symbolic::Scalar& residual);
 
+  /// A formula of one point, the changes of up to three coordinates, with the inputs of this builder.
+  std::vector<symbolic::Scalar> repeat(const Formula& formula) { return formula.repeat(inputs_); }
+
   int coordinate_count() const { return static_cast<int>(units_.size()); }
   std::string unit(int coordinate = 0) const { return units_.at(coordinate); }
   std::string rate_unit(int coordinate = 0) const { return unit(coordinate) + "/s"; }
@@ -91,6 +95,21 @@ struct ActuatorDefinition {
 
 ActuatorDefinition define_actuator(std::string name, std::string doc,
                                    std::function<symbolic::Scalar(ActuatorBuilder&)> formula);
+
+/// What the outputs of a formula mean as an actuator: the energy, a residual for each row, what each memory
+/// becomes.
+struct ActuatorOutputs {
+  int coordinates = 1;
+  std::vector<bool> one_sided{};  ///< by row
+  std::vector<std::string> memories{};
+  std::map<std::string, double> fallbacks{};  ///< of parameters that need not be given
+};
+
+/// Actuator from a formula of one point, whose components are the changes of the coordinates. Its element
+/// data are "coordinate.k" and "rate.k" (at the start of the step) and "memory.name"; its parameters become
+/// values.
+ActuatorDefinition define_actuator(std::string name, std::string doc, Formula formula,
+                                   ActuatorOutputs outputs);
 
 /// Parameters of an actuator on coordinates with these units, in the order of their first use.
 std::vector<ActuatorParameter> actuator_parameters(const ActuatorDefinition& definition,

@@ -149,6 +149,9 @@ class Scene {
   ActuatorId add_actuator(ActuatorDescription description);
   const std::vector<ActuatorDescription>& actuators() const { return actuators_; }
   const ActuatorDescription& actuator(ActuatorId actuator) const;
+  /// Value that an actuator starts with; throws InvalidArgument for unknown names and forbidden values.
+  void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
+  void set_actuator_enabled(ActuatorId actuator, bool enabled);
 
   /// Coefficient of a pair; a == b is the self-contact of a body.
   void set_friction(BodyId a, BodyId b, double coefficient);

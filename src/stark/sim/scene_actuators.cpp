@@ -88,6 +88,22 @@ ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
   return {static_cast<int32_t>(actuators_.size()) - 1};
 }
 
+void Scene::set_actuator_value(ActuatorId id, const std::string& name, double value) {
+  ActuatorDescription changed = actuator(id);
+  std::vector<std::string> units;
+  const std::string owner = "actuator '" + changed.name + "'";
+  for (CoordinateName& coordinate : changed.on)
+    units.push_back(resolve(owner, joint(coordinate.joint), coordinate));
+  changed.values[name] = value;
+  check_values(owner, actuator_parameters(*changed.definition, units), changed.values);
+  actuators_[id.index] = std::move(changed);
+}
+
+void Scene::set_actuator_enabled(ActuatorId id, bool enabled) {
+  actuator(id);
+  actuators_[id.index].enabled = enabled;
+}
+
 const ActuatorDescription& Scene::actuator(ActuatorId actuator) const {
   if (actuator.index < 0 || actuator.index >= static_cast<int32_t>(actuators_.size()))
     throw InvalidArgument("actuator id " + std::to_string(actuator.index) + ": must be in [0, " +

@@ -65,7 +65,11 @@ void Simulation::check_joints() {
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - place.residual];
       double squared = 0.0;
-      for (int k = 0; k < rows; ++k, ++r) squared += C[r] * C[r];
+      for (int k = 0; k < rows; ++k, ++r) {
+        const bool one_sided = joint.one_sided()[r - place.residual] != 0;
+        const double off = one_sided ? std::max(0.0, C[r]) : C[r];
+        squared += off * off;
+      }
       const double tolerance =
           unit == ResidualUnit::Length ? joint_tolerance().length : joint_tolerance().angle;
       if (!(std::sqrt(squared) <= tolerance))

@@ -5,7 +5,7 @@ namespace stark::models {
 
 ActuatorDefinition effort() {
   return define_actuator("effort", "a given force or torque", [](ActuatorBuilder& a) {
-    return -a.parameter("effort", a.effort_unit(),
+    return -a.parameter("target", a.effort_unit(),
                         "force or torque, positive where it raises the coordinate") *
            a.dq();
   });
