@@ -147,10 +147,10 @@ def actuator(function: Callable[..., Any]) -> ActuatorFormula:
         result = function(*_symbols(inputs, arguments))
     acted = result if isinstance(result, Actuation) else Actuation(result, (), (), {})
     memories = [a.name for a in arguments if isinstance(a, _Kept)]
+    energy = scalar_result(name, acted.energy, function)
     _check_memories(name, function, memories, acted.remember)
     rows = [("hold", value) for value in acted.hold] + [("limit", value) for value in acted.limit]
-    outputs = [scalar_result(name, acted.energy, function)]
-    outputs += [_scalar(name, function, what, value) for what, value in rows]
+    outputs = [energy, *(_scalar(name, function, what, value) for what, value in rows)]
     _check_motion(name, function, arguments, inputs, outputs)
     outputs += [_scalar(name, function, f"remember '{m}'", acted.remember[m]) for m in memories]
     _check_use(name, function, arguments, inputs, outputs)

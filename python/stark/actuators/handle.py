@@ -145,7 +145,7 @@ class Actuator:
     def _effort_along(self, unit: str, what: str, other: str) -> float:
         _, coordinate, mine = self._on[0]
         if mine != unit:
-            raise AttributeError(
+            raise InvalidArgument(
                 f"actuator '{self.name}' acts along '{coordinate}' [{mine}]: has no {what}; use {other} or "
                 f"effort"
             )
