@@ -205,3 +205,29 @@ TEST_CASE("the interpreter gives the bits of machine code") {
     CHECK(fast.batch.evaluate(Order::Hessian, fast.x) == slow.batch.evaluate(Order::Hessian, slow.x));
   });
 }
+
+TEST_CASE("the energy of every actuator is the integral of its effort, across the ends of caps too") {
+  const auto slider = find_joint("slider");
+  unsigned seed = 0;
+  for (const auto& actuator : registered_actuators()) {
+    if (actuator->coordinate_count != 1) continue;
+    CAPTURE(actuator->name);
+    const Sample sample(*actuator, {{slider.get(), 0, FrameKind::Axes, FrameKind::Axes}}, Backend::Automatic,
+                        ++seed);
+    // Moves b along its line of action, by changes that reach beyond every cap.
+    const int b = 3 * (sample.batch.point_count() - 1);
+    const int n = 4000;
+    double integral = 0.0, largest_step = 0.0;
+    std::vector<double> energy, effort, q;
+    for (int i = 0; i <= n; ++i) {
+      const std::vector<Vec3> x = sample.moved(b, -1.0 + 2.0 * i / n);
+      energy.push_back(sample.batch.evaluate(Order::Energy, x)[0]);
+      effort.push_back(sample.batch.evaluate(sample.law.values(), x)[sample.law.units().size()]);
+      q.push_back(sample.raw(x)[0]);
+      if (i == 0) continue;
+      integral -= 0.5 * (effort[i] + effort[i - 1]) * (q[i] - q[i - 1]);
+      largest_step = std::max(largest_step, std::fabs(energy[i] - energy[0] - integral));
+    }
+    CHECK(largest_step < 1e-5 * (1.0 + std::fabs(energy.back()) + std::fabs(energy.front())));
+  }
+}
