@@ -71,8 +71,16 @@ TEST_CASE("values are checked when they are given") {
                        InvalidArgument);
   CHECK_THROWS_WITH_AS(m.scene.set_actuator_value(id, "speed", 0.0), Contains("unknown value 'speed'"),
                        InvalidArgument);
+  CHECK_THROWS_WITH_AS(add(m.scene, "limit", m.joint, {{"lower", 1}, {"upper", -1}}),
+                       Contains("lower must not be above upper"), InvalidArgument);
+  const ActuatorId stops = add(m.scene, "limit", m.joint, {{"lower", -1}, {"upper", 1}});
+  CHECK_THROWS_WITH_AS(m.scene.set_actuator_value(stops, "upper", -2.0),
+                       Contains("lower must not be above upper"), InvalidArgument);
   CHECK_THROWS_AS(m.scene.set_actuator_value({9}, "target", 0.0), InvalidArgument);
-  const Simulation simulation(m.scene, machine_settings(0.01));
+  Simulation simulation(m.scene, machine_settings(0.01));
+  CHECK_THROWS_WITH_AS(simulation.set_actuator_value(stops, "lower", 2.0),
+                       Contains("lower must not be above upper"), InvalidArgument);
+  CHECK(simulation.actuator_value(stops, "lower") == -1.0);
   CHECK(simulation.actuator_value(id, "target") == 4.0);
   CHECK(simulation.actuator_value(id, "delta") == 1.0);
   CHECK_FALSE(simulation.actuator_enabled(id));

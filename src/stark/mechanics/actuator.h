@@ -90,7 +90,8 @@ struct ActuatorDefinition {
   std::string doc;
   std::function<symbolic::Scalar(ActuatorBuilder&)> formula;
   int coordinate_count = 1;
-  bool needs_rates = false;  ///< has no meaning in quasistatic steps
+  bool needs_rates = false;                                    ///< has no meaning in quasistatic steps
+  std::vector<std::pair<std::string, std::string>> ordered{};  ///< values: the first is at most the second
 };
 
 ActuatorDefinition define_actuator(std::string name, std::string doc,

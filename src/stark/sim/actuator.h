@@ -25,4 +25,8 @@ struct ActuatorDescription {
   bool enabled = true;
 };
 
+/// Throws InvalidArgument where values are not in the order that the definition asks for.
+void check_order(const std::string& owner, const ActuatorDefinition& definition,
+                 const std::map<std::string, double>& values);
+
 }  // namespace stark

@@ -57,6 +57,15 @@ void check_values(const std::string& owner, const std::vector<ActuatorParameter>
 
 }  // namespace
 
+void check_order(const std::string& owner, const ActuatorDefinition& definition,
+                 const std::map<std::string, double>& values) {
+  for (const auto& [low, high] : definition.ordered)
+    if (values.at(low) > values.at(high))
+      throw InvalidArgument(owner + ": " + low + " = " + quantity_text(values.at(low), "") + " and " + high +
+                            " = " + quantity_text(values.at(high), "") + ": " + low + " must not be above " +
+                            high + "; to move both, set first the one that widens the range");
+}
+
 ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
   if (!actuator.definition || !actuator.definition->formula)
     throw InvalidArgument(
@@ -84,6 +93,7 @@ ActuatorId Scene::add_actuator(ActuatorDescription actuator) {
   for (CoordinateName& coordinate : actuator.on)
     units.push_back(resolve(owner, joint(coordinate.joint), coordinate));
   check_values(owner, actuator_parameters(*actuator.definition, units), actuator.values);
+  check_order(owner, *actuator.definition, actuator.values);
   actuators_.push_back(std::move(actuator));
   return {static_cast<int32_t>(actuators_.size()) - 1};
 }
@@ -96,6 +106,7 @@ void Scene::set_actuator_value(ActuatorId id, const std::string& name, double va
     units.push_back(resolve(owner, joint(coordinate.joint), coordinate));
   changed.values[name] = value;
   check_values(owner, actuator_parameters(*changed.definition, units), changed.values);
+  check_order(owner, *changed.definition, changed.values);
   actuators_[id.index] = std::move(changed);
 }
 

@@ -145,6 +145,11 @@ void Simulation::set_actuator_value(ActuatorId id, const std::string& name, doub
   const ActuatorParameter& parameter = place.law->parameters()[k];
   check_number(owner_text(actuator), name, value, parameter.unit, parameter.rule,
                "it is the " + parameter.doc);
+  std::map<std::string, double> values;
+  for (size_t p = 0; p < place.law->parameters().size(); ++p)
+    values[place.law->parameters()[p].name] = state_.actuator_value[place.value + p];
+  values[name] = value;
+  check_order(owner_text(actuator), *actuator.definition, values);
   state_.actuator_value[place.value + k] = value;
 }
 

@@ -16,11 +16,14 @@ void keep_above(ActuatorBuilder& a) {
 }  // namespace
 
 ActuatorDefinition limit() {
-  return define_actuator("limit", "keeps the coordinate between two stops", [](ActuatorBuilder& a) {
-    keep_above(a);
-    keep_below(a);
-    return Scalar(0.0);
-  });
+  ActuatorDefinition definition =
+      define_actuator("limit", "keeps the coordinate between two stops", [](ActuatorBuilder& a) {
+        keep_above(a);
+        keep_below(a);
+        return Scalar(0.0);
+      });
+  definition.ordered = {{"lower", "upper"}};
+  return definition;
 }
 
 ActuatorDefinition upper_limit() {
