@@ -21,6 +21,7 @@ void bind_potentials(nb::module_& m);
 void bind_formulas(nb::module_& m);
 void bind_joints(nb::module_& m);
 void bind_actuators(nb::module_& m);
+void bind_contacts(nb::module_& m);
 void bind_symbolic(nb::module_& m);
 
 namespace {
@@ -118,5 +119,6 @@ NB_MODULE(_core, m) {
   bind_formulas(m);
   bind_joints(m);
   bind_actuators(m);
+  bind_contacts(m);
   bind_symbolic(m);
 }

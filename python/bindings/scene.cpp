@@ -328,6 +328,8 @@ void bind_scene_class(nb::module_& m) {
           "contact_enabled", [](const Scene& s, int32_t a, int32_t b) { return s.contact_enabled({a}, {b}); },
           "a"_a, "b"_a)
       .def_prop_ro("body_count", &Scene::body_count)
+      .def("contains", &Scene::contains, "name"_a)
+      .def("free_name", &Scene::free_name, "stem"_a)
       .def(
           "find", [](const Scene& s, const std::string& name) { return s.find(name).index; }, "name"_a)
       .def(

@@ -38,7 +38,19 @@ nb::dict energy_dict(const StepReport& r) {
   energy["elastic"] = r.energy.elastic;
   energy["gravity"] = r.energy.gravity;
   energy["contact"] = r.energy.contact;
+  energy["damping"] = r.energy.damping;
+  energy["friction"] = r.energy.friction;
+  energy["external"] = r.energy.external;
+  energy["numerical"] = r.energy.numerical;
   return energy;
+}
+
+nb::dict components(const Vec3& v) {
+  nb::dict d;
+  d["x"] = v.x;
+  d["y"] = v.y;
+  d["z"] = v.z;
+  return d;
 }
 
 nb::dict phases_dict(const StepReport& r) {
@@ -66,6 +78,8 @@ nb::dict report_dict(const StepReport& r) {
   d["contact_count"] = r.contact_count;
   d["min_distance"] = r.min_distance;
   d["energy"] = energy_dict(r);
+  d["momentum"] = components(r.momentum.linear);
+  d["angular_momentum"] = components(r.momentum.angular);
   d["phases"] = phases_dict(r);
   return d;
 }
@@ -166,7 +180,17 @@ void bind_report(nb::module_& m) {
       .def_prop_ro(
           "acceleration", [](const StepReport& r) { return r.solve.acceleration; },
           "Largest M^-1 residual [m/s^2].")
-      .def_prop_ro("energy", energy_dict, "kinetic, elastic, gravity, contact [J].")
+      .def_prop_ro(
+          "energy", energy_dict,
+          "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
+          "step: damping, friction (dissipated), external (work of scripted and pinned parts), "
+          "numerical (what closes the balance) [J].")
+      .def_prop_ro(
+          "momentum", [](const StepReport& r) { return vector3(r.momentum.linear); },
+          nb::rv_policy::automatic, "Momentum of all free masses (3,) [N s].")
+      .def_prop_ro(
+          "angular_momentum", [](const StepReport& r) { return vector3(r.momentum.angular); },
+          nb::rv_policy::automatic, "Angular momentum of all free masses about the origin (3,) [N m s].")
       .def_prop_ro("phases", phases_dict, "Seconds by phase.")
       .def("brief", &StepReport::brief, "One line.")
       .def("to_dict", report_dict)
@@ -226,6 +250,10 @@ void bind_simulation(nb::module_& m) {
            [](const Simulation& s, int body) {
              return nb::make_tuple(vector3(s.linear_velocity(BodyId{body})),
                                    vector3(s.angular_velocity(BodyId{body})));
+           })
+      .def("acceleration",
+           [](const Simulation& s, int body, nb::object point) {
+             return vector3(s.acceleration(BodyId{body}, to_vec3(point, "point")));
            })
       .def("set_pose",
            [](Simulation& s, int body, nb::object position, nb::object rotation) {

@@ -32,6 +32,7 @@ from stark.materials import ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
 from stark.rotations import deg, rotation, to_quaternion  # noqa: E402
 from stark.scene import Scene, StarkWarning  # noqa: E402
+from stark.sensors import Contacts, Imu  # noqa: E402
 from stark.settings import Settings  # noqa: E402
 from stark.simulation import Simulation, StepFailed  # noqa: E402
 
@@ -90,7 +91,9 @@ def __getattr__(name: str) -> object:
 __all__ = [
     "Body",
     "Cloth",
+    "Contacts",
     "Error",
+    "Imu",
     "InitialIntersection",
     "InternalError",
     "InvalidArgument",

@@ -17,6 +17,7 @@ from stark import _core
 from stark._core import InvalidArgument
 from stark.mesh import Indices, Points, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, vector
+from stark.sensors import ContactSensors, InertialSensors
 
 if TYPE_CHECKING:
     from stark.formulas.points import FrameHandle, Points, Stencils
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from stark.simulation import Simulation
 
 
-class Body:
+class Body(ContactSensors):
     """A body of a scene; equal and hashed by scene and name."""
 
     kind: str = ""
@@ -295,7 +296,7 @@ class Solid(_Deformable):
         return self._surface()[2]
 
 
-class RigidBody(Body):
+class RigidBody(InertialSensors, Body):
     """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its
     centre of mass. Scripted bodies are moved by assigning to them: the pose that holds at the end of the next
     step."""

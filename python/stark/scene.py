@@ -312,7 +312,9 @@ class Scene(SceneJoints, SceneActuators):
         return self._bodies[self._index(name)]
 
     def __contains__(self, name: object) -> bool:
-        return any(body.name == name or body is name for body in self._bodies)
+        if isinstance(name, str):
+            return self._core.contains(name)
+        return any(body is name for body in self._bodies)
 
     def __iter__(self) -> Iterator[Body]:
         return iter(self._bodies)
@@ -359,10 +361,7 @@ class Scene(SceneJoints, SceneActuators):
 
     def _add_shape(self, kind: str, mesh: meshes.TriangleMesh, options: dict[str, Any]) -> RigidBody:
         if options.get("name") is None:
-            number, options["name"] = 1, kind
-            while options["name"] in self:
-                number += 1
-                options["name"] = f"{kind}_{number}"
+            options["name"] = self._core.free_name(kind)
         return self.add_rigid(mesh, **options)
 
     def _append(self, body: Body) -> None:

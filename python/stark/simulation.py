@@ -14,6 +14,7 @@ from stark import _core
 from stark._core import Error, InvalidArgument
 from stark.bodies import Body
 from stark.scene import Scene, StarkWarning
+from stark.sensors import Contacts, contacts_of
 from stark.settings import Settings
 
 if TYPE_CHECKING:
@@ -168,6 +169,12 @@ class Simulation:
     def energies(self) -> list[Energy]:
         """Handles of the energies of the scene; their energies and forces are those of this simulation."""
         return [live.energy._bound_to(self) for live in self._live_values]
+
+    @property
+    def contacts(self) -> Contacts:
+        """All contacts of the last step: points, forces, slip. ``sim.contacts.of("cup", "finger")`` are those
+        of two bodies; ``sim["cup"].contact_force`` and its siblings sum them up."""
+        return contacts_of(self)
 
     def __repr__(self) -> str:
         return f"<stark.Simulation of '{self._scene.name}' at {self.time:g} s>"

@@ -41,7 +41,7 @@ struct Bench {
   }
 
   void begin_step(std::span<const Vec3> x) {
-    pipeline->begin_step({{x.begin(), x.end()}, {}, {}}, x, diagonal, 0.01);
+    pipeline->begin_step({{x.begin(), x.end()}, {}, {}}, x, diagonal, {.positions = x, .duration = 0.01});
   }
 
   /// Contacts among all pairs of primitives, found without any broad phase.

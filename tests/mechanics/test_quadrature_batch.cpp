@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <stark/base/rotation.h>
+#include <stark/mechanics/site_gradient.h>
 #include <support/solid_bench.h>
 
 using namespace stark;
@@ -15,14 +16,6 @@ using symbolic::Order;
 namespace {
 
 const ParameterValues kValues{{"shear_modulus", {{2.0}, false}}, {"bulk_modulus", {{3.0}, false}}};
-
-double total_energy(const QuadratureBatch& batch, const std::vector<Vec3>& x) {
-  AlignedVector<double> out(batch.law().block_count() * kLanes);
-  batch.evaluate(Order::Energy, x, 0, batch.group_count(), out.data());
-  double sum = 0.0;
-  for (int64_t q = 0; q < batch.size() * batch.points_per_element(); ++q) sum += out[q];
-  return sum;
-}
 
 }  // namespace
 

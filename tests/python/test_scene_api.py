@@ -467,3 +467,11 @@ def test_importing_is_light() -> None:
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+def test_names_are_the_first_free_ones_and_many_take_no_time() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, motion="fixed", name="box_2")
+    names = [scene.add_box(0.1, motion="fixed").name for _ in range(1000)]
+    assert names[:3] == ["box", "box_3", "box_4"] and names[-1] == "box_1001"
+    assert "box_2" in scene and "box_1002" not in scene and scene.bodies[0] in scene

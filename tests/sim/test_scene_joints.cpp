@@ -285,6 +285,8 @@ TEST_CASE("joints that cannot be built are refused") {
   const auto ball = find_joint("ball");
   refused({.a = world_frame({}), .b = body_frame(body, {})}, "no definition");
   refused({.definition = ball, .a = world_frame({}), .b = world_frame({})}, "both frames are of the world");
+  refused({.definition = ball, .a = body_frame(body, {}), .b = body_frame(body, {})},
+          "must be of two bodies");
   refused({.definition = ball, .a = world_frame({}), .b = body_frame(cloth, {})}, "only rigid bodies");
   refused({.definition = ball, .a = world_frame({}), .b = patch_frame(body, {0, 1, 2}, {})}, "is rigid");
   refused({.definition = ball, .a = world_frame({}), .b = patch_frame(cloth, {0, 1, 2}, {})}, "no area");

@@ -384,6 +384,29 @@ TEST_CASE("a state goes on with the same bits, actuators and their values includ
   }
 }
 
+TEST_CASE("actuators keep the second order of BDF2") {
+  const auto end = [](const std::string& kind, double h) {
+    RigidDescription body = wheel(0.02);
+    (kind == "hinge" ? body.angular_velocity : body.velocity) = {0, 0, 1.0};
+    Machine m = machine(kind, body);
+    add(m.scene, "spring_damper", m.joint, {{"stiffness", 2.0}, {"rest", 0.1}, {"damping", 0.1}});
+    add(m.scene, "armature", m.joint, {{"inertia", 0.3}});
+    add(m.scene, "joint_friction", m.joint, {{"cap", 0.0}, {"stick_rate", 1.0}, {"viscous", 0.2}});
+    Settings settings = machine_settings(h, 1e-7);
+    settings.time.integrator = Integrator::Bdf2;
+    Simulation simulation(m.scene, settings);
+    while (simulation.time() < 0.8 - 1e-9) step(simulation);
+    return simulation.joint_coordinates(m.joint)[0];
+  };
+  for (const std::string kind : {"slider", "hinge"}) {
+    CAPTURE(kind);
+    const double coarse = end(kind, 0.02), middle = end(kind, 0.01), fine = end(kind, 0.005);
+    const double ratio = (coarse - middle) / (middle - fine);
+    CHECK(ratio > 3.3);  // 4 for second order, 2 for first
+    CHECK(ratio < 5.0);
+  }
+}
+
 TEST_CASE("quasistatic equilibria: servos hold, motors are refused") {
   Machine m = machine("slider", wheel(1.0));
   add(m.scene, "position_servo", m.joint, {{"target", 0.1}, {"stiffness", 100}, {"damping", 5}, {"cap", 50}});

@@ -133,7 +133,7 @@ def read_arguments(
             if name in taken:
                 raise formula_error(
                     formula,
-                    f"a parameter must not be called '{name}', which the energy has as an attribute; "
+                    f"a parameter must not be called '{name}', a name that is taken; "
                     f"choose another name"
                     + (f", or annotate it stark.{_clock_name(name)}" if name in _CLOCKS.values() else ""),
                     function,

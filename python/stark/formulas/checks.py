@@ -179,7 +179,8 @@ def _compared(
         return Finding(name, "note", f"{what.split()[0]}: zero around the start", 0.0)
     error = float((np.maximum(np.abs(exact - difference) - 10.0 * rounding, 0.0) / scale).max())
     if error <= _DIFFERENCE_TOLERANCE:
-        return Finding(name, "ok", f"the {what} with finite differences of {of} within {error:.1e}", error)
+        agreement = f"within {error:.1e}" if error > 0.0 else "to rounding"
+        return Finding(name, "ok", f"the {what} with finite differences of {of} {agreement}", error)
     # The derivatives come from the formula itself, so it is the formula that is not smooth.
     text = (
         f"finite differences of {of} differ by {error:.1e}: the formula has a kink, a jump or a sharp "

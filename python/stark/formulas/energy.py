@@ -110,6 +110,9 @@ class EnergyFormula:
         return f"<stark.energy {self.name}{self.__signature__}>"
 
 
+_ATTRIBUTES = frozenset({"energy", "frames", "constants", "element_count", "trace", "columns", "values"})
+
+
 class Binding:
     """An energy on points with values, to be added to a scene."""
 
@@ -135,6 +138,21 @@ class Binding:
         other.__dict__.update(self.__dict__)
         other.values = {name: Value(v.array.copy(), v.per_element) for name, v in self.values.items()}
         return other
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # `pull = magnet(...); pull.center = ...` without scene.add would do nothing.
+        if name not in _ATTRIBUTES:
+            raise AttributeError(self._not_added(name))
+        super().__setattr__(name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(name if name.startswith("_") else self._not_added(name))
+
+    def _not_added(self, attribute: str) -> str:
+        return (
+            f"{self.name} is not in a scene yet, so it has no '{attribute}': add it, and use what "
+            f"scene.add returns"
+        )
 
     @property
     def name(self) -> str:

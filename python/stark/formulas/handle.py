@@ -88,6 +88,11 @@ class Energy:
                 f"energy '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and "
                 f"keep it"
             )
+        if self._index >= len(simulation._live_values):
+            raise InvalidArgument(
+                f"energy '{self.name}': was added after the simulation was made: {what} needs one made after "
+                f"that; make a new stark.Simulation(scene)"
+            )
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Energy:
@@ -127,7 +132,9 @@ class Energy:
         value.version += 1
 
     def __getattr__(self, name: str) -> Any:
-        if not name.startswith("_") and name in self._binding.values:
+        if name.startswith("_"):  # asked for while a copy has no attributes yet
+            raise AttributeError(name)
+        if name in self._binding.values:
             return self._read(name)
         raise AttributeError(f"energy '{self.name}' has no attribute '{name}'; {self._known()}")
 

@@ -133,7 +133,8 @@ class Samples:
     def smallest_stiffness(self) -> float:
         """Smallest eigenvalue of the stiffness at rest, relative to the largest."""
         values = np.linalg.eigvalsh(self.rest[2])
-        return float((values[:, 0] / np.abs(values).max(axis=1)).min())
+        largest = np.abs(values).max(axis=1)
+        return float((values[:, 0] / np.where(largest > 0.0, largest, 1.0)).min())
 
 
 def is_finite(samples: Samples) -> bool:

@@ -31,6 +31,11 @@ from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar, Tensor, convert
 
 _POINTS = 8  # origin and three axes of two frames
+# Arguments of scene.add_joint, which parameters cannot be, and attributes of Joint, which coordinates cannot.
+_ARGUMENTS = frozenset({"kind", "a", "b", "anchor", "axis", "rotation", "name", "contact", "enabled"})
+_ATTRIBUTES = frozenset(
+    {"name", "kind", "formula", "coordinates", "rates", "residuals", "reaction", "enabled"}
+)
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,8 @@ def _scalar(name: str, value: Any) -> Scalar:
     result = convert(value, f"hold: coordinate '{name}'")
     if isinstance(result, Tensor):
         raise TraceError(f"hold: coordinate '{name}' has the shape {result.shape}: must be one number")
+    if name in _ATTRIBUTES:
+        raise TraceError(f"hold: coordinate '{name}': joints have another attribute of that name; rename it")
     if not name.isidentifier():
         raise TraceError(
             f"hold: coordinate '{name}': its name must be an identifier, it becomes an attribute"
@@ -118,7 +125,7 @@ def joint(function: Callable[..., Any]) -> JointFormula:
     returns ``stark.hold(...)``."""
     name = getattr(function, "__name__", "joint")
     outer = dict(sys._getframe(1).f_locals)
-    _, arguments = read_arguments(function, name, outer, frozenset(("a", "b", "name")))
+    _, arguments = read_arguments(function, name, outer, _ARGUMENTS)
     return _record(name, function, arguments)
 
 

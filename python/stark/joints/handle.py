@@ -28,10 +28,21 @@ class Wrench(NamedTuple):
 class Joint(JointActuators):
     """A joint of a scene. Its coordinates are attributes: ``hinge.angle``, ``slider.displacement``."""
 
+    _scene: Scene
+    _index: int
+    _formula: JointFormula
+    _enabled_at_start: bool
+    _simulation: Simulation | None
+
     def __init__(self, scene: Scene, index: int, formula: JointFormula, enabled: bool) -> None:
-        self._scene, self._index = scene, index
-        self._formula, self._enabled_at_start = formula, enabled
-        self._simulation: Simulation | None = None
+        for attribute, value in (
+            ("_scene", scene),
+            ("_index", index),
+            ("_formula", formula),
+            ("_enabled_at_start", enabled),
+            ("_simulation", None),
+        ):
+            object.__setattr__(self, attribute, value)
 
     @property
     def name(self) -> str:
@@ -65,7 +76,8 @@ class Joint(JointActuators):
     @property
     def reaction(self) -> Wrench:
         """Force and torque of the joint on what carries frame b in the last step, about the origin of that
-        frame; what carries frame a gets the opposite."""
+        frame; what carries frame a gets the opposite. After a rewind, of the multipliers of the state, which
+        differ by what residuals below a hundredth of the tolerance hold."""
         return Wrench(*self._core("reaction").joint_reaction(self._index))
 
     @property
@@ -81,9 +93,19 @@ class Joint(JointActuators):
         self._core("enabled").set_joint_enabled(self._index, bool(value))
 
     def __getattr__(self, name: str) -> float:
-        if not name.startswith("_") and name in (known := [n for n, _ in self._formula.coordinates]):
+        if name.startswith("_"):  # asked for while a copy has no attributes yet
+            raise AttributeError(name)
+        if name in (known := [n for n, _ in self._formula.coordinates]):
             return float(self._core(name).joint_coordinates(self._index)[known.index(name)])
         raise AttributeError(f"joint of the kind '{self._formula.name}' has no attribute '{name}'")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # A plain attribute would hide the coordinate of that name, and misspelt ones would do nothing.
+        if name != "enabled":
+            raise AttributeError(
+                f"joint '{self.name}': '{name}' cannot be set; enabled is what can be assigned"
+            )
+        object.__setattr__(self, name, value)
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(name for name, _ in self._formula.coordinates)]
@@ -103,9 +125,14 @@ class Joint(JointActuators):
                 f"joint '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and "
                 f"keep it"
             )
+        if self._index >= simulation._core.joint_count:
+            raise InvalidArgument(
+                f"joint '{self.name}': was added after the simulation was made: {what} needs one made after "
+                f"that; make a new stark.Simulation(scene)"
+            )
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Joint:
         handle = Joint(self._scene, self._index, self._formula, self._enabled_at_start)
-        handle._simulation = simulation
+        object.__setattr__(handle, "_simulation", simulation)
         return handle

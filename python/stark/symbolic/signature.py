@@ -28,6 +28,8 @@ class ArgumentType:
             else ("Vector" if len(self.shape) == 1 else "Matrix") + str(list(self.shape))
         )
 
+    __repr__ = __str__  # in signatures of functions
+
 
 def _checked(kind: str, shape: tuple[object, ...], dimensions: int) -> ArgumentType:
     if len(shape) != dimensions or not all(isinstance(n, (int, np.integer)) and n > 0 for n in shape):

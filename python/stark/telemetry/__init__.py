@@ -37,6 +37,8 @@ SERIES: dict[str, str] = {
     "residual": "N",
     "wall": "s",
     "energy": "J",
+    "momentum": "N s",
+    "angular_momentum": "N m s",
     "phases": "s",
 }
 

@@ -24,7 +24,8 @@ FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& 
 }
 
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                          const FrictionTable& coefficient, std::span<const Vec3> x_start, double time_step) {
+                          const FrictionTable& coefficient, std::span<const Vec3> x_reference,
+                          double duration) {
   std::map<PairKey, double> strengths;
   std::array<std::vector<int32_t>, 3> stencils;
   std::array<std::vector<size_t>, 3> members;
@@ -40,8 +41,14 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   for (int k = 0; k < 3; ++k) {
     PotentialBatch& batch = batches_[k];
     batch.resize(stencils[k]);
-    batch.set_previous(x_start);
-    batch.set_time(time_step, 0.0);
+    batch.set_previous(x_reference);
+    batch.set_time(duration, 0.0);
+    keys_[k].clear();
+    side_a_counts_[k].clear();
+    for (const size_t c : members[k]) {
+      keys_[k].push_back(contacts[c].key);
+      side_a_counts_[k].push_back(contacts[c].side_a_count);
+    }
     const int strength = batch.field_index("strength"), normal = batch.field_index("normal");
     for (int64_t e = 0; e < batch.size(); ++e) {
       const size_t c = members[k][e];
@@ -68,6 +75,20 @@ std::vector<const PotentialBatch*> FrictionSet::batches() const {
   for (const PotentialBatch& batch : batches_)
     if (batch.size() > 0) result.push_back(&batch);
   return result;
+}
+
+std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
+  std::map<PairKey, Vec3> forces;
+  for (int k = 0; k < 3; ++k) {
+    const std::vector<double> values = batches_[k].evaluate(Order::Gradient, x);
+    const int outputs = 1 + 3 * batches_[k].point_count();
+    for (size_t e = 0; e < keys_[k].size(); ++e)
+      for (int p = 0; p < side_a_counts_[k][e]; ++p) {
+        const double* g = values.data() + e * outputs + 1 + 3 * p;
+        forces[keys_[k][e]] -= Vec3{g[0], g[1], g[2]};
+      }
+  }
+  return forces;
 }
 
 std::vector<double> FrictionSet::energies(std::span<const Vec3> x) const {

@@ -18,13 +18,15 @@ class FrictionSet {
   /// potentials: friction of 2, 3 and 4 points.
   FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity);
 
-  /// Freezes friction at the contacts, with the forces on their sides A; x_start are site positions at the
-  /// start of the step. Returns the largest change of mu lambda of a pair [N], 0 when all are within 0.1 % of
-  /// the largest of before.
+  /// Freezes friction at the contacts, with the forces on their sides A; x_reference are the site
+  /// positions that displacements over `duration` are measured from. Returns the largest change of mu lambda
+  /// of a pair [N], 0 when all are within 0.1 % of the largest of before.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-               const FrictionTable& coefficient, std::span<const Vec3> x_start, double time_step);
+               const FrictionTable& coefficient, std::span<const Vec3> x_reference, double duration);
 
   std::vector<const PotentialBatch*> batches() const;
+  /// Forces on the sides A of the pairs at site positions x [N].
+  std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
   bool empty() const { return strengths_.empty(); }
 
   /// Energies at x are compared with those at the last remember(), element by element.
@@ -34,8 +36,10 @@ class FrictionSet {
  private:
   std::vector<double> energies(std::span<const Vec3> x) const;
 
-  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points
-  std::map<PairKey, double> strengths_;  ///< mu lambda [N]
+  std::vector<PotentialBatch> batches_;               ///< of 2, 3 and 4 points
+  std::array<std::vector<PairKey>, 3> keys_;          ///< of their elements
+  std::array<std::vector<int8_t>, 3> side_a_counts_;  ///< points of side A of their elements
+  std::map<PairKey, double> strengths_;               ///< mu lambda [N]
   std::vector<double> remembered_;
 };
 

@@ -48,14 +48,15 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
 }
 
 void ContactPipeline::begin_step(const Configuration& configuration, std::span<const Vec3> x,
-                                 std::span<const Mat3> diagonal, double time_step) {
-  x_start_.assign(x.begin(), x.end());
-  time_step_ = time_step;
+                                 std::span<const Mat3> diagonal, const VelocityReference& reference) {
+  x_reference_.assign(reference.positions.begin(), reference.positions.end());
+  duration_ = reference.duration;
   {
     const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
     stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor);
   }
-  refresh_lagged(x);
+  update(x);
+  if (options_.friction) freeze_friction(x);
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
@@ -134,14 +135,61 @@ EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
 
 double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
   if (!options_.friction) return 0.0;
-  const PhaseTimer::Scope scope(timer_, Phase::Friction);
   update(x);
+  return freeze_friction(x);
+}
+
+double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
+  const PhaseTimer::Scope scope(timer_, Phase::Friction);
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
   const double change =
-      friction_.reset(active_.contacts(), forces, friction_coefficient_, x_start_, time_step_);
+      friction_.reset(active_.contacts(), forces, friction_coefficient_, x_reference_, duration_);
   friction_.remember(x);
   return change;
+}
+
+double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) const {
+  double largest = 0.0;
+  for (const Contact& contact : active_.contacts()) {
+    Vec3 before, now;  // separations of the points that are closest at x1
+    for (int p = 0; p < contact.point_count; ++p) {
+      before += x0[contact.sites[p]] * contact.weights[p];
+      now += x1[contact.sites[p]] * contact.weights[p];
+    }
+    const double approach = dot(before, normalized(now)) - norm(now);
+    largest = std::max(largest, approach / contact.contact_distance);
+  }
+  return largest;
+}
+
+std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> x) const {
+  std::vector<Vec3> forces;
+  active_.evaluate_forces(x, forces);
+  const std::map<PairKey, Vec3> frictions = friction_.forces(x);
+  std::vector<ContactForce> result;
+  for (size_t c = 0; c < forces.size(); ++c) {
+    ContactForce entry{.contact = contacts()[c], .normal_force = forces[c]};
+    Vec3 motion;
+    for (int p = 0; p < entry.contact.point_count; ++p) {
+      const int32_t site = entry.contact.sites[p];
+      const double weight = entry.contact.weights[p];
+      (p < entry.contact.side_a_count ? entry.point_a : entry.point_b) += x[site] * std::fabs(weight);
+      motion += (x[site] - x_reference_[site]) * weight;
+    }
+    const Vec3 n = normalized(entry.point_a - entry.point_b);
+    entry.slip = (motion - n * dot(n, motion)) / duration_;
+    if (const auto found = frictions.find(entry.contact.key); found != frictions.end())
+      entry.friction = found->second;
+    result.push_back(entry);
+  }
+  return result;
+}
+
+double ContactPipeline::energy() const {
+  double total = 0.0;
+  for (const double energy : active_.energies()) total += energy;
+  return total;
 }
 
 double ContactPipeline::min_distance() const {

@@ -37,6 +37,15 @@ struct ContactPotentials {
 /// One barrier per StencilKind and friction of 2, 3 and 4 points, compiled for the back end.
 ContactPotentials compile_contact_potentials(symbolic::Backend backend);
 
+/// A contact with the forces and the motion of the last step.
+struct ContactForce {
+  Contact contact;
+  Vec3 point_a, point_b;  ///< closest points [m]
+  Vec3 normal_force;      ///< on side A [N]
+  Vec3 friction;          ///< on side A [N]
+  Vec3 slip;              ///< tangential velocity of side A against side B [m/s]
+};
+
 struct ContactCounters {
   int64_t candidate_builds = 0, swept_builds = 0, candidates = 0;
 };
@@ -47,9 +56,14 @@ class ContactPipeline final : public ActiveSet {
                   const ContactOptions& options, const KinematicMap& map, ThreadPool& pool,
                   PhaseTimer& timer);
 
+  /// Velocities of a step: displacements of the sites from `positions` [m] over `duration` [s].
+  struct VelocityReference {
+    std::span<const Vec3> positions;
+    double duration = 0.0;
+  };
   /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
   void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
-                  double time_step);
+                  const VelocityReference& reference);
 
   void update(std::span<const Vec3> x) override;
   std::vector<const PotentialBatch*> batches() const override;
@@ -62,8 +76,16 @@ class ContactPipeline final : public ActiveSet {
   const SurfaceMesh& mesh() const { return broad_phase_.mesh(); }
   const PairFilter& filter() const { return broad_phase_.filter(); }
   const ContactCounters& counters() const { return counters_; }
+  /// The active contacts at x, where the last update() was.
+  std::vector<ContactForce> contact_forces(std::span<const Vec3> x) const;
+  /// Barrier energy of the active contacts [J].
+  double energy() const;
+  std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Smallest distance of an active contact [m], infinity when there is none.
   double min_distance() const;
+  /// Largest approach along the normal of an active contact while its sites moved from x0 to x1, over its
+  /// contact distance.
+  double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) const;
   /// Pair of primitives that limited the last max_step().
   const CcdReport& limiting_pair() const { return ccd_report_; }
 
@@ -77,6 +99,7 @@ class ContactPipeline final : public ActiveSet {
 
   bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
   void build(std::span<const Vec3> x, Candidates& out);
+  double freeze_friction(std::span<const Vec3> x);
   void fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out);
 
   BroadPhase broad_phase_;
@@ -94,8 +117,8 @@ class ContactPipeline final : public ActiveSet {
   ContactCounters counters_;
   std::vector<int32_t> surface_sites_;
   std::vector<double> group_separation_;
-  std::vector<Vec3> x_start_;
-  double time_step_ = 0.0;
+  std::vector<Vec3> x_reference_;
+  double duration_ = 0.0;
 };
 
 }  // namespace stark

@@ -16,6 +16,8 @@ namespace {
 // Fields of the law have a prefix of their own; the dots keep names of users' parameters apart.
 constexpr const char* kLawPrefix = "actuator.";
 
+constexpr const char* kDuration = "duration";
+
 std::string memory_name(const std::string& name) { return "memory." + name; }
 std::string start_name(int k) { return "coordinate." + std::to_string(k); }
 std::string rate_start_name(int k) { return "rate." + std::to_string(k); }
@@ -26,6 +28,7 @@ std::string actuator_parameter_field(const std::string& parameter) { return kLaw
 std::string actuator_memory_field(const std::string& memory) { return kLawPrefix + memory_name(memory); }
 std::string actuator_start_field(int coordinate) { return kLawPrefix + start_name(coordinate); }
 std::string actuator_rate_start_field(int coordinate) { return kLawPrefix + rate_start_name(coordinate); }
+std::string actuator_duration_field() { return std::string(kLawPrefix) + kDuration; }
 std::string actuator_raw_start_field(int coordinate) { return "raw_start." + std::to_string(coordinate); }
 std::string actuator_joint_prefix(int coordinate) { return "joint" + std::to_string(coordinate) + "."; }
 
@@ -49,6 +52,7 @@ Scalar ActuatorBuilder::rate_start(int k) {
 }
 
 Scalar ActuatorBuilder::time_step() { return inputs_.time_step(); }
+Scalar ActuatorBuilder::duration() { return inputs_.data(kDuration, "s", "length of the step"); }
 Scalar ActuatorBuilder::time() { return inputs_.time(); }
 
 Scalar ActuatorBuilder::parameter(const std::string& name, const std::string& unit, const std::string& doc,

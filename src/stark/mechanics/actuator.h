@@ -40,9 +40,10 @@ class ActuatorBuilder {
   symbolic::Scalar q(int coordinate = 0);           ///< at the end of the step
   symbolic::Scalar q_start(int coordinate = 0);     ///< at its start
   symbolic::Scalar dq(int coordinate = 0);          ///< the difference
-  symbolic::Scalar rate(int coordinate = 0);        ///< dq / h
+  symbolic::Scalar rate(int coordinate = 0);        ///< dq / time_step
   symbolic::Scalar rate_start(int coordinate = 0);  ///< of the step before; at time 0, of the velocities
-  symbolic::Scalar time_step();                     ///< h [s]
+  symbolic::Scalar time_step();                     ///< of rates: s of the integrator, h but for BDF2 [s]
+  symbolic::Scalar duration();                      ///< how long the step takes, h [s]
   symbolic::Scalar time();                          ///< at the end of the step [s]
 
   /// A number that each actuator has of its own and that can be changed between steps.
@@ -149,6 +150,7 @@ std::string actuator_parameter_field(const std::string& parameter);
 std::string actuator_memory_field(const std::string& memory);
 std::string actuator_start_field(int coordinate);       ///< coordinate at the start of the step
 std::string actuator_rate_start_field(int coordinate);  ///< its rate in the step before
+std::string actuator_duration_field();                  ///< length of the step
 std::string actuator_raw_start_field(int coordinate);   ///< as the formula gives it, without full turns
 /// What the fields of a joint are called for coordinate k of an actuator.
 std::string actuator_joint_prefix(int coordinate);

@@ -30,8 +30,16 @@ double updated(double multiplier, double penalty, double residual, double zone, 
   return multiplier + penalty * beyond(residual, zone);
 }
 
-/// What counts as violation of a residual.
-double excess(double residual, bool one_sided) { return one_sided ? std::max(0.0, residual) : residual; }
+/// Norm of what counts as violation in the rows of a hold; `one_sided`: of each of them.
+double norm_of_rows(std::span<const double> values, int64_t first, std::span<const char> one_sided) {
+  double squared = 0.0;
+  for (size_t k = 0; k < one_sided.size(); ++k) {
+    const double value = values[first + static_cast<int64_t>(k)];
+    const double off = one_sided[k] != 0 ? std::max(0.0, value) : value;
+    squared += off * off;
+  }
+  return std::sqrt(squared);
+}
 
 /// Stiffness of two sides in series.
 double in_series(double a, bool a_is_rigid, double b, bool b_is_rigid) {
@@ -54,12 +62,14 @@ ConstraintSet::ConstraintSet(std::vector<ConstraintGroup> groups) : groups_(std:
     }
   multipliers_.assign(residuals, 0.0);
   penalties_.assign(residuals, 0.0);
+  enabled_.assign(joint_count_, 0.0);
 }
 
 void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
                                std::span<const double> enabled, const ConstraintTolerance& tolerance) {
   tolerance_ = tolerance;
   multipliers_.assign(multipliers.begin(), multipliers.end());
+  enabled_.assign(enabled.begin(), enabled.end());
   last_residuals_.clear();
   smallest_violation_ = std::numeric_limits<double>::infinity();
   idle_updates_ = 0;
@@ -77,6 +87,12 @@ void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<co
       if (penalties_[r] == 0.0) multipliers_[r] = 0.0;
     }
   }
+  write_inputs();
+}
+
+void ConstraintSet::set_forces(std::span<const double> forces) {
+  multipliers_.assign(forces.begin(), forces.end());
+  std::fill(penalties_.begin(), penalties_.end(), 0.0);
   write_inputs();
 }
 
@@ -103,22 +119,27 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   double change = 0.0;
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;
-    for (size_t k = 0; k < joint.units().size(); ++k) {
-      const int64_t r = places_[j].residual + static_cast<int64_t>(k);
-      const bool one_sided = joint.one_sided()[k] != 0;
-      const double tolerance = tolerance_of(joint.units()[k]), off = std::fabs(excess(C[r], one_sided));
-      const double multiplier =
-          updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance, one_sided);
-      change = std::max(change, std::fabs(multiplier - multipliers_[r]));
-      multipliers_[r] = multiplier;
-      const bool is_slow = !last_residuals_.empty() && off > tolerance &&
-                           off * kFall > std::fabs(excess(last_residuals_[r], one_sided));
-      if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
+    int64_t r = places_[j].residual;
+    size_t row = 0;
+    for (const int rows : joint.hold_sizes()) {
+      const double tolerance = tolerance_of(joint.units()[row]);
+      const std::span<const char> one_sided = std::span(joint.one_sided()).subspan(row, rows);
+      // What counts is the norm, as in worst(): each entry may be within the tolerance while it is not.
+      const double size = norm_of_rows(C, r, one_sided);
+      const bool is_slow = !last_residuals_.empty() && size > tolerance &&
+                           size * kFall > norm_of_rows(last_residuals_, r, one_sided);
+      for (const size_t end = row + rows; row < end; ++row, ++r) {
+        const double multiplier =
+            updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance, joint.one_sided()[row] != 0);
+        change = std::max(change, std::fabs(multiplier - multipliers_[r]));
+        multipliers_[r] = multiplier;
+        if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
+      }
     }
   }
   last_residuals_ = C;
   write_inputs();
-  return change;
+  return change > 0.0 ? change : std::numeric_limits<double>::infinity();
 }
 
 std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
@@ -143,13 +164,10 @@ ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
     int64_t r = places_[j].residual;
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - places_[j].residual];
-      double squared = 0.0;
-      for (int k = 0; k < rows; ++k) {
-        const double off = excess(C[r + k], joint.one_sided()[r + k - places_[j].residual] != 0);
-        squared += off * off;
-      }
-      const double size = std::sqrt(squared), ratio = size / tolerance_of(unit);
-      if (penalties_[r] > 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
+      const std::span<const char> one_sided =
+          std::span(joint.one_sided()).subspan(r - places_[j].residual, rows);
+      const double size = norm_of_rows(C, r, one_sided), ratio = size / tolerance_of(unit);
+      if (enabled_[j] != 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
       r += rows;
     }
   }

@@ -54,9 +54,12 @@ class ConstraintSet {
   /// Starts a step with the multipliers of the last one. `sides`: two for each joint; `enabled`: by joint.
   void begin_step(std::span<const double> multipliers, std::span<const SideStiffness> sides,
                   std::span<const double> enabled, const ConstraintTolerance& tolerance);
+  /// Between steps: the joints pull with these forces, whatever their residuals. What reactions are read from
+  /// when the multipliers come with a state instead of a step.
+  void set_forces(std::span<const double> forces);
   /// Updates multipliers and penalties where residuals at x are beyond the tolerances. Returns the largest
   /// change of a multiplier [N, N m], 0 when everything is held, infinity when a series of updates brought
-  /// nothing.
+  /// nothing, or no side of what is apart has unknowns.
   double update(std::span<const Vec3> x);
   /// Forces that hold the residuals at x: the multipliers of the next step.
   std::vector<double> forces(std::span<const Vec3> x) const;
@@ -90,6 +93,7 @@ class ConstraintSet {
   std::vector<Place> places_;  ///< by joint
   std::vector<double> multipliers_, penalties_, last_residuals_;
   std::vector<double> largest_penalties_;
+  std::vector<double> enabled_;  ///< by joint; penalties are zero also where both sides are prescribed
   ConstraintTolerance tolerance_;
   double smallest_violation_ = 0.0;  ///< over the tolerance, of the updates of this step
   int idle_updates_ = 0;             ///< since it fell by half

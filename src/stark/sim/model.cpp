@@ -89,6 +89,13 @@ void Model::Builder::set_initial_state() {
   state.script_rotation = state.body_rotation;
   state.script_remaining.assign(state.body_position.size(), 0.0);
   state.pin_target = state.point_position;
+  if (settings.time.integrator != Integrator::Bdf2) return;
+  state.previous_point_position = state.point_position;
+  state.previous_point_velocity = state.point_velocity;
+  state.previous_body_position = state.body_position;
+  state.previous_body_velocity = state.body_velocity;
+  state.previous_body_rotation = state.body_rotation;
+  state.previous_body_rotation_rate = state.body_rotation_rate;
 }
 
 void Model::Builder::set_initial_sites() {
@@ -103,6 +110,8 @@ void Model::Builder::set_initial_sites() {
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   model.initial_state_.joint_coordinate = constraints.coordinates(x);
   set_initial_rates(x);
+  if (settings.time.integrator == Integrator::Bdf2)
+    model.initial_state_.previous_joint_rate = model.initial_state_.joint_rate;
   set_initial_actuators();
 }
 

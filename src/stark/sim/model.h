@@ -60,6 +60,7 @@ struct ModelActuator {
   std::shared_ptr<const Actuator> law;
   int64_t value = 0, memory = 0, effort = 0;  ///< first parameter, memory and effort
   std::vector<int64_t> coordinates;           ///< in joint_coordinate and joint_rate
+  std::vector<bool> is_angle;                 ///< by coordinate
 };
 
 /// Elements with quadrature points of one body.

@@ -50,7 +50,7 @@ void Model::Builder::add_actuators(std::vector<ConstraintGroup>& groups) {
       laws.push_back(std::make_shared<const Actuator>(*actuator.definition, on, backend()));
     }
     members[entry->second].push_back(k);
-    model.actuators_.push_back({.law = laws[entry->second], .coordinates = {}});
+    model.actuators_.push_back({.law = laws[entry->second], .coordinates = {}, .is_angle = {}});
     // A stop feels the two sides of its joint; a gear the far sides of both joints.
     const int32_t first = actuator.on.front().joint.index, last = actuator.on.back().joint.index;
     model.joint_sides_.push_back(model.joint_sides_[2 * first + (first == last ? 0 : 1)]);
@@ -89,9 +89,13 @@ void Model::Builder::locate_actuators() {
     value += static_cast<int64_t>(actuator.law->parameters().size());
     memory += static_cast<int64_t>(actuator.law->memories().size());
     effort += actuator.law->coordinate_count();
-    for (const CoordinateName& coordinate : scene.actuators()[k].on)
-      actuator.coordinates.push_back(model.constraints_.place(coordinate.joint.index).coordinate +
-                                     coordinate_index(coordinate));
+    for (const CoordinateName& coordinate : scene.actuators()[k].on) {
+      const ConstraintSet::Place& place = model.constraints_.place(coordinate.joint.index);
+      const int index = coordinate_index(coordinate);
+      actuator.coordinates.push_back(place.coordinate + index);
+      actuator.is_angle.push_back(model.constraints_.groups()[place.group].joint->coordinates()[index].unit ==
+                                  "rad");
+    }
   }
   model.initial_state_.actuator_memory.assign(memory, 0.0);
   model.initial_state_.actuator_effort.assign(effort, 0.0);

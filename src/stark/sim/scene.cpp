@@ -163,22 +163,15 @@ BodyId Scene::add_rigid(RigidDescription body) {
 }
 
 BodyId Scene::append(std::string name, BodyKind kind, size_t index_in_kind) {
+  body_names_.add(name);
   bodies_.push_back({std::move(name), kind, static_cast<int32_t>(index_in_kind)});
   pins_.emplace_back();
   return {static_cast<int32_t>(bodies_.size()) - 1};
 }
 
-std::string Scene::unique_name(const std::string& name, BodyKind kind) const {
-  const auto taken = [&](const std::string& candidate) {
-    return std::any_of(bodies_.begin(), bodies_.end(),
-                       [&](const Body& body) { return body.name == candidate; });
-  };
-  if (name.empty()) {
-    std::string candidate = to_string(kind);
-    for (int i = 2; taken(candidate); ++i) candidate = to_string(kind) + "_" + std::to_string(i);
-    return candidate;
-  }
-  if (taken(name))
+std::string Scene::unique_name(const std::string& name, BodyKind kind) {
+  if (name.empty()) return free_name(to_string(kind));
+  if (contains(name))
     throw InvalidArgument(
         owner_text(kind, name) + ": name = '" + name +
         "' is taken: names of bodies must be unique in a scene; choose another or leave it out");

@@ -24,6 +24,7 @@
 #include <stark/sim/ids.h>
 #include <stark/sim/joint.h>
 #include <stark/sim/materials.h>
+#include <stark/sim/names.h>
 #include <stark/sim/settings.h>
 
 namespace stark {
@@ -171,6 +172,9 @@ class Scene {
 
   int32_t body_count() const { return static_cast<int32_t>(bodies_.size()); }
   BodyId find(std::string_view name) const;  ///< throws for unknown names, with the nearest one as a hint
+  bool contains(const std::string& name) const { return body_names_.contains(name); }
+  /// `stem`, or the first of stem_2, stem_3, ... that no body has.
+  std::string free_name(const std::string& stem) { return body_names_.next(stem); }
   const std::string& name(BodyId body) const { return at(body).name; }
   BodyKind kind(BodyId body) const { return at(body).kind; }
   Motion motion(BodyId body) const;  ///< Dynamic for cloth and solids
@@ -207,7 +211,7 @@ class Scene {
   size_t at_index(BodyId body) const;  ///< throws for ids of another scene
   const Body& at(BodyId body) const { return bodies_[at_index(body)]; }
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
-  std::string unique_name(const std::string& name, BodyKind kind) const;
+  std::string unique_name(const std::string& name, BodyKind kind);
   void check_points(const std::string& owner, const PointSet& points) const;
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;
@@ -221,6 +225,7 @@ class Scene {
   std::vector<EnergyDescription> energies_;
   std::vector<JointDescription> joints_;
   std::vector<ActuatorDescription> actuators_;
+  Names body_names_, energy_names_, joint_names_;
   std::map<Pair, double> friction_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;

@@ -70,13 +70,9 @@ void Scene::check_points(const std::string& owner, const PointSet& points) const
 }
 
 EnergyId Scene::add_energy(EnergyDescription energy) {
-  const auto taken = [&](const std::string& name) {
-    return std::any_of(energies_.begin(), energies_.end(), [&](const auto& e) { return e.name == name; });
-  };
   if (energy.name.empty()) {
-    energy.name = energy.potential.name;
-    for (int i = 2; taken(energy.name); ++i) energy.name = energy.potential.name + "_" + std::to_string(i);
-  } else if (taken(energy.name)) {
+    energy.name = energy_names_.next(energy.potential.name);
+  } else if (energy_names_.contains(energy.name)) {
     throw InvalidArgument("energy '" + energy.name +
                           "': the name is taken: names of energies must be unique in a scene; choose another "
                           "or leave it out");
@@ -109,6 +105,7 @@ EnergyId Scene::add_energy(EnergyDescription energy) {
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw InvalidArgument(owner + ": unknown value '" + name + "'" + nearest_name_hint(name, names) +
                             ": must be an input of the formula; remove it");
+  energy_names_.add(energy.name);
   energies_.push_back(std::move(energy));
   return {static_cast<int32_t>(energies_.size()) - 1};
 }

@@ -51,13 +51,9 @@ void Scene::check_frame(const std::string& owner, const FrameDescription& frame)
 JointId Scene::add_joint(JointDescription joint) {
   if (!joint.definition || !joint.definition->formula)
     throw InvalidArgument("joint '" + joint.name + "': has no definition; make one with define_joint");
-  const auto taken = [&](const std::string& name) {
-    return std::any_of(joints_.begin(), joints_.end(), [&](const auto& j) { return j.name == name; });
-  };
   if (joint.name.empty()) {
-    joint.name = joint.definition->name;
-    for (int i = 2; taken(joint.name); ++i) joint.name = joint.definition->name + "_" + std::to_string(i);
-  } else if (taken(joint.name)) {
+    joint.name = joint_names_.next(joint.definition->name);
+  } else if (joint_names_.contains(joint.name)) {
     throw InvalidArgument(
         "joint '" + joint.name +
         "': the name is taken: names of joints must be unique in a scene; choose another or "
@@ -66,11 +62,15 @@ JointId Scene::add_joint(JointDescription joint) {
   const std::string owner = "joint '" + joint.name + "'";
   check_frame(owner + ", frame a", joint.a);
   check_frame(owner + ", frame b", joint.b);
-  const auto carrier = [](const FrameDescription& f) {
+  const auto is_world = [](const FrameDescription& f) {
     return f.carrier == FrameDescription::Carrier::World;
   };
-  if (carrier(joint.a) && carrier(joint.b))
+  if (is_world(joint.a) && is_world(joint.b))
     throw InvalidArgument(owner + ": both frames are of the world: at least one must be carried by a body");
+  const auto is_body = [](const FrameDescription& f) { return f.carrier == FrameDescription::Carrier::Body; };
+  if (is_body(joint.a) && is_body(joint.b) && joint.a.body.index == joint.b.body.index)
+    throw InvalidArgument(owner + ": both frames are of '" + name(joint.a.body) +
+                          "': must be of two bodies, as nothing moves within a rigid one");
   std::vector<std::string> names;
   for (const ParameterDeclaration& field : joint_parameters(*joint.definition)) {
     names.push_back(field.name);
@@ -83,6 +83,7 @@ JointId Scene::add_joint(JointDescription joint) {
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw InvalidArgument(owner + ": unknown value '" + name + "'" + nearest_name_hint(name, names) +
                             ": must be an input of the formula; remove it");
+  joint_names_.add(joint.name);
   joints_.push_back(std::move(joint));
   return {static_cast<int32_t>(joints_.size()) - 1};
 }

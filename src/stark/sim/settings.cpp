@@ -16,9 +16,9 @@ const FieldTable& TimeSettings::fields() {
              "shortest step: a failing step is halved down to it, then reported as failed"),
        field(&S::growth, "growth", "1", at_least(1.0),
              "factor by which a halved step grows again after an accepted one"),
-       field(
-           &S::integrator, "integrator",
-           "time integrator: implicit_euler, or quasistatic for a sequence of equilibria without inertia")});
+       field(&S::integrator, "integrator",
+             "time integrator: implicit_euler (order 1, damps), bdf2 (order 2, damps little), or quasistatic "
+             "for a sequence of equilibria without inertia")});
   return table;
 }
 

@@ -14,15 +14,15 @@
 
 namespace stark {
 
-/// Implicit Euler, or a sequence of equilibria without inertia.
-enum class Integrator : uint8_t { ImplicitEuler, Quasistatic };
+/// Implicit Euler, backward differences of order 2, or a sequence of equilibria without inertia.
+enum class Integrator : uint8_t { ImplicitEuler, Bdf2, Quasistatic };
 /// How energies are evaluated; same order as symbolic::Backend. The interpreter gives the same bits as
 /// machine code.
 enum class KernelBackend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
 
 template <>
 struct EnumNames<Integrator> {
-  static constexpr std::array<std::string_view, 2> kNames{"implicit_euler", "quasistatic"};
+  static constexpr std::array<std::string_view, 3> kNames{"implicit_euler", "bdf2", "quasistatic"};
 };
 template <>
 struct EnumNames<KernelBackend> {

@@ -119,12 +119,15 @@ void Simulation::set_state(const State& state) {
       state.point_velocity.size() != mine.point_velocity.size() ||
       state.body_position.size() != mine.body_position.size() ||
       state.body_rotation.size() != mine.body_rotation.size() ||
+      state.previous_point_position.size() != mine.previous_point_position.size() ||
+      state.previous_body_position.size() != mine.previous_body_position.size() ||
       state.pin_target.size() != mine.pin_target.size() ||
       state.script_remaining.size() != mine.script_remaining.size() ||
       state.joint_multiplier.size() != mine.joint_multiplier.size() ||
       state.joint_coordinate.size() != mine.joint_coordinate.size() ||
       state.joint_enabled.size() != mine.joint_enabled.size() ||
       state.joint_rate.size() != mine.joint_rate.size() ||
+      state.previous_joint_rate.size() != mine.previous_joint_rate.size() ||
       state.actuator_value.size() != mine.actuator_value.size() ||
       state.actuator_memory.size() != mine.actuator_memory.size() ||
       state.actuator_effort.size() != mine.actuator_effort.size() ||
@@ -133,6 +136,7 @@ void Simulation::set_state(const State& state) {
                           "; use a state of the same scene");
   state_ = state;
   step_start_.clear();
+  model_->constraints().set_forces(state_.joint_multiplier);
   for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
 }
 
@@ -262,44 +266,6 @@ std::vector<Vec3> Simulation::site_positions() const {
   std::vector<Vec3> x(model_->map().site_count());
   model_->map().positions({state_.point_position, state_.body_position, state_.body_rotation}, x);
   return x;
-}
-
-EnergyLedger Simulation::energies(std::span<const Vec3> x) const {
-  EnergyLedger ledger;
-  const auto& masses = model_->point_masses();
-  const auto& blocks = model_->map().layout().point_block;
-  for (size_t p = 0; p < masses.size(); ++p) {
-    if (blocks[p] == kNoBlock) continue;
-    ledger.kinetic += 0.5 * masses[p] * squared_norm(state_.point_velocity[p]);
-    ledger.gravity -= masses[p] * dot(settings_.gravity, state_.point_position[p]);
-  }
-  for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
-    const RigidMass& mass = model_->rigid_masses()[b];
-    if (mass.mass == 0.0) continue;
-    ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
-    for (int k = 0; k < 3; ++k)
-      ledger.kinetic += 0.5 * mass.second_moments[k] * squared_norm(state_.body_rotation_rate[b].column(k));
-    ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
-  }
-  AlignedVector<double> out;
-  for (ModelBatch& batch : model_->batches()) {
-    if (batch.role != ModelBatch::Role::Elastic) continue;
-    batch.batch.set_previous(x);  // at rest within a step: only the elastic part is left
-    out.resize(batch.batch.block_count() * symbolic::kLanes);
-    batch.batch.evaluate(symbolic::Order::Energy, x, 0, batch.batch.block_count(), out.data());
-    for (int64_t e = 0; e < batch.batch.size(); ++e) ledger.elastic += out[e];
-  }
-  for (ModelQuadrature& elements : model_->quadrature_batches()) {
-    const PotentialBatch& points = elements.batch.law();
-    elements.batch.set_previous(x);
-    out.resize(points.block_count() * symbolic::kLanes);
-    elements.batch.evaluate(symbolic::Order::Energy, x, 0, elements.batch.group_count(), out.data());
-    for (int64_t q = 0; q < points.size(); ++q) ledger.elastic += out[q];
-  }
-  if (contact_)
-    for (const double energy : contact_->active_set().energies()) ledger.contact += energy;
-  for (ModelBatch& batch : model_->batches()) batch.batch.set_previous(step_start_);  // as the step had it
-  return ledger;
 }
 
 }  // namespace stark

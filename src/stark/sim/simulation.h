@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/mechanics/time_integrator.h>
 #include <stark/sim/model.h>
 #include <stark/sim/step_report.h>
 #include <stark/solve/newton.h>
@@ -75,7 +76,8 @@ class Simulation {
   /// What is left of its residuals [m, rad].
   std::vector<double> joint_residuals(JointId joint) const;
   /// Force [N] and torque [N m] of the joint on what carries frame b, about the origin of that frame, in the
-  /// last step; what carries frame a gets the opposite.
+  /// last step; what carries frame a gets the opposite. After set_state, of the multipliers of the state,
+  /// which differ by what residuals below a hundredth of the tolerance hold.
   Wrench joint_reaction(JointId joint) const;
 
   /// Replaces a value of an actuator from the next step on: targets, caps, gains. Throws InvalidArgument for
@@ -89,6 +91,13 @@ class Simulation {
   double actuator_effort(ActuatorId actuator) const;
   /// Power [W] that it fed into the motion in the last step.
   double actuator_power(ActuatorId actuator) const;
+
+  /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
+  /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
+  std::vector<ContactForce> contacts() const;
+  /// Acceleration [m/s^2] in the last step of a point of a rigid body, given in the frame of its mesh [m]:
+  /// the change of velocity over the time step. Zero before the first step and after set_state().
+  Vec3 acceleration(BodyId body, const Vec3& point) const;
 
   /// Asked between Newton iterations; returning true ends the step with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);
@@ -106,10 +115,10 @@ class Simulation {
   void begin_joints(std::span<const Mat3> diagonal);
   /// Takes the stiffness of joints out of the energies.
   void release_joints();
-  void commit_joints(double h);
+  void commit_joints();
   void check_actuators();
-  /// Writes the inputs of actuators for a step that starts with the sites at x.
-  void begin_actuators(std::span<const Vec3> x);
+  /// Writes the inputs of actuators for a step of length h from step_start_ and reference_.
+  void begin_actuators(double h);
   /// Takes efforts and memories over at the end of a step.
   void commit_actuators(std::span<const Vec3> x);
   /// 1 for each joint, then for each actuator, that acts; actuators of released joints rest.
@@ -123,10 +132,21 @@ class Simulation {
   /// against.
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
-  void predict(double h);
+  /// Sets what the velocities of a step of length h are measured from.
+  void set_reference(double h);
+  /// Predictions and times of all energies, for a step `stretch` times as long as the one that was set.
+  void predict(double h, double stretch);
+  /// Keeps the state for the next step, where the integrator asks for it.
+  void remember_state(double h);
   bool attempt(double h, SolveReport& total);
   void commit(double h);
-  EnergyLedger energies(std::span<const Vec3> x) const;
+  /// Stored energies of the current state with sites at x; contact is left at zero.
+  EnergyLedger stored_energies(std::span<const Vec3> x) const;
+  /// Completes the ledger of the step that has just been committed; `before`: stored energies at its start.
+  EnergyLedger balance(const EnergyLedger& before) const;
+  double prescribed_work() const;
+  double damping_work() const;
+  Momentum momentum() const;
   void finish_report(StepStatus status);
 
   Scene scene_;
@@ -142,6 +162,16 @@ class Simulation {
   SurfaceMesh surface_mesh_;
   State state_;
   StepReport report_;
+  struct Reference {
+    TimeStencil stencil;
+    Configuration place;
+    std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
+    std::vector<Mat3> body_rotation_rate;             ///< [1/s]
+    std::vector<double> joint_rate;                   ///< [m/s, rad/s]
+    std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
+  };
+  Reference reference_;
+  EnergyLedger energies_before_;  ///< stored at the start of the last attempt
   std::vector<Vec3> step_start_;  ///< site positions that the last step started from [m]
   BlockMatrix diagonal_hessian_;
   std::vector<double> scratch_gradient_;

@@ -22,6 +22,7 @@ struct ActuatorFields {
       return found == known.end() ? -1 : static_cast<int>(found - known.begin());
     };
     active = find("active");
+    duration = find(actuator_duration_field());
     for (int c = 0; c < law.coordinate_count(); ++c) {
       raw_start.push_back(find(actuator_raw_start_field(c)));
       start.push_back(find(actuator_start_field(c)));
@@ -32,7 +33,7 @@ struct ActuatorFields {
     for (const std::string& memory : law.memories()) memories.push_back(find(actuator_memory_field(memory)));
   }
 
-  int active = -1;  ///< -1: the formula does not use it
+  int active = -1, duration = -1;  ///< -1: the formula does not use it
   std::vector<int> raw_start, start, rate, values, memories;
 };
 
@@ -53,10 +54,12 @@ std::vector<double> Simulation::acting() const {
   return acting;
 }
 
-void Simulation::begin_actuators(std::span<const Vec3> x) {
+void Simulation::begin_actuators(double h) {
   if (scene_.actuators().empty()) return;
   const std::vector<double> on = acting();
-  const std::vector<double> raw = model_->constraints().coordinates(x);
+  // What rates are measured from: the start of the step, or what BDF2 takes for it.
+  const std::vector<double> raw = model_->constraints().coordinates(reference_.sites),
+                            start = model_->constraints().coordinates(step_start_);
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (ConstraintGroup& group : model_->constraints().groups()) {
     if (group.joints.front() < joints) continue;
@@ -65,11 +68,14 @@ void Simulation::begin_actuators(std::span<const Vec3> x) {
       const int32_t number = group.joints[e];
       const ModelActuator& actuator = model_->actuators()[number - joints];
       set(group.batch, fields.active, e, on[number]);
+      set(group.batch, fields.duration, e, h);
       for (size_t c = 0; c < actuator.coordinates.size(); ++c) {
         const int64_t q = actuator.coordinates[c];
         set(group.batch, fields.raw_start[c], e, raw[q]);
-        set(group.batch, fields.start[c], e, state_.joint_coordinate[q]);
-        set(group.batch, fields.rate[c], e, state_.joint_rate[q]);
+        const double change = raw[q] - start[q];
+        set(group.batch, fields.start[c], e,
+            state_.joint_coordinate[q] + (actuator.is_angle[c] ? shortest_turn(change) : change));
+        set(group.batch, fields.rate[c], e, reference_.joint_rate[q]);
       }
       for (size_t v = 0; v < fields.values.size(); ++v)
         set(group.batch, fields.values[v], e, state_.actuator_value[actuator.value + v]);
@@ -98,7 +104,10 @@ void Simulation::commit_actuators(std::span<const Vec3> x) {
 void Simulation::check_actuators() {
   if (scene_.actuators().empty()) return;
   const std::vector<Vec3> x = site_positions();
-  begin_actuators(x);
+  step_start_ = x;
+  set_reference(settings_.time.step);
+  begin_actuators(settings_.time.step);
+  step_start_.clear();  // no step has been taken yet
   const std::vector<double> C = model_->constraints().residuals(x);
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.actuators().size()); ++k) {

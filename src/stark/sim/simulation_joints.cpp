@@ -16,6 +16,22 @@ std::string residual_text(double residual, ResidualUnit unit) {
   return quantity_text(residual, unit == ResidualUnit::Length ? "m" : "rad");
 }
 
+/// Origin of frame b of a joint at x. Its points are those from `first` on: of a frame of axes the origin and
+/// directions, of a patch three vertices.
+Vec3 origin_of_b(const ConstraintGroup& group, int64_t element, int first, bool is_patch,
+                 std::span<const Vec3> x) {
+  const std::span<const int32_t> sites = group.batch.stencil(element);
+  std::vector<Vec3> p;
+  for (int k = 0; k < group.batch.point_count(); ++k)
+    if (group.joint->points()[k] >= first) p.push_back(x[sites[k]]);
+  if (!is_patch) return p.empty() ? Vec3{} : p.front();
+  if (p.size() < 3) return {};
+  const int field = group.batch.field_index("placement_b");
+  const auto number = [&](int i) { return group.batch.get(field, element, i); };
+  const Vec3 normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
+  return p[0] * number(0) + p[1] * number(1) + p[2] * number(2) + normal * number(3);
+}
+
 double mean_diagonal(const Mat3& H) { return trace(H) / 3.0; }
 
 /// The value next to `previous` among those that differ from `raw` by full turns.
@@ -48,8 +64,9 @@ void Simulation::begin_joints(std::span<const Mat3> diagonal) {
 
 void Simulation::release_joints() {
   const std::vector<double> none(model_->constraints().residual_count(), 0.0);
+  const std::vector<double> disabled(model_->constraints().joint_count(), 0.0);
   const std::vector<SideStiffness> soft(model_->joint_sides().size());
-  model_->constraints().begin_step(none, soft, acting(), joint_tolerance());
+  model_->constraints().begin_step(none, soft, disabled, joint_tolerance());
 }
 
 void Simulation::check_joints() {
@@ -83,13 +100,14 @@ void Simulation::check_joints() {
   }
 }
 
-void Simulation::commit_joints(double h) {
+void Simulation::commit_joints() {
   const ConstraintSet& constraints = model_->constraints();
   if (constraints.joint_count() == 0) return;
   const std::span<const Vec3> x = potential_->site_positions();
   state_.joint_multiplier = constraints.forces(x);
   commit_actuators(x);
-  const std::vector<double> raw = constraints.coordinates(x), start = constraints.coordinates(step_start_);
+  const std::vector<double> raw = constraints.coordinates(x),
+                            start = constraints.coordinates(reference_.sites);
   for (int32_t j = 0; j < constraints.joint_count(); ++j) {
     const ConstraintSet::Place& place = constraints.place(j);
     const auto& coordinates = constraints.groups()[place.group].joint->coordinates();
@@ -97,7 +115,8 @@ void Simulation::commit_joints(double h) {
       double& value = state_.joint_coordinate[place.coordinate + k];
       const double now = raw[place.coordinate + k], change = now - start[place.coordinate + k];
       const bool is_angle = coordinates[k].unit == "rad";
-      state_.joint_rate[place.coordinate + k] = (is_angle ? shortest_turn(change) : change) / h;
+      state_.joint_rate[place.coordinate + k] =
+          (is_angle ? shortest_turn(change) : change) / reference_.stencil.scale;
       value = is_angle ? unwrap(now, value) : now;
     }
   }
@@ -169,17 +188,13 @@ Wrench Simulation::joint_reaction(JointId joint) const {
   const int first_b = frame_point_count(
       description.a.carrier == FrameDescription::Carrier::Patch ? FrameKind::Patch : FrameKind::Axes);
   const std::span<const int32_t> sites = group.batch.stencil(place.element);
-  // Torques are about the origin of frame b; of a patch, about the first of its vertices that the joint uses.
-  Vec3 origin;
-  bool has_origin = false;
+  const Vec3 origin = origin_of_b(group, place.element, first_b, b_is_patch, x);
   Wrench wrench;
   for (int k = 0; k < points; ++k) {
     if (group.joint->points()[k] < first_b) continue;
     const double* g = values.data() + place.element * outputs + 1 + 3 * k;
     const Vec3 force{-g[0], -g[1], -g[2]};
     if (b_is_patch || group.joint->points()[k] == first_b) {
-      if (!has_origin) origin = x[sites[k]];
-      has_origin = true;
       wrench.force += force;
       wrench.torque += cross(x[sites[k]] - origin, force);
     } else {

@@ -67,6 +67,10 @@ const StepReport& Simulation::step(double max_time_step) {
   while (true) {
     if (attempt(h, report_.solve)) {
       commit(h);
+      {
+        const PhaseTimer::Scope scope(*timer_, Phase::Commit);
+        report_.energy = balance(energies_before_);
+      }
       report_.time_step = h;
       // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink
       // the next.
@@ -97,22 +101,27 @@ const StepReport& Simulation::step(double max_time_step) {
 
 bool Simulation::attempt(double h, SolveReport& total) {
   const Configuration start = start_configuration();
+  const bool has_joints = model_->constraints().joint_count() > 0;
   {
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     potential_->begin(start, target_configuration(h));
     step_start_.assign(potential_->site_positions().begin(), potential_->site_positions().end());
+    set_reference(h);
     // Barriers and joints are measured against the inertia of the full time step: one cut short would stiffen
     // them under what already rests on them and throw it off.
-    predict(contact_ || model_->constraints().joint_count() > 0 ? settings_.time.step : h);
-    begin_actuators(step_start_);
+    predict(h, contact_ || has_joints ? settings_.time.step / h : 1.0);
+    energies_before_ = stored_energies(step_start_);
+    begin_actuators(h);
   }
-  const bool has_joints = model_->constraints().joint_count() > 0;
   if (contact_ || has_joints) {
     const std::vector<Mat3> diagonal = natural_stiffness(start);
     if (has_joints) begin_joints(diagonal);
-    if (contact_) contact_->begin_step(start, potential_->site_positions(), diagonal, h);
+    if (contact_)
+      contact_->begin_step(start, potential_->site_positions(), diagonal,
+                           {.positions = reference_.sites, .duration = reference_.stencil.scale});
+    if (contact_) energies_before_.contact = contact_->energy();
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
-    predict(h);
+    predict(h, 1.0);
   }
   const SolveReport solved = newton_->minimize(*potential_, h);
   add_counters(total, solved);
@@ -166,32 +175,35 @@ Configuration Simulation::target_configuration(double h) const {
   return target;
 }
 
-void Simulation::predict(double h) {
+void Simulation::predict(double h, double stretch) {
   const bool quasistatic = settings_.time.integrator == Integrator::Quasistatic;
-  const std::span<const Vec3> x = potential_->site_positions();
+  const std::span<const Vec3> x = reference_.sites;
+  const double duration = reference_.stencil.scale * stretch;
+  const double scale = quasistatic ? kQuasistaticStep : duration;
+  const double time = state_.time + h;
   for (ConstraintGroup& group : model_->constraints().groups()) {
     group.batch.set_previous(x);
-    group.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
+    group.batch.set_time(scale, time);
   }
   for (ModelQuadrature& elements : model_->quadrature_batches()) {
     elements.batch.set_previous(x);
-    elements.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
+    elements.batch.set_time(scale, time);
   }
   for (ModelBatch& batch : model_->batches()) {
     batch.batch.set_previous(x);
-    batch.batch.set_time(quasistatic ? kQuasistaticStep : h, state_.time + h);
+    batch.batch.set_time(scale, time);
     if (batch.role != ModelBatch::Role::Inertia) continue;
-    batch.batch.set_uniform("inverse_scale_squared", quasistatic ? 0.0 : 1.0 / (h * h));
+    batch.batch.set_uniform("inverse_scale_squared", quasistatic ? 0.0 : 1.0 / (scale * scale));
     const int field = batch.batch.field_index("predicted");
     const bool is_rotation = batch.batch.potential().name() == "point_inertia";
     for (int64_t e = 0; e < batch.batch.size(); ++e) {
       const int32_t subject = batch.subject[e];
       Vec3 velocity;
       if (is_rotation)
-        velocity = state_.body_rotation_rate[subject / 3].column(subject % 3);
+        velocity = reference_.body_rotation_rate[subject / 3].column(subject % 3);
       else
-        velocity = subject >= 0 ? state_.point_velocity[subject] : state_.body_velocity[-1 - subject];
-      const Vec3 predicted = x[batch.batch.stencil(e)[0]] + velocity * h;
+        velocity = subject >= 0 ? reference_.point_velocity[subject] : reference_.body_velocity[-1 - subject];
+      const Vec3 predicted = x[batch.batch.stencil(e)[0]] + velocity * duration;
       batch.batch.set(field, e, {&predicted.x, 3});
     }
   }
@@ -201,16 +213,19 @@ void Simulation::commit(double h) {
   const PhaseTimer::Scope scope(*timer_, Phase::Commit);
   const Configuration& end = potential_->configuration();
   const DofLayout& layout = model_->map().layout();
+  const Configuration& from = reference_.place;
+  const double s = reference_.stencil.scale;
+  remember_state(h);
   for (size_t p = 0; p < end.point_position.size(); ++p) {
-    state_.point_velocity[p] = (end.point_position[p] - state_.point_position[p]) / h;
+    state_.point_velocity[p] = (end.point_position[p] - from.point_position[p]) / s;
     state_.point_position[p] = end.point_position[p];
   }
   const auto arrived = [&](double remaining) { return remaining - h <= kTimeRounding * (state_.time + h); };
   for (size_t b = 0; b < end.body_position.size(); ++b) {
     if (layout.body_block[b] != kNoBlock) {
       const Mat3 rotation = orthonormalized(end.body_rotation[b]);
-      state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
-      state_.body_rotation_rate[b] = (rotation - state_.body_rotation[b]) * (1.0 / h);
+      state_.body_velocity[b] = (end.body_position[b] - from.body_position[b]) / s;
+      state_.body_rotation_rate[b] = (rotation - from.body_rotation[b]) * (1.0 / s);
       state_.body_rotation[b] = rotation;
     } else if (state_.script_remaining[b] == 0.0) {
       // The world axes of the angular velocity stay the same: the rate turns along with the body.
@@ -231,7 +246,7 @@ void Simulation::commit(double h) {
   }
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
-  commit_joints(h);
+  commit_joints();
   state_.time += h;
   ++state_.step_count;
 }
@@ -242,7 +257,7 @@ void Simulation::finish_report(StepStatus status) {
   if (!report_.failed()) {
     report_.min_distance = contact_ ? contact_->min_distance() : std::numeric_limits<double>::infinity();
     report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
-    report_.energy = energies(potential_->site_positions());
+    report_.momentum = momentum();
   }
   for (size_t k = 0; k < report_.phases.size(); ++k)
     report_.phases[k] = timer_->seconds(static_cast<Phase>(k));

@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include <stark/base/math.h>
 #include <stark/base/timer.h>
 #include <stark/solve/report.h>
 
@@ -14,12 +15,25 @@ namespace stark {
 /// unchanged.
 enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
 
-/// Energies at the end of the step [J].
+/// Energies stored at the end of a step and energies that the step turned over [J]. For every step
+///   stored(end) - stored(start) = external - damping - friction - numerical.
 struct EnergyLedger {
-  double kinetic = 0.0;
-  double elastic = 0.0;
-  double gravity = 0.0;  ///< of all free masses, zero at the origin
-  double contact = 0.0;  ///< barrier
+  double kinetic = 0.0;    ///< of all free masses
+  double elastic = 0.0;    ///< of elements and of users' energies
+  double gravity = 0.0;    ///< of all free masses, zero at the origin
+  double contact = 0.0;    ///< barriers, whose stiffness is chosen anew in each step
+  double damping = 0.0;    ///< dissipated in the step by material and mass damping
+  double friction = 0.0;   ///< dissipated in the step
+  double external = 0.0;   ///< work of fixed, scripted and pinned parts on the rest in the step
+  double numerical = 0.0;  ///< what closes the balance: dissipated by the time integration and by joints
+
+  double stored() const { return kinetic + elastic + gravity + contact; }
+};
+
+/// Momentum of all free masses at the end of a step; angular momentum is about the origin of the world.
+struct Momentum {
+  Vec3 linear;   ///< [N s]
+  Vec3 angular;  ///< [N m s]
 };
 
 struct StepReport {
@@ -33,6 +47,7 @@ struct StepReport {
   int64_t contact_count = 0;
   double min_distance = 0.0;  ///< of the active contacts [m], infinity without any
   EnergyLedger energy;
+  Momentum momentum;
   std::array<double, static_cast<size_t>(Phase::kCount)> phases{};  ///< seconds by Phase
 
   bool failed() const { return status == StepStatus::Failed || status == StepStatus::Interrupted; }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pytest
 from _scenes import anchor, sheet, spring
@@ -156,3 +158,23 @@ def test_unknown_names_and_missing_simulations() -> None:
         _ = pull.forces
     assert {"target", "stiffness", "forces"} <= set(dir(pull))
     assert repr(pull) == "<stark.Energy 'anchor' on 9 elements>"
+
+
+def test_an_energy_that_was_not_added_has_no_values_to_set() -> None:
+    scene, cloth = sheet(2)
+    forgotten = anchor(cloth.vertices, target=(0.0, 0.0, 0.1))
+    with pytest.raises(AttributeError, match=r"not in a scene yet.*'stiffness': add it"):
+        forgotten.stiffness = 1.0
+    with pytest.raises(AttributeError, match="not in a scene yet"):
+        _ = forgotten.forces
+    pull = scene.add(forgotten)
+    assert copy.copy(pull).name == pull.name
+
+
+def test_energies_added_after_the_simulation_say_so() -> None:
+    scene, cloth = sheet(2)
+    sim = stark.Simulation(scene, time_step=H)
+    pull = scene.add(anchor(cloth.vertices, target=(0.0, 0.0, 0.1)))
+    with pytest.raises(InvalidArgument, match="was added after the simulation was made"):
+        _ = pull.energy
+    assert sim.energies == []

@@ -110,3 +110,17 @@ def test_arguments_that_do_not_fit() -> None:
         @stark.joint
         def idle(a: stark.Frame, b: stark.Frame, unused: float = 1.0):
             return stark.hold(length=a.origin - b.origin)
+
+
+def test_names_that_joints_need_are_refused() -> None:
+    with pytest.raises(stark.TraceError, match="a parameter must not be called 'contact'"):
+
+        @stark.joint
+        def _(a: stark.Frame, b: stark.Frame, contact: float = 1.0):
+            return stark.hold(length=contact * (b.origin - a.origin))
+
+    with pytest.raises(stark.TraceError, match="coordinate 'reaction': joints have another attribute"):
+
+        @stark.joint
+        def _(a: stark.Frame, b: stark.Frame):
+            return stark.hold(length=b.origin - a.origin, angle={"reaction": a.x @ b.y})

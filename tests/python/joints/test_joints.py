@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -183,3 +185,74 @@ def test_a_joint_needs_a_simulation_to_be_read() -> None:
         _ = joint.angle
     with pytest.raises(AttributeError, match="no attribute 'angel'"):
         _ = joint.angel
+
+
+def test_prescribed_bodies_that_leave_their_joint_fail_the_step() -> None:
+    scene = stark.Scene()
+    scripted = scene.add_box(0.1, motion="scripted")
+    hinge = scene.add_hinge(None, scripted, anchor=(0, 0, 0), axis=(0, 0, 1))
+    body(scene, (1.0, 0.0, 0.0))
+    sim = simulate(scene, **{"time.min_step": 5e-3})
+    scripted.angular_velocity = (0.0, 0.0, 1.0)
+    assert not sim.step().failed
+    np.testing.assert_allclose(hinge.angle, 0.01, rtol=1e-12)
+    scripted.velocity = (1.0, 0.0, 0.0)
+    report = sim.step()
+    assert report.failed and "joint 'hinge' is apart by" in report.message
+    hinge.enabled = False
+    assert not sim.step().failed
+
+
+def test_reactions_after_a_rewind_are_those_of_the_state() -> None:
+    scene = stark.Scene()
+    arm = body(scene, (0.2, 0.0, 0.0))
+    hinge = scene.add_hinge(None, arm, anchor=(0, 0, 0), axis=(0, 1, 0))
+    sim = simulate(scene)
+    for _ in range(5):
+        sim.step()
+    before, reaction = sim.state, hinge.reaction
+    for _ in range(20):
+        sim.step()
+    assert np.abs(hinge.reaction.force - reaction.force).max() > 1.0
+    sim.state = before
+    # Residuals in the dead zone, 1e-8 m, times the penalty, 1e4 m / h^2, are not part of the multipliers.
+    np.testing.assert_allclose(hinge.reaction.force, reaction.force, atol=1e-8 * 1e4 / 0.01**2)
+    other = simulate(scene)
+    other.state = before
+    np.testing.assert_array_equal(other.joints[0].reaction.force, hinge.reaction.force)
+
+
+def test_torques_on_a_patch_are_about_the_origin_of_its_frame() -> None:
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2))
+    place = (0.03, 0.04, 0.02)  # off the vertices, above the plane
+    ball = scene.add_ball(stark.world_frame(place), cloth.frame((4, 5, 7), position=place))
+    sim = simulate(scene)
+    for _ in range(5):
+        assert not sim.step().failed
+    force, torque = ball.reaction
+    assert np.linalg.norm(force) > 1e-2
+    # A ball joint has no torque about its own centre.
+    assert np.linalg.norm(torque) < 1e-6 * np.linalg.norm(force)
+
+
+def test_attributes_that_would_do_nothing_are_refused() -> None:
+    scene = stark.Scene()
+    hinge = scene.add_hinge(None, body(scene), anchor=(0, 0, 0), axis=(0, 1, 0))
+    sim = simulate(scene)
+    with pytest.raises(AttributeError, match="'angle' cannot be set"):
+        hinge.angle = 1.0
+    with pytest.raises(AttributeError, match="'enabeld' cannot be set"):
+        hinge.enabeld = False  # type: ignore[attr-defined]
+    later = scene.add_ball(None, scene.bodies[0], anchor=(0, 0, 0))
+    with pytest.raises(stark.InvalidArgument, match="was added after the simulation was made"):
+        _ = later.reaction
+    assert len(sim.joints) == 1
+    assert copy.copy(hinge).name == "hinge"
+
+
+def test_a_joint_within_one_rigid_body_is_refused() -> None:
+    scene = stark.Scene()
+    b = body(scene)
+    with pytest.raises(stark.InvalidArgument, match="both frames are of 'box': must be of two bodies"):
+        scene.add_ball(b, b, anchor=(0, 0, 0))

@@ -21,14 +21,13 @@ ActuatorDefinition position_servo() {
             a.parameter("target_rate", a.rate_unit(), "rate to be reached", any_number(), 0.0);
         const Scalar feedforward =
             a.parameter("feedforward", a.effort_unit(), "effort at no error", any_number(), 0.0);
-        const Scalar h = a.time_step();
         const Scalar error = target - a.q();
         const Scalar start = a.memory("integral", a.unit() + " s", "integral of the error");
-        const Scalar wound = start + h * error;
+        const Scalar wound = start + a.duration() * error;
         const Scalar e = kp * error + ki * wound + kd * (target_rate - a.rate()) + feedforward;
         a.remember("integral", select(abs(e) <= cap || e * error < 0.0, wound, start));
         // Gains of zero: e is constant, and any K does.
-        const Scalar K = kp + ki * h + kd / h;
+        const Scalar K = kp + ki * a.duration() + kd / a.time_step();
         return select(K > 0.0, huber(e, cap) / max(K, 1e-300), -max(-cap, min(feedforward, cap)) * a.dq());
       });
 }

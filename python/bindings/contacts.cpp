@@ -1,0 +1,62 @@
+// Contacts of the last step as arrays.
+#include <nanobind/nanobind.h>
+
+#include <stark/sim/simulation.h>
+
+#include "arrays.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace stark;
+using namespace stark::bindings;
+
+namespace {
+
+nb::dict contact_dict(const Simulation& sim) {
+  const std::vector<ContactForce> contacts = sim.contacts();
+  std::vector<Index2> bodies;
+  std::vector<std::array<int32_t, 4>> vertices;
+  std::vector<std::array<double, 4>> weights;
+  std::vector<int32_t> first_counts;
+  std::vector<double> distance;
+  std::vector<Vec3> point_a, point_b, normal_force, friction, slip;
+  for (const ContactForce& entry : contacts) {
+    const Contact& contact = entry.contact;
+    bodies.push_back({contact.group_a, contact.group_b});
+    first_counts.push_back(contact.side_a_count);
+    std::array<int32_t, 4> own{-1, -1, -1, -1};
+    std::array<double, 4> weight{};
+    for (int p = 0; p < contact.point_count; ++p) {
+      const int32_t group = p < contact.side_a_count ? contact.group_a : contact.group_b;
+      own[p] = contact.sites[p] - sim.model().bodies()[group].first_site;
+      weight[p] = contact.weights[p];
+    }
+    vertices.push_back(own);
+    weights.push_back(weight);
+    distance.push_back(contact.distance);
+    point_a.push_back(entry.point_a);
+    point_b.push_back(entry.point_b);
+    normal_force.push_back(entry.normal_force);
+    friction.push_back(entry.friction);
+    slip.push_back(entry.slip);
+  }
+  nb::dict d;
+  d["bodies"] = to_numpy<int32_t>(std::move(bodies));
+  d["vertices"] = to_numpy<int32_t>(std::move(vertices));
+  d["weights"] = to_numpy<double>(std::move(weights));
+  d["first_counts"] = to_numpy<int32_t>(std::move(first_counts));
+  d["distances"] = to_numpy<double>(std::move(distance));
+  d["points_a"] = to_numpy<double>(std::move(point_a));
+  d["points_b"] = to_numpy<double>(std::move(point_b));
+  d["normal_forces"] = to_numpy<double>(std::move(normal_force));
+  d["frictions"] = to_numpy<double>(std::move(friction));
+  d["slips"] = to_numpy<double>(std::move(slip));
+  return d;
+}
+
+}  // namespace
+
+void bind_contacts(nb::module_& m) {
+  m.def("contacts", &contact_dict, "simulation"_a,
+        "The contacts of the last step: arrays with one row each; forces are on the first body.");
+}

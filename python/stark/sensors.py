@@ -1,0 +1,193 @@
+"""What a simulation measures: contacts with their forces, pressures on surfaces, inertial measurement units.
+
+Everything here is of the last step, and empty before the first one and after ``simulation.state`` was set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.rotations import as_matrix, vector
+
+if TYPE_CHECKING:
+    from stark.bodies import Body
+    from stark.simulation import Simulation
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Pairs of points in contact, one row each. Forces act on the first body of the pair; the second one gets
+    the opposite. Bodies touch within the sum of their contact distances."""
+
+    names: tuple[str, ...]  #: of all bodies of the scene
+    bodies: Ints  #: (n, 2) indices of the bodies
+    vertices: Ints  #: (n, 4) vertices that carry the pair, first body first; -1: unused
+    weights: Array  #: (n, 4) shares of the vertices in the closest points, negative on the second body
+    first_counts: Ints  #: (n,) how many of the vertices belong to the first body
+    distances: Array  #: (n,) [m]
+    points_a: Array  #: (n, 3) closest points on the first body [m]
+    points_b: Array  #: (n, 3) closest points on the second body [m]
+    normal_forces: Array  #: (n, 3) [N]
+    frictions: Array  #: (n, 3) [N]
+    slips: Array  #: (n, 3) tangential velocity of the first body against the second [m/s]
+
+    def __len__(self) -> int:
+        return len(self.distances)
+
+    @property
+    def forces(self) -> Array:
+        """Normal force and friction together (n, 3) [N]."""
+        return self.normal_forces + self.frictions
+
+    @property
+    def normals(self) -> Array:
+        """Unit vectors from the second to the first body (n, 3)."""
+        return (self.points_a - self.points_b) / self.distances[:, None]
+
+    def of(self, body: Body | str, other: Body | str | None = None) -> Contacts:
+        """The contacts of a body, or of two with each other, turned so that ``body`` is the first of each
+        pair. Self-contact counts from both sides."""
+        a = self._index(body)
+        straight, turned = self.bodies[:, 0] == a, self.bodies[:, 1] == a
+        if other is not None:
+            b = self._index(other)
+            straight, turned = straight & (self.bodies[:, 1] == b), turned & (self.bodies[:, 0] == b)
+        kept, flipped = self._take(straight), self._take(turned)._turned()
+        columns = [f.name for f in fields(self)[1:]]
+        rows = {c: np.concatenate([getattr(kept, c), getattr(flipped, c)]) for c in columns}
+        return Contacts(names=self.names, **rows)
+
+    def vertex_forces(self, count: int) -> Array:
+        """Forces on the ``count`` vertices of the first body (count, 3) [N]; use after ``of()``."""
+        return self._spread(self.forces, count)
+
+    def _spread(self, forces: Array, count: int) -> Array:
+        result = np.zeros((count, 3))
+        for k in range(4):
+            mine = self.first_counts > k
+            np.add.at(result, self.vertices[mine, k], self.weights[mine, k, None] * forces[mine])
+        return result
+
+    def _index(self, body: Body | str) -> int:
+        name = body if isinstance(body, str) else body.name
+        if name not in self.names:
+            raise InvalidArgument(f"contacts: no body is named '{name}'; there are {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def _take(self, rows: NDArray[np.bool_]) -> Contacts:
+        return Contacts(self.names, *(getattr(self, f.name)[rows] for f in fields(self)[1:]))
+
+    def _turned(self) -> Contacts:
+        used = (self.vertices >= 0).sum(axis=1)
+        # Columns in the order: points of the second side, points of the first, unused ones.
+        place = (np.arange(4)[None, :] + self.first_counts[:, None]) % np.maximum(used, 1)[:, None]
+        order = np.where(np.arange(4)[None, :] < used[:, None], place, np.arange(4)[None, :])
+        return Contacts(
+            names=self.names,
+            bodies=self.bodies[:, ::-1],
+            vertices=np.take_along_axis(self.vertices, order, axis=1),
+            weights=-np.take_along_axis(self.weights, order, axis=1),
+            first_counts=(used - self.first_counts).astype(np.int32),
+            distances=self.distances,
+            points_a=self.points_b,
+            points_b=self.points_a,
+            normal_forces=-self.normal_forces,
+            frictions=-self.frictions,
+            slips=-self.slips,
+        )
+
+
+def contacts_of(simulation: Simulation) -> Contacts:
+    """All contacts of the last step of a simulation."""
+    names = tuple(body.name for body in simulation.scene.bodies)
+    return Contacts(names=names, **_core.contacts(simulation._core))
+
+
+class Imu(NamedTuple):
+    """Reading of an inertial measurement unit, in the axes of the sensor."""
+
+    specific_force: Array  #: acceleration minus gravity (3,) [m/s^2]; at rest it points up with 9.81
+    angular_velocity: Array  #: (3,) [rad/s]
+
+
+class ContactSensors:
+    """What contact does to a body; a part of ``Body``."""
+
+    _require_simulation: Any
+    positions: Array
+    triangles: Ints
+
+    def contacts(self, other: Body | str | None = None) -> Contacts:
+        """Contacts with everything, or with another body; this body is the first of each pair."""
+        return contacts_of(self._require_simulation("contacts")).of(self, other)  # type: ignore[arg-type]
+
+    @property
+    def contact_force(self) -> Array:
+        """Sum of all contact forces on the body, friction included (3,) [N]."""
+        return self.contacts().forces.sum(axis=0)
+
+    @property
+    def contact_forces(self) -> Array:
+        """Contact forces on each vertex, friction included (n, 3) [N]."""
+        return self.contacts().vertex_forces(len(self.positions))
+
+    def contact_area(self, other: Body | str | None = None) -> float:
+        """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution
+        is that of the mesh: of two bodies, ask the finer one."""
+        return float(self._triangle_areas()[self._touching(self.contacts(other))].sum())
+
+    def contact_pressure(self, other: Body | str | None = None) -> Array:
+        """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
+        or of those that touch where there are any."""
+        contacts = self.contacts(other)
+        forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
+        areas = self._triangle_areas()
+        touching = self._touching(contacts)
+        touched, whole = np.zeros(len(forces)), np.zeros(len(forces))
+        np.add.at(touched, self.triangles[touching].ravel(), np.repeat(areas[touching] / 3.0, 3))
+        np.add.at(whole, self.triangles.ravel(), np.repeat(areas / 3.0, 3))
+        share = np.where(touched > 0.0, touched, whole)
+        return np.divide(forces, share, out=np.zeros_like(forces), where=share > 0.0)
+
+    def _touching(self, contacts: Contacts) -> NDArray[np.bool_]:
+        """Triangles with all vertices in contact as points, not as corners of a face that is touched."""
+        vertex = np.zeros(len(self.positions), dtype=bool)
+        for k in range(4):
+            mine = (contacts.first_counts > k) & (contacts.weights[:, k] > 1.0 - 1e-9)
+            vertex[contacts.vertices[mine, k]] = True
+        return vertex[self.triangles].all(axis=1)
+
+    def _triangle_areas(self) -> Array:
+        x = self.positions[self.triangles]
+        return 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
+
+
+class InertialSensors:
+    """What a rigid body feels; a part of ``RigidBody``."""
+
+    _require_simulation: Any
+    _index: int
+
+    def acceleration(self, point: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
+        """Acceleration of a point, given in the frame of the mesh [m]: change of its velocity over the last
+        step (3,) [m/s^2], world axes."""
+        core = self._require_simulation("acceleration")._core
+        return core.acceleration(self._index, vector(point, "acceleration: point"))
+
+    def imu(self, point: ArrayLike = (0.0, 0.0, 0.0), *, rotation: ArrayLike | None = None) -> Imu:
+        """Reading of an inertial measurement unit at ``point`` [m] of the frame of the mesh, whose axes are
+        those of the mesh turned by ``rotation``."""
+        simulation = self._require_simulation("imu")
+        mounted = np.eye(3) if rotation is None else as_matrix(rotation, "imu: rotation")
+        axes = simulation._core.pose(self._index)[1] @ mounted
+        gravity = np.asarray(simulation.settings.gravity, dtype=np.float64)
+        felt = self.acceleration(point) - gravity
+        return Imu(axes.T @ felt, axes.T @ simulation._core.twist(self._index)[1])

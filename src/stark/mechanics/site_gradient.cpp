@@ -1,0 +1,65 @@
+#include <stark/mechanics/site_gradient.h>
+
+namespace stark {
+
+using symbolic::kLanes;
+using symbolic::Order;
+
+namespace {
+
+/// Outputs of one element (or quadrature point) among lane-major blocks.
+const double* lane_of(const AlignedVector<double>& out, int outputs, int64_t element) {
+  return out.data() + (element / kLanes) * outputs * kLanes + element % kLanes;
+}
+
+}  // namespace
+
+void add_site_gradient(const PotentialBatch& batch, std::span<const Vec3> x, double factor,
+                       std::span<Vec3> gradient) {
+  const int outputs = batch.potential().kernel().output_count(Order::Gradient);
+  AlignedVector<double> out(batch.block_count() * outputs * kLanes);
+  batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    const double* g = lane_of(out, outputs, e) + kLanes;  // after the energy
+    for (const int32_t site : batch.stencil(e)) {
+      gradient[site] += Vec3{g[0], g[kLanes], g[2 * kLanes]} * factor;
+      g += 3 * kLanes;
+    }
+  }
+}
+
+void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, double factor,
+                       std::span<Vec3> gradient) {
+  const int outputs = batch.law().potential().kernel().output_count(Order::Gradient);
+  AlignedVector<double> out(batch.law().block_count() * outputs * kLanes);
+  batch.evaluate(Order::Gradient, x, 0, batch.group_count(), out.data());
+  for (int64_t e = 0; e < batch.size(); ++e)
+    for (int q = 0; q < batch.points_per_element(); ++q) {
+      const double* P = lane_of(out, outputs, e * batch.points_per_element() + q) + kLanes;
+      const double* G = batch.gradients(e, q);
+      for (int a = 0; a < batch.node_count(); ++a)
+        for (int j = 0; j < 3; ++j) {
+          const double* column = P + static_cast<int64_t>(3 * j) * kLanes;
+          gradient[batch.stencil(e)[a]] += Vec3{column[0], column[kLanes], column[2 * kLanes]} *
+                                           (factor * G[j * batch.padded_nodes() + a]);
+        }
+    }
+}
+
+double total_energy(const PotentialBatch& batch, std::span<const Vec3> x) {
+  AlignedVector<double> out(batch.block_count() * kLanes);
+  batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
+  double total = 0.0;
+  for (int64_t e = 0; e < batch.size(); ++e) total += out[e];
+  return total;
+}
+
+double total_energy(const QuadratureBatch& batch, std::span<const Vec3> x) {
+  AlignedVector<double> out(batch.law().block_count() * kLanes);
+  batch.evaluate(Order::Energy, x, 0, batch.group_count(), out.data());
+  double total = 0.0;
+  for (int64_t q = 0; q < batch.law().size(); ++q) total += out[q];
+  return total;
+}
+
+}  // namespace stark

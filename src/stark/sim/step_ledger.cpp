@@ -1,0 +1,158 @@
+// Energy and momentum of a step (step phase 8).
+//
+// Dissipation is the work of the forces at the end of the step over the motion of the step, as implicit
+// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D.
+#include <algorithm>
+
+#include <stark/mechanics/site_gradient.h>
+#include <stark/sim/simulation.h>
+
+namespace stark {
+
+namespace {
+
+double work(std::span<const Vec3> gradient, std::span<const Vec3> from, std::span<const Vec3> to) {
+  double total = 0.0;
+  for (size_t i = 0; i < gradient.size(); ++i) total += dot(gradient[i], to[i] - from[i]);
+  return total;
+}
+
+bool remembers(const PotentialBatch& batch) {
+  return std::ranges::any_of(batch.potential().element_fields(), [](const ElementField& field) {
+    return field.source == ElementField::Source::Previous;
+  });
+}
+
+}  // namespace
+
+EnergyLedger Simulation::stored_energies(std::span<const Vec3> x) const {
+  EnergyLedger ledger;
+  const auto& masses = model_->point_masses();
+  const auto& blocks = model_->map().layout().point_block;
+  for (size_t p = 0; p < masses.size(); ++p) {
+    if (blocks[p] == kNoBlock) continue;
+    ledger.kinetic += 0.5 * masses[p] * squared_norm(state_.point_velocity[p]);
+    ledger.gravity -= masses[p] * dot(settings_.gravity, state_.point_position[p]);
+  }
+  for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
+    const RigidMass& mass = model_->rigid_masses()[b];
+    if (mass.mass == 0.0) continue;
+    ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
+    for (int k = 0; k < 3; ++k)
+      ledger.kinetic += 0.5 * mass.second_moments[k] * squared_norm(state_.body_rotation_rate[b].column(k));
+    ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
+  }
+  if (settings_.time.integrator == Integrator::Quasistatic) ledger.kinetic = 0.0;
+  // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
+  for (ModelBatch& batch : model_->batches()) {
+    if (batch.role != ModelBatch::Role::Elastic) continue;
+    batch.batch.set_previous(x);
+    ledger.elastic += total_energy(batch.batch, x);
+    batch.batch.set_previous(reference_.sites);
+  }
+  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+    elements.batch.set_previous(x);
+    ledger.elastic += total_energy(elements.batch, x);
+    elements.batch.set_previous(reference_.sites);
+  }
+  return ledger;
+}
+
+double Simulation::damping_work() const {
+  const std::span<const Vec3> x = potential_->site_positions();
+  std::vector<Vec3> dissipative(x.size());
+  const auto add = [&](auto& batch) {
+    add_site_gradient(batch, x, 1.0, dissipative);
+    batch.set_previous(x);
+    add_site_gradient(batch, x, -1.0, dissipative);
+    batch.set_previous(reference_.sites);
+  };
+  for (ModelBatch& batch : model_->batches())
+    if (batch.role == ModelBatch::Role::Elastic && remembers(batch.batch)) add(batch.batch);
+  for (ModelQuadrature& elements : model_->quadrature_batches())
+    if (remembers(elements.batch.law())) add(elements.batch);
+  double total = work(dissipative, step_start_, x);
+  for (const ModelBatch& batch : model_->batches()) {
+    if (batch.role != ModelBatch::Role::Inertia) continue;
+    const int mass = batch.batch.field_index("mass"), damping = batch.batch.field_index("damping");
+    for (int64_t e = 0; e < batch.batch.size(); ++e) {
+      const double rate = batch.batch.get(damping, e);
+      if (rate == 0.0) continue;
+      const int32_t site = batch.batch.stencil(e)[0];
+      const Vec3 momentum =
+          (x[site] - reference_.sites[site]) * (batch.batch.get(mass, e) / reference_.stencil.scale);
+      total += rate * dot(momentum, x[site] - step_start_[site]);
+    }
+  }
+  return total;
+}
+
+double Simulation::prescribed_work() const {
+  const KinematicMap& map = model_->map();
+  const std::span<const Vec3> x = potential_->site_positions();
+  // How much of each site's motion was prescribed.
+  std::vector<Vec3> motion(x.size());
+  bool any = false;
+  for (int32_t i = 0; i < map.site_count(); ++i) {
+    const Site& site = map.site(i);
+    if (map.is_prescribed(i)) {
+      motion[i] = x[i] - step_start_[i];
+    } else if (site.kind == SiteKind::Barycentric) {
+      for (int k = 0; k < 4; ++k)
+        if (map.layout().point_block[site.points[k]] == kNoBlock)
+          motion[i] += (x[site.points[k]] - step_start_[site.points[k]]) * site.weights[k];
+    }
+    any = any || motion[i] != Vec3{};
+  }
+  if (!any) return 0.0;
+  std::vector<Vec3> gradient(x.size());
+  for (const PotentialBatch* batch : model_->all_batches()) add_site_gradient(*batch, x, 1.0, gradient);
+  for (const ModelQuadrature& elements : model_->quadrature_batches())
+    add_site_gradient(elements.batch, x, 1.0, gradient);
+  if (contact_)
+    for (const PotentialBatch* batch : contact_->batches()) add_site_gradient(*batch, x, 1.0, gradient);
+  double total = 0.0;
+  for (size_t i = 0; i < x.size(); ++i) total += dot(gradient[i], motion[i]);
+  return total;
+}
+
+EnergyLedger Simulation::balance(const EnergyLedger& before) const {
+  const std::span<const Vec3> x = potential_->site_positions();
+  EnergyLedger ledger = stored_energies(x);
+  if (contact_) {
+    ledger.contact = contact_->energy();
+    std::vector<Vec3> friction(x.size());
+    for (const PotentialBatch* batch : contact_->friction_batches())
+      add_site_gradient(*batch, x, 1.0, friction);
+    ledger.friction = work(friction, step_start_, x);
+  }
+  ledger.damping = damping_work();
+  ledger.external = prescribed_work();
+  ledger.numerical = before.stored() + ledger.external - ledger.stored() - ledger.damping - ledger.friction;
+  return ledger;
+}
+
+Momentum Simulation::momentum() const {
+  Momentum total;
+  const auto& masses = model_->point_masses();
+  const auto& blocks = model_->map().layout().point_block;
+  for (size_t p = 0; p < masses.size(); ++p) {
+    if (blocks[p] == kNoBlock) continue;
+    const Vec3 momentum = state_.point_velocity[p] * masses[p];
+    total.linear += momentum;
+    total.angular += cross(state_.point_position[p], momentum);
+  }
+  for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
+    const RigidMass& mass = model_->rigid_masses()[b];
+    if (mass.mass == 0.0) continue;
+    const Vec3 momentum = state_.body_velocity[b] * mass.mass;
+    total.linear += momentum;
+    total.angular += cross(state_.body_position[b], momentum);
+    for (int k = 0; k < 3; ++k)
+      total.angular += cross(state_.body_rotation[b].column(k), state_.body_rotation_rate[b].column(k)) *
+                       mass.second_moments[k];
+  }
+  return total;
+}
+
+}  // namespace stark

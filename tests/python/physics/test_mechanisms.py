@@ -1,0 +1,168 @@
+"""Rigid mechanisms against references of high accuracy: docs/validation.md has the numbers.
+
+Implicit Euler is of first order and loses energy, so a motion is run with several time steps; the order is
+looked at, and the extrapolation to time step zero is compared."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from _mechanisms import TIGHT, Floats, Work, at, bar, crossings, extrapolate, record, simulate, tip
+from _squeezer import squeezer
+from _validation import validate
+
+import stark
+
+G = 9.81  # [m/s^2]
+Z = (0, 0, 1)
+
+
+def order(*results: Floats) -> float:
+    """Order of convergence from three results with h, h/2, h/4."""
+    coarse, middle, fine = (np.asarray(r) for r in results)
+    return float(np.log2(np.linalg.norm(middle - coarse) / np.linalg.norm(fine - middle)))
+
+
+def top(time_step: float, until: float) -> tuple[Floats, Floats]:
+    """Free block 0.10 x 0.06 x 0.02 m turning about its middle axis: angular velocity about that axis, in the
+    body, and the angular momentum in the world over that at time 0."""
+    scene = stark.Scene()
+    body = scene.add_box((0.10, 0.06, 0.02), density=800.0, angular_velocity=(0.1, 10.0, 0.0))
+    sim = simulate(scene, time_step, gravity=(0, 0, 0), **TIGHT)
+    before = np.linalg.norm(body.inertia @ (0.1, 10.0, 0.0))
+
+    def observe() -> Floats:
+        spin = body.rotation.T @ body.angular_velocity
+        return np.concatenate([spin[1:2], body.rotation @ body.inertia @ spin / before])
+
+    return record(sim, until, observe)
+
+
+def test_free_top_turns_over_when_it_should() -> None:
+    runs = [top(h, 1.2) for h in (1e-3, 5e-4, 2.5e-4)]
+    flips = [crossings((t, values[:, 0]))[:1] for t, values in runs]
+    momenta = [np.linalg.norm(at(run, 0.9)[0, 1:]) for run in runs]
+    validate("V14.flip", extrapolate(*flips))
+    validate("V14.momentum", extrapolate(*momenta))
+    validate("V14.order", order(*flips))
+
+
+def pendulum(time_step: float, until: float, degrees: float) -> tuple[Floats, Floats]:
+    """Point mass at 1 m on a hinge, released from an angle: its angle from the vertical [rad]."""
+    scene = stark.Scene()
+    start = np.radians(degrees)
+    # An inertia of 1e-6 kg m^2 about its own centre lengthens the period by 5e-7 of it.
+    bob = scene.add_box(
+        0.01,
+        inertia=(1.0, (0.0, 0.0, 0.0), 1e-6 * np.eye(3)),
+        position=(np.sin(start), -np.cos(start), 0.0),
+    )
+    hinge = scene.add_hinge(None, bob, anchor=(0, 0, 0), axis=Z)
+    sim = simulate(scene, time_step, gravity=(0, -G, 0), **TIGHT)
+    return record(sim, until, lambda: start + (hinge.angle if sim.time else 0.0))
+
+
+@pytest.mark.parametrize("degrees", [30, 90, 150])
+def test_period_of_a_pendulum(degrees: int) -> None:
+    """Four times the time from rest to the lowest point: later quarters have lost amplitude."""
+    quarters = [crossings(pendulum(h, 1.0, degrees))[:1] for h in (4e-3, 2e-3, 1e-3)]
+    validate(f"V15.period_{degrees}", 4.0 * extrapolate(*quarters))
+    validate(f"V15.order_{degrees}", order(*quarters))
+
+
+def double_pendulum(time_step: float, until: float) -> tuple[Floats, Floats]:
+    """Two bars of 1 m and 1 kg released from the horizontal: position of the tip [m]."""
+    scene = stark.Scene()
+    first, second = bar(scene, (0, 0, 0), (1, 0, 0)), bar(scene, (1, 0, 0), (2, 0, 0))
+    scene.add_hinge(None, first, anchor=(0, 0, 0), axis=Z)
+    scene.add_hinge(first, second, anchor=(1, 0, 0), axis=Z)
+    sim = simulate(scene, time_step, gravity=(0, -G, 0), **TIGHT)
+    return record(sim, until, lambda: tip(second, (0.5, 0, 0))[:2])
+
+
+def test_double_pendulum() -> None:
+    runs = [double_pendulum(h, 1.0) for h in (1e-3, 5e-4, 2.5e-4)]
+    halves = [at(run, 0.5)[0] for run in runs]
+    validate("V15.tip_1ms", halves[0])
+    validate("V15.tip_500ms", extrapolate(*halves))
+    validate("V15.tip_1000ms", extrapolate(*(at(run, 1.0)[0] for run in runs)))
+    validate("V15.order_tip", order(*halves))
+
+
+def four_bar(
+    time_step: float, until: float, work: Work, *, redundant: bool = True, **settings: float
+) -> tuple[Floats, Floats]:
+    """IFToMM's two-loop four-bar mechanism: three cranks and two couplers of 1 m and 1 kg, started at 1 m/s.
+    Seven hinges are 35 constraints on 30 degrees of freedom of which one is left: 6 are redundant, and one
+    more where all bars are in line and the mechanism could branch. Angle of the first crank from the vertical
+    [rad]."""
+    scene = stark.Scene()
+    cranks = [
+        bar(scene, (x, 0, 0), (x, 1, 0), velocity=(0.5, 0, 0), angular_velocity=(0, 0, -1)) for x in range(3)
+    ]
+    couplers = [bar(scene, (x, 1, 0), (x + 1, 1, 0), velocity=(1, 0, 0)) for x in range(2)]
+    supports = [scene.add_hinge(None, crank, anchor=(x, 0, 0), axis=Z) for x, crank in enumerate(cranks)]
+    for x, (coupler, a, b) in enumerate(zip(couplers, cranks[:2], cranks[1:], strict=True)):
+        scene.add_hinge(a, coupler, anchor=(x, 1, 0), axis=Z)
+        if redundant:
+            scene.add_hinge(coupler, b, anchor=(x + 1, 1, 0), axis=Z)
+        else:
+            scene.add_point_on_axis(coupler, b, anchor=(x + 1, 1, 0), axis=Z)
+    sim = simulate(scene, time_step, gravity=(0, -G, 0), **settings)
+
+    def observe() -> float:
+        if sim.time == 0.0:
+            return 0.0
+        work.look_at(scene.joints)
+        return supports[0].angle
+
+    return record(sim, until, observe, work)
+
+
+def on_circle(angle: float) -> Floats:
+    return np.array([-np.sin(angle), np.cos(angle)])
+
+
+def test_two_loop_four_bar_passes_its_singular_position() -> None:
+    # In the singular position a residual of 1e-9 N is below rounding; 1e-4 N are 2e-6 of the forces.
+    settings = {**TIGHT, "newton.residual_tolerance": 1e-4}
+    work = Work()
+    runs = [four_bar(h, 2.0, work, **settings) for h in (4e-3, 2e-3, 1e-3, 5e-4)]
+    validate("V16.joint_1s", on_circle(extrapolate(*(at(run, 1.0)[0] for run in runs))))
+    validate("V16.joint_2s", on_circle(extrapolate(*(at(run, 2.0)[0] for run in runs))))
+    validate("V16.order", order(*(at(run, 1.0) for run in runs[1:])))
+    assert work.retried == 0
+
+
+@pytest.mark.parametrize("redundant", [True, False])
+def test_two_loop_four_bar_at_default_settings(redundant: bool) -> None:
+    kind = "redundant" if redundant else "minimal"
+    work = Work()
+    _, angles = four_bar(1e-2, 10.0, work, redundant=redundant)
+    validate(f"V16.iterations_{kind}", work.mean_iterations)
+    validate(f"V16.retried_{kind}", work.retried)
+    assert work.worst_residual < 1e-5  # [rad], the larger of the two tolerances
+    # Half a turn or more: the mechanism went through the singular position and did not stick there.
+    assert np.ptp(angles) > np.pi
+
+
+def test_four_bar_does_the_same_with_and_without_redundant_joints() -> None:
+    ends = [four_bar(2e-3, 1.0, Work(), redundant=redundant)[1][-1] for redundant in (True, False)]
+    # Joints are held within 1e-6 m; 1e-5 rad is what is left of that after 1 s.
+    assert ends[0] == pytest.approx(ends[1], abs=1e-5)
+
+
+def test_andrews_squeezer_for_12_ms() -> None:
+    work = Work()
+    ends = [squeezer(h, 0.012, work)[1][-1] for h in (2e-5, 1e-5, 5e-6)]
+    validate("V17.angles_12ms", extrapolate(*ends))
+    validate("V17.order", order(*ends))
+    validate("V17.iterations", work.mean_iterations)
+    assert work.retried == 0
+
+
+@pytest.mark.slow
+def test_andrews_squeezer_for_30_ms() -> None:
+    """To the end of the benchmark, after two and a half turns of the shaft."""
+    ends = [squeezer(h, 0.03)[1][-1] for h in (1e-5, 5e-6, 2.5e-6, 1.25e-6)]
+    validate("V17.angles_30ms", extrapolate(*ends))

@@ -1,0 +1,134 @@
+"""Contacts, pressures and inertial measurement units against statics and kinematics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stark
+
+GRAVITY = 9.81
+
+
+def _tight(**options: object) -> dict[str, object]:
+    tolerances = {"newton.residual_tolerance": 1e-8, "newton.termination": "all"}
+    return {"time_step": 0.01, **tolerances, **options}
+
+
+def _resting_box(cells: int = 1) -> stark.Simulation:
+    scene = stark.Scene()
+    scene.add_rigid(stark.mesh.box((1, 1, 0.1)), name="floor", motion="fixed", position=(0, 0, -0.05))
+    box = stark.mesh.box((0.2, 0.1, 0.05), cells)
+    scene.add_rigid(box, name="box", mass=2.0, position=(0.01, 0.02, 0.0269))
+    sim = stark.Simulation(scene, **_tight())
+    sim.run_until(0.5)
+    return sim
+
+
+def test_forces_balance_the_weight() -> None:
+    sim = _resting_box()
+    weight = 2.0 * GRAVITY
+    # What is left of the settling motion is below 1e-4 m/s over a step of 10 ms: 2e-2 N of 19.6 N.
+    assert sim["box"].contact_force == pytest.approx([0, 0, weight], abs=2e-2)
+    assert sim["floor"].contact_force == pytest.approx(-sim["box"].contact_force, abs=1e-12)
+    # Newton's second law holds to the tolerance of the solver.
+    assert sim["box"].contact_force[2] == pytest.approx(
+        2.0 * (GRAVITY + sim["box"].acceleration(sim["box"].center_of_mass)[2]), abs=1e-7
+    )
+    torque = np.cross(sim["box"].positions - sim["box"].position, sim["box"].contact_forces).sum(axis=0)
+    assert torque == pytest.approx([0, 0, 0], abs=1e-2 * weight * 0.1)
+
+
+@pytest.mark.parametrize("cells", [1, 4])
+def test_pressure_and_area_of_a_flat_face(cells: int) -> None:
+    box = _resting_box(cells)["box"]
+    assert box.contact_area("floor") == pytest.approx(0.02, rel=1e-9)
+    pressure, area = box.contact_pressure(), 0.02
+    bottom = box.positions[:, 2] < box.position[2] - 0.02
+    assert np.all(pressure[~bottom] == 0.0)
+    assert pressure.max() > 0.5 * 2.0 * GRAVITY / area
+    forces = np.linalg.norm(box.contact_forces, axis=1)
+    assert forces[bottom].sum() == pytest.approx(2.0 * GRAVITY, rel=2e-3)
+
+
+def test_sliding_friction_and_slip() -> None:
+    scene = stark.Scene()
+    scene.default_friction = 0.3
+    scene.add_rigid(stark.mesh.box((4, 1, 0.1)), name="floor", motion="fixed", position=(0, 0, -0.05))
+    scene.add_rigid(
+        stark.mesh.box((0.1, 0.1, 0.02)), name="block", mass=0.5, position=(0, 0, 0.01198), velocity=(1, 0, 0)
+    )
+    sim = stark.Simulation(scene, **_tight(time_step=0.002))
+    sim.run_until(0.1)
+    contacts = sim["block"].contacts("floor")
+    normal, friction = contacts.normal_forces.sum(axis=0), contacts.frictions.sum(axis=0)
+    assert normal[2] == pytest.approx(0.5 * GRAVITY, rel=1e-3)
+    assert friction == pytest.approx([-0.3 * normal[2], 0, 0], abs=1e-3 * normal[2])
+    assert contacts.slips[:, 0] == pytest.approx(sim["block"].velocity[0], abs=1e-3)
+    assert contacts.normals[:, 2] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_cloth_on_a_sphere_and_a_soft_block() -> None:
+    scene = stark.Scene()
+    scene.default_friction = 0.4
+    scene.add_rigid(stark.mesh.sphere(0.1, 2), name="ball", motion="fixed", position=(0, 0, -0.102))
+    scene.add_cloth(stark.mesh.grid(0.3, 0.3, cells=12), stark.materials.cotton, name="cloth")
+    soft = stark.mesh.tet_box((0.05, 0.05, 0.05), cells=2)
+    scene.add_solid(soft, stark.materials.soft_rubber, name="soft", position=(0, 0, 0.03))
+    sim = stark.Simulation(scene, **_tight(contact_distance=1e-3))
+    sim.run_until(0.3)
+    every = sim.contacts
+    assert len(every.of("cloth", "ball")) > 10
+    for body in sim.bodies:
+        vertex_forces = body.contact_forces
+        assert vertex_forces.shape == body.positions.shape
+        assert vertex_forces.sum(axis=0) == pytest.approx(body.contact_force, abs=1e-10)
+        from_pairs = sum(every.of(body, other).forces.sum(axis=0) for other in sim.bodies if other != body)
+        own = every.of(body, body).forces.sum(axis=0)
+        assert own == pytest.approx([0, 0, 0], abs=1e-9)
+        assert from_pairs == pytest.approx(body.contact_force, abs=1e-9)
+    total = sum(body.contact_force for body in sim.bodies)
+    assert total == pytest.approx([0, 0, 0], abs=1e-9)
+    # Side A and side B of every pair are what the closest points say, whichever way it is read.
+    pair = every.of("ball", "cloth")
+    for contacts, name in ((pair, "ball"), (every.of("cloth", "ball"), "cloth")):
+        x = sim[name].positions
+        for k in range(len(contacts)):
+            n = contacts.first_counts[k]
+            point = contacts.weights[k, :n] @ x[contacts.vertices[k, :n]]
+            assert point == pytest.approx(contacts.points_a[k], abs=1e-12)
+
+
+def test_imu_at_rest_in_free_fall_and_spinning() -> None:
+    sim = _resting_box()
+    assert sim["box"].imu().specific_force == pytest.approx([0, 0, GRAVITY], abs=1e-2)
+    turned = sim["box"].imu(rotation=stark.rotation(axis="x", angle=90 * stark.deg))
+    assert turned.specific_force == pytest.approx([0, GRAVITY, 0], abs=1e-2)
+
+    scene = stark.Scene()
+    scene.add_rigid(
+        stark.mesh.box((0.2, 0.2, 0.05)),
+        name="top",
+        mass=1.0,
+        angular_velocity=(0, 0, 3.0),
+        velocity=(1, 2, 0),
+    )
+    sim = stark.Simulation(scene, time_step=1e-4, **{"time.integrator": "bdf2"})
+    sim.run_until(0.05)
+    reading = sim["top"].imu((0.1, 0.0, 0.0))
+    assert reading.specific_force == pytest.approx([-0.9, 0, 0], abs=1e-3)  # centripetal: w^2 r
+    assert reading.angular_velocity == pytest.approx([0, 0, 3.0], abs=1e-6)
+
+
+def test_nothing_is_known_before_the_first_step_and_names_are_checked() -> None:
+    scene = stark.Scene()
+    scene.add_rigid(stark.mesh.box((0.1, 0.1, 0.1)), name="box", mass=1.0)
+    sim = stark.Simulation(scene)
+    assert len(sim.contacts) == 0
+    assert np.all(sim["box"].contact_force == 0.0)
+    assert np.all(sim["box"].acceleration() == 0.0)
+    with pytest.raises(stark.InvalidArgument, match="no body is named 'cup'; there are box"):
+        sim.contacts.of("cup")
+    sim.step()
+    sim.state = sim.state
+    assert len(sim.contacts) == 0
