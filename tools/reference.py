@@ -57,6 +57,16 @@ def text() -> str:
                 *(joint_row(built_in(name)) for name in stark._core.joint_names()),
             ]
         ),
+        "## Actuators (`joint.add_actuator`)",
+        "Built-in kinds; [the guide](actuators.md) has the short forms `joint.add_motor(...)` and how to "
+        "write your own. Units are those along an angle; along a displacement rad becomes m, N m becomes N.",
+        "\n".join(
+            [
+                "| kind | what it does | value | unit | range | default | meaning |",
+                "|---|---|---|---|---|---|---|",
+                *(row for name in stark._core.actuator_names() for row in actuator_rows(name)),
+            ]
+        ),
         "## Presets (`stark.materials`)",
         "\n".join(
             [
@@ -77,6 +87,19 @@ def joint_row(joint: JointFormula) -> str:
     coordinates = ", ".join(f"`{name}` [{unit}]" for name, unit in joint.coordinates)
     constants = ", ".join(f"`{p.name}` [{p.unit}]" for p in joint.parameters)
     return f"| `{joint.name}` | {joint.doc} | {coordinates} | {constants} |"
+
+
+def actuator_rows(name: str) -> list[str]:
+    """Rows of the table of actuators, one for each value."""
+    actuator = stark._core.find_actuator(name)
+    rows = []
+    for k, row in enumerate(actuator.parameters(["rad"] * actuator.coordinate_count)):
+        head = f"`{name}` | {actuator.doc}" if k == 0 else " | "
+        default = "" if row["default"] is None else f"{row['default']:g}"
+        rows.append(
+            f"| {head} | `{row['name']}` | {row['unit']} | {row['rule']} | {default} | {row['doc']} |"
+        )
+    return rows
 
 
 def values(material: stark.ShellMaterial | stark.SolidMaterial | stark.RodMaterial) -> str:

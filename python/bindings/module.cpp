@@ -20,6 +20,7 @@ void bind_io(nb::module_& m);
 void bind_potentials(nb::module_& m);
 void bind_formulas(nb::module_& m);
 void bind_joints(nb::module_& m);
+void bind_actuators(nb::module_& m);
 void bind_contacts(nb::module_& m);
 void bind_symbolic(nb::module_& m);
 
@@ -117,6 +118,7 @@ NB_MODULE(_core, m) {
   bind_potentials(m);
   bind_formulas(m);
   bind_joints(m);
+  bind_actuators(m);
   bind_contacts(m);
   bind_symbolic(m);
 }

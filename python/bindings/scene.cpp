@@ -10,6 +10,7 @@
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
 
+#include "actuators.h"
 #include "arrays.h"
 #include "field_values.h"
 #include "formulas.h"
@@ -411,6 +412,25 @@ void bind_scene_class(nb::module_& m) {
       .def("add_joint", &add_joint, "description"_a, "Adds a joint; returns its index.")
       .def(
           "joint_name", [](const Scene& s, int32_t joint) { return s.joint({joint}).name; }, "joint"_a)
+      .def("add_actuator", &add_actuator, "description"_a, "Adds an actuator; returns its index.")
+      .def(
+          "actuator_name", [](const Scene& s, int32_t k) { return s.actuator({k}).name; }, "actuator"_a)
+      .def(
+          "actuator_value",
+          [](const Scene& s, int32_t k, const std::string& name) { return s.actuator({k}).values.at(name); },
+          "actuator"_a, "name"_a)
+      .def(
+          "set_actuator_value",
+          [](Scene& s, int32_t k, const std::string& name, double value) {
+            s.set_actuator_value({k}, name, value);
+          },
+          "actuator"_a, "name"_a, "value"_a)
+      .def(
+          "actuator_enabled", [](const Scene& s, int32_t k) { return s.actuator({k}).enabled; }, "actuator"_a)
+      .def(
+          "set_actuator_enabled",
+          [](Scene& s, int32_t k, bool enabled) { s.set_actuator_enabled({k}, enabled); }, "actuator"_a,
+          "enabled"_a)
       .def_prop_ro("warnings", &Scene::warnings)
       .def(
           "check_contact_distances",

@@ -310,6 +310,30 @@ void bind_simulation(nb::module_& m) {
           "set_joint_enabled",
           [](Simulation& s, int32_t joint, bool enabled) { s.set_joint_enabled({joint}, enabled); },
           "joint"_a, "enabled"_a)
+      .def_prop_ro("actuator_count", [](const Simulation& s) { return s.scene().actuators().size(); })
+      .def(
+          "actuator_value",
+          [](const Simulation& s, int32_t k, const std::string& name) { return s.actuator_value({k}, name); },
+          "actuator"_a, "name"_a)
+      .def(
+          "set_actuator_value",
+          [](Simulation& s, int32_t k, const std::string& name, double value) {
+            s.set_actuator_value({k}, name, value);
+          },
+          "actuator"_a, "name"_a, "value"_a, "From the next step on.")
+      .def(
+          "actuator_enabled", [](const Simulation& s, int32_t k) { return s.actuator_enabled({k}); },
+          "actuator"_a)
+      .def(
+          "set_actuator_enabled",
+          [](Simulation& s, int32_t k, bool enabled) { s.set_actuator_enabled({k}, enabled); }, "actuator"_a,
+          "enabled"_a)
+      .def(
+          "actuator_effort", [](const Simulation& s, int32_t k) { return s.actuator_effort({k}); },
+          "actuator"_a, "Along its first coordinate in the last step [N, N m].")
+      .def(
+          "actuator_power", [](const Simulation& s, int32_t k) { return s.actuator_power({k}); },
+          "actuator"_a, "Fed into the motion in the last step [W].")
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
 }

@@ -50,7 +50,17 @@ for _exception in (
     _exception.__module__ = "stark"
 
 # Imported when first used, to keep `import stark` fast.
-_ON_DEMAND = ("formulas", "joints", "recording", "render", "replay", "scenes", "symbolic", "telemetry")
+_ON_DEMAND = (
+    "actuators",
+    "formulas",
+    "joints",
+    "recording",
+    "render",
+    "replay",
+    "scenes",
+    "symbolic",
+    "telemetry",
+)
 _NAMES_ON_DEMAND = {
     "stark.formulas": (
         "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil Tetrahedron "
@@ -58,6 +68,7 @@ _NAMES_ON_DEMAND = {
         "world_frame world_points"
     ),
     "stark.joints": "Joint Wrench hold joint",
+    "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "
         "dot exp fma identity invariants inverse log mat maximum minimum norm normalized outer pow sin sinh "

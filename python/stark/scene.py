@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from stark import _core, materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument
+from stark.actuators.scene_actuators import SceneActuators
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.joints.scene_joints import SceneJoints
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
@@ -19,6 +20,7 @@ from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
 
 if TYPE_CHECKING:
+    from stark.actuators.handle import Actuator
     from stark.formulas.energy import Binding
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
@@ -54,7 +56,7 @@ class FrictionTable:
         self._scene._core.set_friction(a, b, value)
 
 
-class Scene(SceneJoints):
+class Scene(SceneJoints, SceneActuators):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     def __init__(self, name: str = "scene") -> None:
@@ -63,6 +65,7 @@ class Scene(SceneJoints):
         self._bodies: list[Body] = []
         self._energies: list[Energy] = []
         self._joints: list[Joint] = []
+        self._actuators: list[Actuator] = []
         self._latest_simulation: Callable[[], Simulation | None] = lambda: None
         self._warned = 0
 

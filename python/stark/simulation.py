@@ -19,6 +19,7 @@ from stark.settings import Settings
 
 if TYPE_CHECKING:
     from stark._core import State, StepReport
+    from stark.actuators.handle import Actuator
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
 
@@ -158,6 +159,11 @@ class Simulation:
         """Handles of the joints of the scene; their coordinates and reactions are those of this
         simulation."""
         return [joint._bound_to(self) for joint in self._scene.joints[: self._core.joint_count]]
+
+    @property
+    def actuators(self) -> list[Actuator]:
+        """Handles of the actuators of the scene; their values and efforts are those of this simulation."""
+        return [a._bound_to(self) for a in self._scene.actuators[: self._core.actuator_count]]
 
     @property
     def energies(self) -> list[Energy]:

@@ -9,9 +9,11 @@
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/actuator.h>
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/define.h>
 #include <stark/mechanics/formula.h>
+#include <stark/sim/actuator.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/joint.h>
 #include <stark/sim/materials.h>

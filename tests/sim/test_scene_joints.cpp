@@ -302,3 +302,23 @@ TEST_CASE("joints that cannot be built are refused") {
   CHECK_THROWS_WITH_AS(Simulation(scene, no_contact()), doctest::Contains("differ by 0.1 m at time 0"),
                        InvalidArgument);
 }
+
+TEST_CASE("a joint with a limit lets go on one side and carries on the other") {
+  // The origin of b stays above the plane z = 0 of a.
+  const auto above = std::make_shared<const JointDefinition>(define_joint("above", "", [](JointBuilder& j) {
+    j.limit(-symbolic::dot(j.a.z, j.b.origin - j.a.origin), ResidualUnit::Length);
+  }));
+  Scene scene;
+  const BodyId body = scene.add_rigid(cube({0, 0, 0.05}, 2.0));
+  const JointId joint =
+      scene.add_joint({.definition = above, .a = world_frame({}), .b = body_frame(body, {})});
+  Simulation simulation(scene, no_contact());
+  REQUIRE(simulation.step().status == StepStatus::Accepted);
+  CHECK(norm(simulation.joint_reaction(joint).force) == 0.0);
+  CHECK(simulation.linear_velocity(body).z == Approx(-0.0981).epsilon(1e-9));
+  for (int n = 0; n < 30; ++n) {
+    REQUIRE(simulation.step().status == StepStatus::Accepted);
+    CHECK(simulation.position(body).z > -1e-6);
+  }
+  CHECK(simulation.joint_reaction(joint).force.z == Approx(2.0 * 9.81).epsilon(1e-6));
+}

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.actuators.joint_actuators import JointActuators
 
 if TYPE_CHECKING:
     from stark.joints.definition import JointFormula
@@ -24,7 +25,7 @@ class Wrench(NamedTuple):
     torque: Floats
 
 
-class Joint:
+class Joint(JointActuators):
     """A joint of a scene. Its coordinates are attributes: ``hinge.angle``, ``slider.displacement``."""
 
     _scene: Scene

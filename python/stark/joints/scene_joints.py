@@ -11,6 +11,7 @@ from stark._core import InvalidArgument
 from stark.rotations import Vec3Like, vector
 
 if TYPE_CHECKING:
+    from stark.actuators.handle import Actuator
     from stark.bodies import Body
     from stark.formulas.points import FrameHandle
     from stark.joints.definition import JointFormula
@@ -78,16 +79,40 @@ class SceneJoints:
         return self.add_joint("ball", a, b, anchor=anchor, **options)
 
     def add_hinge(
-        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        axis: Vec3Like | None = None,
+        *,
+        limits: tuple[float, float] | None = None,
+        **options: Any,
     ) -> Joint:
-        """Hinge (revolute joint) at ``anchor`` [m] about ``axis``; coordinate ``angle`` [rad]."""
-        return self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
+        """Hinge (revolute joint) at ``anchor`` [m] about ``axis``; coordinate ``angle`` [rad],
+        kept within ``limits``."""
+        bounds = _bounds("hinge", limits)
+        joint = self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
+        if bounds is not None:
+            joint.add_limit(*bounds)
+        return joint
 
     def add_slider(
-        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        axis: Vec3Like | None = None,
+        *,
+        limits: tuple[float, float] | None = None,
+        **options: Any,
     ) -> Joint:
-        """Slider (prismatic joint) along ``axis`` of a; coordinate ``displacement`` [m]."""
-        return self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
+        """Slider (prismatic joint) along ``axis`` of a; coordinate ``displacement`` [m],
+        kept within ``limits``."""
+        bounds = _bounds("slider", limits)
+        joint = self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
+        if bounds is not None:
+            joint.add_limit(*bounds)
+        return joint
 
     def add_cylindrical(
         self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
@@ -136,20 +161,97 @@ class SceneJoints:
         """Keeps the points at ``anchor_a`` of a and ``anchor_b`` of b [m, in the world at time 0] at a
         distance, as a
         rod without mass does; ``length`` [m] is that at time 0 if left out."""
-        from stark.joints.adding import place_side
-
-        first, second = vector(anchor_a, "distance: anchor_a"), vector(anchor_b, "distance: anchor_b")
-        frames = [
-            place_side(self, "distance", label, side, point)  # type: ignore[arg-type]
-            for label, side, point in (("a", a, first), ("b", b, second))
-        ]
-        length = float(np.linalg.norm(second - first)) if length is None else length
+        frames = _points(self, "distance", a, b, anchor_a, anchor_b)
+        length = _length("distance", anchor_a, anchor_b) if length is None else length
         return self.add_joint("distance", *frames, length=length, **options)
+
+    def add_span(
+        self,
+        a: Side,
+        b: Side,
+        anchor_a: Vec3Like,
+        anchor_b: Vec3Like,
+        *,
+        contact: bool = True,
+        **options: Any,
+    ) -> Joint:
+        """Holds nothing and measures the ``distance`` [m] of two points (arguments as in ``add_distance``):
+        what springs, ropes (``add_limit(upper=...)``) and linear drives act along."""
+        return self.add_joint(
+            "span", *_points(self, "span", a, b, anchor_a, anchor_b), contact=contact, **options
+        )
+
+    def add_spring(
+        self,
+        a: Side,
+        b: Side,
+        anchor_a: Vec3Like,
+        anchor_b: Vec3Like,
+        *,
+        stiffness: float,
+        damping: float = 0.0,
+        rest_length: float | None = None,
+        name: str | None = None,
+        contact: bool = True,
+    ) -> Actuator:
+        """Spring and damper between two points (arguments as in ``add_distance``): ``stiffness`` [N/m],
+        ``damping`` [N s/m], ``rest_length`` [m], that at time 0 if left out. Its ``joint`` is a span."""
+        length = _length("spring", anchor_a, anchor_b) if rest_length is None else rest_length
+        span = self.add_span(a, b, anchor_a, anchor_b, contact=contact)
+        return span.add_spring(stiffness, damping=damping, rest=length, name=name)
+
+    def add_tilt(
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        axis: Vec3Like | None = None,
+        *,
+        limit: float | None = None,
+        contact: bool = True,
+        **options: Any,
+    ) -> Joint:
+        """Holds nothing and measures the ``angle`` [rad] between ``axis`` of a and of b; ``limit`` keeps it
+        in a cone, next to a ball joint for instance."""
+        joint = self.add_joint("tilt", a, b, anchor=anchor, axis=axis, contact=contact, **options)
+        if limit is not None:
+            joint.add_limit(upper=limit)
+        return joint
 
     @property
     def joints(self) -> tuple[Joint, ...]:
         """Joints in the order of adding."""
         return tuple(self._joints)
+
+
+def _points(
+    scene: Any, kind: str, a: Side, b: Side, anchor_a: Vec3Like, anchor_b: Vec3Like
+) -> list[FrameHandle]:
+    """Frames of two sides at points of the world."""
+    from stark.joints.adding import place_side
+
+    return [
+        place_side(scene, kind, label, side, vector(point, f"{kind}: anchor_{label}"))
+        for label, side, point in (("a", a, anchor_a), ("b", b, anchor_b))
+    ]
+
+
+def _length(kind: str, anchor_a: Vec3Like, anchor_b: Vec3Like) -> float:
+    """Distance of the anchors [m]."""
+    return float(
+        np.linalg.norm(vector(anchor_b, f"{kind}: anchor_b") - vector(anchor_a, f"{kind}: anchor_a"))
+    )
+
+
+def _bounds(kind: str, limits: tuple[float, float] | None) -> tuple[float, float] | None:
+    if limits is None:
+        return None
+    pair = np.asarray(limits)
+    if pair.shape != (2,) or pair.dtype.kind not in "iuf" or not pair[0] < pair[1]:
+        raise InvalidArgument(
+            f"{kind}: limits = {limits!r}: must be two numbers (lower, upper), lower < upper"
+        )
+    return float(pair[0]), float(pair[1])
 
 
 def _anchored(a: Side, b: Side, anchor: Vec3Like | None) -> dict[str, Any]:

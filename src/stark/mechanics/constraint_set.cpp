@@ -24,9 +24,20 @@ double beyond(double value, double zone) {
   return std::copysign(std::max(0.0, std::fabs(value) - zone), value);
 }
 
-double norm_of_rows(std::span<const double> values, int64_t first, int rows) {
+/// Multiplier after an update. A limit lets go of all that its gap does not justify.
+double updated(double multiplier, double penalty, double residual, double zone, bool one_sided) {
+  if (one_sided && residual < 0.0) return std::max(0.0, multiplier + penalty * residual);
+  return multiplier + penalty * beyond(residual, zone);
+}
+
+/// Norm of what counts as violation in the rows of a hold; `one_sided`: of each of them.
+double norm_of_rows(std::span<const double> values, int64_t first, std::span<const char> one_sided) {
   double squared = 0.0;
-  for (int64_t r = first; r < first + rows; ++r) squared += values[r] * values[r];
+  for (size_t k = 0; k < one_sided.size(); ++k) {
+    const double value = values[first + static_cast<int64_t>(k)];
+    const double off = one_sided[k] != 0 ? std::max(0.0, value) : value;
+    squared += off * off;
+  }
   return std::sqrt(squared);
 }
 
@@ -109,16 +120,19 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;
     int64_t r = places_[j].residual;
+    size_t row = 0;
     for (const int rows : joint.hold_sizes()) {
-      const double tolerance = tolerance_of(joint.units()[r - places_[j].residual]);
+      const double tolerance = tolerance_of(joint.units()[row]);
+      const std::span<const char> one_sided = std::span(joint.one_sided()).subspan(row, rows);
       // What counts is the norm, as in worst(): each entry may be within the tolerance while it is not.
-      const double size = norm_of_rows(C, r, rows);
+      const double size = norm_of_rows(C, r, one_sided);
       const bool is_slow = !last_residuals_.empty() && size > tolerance &&
-                           size * kFall > norm_of_rows(last_residuals_, r, rows);
-      for (const int64_t end = r + rows; r < end; ++r) {
-        const double step = penalties_[r] * beyond(C[r], kDeadZone * tolerance);
-        multipliers_[r] += step;
-        change = std::max(change, std::fabs(step));
+                           size * kFall > norm_of_rows(last_residuals_, r, one_sided);
+      for (const size_t end = row + rows; row < end; ++row, ++r) {
+        const double multiplier =
+            updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance, joint.one_sided()[row] != 0);
+        change = std::max(change, std::fabs(multiplier - multipliers_[r]));
+        multipliers_[r] = multiplier;
         if (is_slow) penalties_[r] = std::min(penalties_[r] * kFall, largest_penalties_[r]);
       }
     }
@@ -132,10 +146,11 @@ std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
   std::vector<double> result = multipliers_;
   const std::vector<double> C = residuals(x);
   for (int32_t j = 0; j < joint_count_; ++j) {
-    const auto& units = groups_[places_[j].group].joint->units();
-    for (size_t k = 0; k < units.size(); ++k) {
+    const Joint& joint = *groups_[places_[j].group].joint;
+    for (size_t k = 0; k < joint.units().size(); ++k) {
       const int64_t r = places_[j].residual + static_cast<int64_t>(k);
-      result[r] += penalties_[r] * beyond(C[r], kDeadZone * tolerance_of(units[k]));
+      result[r] = updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance_of(joint.units()[k]),
+                          joint.one_sided()[k] != 0);
     }
   }
   return result;
@@ -149,7 +164,9 @@ ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
     int64_t r = places_[j].residual;
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - places_[j].residual];
-      const double size = norm_of_rows(C, r, rows), ratio = size / tolerance_of(unit);
+      const std::span<const char> one_sided =
+          std::span(joint.one_sided()).subspan(r - places_[j].residual, rows);
+      const double size = norm_of_rows(C, r, one_sided), ratio = size / tolerance_of(unit);
       if (enabled_[j] != 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
       r += rows;
     }

@@ -5,7 +5,9 @@
 // where C did not fall enough. Nothing needs to be tuned.
 #pragma once
 
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +17,9 @@
 #include <stark/mechanics/potential_batch.h>
 
 namespace stark {
+
+/// An angle without its full turns, in [-pi, pi].
+inline double shortest_turn(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 /// How far residuals may be from zero in an accepted step.
 struct ConstraintTolerance {

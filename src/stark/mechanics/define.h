@@ -1,7 +1,8 @@
-// Vocabulary for writing energies and joints: include this in a model file and write the formula in namespace
-// stark::models.
+// Vocabulary for writing energies, joints and actuators: include this in a model file and write the formula
+// in namespace stark::models.
 #pragma once
 
+#include <stark/mechanics/actuator.h>
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>

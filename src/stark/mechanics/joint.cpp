@@ -3,7 +3,7 @@
 #include <set>
 
 #include <stark/base/error.h>
-#include <stark/symbolic/diff.h>
+#include <stark/mechanics/reduced_formula.h>
 
 namespace stark {
 
@@ -26,39 +26,25 @@ FrameExpressions frame_of(PotentialBuilder& builder, FrameKind kind, int first, 
           turned.column(1), turned.column(2)};
 }
 
-/// Points of a traced formula whose positions the outputs need: now, at the start of the step, at time 0.
-struct UsedPoints {
-  std::vector<char> now, before, initial;
-};
-
-UsedPoints find_used_points(const PotentialBuilder& builder, std::span<const Scalar> outputs) {
-  const std::vector<char> none(builder.point_count(), 0);
-  UsedPoints used{none, none, none};
-  std::vector<symbolic::NodeId> roots;
-  for (const Scalar& output : outputs)
-    if (!output.is_literal()) roots.push_back(output.id());
-  const symbolic::Graph& graph = *builder.graph();
-  const std::vector<char> needed = symbolic::reachable(graph, roots);
-  for (size_t id = 0; id < needed.size(); ++id) {
-    if (!needed[id]) continue;
-    const symbolic::Node& node = graph.node(static_cast<symbolic::NodeId>(id));
-    if (node.op == symbolic::Op::Unknown) used.now[node.operands[0] / 3] = 1;
-    if (node.op != symbolic::Op::Element) continue;
-    for (const ElementField& field : builder.element_fields()) {
-      if (node.operands[0] < field.offset || node.operands[0] >= field.offset + field.width) continue;
-      if (field.source == ElementField::Source::Previous) used.before[field.point] = 1;
-      if (field.source == ElementField::Source::Initial) used.initial[field.point] = 1;
-    }
-  }
-  return used;
-}
-
 }  // namespace
 
 symbolic::Mat3 patch_axes(const SymbolicVec3& p0, const SymbolicVec3& p1, const SymbolicVec3& p2) {
   const SymbolicVec3 x = symbolic::normalized(p1 - p0);
   const SymbolicVec3 z = symbolic::normalized(symbolic::cross(p1 - p0, p2 - p0));
   return symbolic::Mat3::from_columns(x, symbolic::cross(z, x), z);
+}
+
+Scalar constraint_force(const ConstraintRow& row, bool one_sided) {
+  const Scalar force = row.multiplier + row.penalty * row.residual;
+  return one_sided ? max(force, 0.0) : force;
+}
+
+Scalar constraint_energy(const ConstraintRow& row, bool one_sided) {
+  const Scalar held = row.residual * (row.multiplier + 0.5 * row.penalty * row.residual);
+  if (!one_sided) return held;
+  // Where nothing pushes, the energy is constant. Released rows have zero multiplier and penalty.
+  const Scalar apart = -0.5 * square(row.multiplier) / max(row.penalty, 1e-300);
+  return select(row.multiplier + row.penalty * row.residual > 0.0, held, apart);
 }
 
 JointBuilder::JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKind kind_b)
@@ -72,11 +58,7 @@ JointBuilder::JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKin
   b_initial = frame_of(builder, kind_b, first_b, "placement_b", &PotentialBuilder::x_initial);
 }
 
-void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) {
-  residuals_.push_back(residual);
-  units_.push_back(unit);
-  hold_sizes_.push_back(1);
-}
+void JointBuilder::hold(const Scalar& residual, ResidualUnit unit) { hold(std::span(&residual, 1), unit); }
 
 void JointBuilder::hold(const SymbolicVec3& residual, ResidualUnit unit) {
   hold(std::span<const Scalar>(residual.v), unit);
@@ -85,7 +67,13 @@ void JointBuilder::hold(const SymbolicVec3& residual, ResidualUnit unit) {
 void JointBuilder::hold(std::span<const Scalar> residuals, ResidualUnit unit) {
   residuals_.insert(residuals_.end(), residuals.begin(), residuals.end());
   units_.insert(units_.end(), residuals.size(), unit);
+  one_sided_.insert(one_sided_.end(), residuals.size(), 0);
   hold_sizes_.push_back(static_cast<int>(residuals.size()));
+}
+
+void JointBuilder::limit(const Scalar& residual, ResidualUnit unit) {
+  hold(residual, unit);
+  one_sided_.back() = 1;
 }
 
 void JointBuilder::coordinate(const std::string& name, const Scalar& value, const std::string& unit) {
@@ -146,33 +134,24 @@ Joint::Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind
   definition.formula(builder);
   units_ = builder.units();
   hold_sizes_ = builder.hold_sizes();
+  one_sided_ = builder.one_sided();
   std::vector<Scalar> outputs = builder.residuals();
   for (const JointBuilder::Coordinate& coordinate : builder.coordinates()) {
     coordinates_.push_back({coordinate.name, coordinate.unit});
     outputs.push_back(coordinate.value);
   }
 
-  const UsedPoints used = find_used_points(*traced, outputs);
-  for (int p = 0; p < point_count; ++p)
-    if (used.now[p] || used.before[p] || used.initial[p]) points_.push_back(p);
+  const ReducedFormula formula(traced, outputs);
+  points_ = formula.points();
   const auto target = std::make_shared<PotentialBuilder>(static_cast<int>(points_.size()), parameters);
-  PointExpressions points;
-  points.x.resize(point_count);
-  points.x_prev.resize(point_count);
-  points.x_initial.resize(point_count);
-  for (size_t k = 0; k < points_.size(); ++k) {
-    const int p = points_[k];
-    if (used.now[p]) points.x[p] = target->x(static_cast<int>(k));
-    if (used.before[p]) points.x_prev[p] = target->x_prev(static_cast<int>(k));
-    if (used.initial[p]) points.x_initial[p] = target->x_initial(static_cast<int>(k));
-  }
-  const std::vector<Scalar> values = Formula(traced, outputs).repeat(*target, points);
+  const std::vector<Scalar> values = formula.repeat(*target);
   const int count = static_cast<int>(units_.size());
   Scalar energy = 0.0;
   if (count > 0) {
     const auto lambda = target->data_array("multiplier", count, "N, N m", "force that holds the residual");
     const auto rho = target->data_array("penalty", count, "N/m, N m", "stiffness of the residual");
-    for (int k = 0; k < count; ++k) energy += values[k] * (lambda[k] + 0.5 * rho[k] * values[k]);
+    for (int k = 0; k < count; ++k)
+      energy += constraint_energy({values[k], lambda[k], rho[k]}, one_sided_[k]);
   }
   potential_ = std::make_shared<Potential>(name_, *target, energy, backend);
   values_ = symbolic::compile_function(values, backend);

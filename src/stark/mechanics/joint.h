@@ -10,7 +10,8 @@
 //   }
 //
 // The residuals C become the augmented Lagrangian sum_k lambda_k C_k + rho_k/2 C_k^2, an energy like any
-// other (mechanics/constraint_set.h updates lambda and rho). Phase: model building.
+// other (mechanics/constraint_set.h updates lambda and rho). Limits C <= 0 have the one-sided form
+// (max(0, lambda + rho C)^2 - lambda^2) / (2 rho) [Rockafellar 1973]. Phase: model building.
 #pragma once
 
 #include <functional>
@@ -43,6 +44,14 @@ struct FrameExpressions {
   symbolic::Vec3 origin, x, y, z;
 };
 
+/// A residual and what holds it.
+struct ConstraintRow {
+  symbolic::Scalar residual, multiplier, penalty;
+};
+/// Augmented Lagrangian of a residual, and its derivative by the residual.
+symbolic::Scalar constraint_energy(const ConstraintRow& row, bool one_sided);
+symbolic::Scalar constraint_force(const ConstraintRow& row, bool one_sided);
+
 class JointBuilder {
  public:
   JointBuilder(PotentialBuilder& builder, FrameKind kind_a, FrameKind kind_b);
@@ -55,6 +64,8 @@ class JointBuilder {
   void hold(const symbolic::Scalar& residual, ResidualUnit unit);
   void hold(const symbolic::Vec3& residual, ResidualUnit unit);
   void hold(std::span<const symbolic::Scalar> residuals, ResidualUnit unit);
+  /// A residual that is kept at or below zero: a stop.
+  void limit(const symbolic::Scalar& residual, ResidualUnit unit);
   /// A coordinate of the joint. Coordinates in rad may jump by full turns: they are unwrapped in time.
   void coordinate(const std::string& name, const symbolic::Scalar& value, const std::string& unit);
 
@@ -70,6 +81,7 @@ class JointBuilder {
   const std::vector<symbolic::Scalar>& residuals() const { return residuals_; }
   const std::vector<ResidualUnit>& units() const { return units_; }
   const std::vector<int>& hold_sizes() const { return hold_sizes_; }
+  const std::vector<char>& one_sided() const { return one_sided_; }
   const std::vector<Coordinate>& coordinates() const { return coordinates_; }
 
  private:
@@ -77,6 +89,7 @@ class JointBuilder {
   std::vector<symbolic::Scalar> residuals_;
   std::vector<ResidualUnit> units_;
   std::vector<int> hold_sizes_;
+  std::vector<char> one_sided_;
   std::vector<Coordinate> coordinates_;
 };
 
@@ -118,16 +131,22 @@ class Joint {
   using Coordinate = JointOutputs::Coordinate;
   const std::vector<Coordinate>& coordinates() const { return coordinates_; }
 
+  /// By residual: kept at or below zero instead of at zero.
+  const std::vector<char>& one_sided() const { return one_sided_; }
+
   /// Element data "multiplier" and "penalty" (a number for each residual), and what the formula declares.
   const std::shared_ptr<const Potential>& potential() const { return potential_; }
   /// Residuals, then coordinates; inputs as the kernel of potential().
   const symbolic::Function& values() const { return values_; }
 
- private:
+ protected:
+  Joint() = default;
+
   std::string name_;
   std::vector<int> points_;
   std::vector<ResidualUnit> units_;
   std::vector<int> hold_sizes_;
+  std::vector<char> one_sided_;
   std::vector<Coordinate> coordinates_;
   std::shared_ptr<const Potential> potential_;
   symbolic::Function values_;

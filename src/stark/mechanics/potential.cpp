@@ -181,7 +181,8 @@ symbolic::Kernel compile_canonical(const PotentialBuilder& builder, const Scalar
   // Inputs that do not occur count too: they are part of the layout.
   for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform})
     if (const int count = builder.graph()->input_count(kind); count > 0) graph.input_node(kind, count - 1);
-  return symbolic::compile(copy, backend);
+  // A constant energy, as that of a joint that holds nothing, has forces too: zero on all points.
+  return symbolic::compile(copy.is_literal() ? Scalar(&graph, graph.constant(copy.value())) : copy, backend);
 }
 
 }  // namespace
@@ -198,7 +199,7 @@ Potential::Potential(std::string name, const PotentialBuilder& builder, const Sc
                      symbolic::Backend backend, bool translation_invariant)
     : name_(std::move(name)),
       point_count_(builder.point_count()),
-      translation_invariant_(translation_invariant && point_count_ >= 2 && point_count_ <= 4),
+      translation_invariant_(translation_invariant),
       element_width_(total_width(builder.element_fields())),
       uniform_width_(total_width(builder.uniform_fields())),
       element_fields_(builder.element_fields()),

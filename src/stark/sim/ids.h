@@ -18,6 +18,12 @@ struct EnergyId {
   auto operator<=>(const EnergyId&) const = default;
 };
 
+/// Index of an actuator that was added to a scene.
+struct ActuatorId {
+  int32_t index = -1;
+  auto operator<=>(const ActuatorId&) const = default;
+};
+
 /// Index of a joint that was added to a scene.
 struct JointId {
   int32_t index = -1;

@@ -114,6 +114,10 @@ void Model::Builder::set_initial_sites() {
     model.initial_state_.joint_enabled.push_back(joint.enabled ? 1.0 : 0.0);
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   model.initial_state_.joint_coordinate = constraints.coordinates(x);
+  set_initial_rates(x);
+  if (settings.time.integrator == Integrator::Bdf2)
+    model.initial_state_.previous_joint_rate = model.initial_state_.joint_rate;
+  set_initial_actuators();
 }
 
 void Model::Builder::compile_contact() {

@@ -59,6 +59,14 @@ struct JointSide {
   double reach = 0.0;                 ///< size of a patch [m]
 };
 
+/// An actuator and where its numbers are in the arrays of the state.
+struct ModelActuator {
+  std::shared_ptr<const Actuator> law;
+  int64_t value = 0, memory = 0, effort = 0;  ///< first parameter, memory and effort
+  std::vector<int64_t> coordinates;           ///< in joint_coordinate and joint_rate
+  std::vector<bool> is_angle;                 ///< by coordinate
+};
+
 /// Elements with quadrature points of one body.
 struct ModelQuadrature {
   std::string body;
@@ -79,8 +87,10 @@ class Model {
   /// Joints; empty without any.
   ConstraintSet& constraints() { return constraints_; }
   const ConstraintSet& constraints() const { return constraints_; }
-  const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by joint
-  /// Energies and joints.
+  const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by joint and actuator
+  /// By actuator of the scene. In the constraint set they follow the joints.
+  const std::vector<ModelActuator>& actuators() const { return actuators_; }
+  /// Energies, joints and actuators.
   std::vector<PotentialBatch*> all_batches();
   /// Position in batches() of an energy of the scene.
   int32_t energy_batch(EnergyId energy) const { return energy_batches_.at(energy.index); }
@@ -105,6 +115,7 @@ class Model {
   std::vector<int32_t> energy_batches_;  ///< by energy of the scene
   ConstraintSet constraints_{{}};
   std::vector<JointSide> joint_sides_;
+  std::vector<ModelActuator> actuators_;
   std::vector<ModelQuadrature> quadrature_batches_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;

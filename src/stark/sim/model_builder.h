@@ -59,8 +59,22 @@ struct Model::Builder {
   void add_joint_sites();
   void add_joints();
   ConstraintGroup make_group(std::shared_ptr<const Joint> joint, const std::vector<int32_t>& members) const;
+  /// Placements and constants of a joint, in fields whose names start with `prefix`.
+  void set_joint_fields(PotentialBatch& batch, int64_t element, const JointDescription& joint,
+                        const std::string& prefix) const;
   std::vector<double> placement(const FrameDescription& frame) const;
   JointSide side_of(const FrameDescription& frame) const;
+  static FrameKind kind_of(const FrameDescription& frame);
+
+  // Actuators (model_actuators.cpp)
+  /// Appends the groups and the sides of all actuators, numbered on from the joints.
+  void add_actuators(std::vector<ConstraintGroup>& groups);
+  ConstraintGroup make_actuator_group(const std::shared_ptr<const Actuator>& actuator,
+                                      const std::vector<int32_t>& members) const;
+  /// Where their numbers are in the state; afterwards, what they are at time 0.
+  void locate_actuators();
+  void set_initial_actuators();
+  int coordinate_index(const CoordinateName& coordinate) const;
 
   // Everything else (model.cpp)
   symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }
@@ -72,6 +86,8 @@ struct Model::Builder {
   void set_block_scales();
   void set_initial_state();
   void set_initial_sites();
+  /// Rates of the coordinates of joints at time 0, with the sites at x.
+  void set_initial_rates(std::span<const Vec3> x);
   void compile_contact();
 
   template <typename Element>

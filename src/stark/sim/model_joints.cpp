@@ -7,10 +7,6 @@ namespace {
 
 using Carrier = FrameDescription::Carrier;
 
-FrameKind kind_of(const FrameDescription& frame) {
-  return frame.carrier == Carrier::Patch ? FrameKind::Patch : FrameKind::Axes;
-}
-
 /// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
 std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p) {
   const Vec3 u = p[1] - p[0], v = p[2] - p[0], d = frame.position - p[0];
@@ -28,6 +24,10 @@ std::vector<double> patch_numbers(const FrameDescription& frame, const std::arra
 }
 
 }  // namespace
+
+FrameKind Model::Builder::kind_of(const FrameDescription& frame) {
+  return frame.carrier == Carrier::Patch ? FrameKind::Patch : FrameKind::Axes;
+}
 
 std::vector<int32_t> Model::Builder::add_frame_sites(const FrameDescription& frame) {
   const std::vector<Vec3> axes{frame.rotation.column(0), frame.rotation.column(1), frame.rotation.column(2)};
@@ -89,9 +89,11 @@ void Model::Builder::add_joints() {
   for (size_t g = 0; g < keys.size(); ++g)
     groups.push_back(make_group(std::make_shared<Joint>(*keys[g].definition, keys[g].a, keys[g].b, backend()),
                                 members[g]));
-  model.constraints_ = ConstraintSet(std::move(groups));
   for (const JointDescription& joint : scene.joints())
     for (const FrameDescription* frame : {&joint.a, &joint.b}) model.joint_sides_.push_back(side_of(*frame));
+  add_actuators(groups);
+  model.constraints_ = ConstraintSet(std::move(groups));
+  locate_actuators();
 }
 
 ConstraintGroup Model::Builder::make_group(std::shared_ptr<const Joint> joint,
@@ -101,23 +103,52 @@ ConstraintGroup Model::Builder::make_group(std::shared_ptr<const Joint> joint,
     for (const int p : joint->points()) stencils.push_back(joint_sites[j][p]);
   ConstraintGroup group{joint, PotentialBatch(joint->potential()), members};
   group.batch.resize(stencils);
-  for (size_t e = 0; e < members.size(); ++e) {
-    const JointDescription& description = scene.joints()[members[e]];
-    for (const ElementField& field : joint->potential()->element_fields()) {
-      if (field.source != ElementField::Source::Data) continue;
-      const int64_t element = static_cast<int64_t>(e);
-      if (field.name == "placement_a") group.batch.set(field.name, element, placement(description.a));
-      if (field.name == "placement_b") group.batch.set(field.name, element, placement(description.b));
-      if (const auto given = description.values.find(field.name); given != description.values.end())
-        group.batch.set(field.name, element, given->second.values);
-    }
-  }
+  for (size_t e = 0; e < members.size(); ++e)
+    set_joint_fields(group.batch, static_cast<int64_t>(e), scene.joints()[members[e]], "");
   return group;
+}
+
+void Model::Builder::set_joint_fields(PotentialBatch& batch, int64_t element, const JointDescription& joint,
+                                      const std::string& prefix) const {
+  for (const ElementField& field : batch.potential().element_fields()) {
+    if (field.source != ElementField::Source::Data || !field.name.starts_with(prefix)) continue;
+    const std::string name = field.name.substr(prefix.size());
+    if (name == "placement_a") batch.set(field.name, element, placement(joint.a));
+    if (name == "placement_b") batch.set(field.name, element, placement(joint.b));
+    if (const auto given = joint.values.find(name); given != joint.values.end())
+      batch.set(field.name, element, given->second.values);
+  }
 }
 
 std::vector<double> Model::Builder::placement(const FrameDescription& frame) const {
   const std::vector<Vec3> x = scene.initial_positions(frame.body);
   return patch_numbers(frame, {x[frame.vertices[0]], x[frame.vertices[1]], x[frame.vertices[2]]});
+}
+
+void Model::Builder::set_initial_rates(std::span<const Vec3> x) {
+  // Those of an imagined step that ends at time 0, so that the first step continues it.
+  State& state = model.initial_state_;
+  const double h = settings.time.step;
+  Configuration before{state.point_position, state.body_position, state.body_rotation};
+  for (size_t p = 0; p < before.point_position.size(); ++p)
+    before.point_position[p] -= state.point_velocity[p] * h;
+  for (size_t b = 0; b < before.body_position.size(); ++b) {
+    before.body_position[b] -= state.body_velocity[b] * h;
+    before.body_rotation[b] = before.body_rotation[b] - state.body_rotation_rate[b] * h;
+  }
+  std::vector<Vec3> x_before(x.size());
+  model.map_.positions(before, x_before);
+  const std::vector<double> from = model.constraints_.coordinates(x_before);
+  state.joint_rate = state.joint_coordinate;
+  for (const ConstraintGroup& group : model.constraints_.groups())
+    for (const int32_t j : group.joints) {
+      const int64_t first = model.constraints_.place(j).coordinate;
+      const auto& coordinates = group.joint->coordinates();
+      for (size_t k = 0; k < coordinates.size(); ++k) {
+        const double change = state.joint_coordinate[first + k] - from[first + k];
+        state.joint_rate[first + k] = (coordinates[k].unit == "rad" ? shortest_turn(change) : change) / h;
+      }
+    }
 }
 
 JointSide Model::Builder::side_of(const FrameDescription& frame) const {

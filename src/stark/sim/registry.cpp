@@ -44,14 +44,37 @@ const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints() {
   return joints;
 }
 
-std::shared_ptr<const JointDefinition> find_joint(const std::string& name) {
+const std::vector<std::shared_ptr<const ActuatorDefinition>>& registered_actuators() {
+  static const std::vector<std::shared_ptr<const ActuatorDefinition>> actuators{
+#define STARK_ACTUATOR(name) std::make_shared<const ActuatorDefinition>(models::name()),
+#include <stark/sim/registry.inc>
+  };
+  return actuators;
+}
+
+namespace {
+
+template <typename Definition>
+std::shared_ptr<const Definition> find_by_name(
+    const std::vector<std::shared_ptr<const Definition>>& definitions, const std::string& name,
+    const std::string& kind) {
   std::vector<std::string> names;
-  for (const auto& joint : registered_joints()) {
-    if (joint->name == name) return joint;
-    names.push_back(joint->name);
+  for (const auto& definition : definitions) {
+    if (definition->name == name) return definition;
+    names.push_back(definition->name);
   }
-  throw InvalidArgument("unknown joint '" + name + "'" + nearest_name_hint(name, names) +
-                        ": must be one of the joints in docs/reference.md");
+  throw InvalidArgument("unknown " + kind + " '" + name + "'" + nearest_name_hint(name, names) +
+                        ": must be one of the " + kind + "s in docs/reference.md");
+}
+
+}  // namespace
+
+std::shared_ptr<const JointDefinition> find_joint(const std::string& name) {
+  return find_by_name(registered_joints(), name, "joint");
+}
+
+std::shared_ptr<const ActuatorDefinition> find_actuator(const std::string& name) {
+  return find_by_name(registered_actuators(), name, "actuator");
 }
 
 }  // namespace stark

@@ -1,9 +1,10 @@
-// All potentials, constitutive laws and joints of the library by name (sim/registry.inc).
+// All potentials, constitutive laws, joints and actuators of the library by name (sim/registry.inc).
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include <stark/mechanics/actuator.h>
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/joint.h>
 #include <stark/mechanics/potential.h>
@@ -17,6 +18,7 @@ namespace models {
 #define STARK_SHELL_LAW(name) ShellLaw name();
 #define STARK_ROD_LAW(name) RodLaw name();
 #define STARK_JOINT(name) JointDefinition name();
+#define STARK_ACTUATOR(name) ActuatorDefinition name();
 #include <stark/sim/registry.inc>
 }  // namespace models
 
@@ -29,5 +31,8 @@ std::vector<RodLaw> registered_rod_laws();
 const std::vector<std::shared_ptr<const JointDefinition>>& registered_joints();
 /// Throws InvalidArgument for unknown names, with the nearest one as a hint.
 std::shared_ptr<const JointDefinition> find_joint(const std::string& name);
+/// The same for actuators.
+const std::vector<std::shared_ptr<const ActuatorDefinition>>& registered_actuators();
+std::shared_ptr<const ActuatorDefinition> find_actuator(const std::string& name);
 
 }  // namespace stark

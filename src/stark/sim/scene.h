@@ -1,7 +1,7 @@
 // Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction,
-// pairs without contact, joints, energies of the user's own. Everything is validated when it is added, so a
-// scene that exists is a scene that can be built; no numerics happen here. sim/model turns it into stencils
-// and parameter tables. SI units.
+// pairs without contact, joints, actuators, energies of the user's own. Everything is validated when it is
+// added, so a scene that exists is a scene that can be built; no numerics happen here. sim/model turns it
+// into stencils and parameter tables. SI units.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,7 @@
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/field_values.h>
 #include <stark/mechanics/rod_law.h>
+#include <stark/sim/actuator.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/joint.h>
@@ -182,6 +183,15 @@ class Scene {
   const std::vector<JointDescription>& joints() const { return joints_; }
   const JointDescription& joint(JointId joint) const;
 
+  /// Adds an actuator (mechanics/actuator.h) on a coordinate of a joint. Throws InvalidArgument for
+  /// coordinates that do not exist, missing, unknown or forbidden values.
+  ActuatorId add_actuator(ActuatorDescription description);
+  const std::vector<ActuatorDescription>& actuators() const { return actuators_; }
+  const ActuatorDescription& actuator(ActuatorId actuator) const;
+  /// Value that an actuator starts with; throws InvalidArgument for unknown names and forbidden values.
+  void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
+  void set_actuator_enabled(ActuatorId actuator, bool enabled);
+
   /// Coefficient of a pair; a == b is the self-contact of a body.
   void set_friction(BodyId a, BodyId b, double coefficient);
   /// Coefficient of bodies that were given none.
@@ -259,6 +269,7 @@ class Scene {
   std::vector<Pins> pins_;              // parallel to bodies_
   std::vector<EnergyDescription> energies_;
   std::vector<JointDescription> joints_;
+  std::vector<ActuatorDescription> actuators_;
   Names body_names_, energy_names_, joint_names_;
   std::map<Pair, double> friction_;
   std::set<Pair> contact_disabled_;

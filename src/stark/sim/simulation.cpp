@@ -38,8 +38,9 @@ std::string point_text(const Vec3& p) {
 
 std::string count_text(const State& state) {
   return std::to_string(state.point_position.size()) + " points, " +
-         std::to_string(state.body_position.size()) + " rigid bodies and " +
-         std::to_string(state.joint_enabled.size()) + " joints";
+         std::to_string(state.body_position.size()) + " rigid bodies, " +
+         std::to_string(state.joint_enabled.size()) + " joints and " +
+         std::to_string(state.actuator_enabled.size()) + " actuators";
 }
 
 }  // namespace
@@ -73,6 +74,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   }
   check_energies();
   check_joints();
+  check_actuators();
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const PotentialBatch* batch : model_->all_batches()) batches.push_back(batch);
@@ -124,7 +126,13 @@ void Simulation::set_state(const State& state) {
       state.script_remaining.size() != mine.script_remaining.size() ||
       state.joint_multiplier.size() != mine.joint_multiplier.size() ||
       state.joint_coordinate.size() != mine.joint_coordinate.size() ||
-      state.joint_enabled.size() != mine.joint_enabled.size())
+      state.joint_enabled.size() != mine.joint_enabled.size() ||
+      state.joint_rate.size() != mine.joint_rate.size() ||
+      state.previous_joint_rate.size() != mine.previous_joint_rate.size() ||
+      state.actuator_value.size() != mine.actuator_value.size() ||
+      state.actuator_memory.size() != mine.actuator_memory.size() ||
+      state.actuator_effort.size() != mine.actuator_effort.size() ||
+      state.actuator_enabled.size() != mine.actuator_enabled.size())
     throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(mine) +
                           "; use a state of the same scene");
   state_ = state;

@@ -75,7 +75,7 @@ class Simulation {
   bool joint_enabled(JointId joint) const;
   /// Coordinates of a joint [m, rad] at the end of the last step; angles count full turns from time 0 on.
   std::vector<double> joint_coordinates(JointId joint) const;
-  /// Their rates in the last step [m/s, rad/s].
+  /// Their rates in the last step [m/s, rad/s]; before the first one, those of the initial velocities.
   std::vector<double> joint_rates(JointId joint) const;
   std::vector<Joint::Coordinate> joint_coordinate_names(JointId joint) const;
   /// What is left of its residuals [m, rad].
@@ -84,6 +84,18 @@ class Simulation {
   /// last step; what carries frame a gets the opposite. After set_state, of the multipliers of the state,
   /// which differ by what residuals below a hundredth of the tolerance hold.
   Wrench joint_reaction(JointId joint) const;
+
+  /// Replaces a value of an actuator from the next step on: targets, caps, gains. Throws InvalidArgument for
+  /// unknown names and forbidden values.
+  void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
+  double actuator_value(ActuatorId actuator, const std::string& name) const;
+  void set_actuator_enabled(ActuatorId actuator, bool enabled);
+  bool actuator_enabled(ActuatorId actuator) const;
+  /// Force [N] or torque [N m] along its (first) coordinate in the last step, positive where it raises the
+  /// coordinate: it acts on frame b of the joint, its opposite on frame a.
+  double actuator_effort(ActuatorId actuator) const;
+  /// Power [W] that it fed into the motion in the last step.
+  double actuator_power(ActuatorId actuator) const;
 
   /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
   /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
@@ -109,6 +121,13 @@ class Simulation {
   /// Takes the stiffness of joints out of the energies.
   void release_joints();
   void commit_joints();
+  void check_actuators();
+  /// Writes the inputs of actuators for a step of length h from step_start_ and reference_.
+  void begin_actuators(double h);
+  /// Takes efforts and memories over at the end of a step.
+  void commit_actuators(std::span<const Vec3> x);
+  /// 1 for each joint, then for each actuator, that acts; actuators of released joints rest.
+  std::vector<double> acting() const;
   std::string violation_text() const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
@@ -154,6 +173,7 @@ class Simulation {
     Configuration place;
     std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
     std::vector<Mat3> body_rotation_rate;             ///< [1/s]
+    std::vector<double> joint_rate;                   ///< [m/s, rad/s]
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
   };
   Reference reference_;

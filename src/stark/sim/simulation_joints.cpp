@@ -59,12 +59,12 @@ void Simulation::begin_joints(std::span<const Mat3> diagonal) {
     stiffness.rotation = std::max(rotation, side.moment * inverse_h2);
     sides.push_back(stiffness);
   }
-  model_->constraints().begin_step(state_.joint_multiplier, sides, state_.joint_enabled, joint_tolerance());
+  model_->constraints().begin_step(state_.joint_multiplier, sides, acting(), joint_tolerance());
 }
 
 void Simulation::release_joints() {
   const std::vector<double> none(model_->constraints().residual_count(), 0.0);
-  const std::vector<double> disabled(state_.joint_enabled.size(), 0.0);
+  const std::vector<double> disabled(model_->constraints().joint_count(), 0.0);
   const std::vector<SideStiffness> soft(model_->joint_sides().size());
   model_->constraints().begin_step(none, soft, disabled, joint_tolerance());
 }
@@ -82,7 +82,11 @@ void Simulation::check_joints() {
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - place.residual];
       double squared = 0.0;
-      for (int k = 0; k < rows; ++k, ++r) squared += C[r] * C[r];
+      for (int k = 0; k < rows; ++k, ++r) {
+        const bool one_sided = joint.one_sided()[r - place.residual] != 0;
+        const double off = one_sided ? std::max(0.0, C[r]) : C[r];
+        squared += off * off;
+      }
       const double tolerance =
           unit == ResidualUnit::Length ? joint_tolerance().length : joint_tolerance().angle;
       if (!(std::sqrt(squared) <= tolerance))
@@ -101,14 +105,19 @@ void Simulation::commit_joints() {
   if (constraints.joint_count() == 0) return;
   const std::span<const Vec3> x = potential_->site_positions();
   state_.joint_multiplier = constraints.forces(x);
-  const std::vector<double> raw = constraints.coordinates(x);
+  commit_actuators(x);
+  const std::vector<double> raw = constraints.coordinates(x),
+                            start = constraints.coordinates(reference_.sites);
   for (int32_t j = 0; j < constraints.joint_count(); ++j) {
     const ConstraintSet::Place& place = constraints.place(j);
     const auto& coordinates = constraints.groups()[place.group].joint->coordinates();
     for (size_t k = 0; k < coordinates.size(); ++k) {
       double& value = state_.joint_coordinate[place.coordinate + k];
-      const double now = raw[place.coordinate + k];
-      value = coordinates[k].unit == "rad" ? unwrap(now, value) : now;
+      const double now = raw[place.coordinate + k], change = now - start[place.coordinate + k];
+      const bool is_angle = coordinates[k].unit == "rad";
+      state_.joint_rate[place.coordinate + k] =
+          (is_angle ? shortest_turn(change) : change) / reference_.stencil.scale;
+      value = is_angle ? unwrap(now, value) : now;
     }
   }
 }
@@ -116,6 +125,11 @@ void Simulation::commit_joints() {
 std::string Simulation::violation_text() const {
   const ConstraintSet::Violation worst = model_->constraints().worst(potential_->site_positions());
   if (worst.joint < 0) return "";
+  const auto joints = static_cast<int32_t>(scene_.joints().size());
+  if (worst.joint >= joints)
+    return "actuator '" + scene_.actuators()[worst.joint - joints].name + "' is off by " +
+           residual_text(worst.residual, worst.unit) +
+           "; look for joints, limits and prescribed bodies that contradict it";
   return owner_text(scene_.joints()[worst.joint]) + " is apart by " +
          residual_text(worst.residual, worst.unit) +
          "; look for joints that contradict each other, for prescribed bodies that pull it apart, and for "
@@ -149,17 +163,9 @@ std::vector<double> Simulation::joint_coordinates(JointId joint) const {
 }
 
 std::vector<double> Simulation::joint_rates(JointId joint) const {
-  const std::vector<Joint::Coordinate> names = joint_coordinate_names(joint);
-  std::vector<double> rates(names.size(), 0.0);
-  if (step_start_.empty() || !(report_.time_step > 0.0)) return rates;
-  const int64_t first = model_->constraints().place(joint.index).coordinate;
-  const std::vector<double> now = model_->constraints().coordinates(site_positions()),
-                            before = model_->constraints().coordinates(step_start_);
-  for (size_t k = 0; k < names.size(); ++k) {
-    const double change = now[first + k] - before[first + k];
-    rates[k] = (names[k].unit == "rad" ? unwrap(change, 0.0) : change) / report_.time_step;
-  }
-  return rates;
+  const size_t count = joint_coordinate_names(joint).size();
+  const auto first = state_.joint_rate.begin() + model_->constraints().place(joint.index).coordinate;
+  return {first, first + static_cast<std::ptrdiff_t>(count)};
 }
 
 std::vector<double> Simulation::joint_residuals(JointId joint) const {

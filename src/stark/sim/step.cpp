@@ -111,6 +111,7 @@ bool Simulation::attempt(double h, SolveReport& total) {
     // them under what already rests on them and throw it off.
     predict(h, contact_ || has_joints ? settings_.time.step / h : 1.0);
     energies_before_ = stored_energies(step_start_);
+    begin_actuators(h);
   }
   if (contact_ || has_joints) {
     const std::vector<Mat3> diagonal = natural_stiffness(start);

@@ -81,4 +81,4 @@ def test_joint_carries_what_it_holds(kind: str) -> None:
 
 
 def test_every_built_in_joint_is_loaded() -> None:
-    assert set(KINDS) == set(stark._core.joint_names())
+    assert set(KINDS) == set(stark._core.joint_names()) - {"span", "tilt"}  # these hold nothing

@@ -1,0 +1,78 @@
+"""``scene.add_actuator``: what it acts on, values, checks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from stark._core import InvalidArgument
+from stark.actuators.definition import ActuatorFormula, built_in
+from stark.actuators.handle import Actuator, number_of
+from stark.joints.handle import Joint
+
+if TYPE_CHECKING:
+    from stark.scene import Scene
+
+
+def add_actuator(
+    scene: Scene,
+    kind: str | ActuatorFormula,
+    on: Any,
+    *,
+    name: str | None,
+    enabled: bool,
+    values: Mapping[str, Any],
+) -> Actuator:
+    """Adds an actuator to a scene; InvalidArgument says what is wrong with it."""
+    formula = kind if isinstance(kind, ActuatorFormula) else built_in(_text(kind))
+    owner = f"actuator '{name or formula.name}'"
+    targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
+    index = scene._core.add_actuator(
+        {
+            "name": name or "",
+            "definition": formula.core,
+            "on": [(joint._index, coordinate) for joint, coordinate in targets],
+            "values": {key: number_of(owner, key, "", value) for key, value in values.items()},
+            "enabled": bool(enabled),
+        }
+    )
+    return Actuator(scene, index, formula, tuple(_located(*target) for target in targets))
+
+
+def _entries(owner: str, on: Any) -> list[Any]:
+    """Joints, or (joint, coordinate) pairs, that were given."""
+    if isinstance(on, Joint) or (isinstance(on, tuple) and len(on) == 2 and isinstance(on[1], str)):
+        return [on]
+    if isinstance(on, (list, tuple)):
+        return list(on)
+    raise InvalidArgument(
+        f"{owner}: on = {on!r}: must be a joint, (joint, 'coordinate'), or a list of them for a gear"
+    )
+
+
+def _target(scene: Scene, owner: str, entry: Any) -> tuple[Joint, str]:
+    joint, coordinate = entry if isinstance(entry, tuple) and len(entry) == 2 else (entry, "")
+    if not isinstance(joint, Joint) or not isinstance(coordinate, str):
+        raise InvalidArgument(f"{owner}: on = {entry!r}: must be a joint or (joint, 'coordinate')")
+    if joint._scene is not scene:
+        raise InvalidArgument(
+            f"{owner}: '{joint.name}' belongs to another scene: must be a joint of this one"
+        )
+    return joint, coordinate
+
+
+def _located(joint: Joint, coordinate: str) -> tuple[Joint, str, str]:
+    """With the name, which may be left out of joints with one coordinate, and the unit."""
+    for name, unit in joint.formula.coordinates:
+        if coordinate in ("", name):
+            return joint, name, unit
+    raise AssertionError(f"the core took the coordinate '{coordinate}'")
+
+
+def _text(kind: Any) -> str:
+    if not isinstance(kind, str):
+        raise InvalidArgument(
+            f"scene.add_actuator: kind = {kind!r}: must be the name of a built-in actuator or a function "
+            f"with @stark.actuator"
+        )
+    return kind

@@ -1,0 +1,46 @@
+"""The actuator methods of a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stark.actuators.definition import ActuatorFormula
+    from stark.actuators.handle import Actuator
+
+
+class SceneActuators:
+    """What ``stark.Scene`` knows about actuators."""
+
+    _actuators: list[Actuator]
+
+    def add_actuator(
+        self,
+        kind: str | ActuatorFormula,
+        on: Any,
+        *,
+        name: str | None = None,
+        enabled: bool = True,
+        **values: float,
+    ) -> Actuator:
+        """Adds an actuator of any kind: the name of a built-in one or a function with ``@stark.actuator``.
+
+        ``on`` is a joint with one coordinate, ``(joint, "angle")``, or a list of two of them for a gear.
+        ``values`` are those that the kind has. Joints have short forms: ``hinge.add_motor(...)``."""
+        from stark.actuators.adding import add_actuator
+
+        actuator = add_actuator(
+            self,  # type: ignore[arg-type]
+            kind,
+            on,
+            name=name,
+            enabled=enabled,
+            values=values,
+        )
+        self._actuators.append(actuator)
+        return actuator
+
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """Actuators in the order of adding."""
+        return tuple(self._actuators)

@@ -1,0 +1,232 @@
+"""Actuators in Python: short forms, live values, sensors, errors. Closed forms in motion are in
+tests/sim/test_simulation_actuators.cpp."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import stark
+
+G = 9.81
+H = 0.01
+
+
+def machine(kind: str = "hinge", **options: object) -> tuple[stark.Scene, stark.RigidBody, stark.Joint]:
+    """A body of 1 kg with moments of inertia of 0.02 kg m^2 on an upright joint."""
+    scene = stark.Scene()
+    body = scene.add_rigid(stark.mesh.box(0.1), inertia=(1.0, (0, 0, 0), 0.02 * np.eye(3)), **options)
+    return scene, body, getattr(scene, f"add_{kind}")(None, body, anchor=(0, 0, 0), axis=(0, 0, 1))
+
+
+def simulate(scene: stark.Scene, **settings: object) -> stark.Simulation:
+    options = {
+        "time_step": H,
+        "contact.enabled": False,
+        "gravity": (0, 0, 0),
+        "newton.acceleration_tolerance": 1e-6,
+    }
+    return stark.Simulation(scene, **{**options, **settings})
+
+
+def advance(sim: stark.Simulation, steps: int) -> None:
+    for _ in range(steps):
+        report = sim.step()
+        assert report.status == "accepted", report.message
+
+
+def test_a_press_moves_as_the_closed_form_of_implicit_euler_and_never_beyond_its_cap() -> None:
+    scene, _, slider = machine("slider")
+    motor = slider.add_motor(0.5, cap=2.0, delta=0.1)
+    sim = simulate(scene)
+    v = 0.0
+    for _ in range(60):
+        advance(sim, 1)
+        linear = (v + H * 20.0 * 0.5) / (1.0 + H * 20.0)
+        v = v + H * 2.0 if 0.5 - linear > 0.1 else linear
+        np.testing.assert_allclose(slider.rates["displacement"], v, rtol=1e-7)
+        assert abs(motor.force) <= 2.0 * (1.0 + 1e-9)
+        assert motor.power == pytest.approx(motor.effort * v)
+    assert motor.kind == "velocity_motor" and motor.joint is slider
+    assert motor.units == {"target": "m/s", "cap": "N", "delta": "m/s"}
+
+
+def test_targets_follow_the_loop() -> None:
+    scene, _, hinge = machine()
+    servo = hinge.add_servo(stiffness=4.0, damping=0.4, cap=3.0)
+    sim = simulate(scene)
+    for target in (0.5, -2.0, 3.0 * math.tau):
+        servo.target = target
+        for _ in range(400):
+            advance(sim, 1)
+            assert abs(servo.torque) <= 3.0 * (1.0 + 1e-9)
+        assert hinge.angle == pytest.approx(target, abs=1e-4)
+
+
+def test_values_before_a_simulation_are_those_it_starts_with() -> None:
+    scene, _, hinge = machine()
+    drive = hinge.add_effort()
+    drive.target = 0.25
+    assert drive.target == 0.25 and drive.parameters == {"target": 0.25}
+    first = simulate(scene)
+    advance(first, 1)
+    assert drive.effort == pytest.approx(0.25, rel=1e-12)
+    drive.target = -1.0
+    second = simulate(scene)
+    assert second.actuators[0].target == 0.25 and first.actuators[0].target == -1.0
+    assert drive.target == 0.25  # the latest simulation
+
+
+def test_values_are_part_of_the_state() -> None:
+    scene, _, hinge = machine()
+    servo = hinge.add_servo(1.0, stiffness=4.0, damping=0.1, cap=3.0, integral=1.0)
+    sim = simulate(scene)
+    advance(sim, 5)
+    before = sim.state.copy()
+    servo.target = 2.0
+    hashes = [(advance(sim, 1), sim.state.hash)[1] for _ in range(3)]
+    sim.state = before
+    assert servo.target == 1.0
+    servo.target = 2.0
+    assert [(advance(sim, 1), sim.state.hash)[1] for _ in range(3)] == hashes
+
+
+def test_switching_off() -> None:
+    scene, _, hinge = machine()
+    drive = hinge.add_effort(0.3, enabled=False)
+    assert not drive.enabled
+    sim = simulate(scene)
+    advance(sim, 2)
+    assert drive.effort == 0.0 and hinge.angle == 0.0
+    drive.enabled = True
+    advance(sim, 2)
+    assert drive.enabled and drive.torque == pytest.approx(0.3)
+    hinge.enabled = False
+    advance(sim, 1)
+    assert drive.effort == 0.0
+    with pytest.raises(stark.InvalidArgument, match="must be True or False"):
+        drive.enabled = 1  # type: ignore[assignment]
+
+
+def test_limits_of_a_hinge_carry_what_leans_on_them() -> None:
+    scene = stark.Scene()
+    arm = scene.add_box(0.1, mass=2.0, position=(0.5, 0.0, 0.0))
+    hinge = scene.add_hinge(None, arm, anchor=(0, 0, 0), axis=(0, 1, 0), limits=(-0.2, 0.4))
+    (stop,) = hinge.actuators
+    sim = simulate(scene, gravity=(0, 0, -G))
+    advance(sim, 100)
+    assert hinge.angle == pytest.approx(0.4, abs=1e-5)
+    assert stop.torque == pytest.approx(-2.0 * G * 0.5 * math.cos(0.4), rel=1e-3)
+
+
+def test_springs_ropes_and_cones() -> None:
+    scene = stark.Scene()
+    load = scene.add_box(0.1, mass=1.0)
+    spring = scene.add_spring(None, load, (0, 0, 0.5), (0, 0, 0), stiffness=100.0, damping=20.0)
+    assert spring.rest == pytest.approx(0.5) and spring.joint.kind == "span"
+    pole = scene.add_box((0.02, 0.02, 0.5), mass=0.3, position=(2.0, 0.0, 0.25))
+    scene.add_ball(None, pole, anchor=(2, 0, 0))
+    tilt = scene.add_tilt(None, pole, anchor=(2, 0, 0), axis=(0, 0, 1), limit=0.3)
+    rope = spring.joint.add_limit(upper=0.9)
+    sim = simulate(scene, gravity=(1.0, 0, -G))
+    advance(sim, 500)
+    pull = math.hypot(1.0, G)
+    # The load still swings by a part in a thousand.
+    assert spring.joint.distance == pytest.approx(0.5 + pull / 100.0, rel=1e-3)
+    assert spring.force == pytest.approx(-pull, rel=1e-2)
+    assert tilt.angle == pytest.approx(0.3, abs=1e-5)
+    spring.enabled = False
+    advance(sim, 300)
+    assert spring.joint.distance <= 0.9 + 1e-6
+    assert rope.force == pytest.approx(-pull, rel=0.05)  # still swings a little
+
+
+def test_a_gear_of_two_wheels() -> None:
+    scene, _, first = machine()
+    other = scene.add_rigid(
+        stark.mesh.box(0.1), inertia=(1.0, (0, 0, 0), 0.02 * np.eye(3)), position=(1, 0, 0)
+    )
+    second = scene.add_hinge(None, other, anchor=(1, 0, 0), axis=(0, 0, 1))
+    gear = second.add_gear(first, ratio=-0.5)
+    first.add_effort(0.1)
+    sim = simulate(scene)
+    advance(sim, 50)
+    assert second.angle == pytest.approx(-0.5 * first.angle, abs=1e-5)
+    # Implicit Euler of a rotation loses h rate^3 of the rate in a second.
+    assert first.rates["angle"] == pytest.approx(0.1 / (0.02 + 0.25 * 0.02) * 0.5, rel=1e-2)
+    assert gear in first.actuators and gear in second.actuators
+    assert [name for _, name in gear.coordinates] == ["angle", "angle"]
+
+
+def test_friction_and_armature_and_coordinates_of_a_cylindrical_joint() -> None:
+    scene = stark.Scene()
+    body = scene.add_rigid(
+        stark.mesh.box(0.1), inertia=(1.0, (0, 0, 0), 0.02 * np.eye(3)), velocity=(0, 0, 1.0)
+    )
+    joint = scene.add_cylindrical(None, body, anchor=(0, 0, 0), axis=(0, 0, 1))
+    brake = joint.add_friction(2.0, coordinate="displacement")
+    joint.add_armature(0.06, coordinate="angle")
+    joint.add_effort(0.16, coordinate="angle")
+    sim = simulate(scene)
+    advance(sim, 20)
+    assert brake.force == pytest.approx(-2.0)
+    assert joint.rates["angle"] == pytest.approx(0.16 / 0.08 * 0.2, rel=1e-3)
+    advance(sim, 60)
+    # v^2 / (2 a) less half a step: implicit Euler sums the rates at the ends of the steps.
+    assert joint.displacement == pytest.approx(0.25 - 0.5 * H, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda s, j: j.add_motor(1.0, cap=-1.0, delta=1.0), "cap = -1 N m: must be >= 0"),
+        (lambda s, j: j.add_motor(np.nan, cap=1.0, delta=1.0), "target = nan rad/s: must be finite"),
+        (lambda s, j: j.add_motor("fast", cap=1.0, delta=1.0), "target .* = 'fast': must be a number"),
+        (lambda s, j: j.add_actuator("velocity_motor", target=1.0, cap=1.0), "'delta' .rad/s. is missing"),
+        (lambda s, j: j.add_actuator("effort", torque=1.0), "unknown value 'torque'|is missing"),
+        (lambda s, j: j.add_actuator("servo"), "unknown actuator 'servo'"),
+        (lambda s, j: j.add_actuator(3), "name of a built-in actuator"),
+        (lambda s, j: j.add_effort(coordinate="angel"), "did you mean 'angle'"),
+        (lambda s, j: j.add_limit(), "neither lower nor upper"),
+        (lambda s, j: j.add_limit(1.0, -1.0), "lower must be below upper"),
+        (lambda s, j: s.add_hinge(None, s.bodies[0], anchor=(0, 0, 0), limits=(1, 0)), "lower < upper"),
+        (lambda s, j: s.add_actuator("gear", j, ratio=1.0), "on 1 coordinates: must be on 2"),
+        (lambda s, j: s.add_actuator("effort", "hinge", target=1.0), "must be a joint"),
+        (lambda s, j: stark.Scene().add_actuator("effort", j, target=1.0), "belongs to another scene"),
+        (lambda s, j: s.add_ball(None, s.bodies[0], anchor=(0, 0, 0)).add_effort(), "has no coordinate"),
+        (
+            lambda s, j: s.add_cylindrical(None, s.bodies[0], anchor=(0, 0, 0), axis=(0, 0, 1)).add_effort(),
+            "must name the one to act on",
+        ),
+    ],
+)
+def test_bad_actuators_are_refused(call: object, message: str) -> None:
+    scene, _, hinge = machine()
+    with pytest.raises(stark.InvalidArgument, match=message):
+        call(scene, hinge)  # type: ignore[operator]
+    assert scene.actuators == ()
+
+
+def test_bad_values_are_refused_and_change_nothing() -> None:
+    scene, _, hinge = machine()
+    motor = hinge.add_motor(1.0, cap=2.0, delta=0.5)
+    with pytest.raises(stark.InvalidArgument, match="effort needs a simulation"):
+        _ = motor.effort
+    for sim in (None, simulate(scene)):
+        with pytest.raises(stark.InvalidArgument, match="delta = 0 rad/s: must be > 0"):
+            motor.delta = 0.0
+        with pytest.raises(stark.InvalidArgument, match="must be a number"):
+            motor.target = (1.0, 2.0)  # type: ignore[assignment]
+        with pytest.raises(AttributeError, match="no value 'speed'; its values are target, cap, delta"):
+            motor.speed = 1.0
+        with pytest.raises(AttributeError, match="no attribute 'speed'"):
+            _ = motor.speed
+        assert motor.parameters == {"target": 1.0, "cap": 2.0, "delta": 0.5}, sim
+    with pytest.raises(stark.InvalidArgument, match="has no force; use torque"):
+        _ = motor.force
+    assert "target" in dir(motor) and "velocity_motor" in repr(motor)
+    hinge.add_limit(lower=0.1)
+    with pytest.raises(stark.InvalidArgument, match=r"is off by 0.1 rad at time 0"):
+        simulate(scene)
