@@ -185,7 +185,7 @@ void bind_report(nb::module_& m) {
           "energy", energy_dict,
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
           "step: damping, friction (dissipated), external (work of scripted and pinned parts), "
-                   "actuation (work of actuators), "
+          "actuation (work of actuators), "
           "numerical (what closes the balance) [J].")
       .def_prop_ro(
           "momentum", [](const StepReport& r) { return vector3(r.momentum.linear); },
