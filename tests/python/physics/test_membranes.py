@@ -34,8 +34,9 @@ def load(p: stark.Point, force: stark.Vec3):
 
 
 def stretch_of_strip(force: float) -> float:
-    """Without lateral contraction the strip only gets longer. Its cells are ten times wider than long, so that
-    the diagonals stay below the limit; of the area of a cell its two edges along the load stand for a third."""
+    """Without lateral contraction the strip only gets longer. Its cells are ten times wider than long, so
+    that diagonals stay below the limit; of the area of a cell its two edges along the load stand for a
+    third."""
 
     def resultant(a: float) -> float:
         membrane = MODULUS / 2 * (a - 1 / a)
