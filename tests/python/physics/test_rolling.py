@@ -1,8 +1,8 @@
 """A plate pushed over 25 balls (V27): the rolling test of SimBenchmark (leggedrobotics) by its parameters.
 
 A ball of mass m between plate and ground is driven by the force f of the plate above and g of the ground
-below, m a = f + g and 2/5 m r alpha = f - g. While it rolls on both, alpha r = a, so f = 0.7 m a, g = 0.3 m a,
-the plate has 2 a, and F = (2 M + 0.7 n m) a. That takes f <= mu M g / n, so F <= mu M g (1 + 20 M / (7 n m)).
+below, m a = f + g and 2/5 m r alpha = f - g. While it rolls on both, alpha r = a, so f = 0.7 m a, g = 0.3 m
+a, the plate has 2 a, and F = (2 M + 0.7 n m) a. That takes f <= mu M g / n, F <= mu M g (1 + 20 M / (7 n m)).
 Beyond, the plate slips with f = mu M g / n, and the ball rolls on the ground, a = 10 f / (7 m)."""
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ def push(f: stark.Frame, force: stark.Vec3):
     return -(force @ f.origin)
 
 
-def accelerations(force: float, direction: float, subdivisions: int, duration: float) -> list[float]:
+def accelerations(
+    force: float, direction: float, subdivisions: int, duration: float, *, turned: bool = False
+) -> list[float]:
     """Mean accelerations [m/s^2] of plate and balls along the force, which acts after 0.1 s of rest. The balls
-    have the inertia of true ones, and all the same orientation, so that they carry the plate together: their
-    surfaces are triangles."""
+    have the inertia of true ones. Their surfaces are triangles: they carry the plate together if all have the
+    same orientation, unlike when each is turned at random."""
     scene = stark.Scene()
     scene.default_friction = MU_PLATE
     floor = scene.add_floor(6.0)
@@ -37,10 +39,12 @@ def accelerations(force: float, direction: float, subdivisions: int, duration: f
     inertia = (BALL, (0.0, 0.0, 0.0), 0.4 * BALL * RADIUS**2 * np.eye(3))
     mesh = stark.mesh.sphere(RADIUS, subdivisions)
     balls: list[stark.RigidBody] = []
+    random = np.random.default_rng(1)
     for i, j in np.ndindex(SIDE, SIDE):
         # Beside the middle, where the diagonal of the floor runs.
         position = (0.4 * (i - 2) + 0.013, 0.4 * (j - 2) + 0.5, RADIUS + 1.95 * GAP)
-        ball = scene.add_rigid(mesh, inertia=inertia, position=position)
+        axes = random_rotation(random) if turned else np.eye(3)
+        ball = scene.add_rigid(mesh, inertia=inertia, position=position, rotation=axes)
         scene.friction[ball, floor] = MU_GROUND
         for other in balls:
             scene.disable_contact(ball, other)
@@ -59,6 +63,11 @@ def accelerations(force: float, direction: float, subdivisions: int, duration: f
     return list((velocities() - before) / (sim.time - start))
 
 
+def random_rotation(random: np.random.Generator) -> np.ndarray:
+    axes = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    return axes * np.sign(np.linalg.det(axes))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("direction", [0, 45])
 def test_plate_rolls_on_25_balls(direction: int) -> None:
@@ -68,6 +77,12 @@ def test_plate_rolls_on_25_balls(direction: int) -> None:
 def test_plate_rolls_on_coarse_balls() -> None:
     for subdivisions in (2, 3):
         validate(f"V27.facets_{subdivisions}", accelerations(75.0, 0.0, subdivisions, 0.3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("subdivisions", [3, 4])
+def test_plate_on_balls_of_different_heights(subdivisions: int) -> None:
+    validate(f"V27.turned_{subdivisions}", accelerations(75.0, 0.0, subdivisions, 0.3, turned=True))
 
 
 @pytest.mark.slow
