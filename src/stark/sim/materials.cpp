@@ -32,7 +32,7 @@ const FieldTable& SolidMaterial::fields() {
       "SolidMaterial", TableKind::Parameters,
       {field(&S::density, "density", "kg/m^3", positive(), "mass of a unit of volume"),
        field(&S::youngs_modulus, "youngs_modulus", "Pa", positive(), "Young's modulus"),
-       field(&S::poissons_ratio, "poissons_ratio", "1", open_interval(0.0, 0.5), "Poisson's ratio"),
+       field(&S::poissons_ratio, "poissons_ratio", "1", half_open_interval(0.0, 0.5), "Poisson's ratio"),
        field(&S::strain_limit, "strain_limit", "1", positive_or_infinity(),
              "stretch of an edge minus 1 above which the solid stiffens"),
        field(&S::strain_limit_stiffness, "strain_limit_stiffness", "Pa", non_negative(),

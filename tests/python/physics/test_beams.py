@@ -40,7 +40,7 @@ def cantilever(
     """Clamped at its left end; without lateral contraction, so that the clamp is that of beam theory. Returns
     the vertices of its right end too."""
     x = mesh.vertices[:, 0]
-    material = stark.SolidMaterial(youngs_modulus=modulus, poissons_ratio=1e-6, density=DENSITY)
+    material = stark.SolidMaterial(youngs_modulus=modulus, poissons_ratio=0.0, density=DENSITY)
     scene = stark.Scene()
     pins = x < -0.4999 * LENGTH
     body = scene.add_solid(mesh, material, pins=pins, initial_positions=start, self_contact=False)

@@ -28,9 +28,10 @@ def push(f: stark.Frame, force: stark.Vec3):
 def accelerations(
     force: float, direction: float, subdivisions: int, duration: float, *, turned: bool = False
 ) -> list[float]:
-    """Mean accelerations [m/s^2] of plate and balls along the force, which acts after 0.1 s of rest. The
-    balls have the inertia of true ones. Their surfaces are triangles: they carry the plate together if all have the
-    same orientation, unlike when each is turned at random."""
+    """Mean accelerations [m/s^2] of plate and balls along the force, which acts after 0.1 s of rest.
+
+    The balls have the inertia of true ones. Their surfaces are triangles: they carry the plate together if
+    all have the same orientation, unlike when each is turned at random."""
     scene = stark.Scene()
     scene.default_friction = MU_PLATE
     floor = scene.add_floor(6.0)
