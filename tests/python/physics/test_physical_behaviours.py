@@ -169,7 +169,7 @@ def fall_error(integrator: str, step: float) -> float:
 
 
 def test_free_fall_is_of_first_and_of_second_order() -> None:
-    """Implicit Euler is g h t/2 = 82 mm off after 0.5 s of 1/30 s steps; BDF2 a tenth of that, which falls with
+    """Implicit Euler is g h t/2 = 82 mm off after 0.5 s of 1/30 s steps; BDF2 a tenth of it, falling with
     h^2."""
     assert fall_error("implicit_euler", 1 / 30) == pytest.approx(G * 0.5 / 60, rel=1e-6)
     coarse, fine = fall_error("bdf2", 1 / 30), fall_error("bdf2", 1 / 60)
