@@ -15,6 +15,7 @@ from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.joints.scene_joints import SceneJoints
+from stark.loads.scene_loads import SceneLoads
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
@@ -56,7 +57,7 @@ class FrictionTable:
         self._scene._core.set_friction(a, b, value)
 
 
-class Scene(SceneJoints, SceneActuators):
+class Scene(SceneJoints, SceneActuators, SceneLoads):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     def __init__(self, name: str = "scene") -> None:
