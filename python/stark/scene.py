@@ -77,6 +77,7 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         mesh: Any,
         material: ShellMaterial = materials.cotton,
         *,
+        mass: float | None = None,
         name: str | None = None,
         position: Vec3Like = _ZERO,
         rotation: ArrayLike | None = None,
@@ -93,13 +94,16 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         """Adds a sheet. ``mesh`` is its rest shape; ``position`` [m] and ``rotation`` (matrix or quaternion)
         place it.
 
-        ``velocity`` [m/s] and ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m],
-        in the frame of the mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or
-        "mesh" (the folds of the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
+        ``mass`` [kg] of the whole replaces the density of the material. ``velocity`` [m/s] and
+        ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame of the
+        mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of
+        the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
         ``contact_distance`` [m]: half of the gap that it keeps to bodies of the same value,
         ``contact.distance`` of the settings if left out."""
         _require(material, ShellMaterial, "cloth", "stark.materials.cotton")
         surface = meshes.as_triangle_mesh(mesh, _title("cloth", name))
+        if mass is not None:
+            material = material._with_mass(mass, _size(surface, "area"), _title("cloth", name))
         given = self._description(
             name,
             surface.vertices,
@@ -132,6 +136,7 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         mesh: Any,
         material: SolidMaterial = materials.soft_rubber,
         *,
+        mass: float | None = None,
         name: str | None = None,
         position: Vec3Like = _ZERO,
         rotation: ArrayLike | None = None,
@@ -149,6 +154,8 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         volumes with ``stark.mesh.tetrahedralise``."""
         _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
         volume = meshes.as_solid_mesh(mesh, _title("solid", name))
+        if mass is not None:
+            material = material._with_mass(mass, _size(volume, "volume"), _title("solid", name))
         given = self._description(
             name,
             volume.vertices,
@@ -180,6 +187,7 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         points: Any,
         material: RodMaterial = materials.steel_wire,
         *,
+        mass: float | None = None,
         name: str | None = None,
         position: Vec3Like = _ZERO,
         rotation: ArrayLike | None = None,
@@ -205,6 +213,9 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         radius of the section, or half its thickness, if left out. Other arguments as in ``add_cloth``."""
         _require(material, RodMaterial, "rod", "stark.materials.steel_wire")
         chain = meshes.as_polyline(points, _title("rod", name))
+        if mass is not None:
+            area = material.section["mass"] / material.density
+            material = material._with_mass(mass, area * chain.length, _title("rod", name))
         given = self._description(
             name,
             chain.vertices,
@@ -455,6 +466,14 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
 
 def _title(kind: str, name: str | None) -> str:
     return kind if name is None else f"{kind} '{name}'"
+
+
+def _size(mesh: Any, measure: str) -> float:
+    """Area or volume of a mesh, 0 for one whose indices are wrong: the core refuses it, and says which."""
+    try:
+        return float(getattr(mesh, measure))
+    except IndexError:
+        return 0.0
 
 
 def _require(material: Any, kind: type[Any], body: str, example: str) -> None:

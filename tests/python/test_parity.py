@@ -233,3 +233,16 @@ def test_a_rope_and_a_strut_of_two_bodies() -> None:
     assert len(distances) == 100
     assert min(distances) == pytest.approx(0.8, abs=1e-5)
     assert np.ptp(distances) < 0.2 + 1e-5  # the stop takes the speed and gives none back
+
+
+def test_a_body_grows_into_a_scaled_rest_shape() -> None:
+    """A rest shape of 1.2 times the size, started in the old one: the free block settles at 1.2."""
+    scene = stark.Scene()
+    mesh = stark.mesh.tet_box(0.1, 2)
+    gel = stark.materials.soft_rubber.replace(mass_damping=20.0, strain_limit=np.inf)
+    block = scene.add_solid(mesh.scaled(1.2), gel, initial_positions=mesh.vertices)
+    sim = stark.Simulation(scene, time_step=0.02, gravity=(0, 0, 0))
+    assert np.ptp(block.positions, axis=0) == pytest.approx(np.full(3, 0.1))
+    for report in sim.run(2.0):
+        assert not report.failed
+    assert np.ptp(block.positions, axis=0) == pytest.approx(np.full(3, 0.12), rel=1e-3)
