@@ -42,8 +42,7 @@ TEST_CASE("the force on a triangle of a closed surface is p times its area vecto
   const auto surface = faces({});
   Vec3 on_apex;  // the vertex (0, 0, 1), which is in faces 0, 2 and 3
   for (const auto& face : surface) {
-    const std::vector<double> g =
-        gradient(potential, inputs(6.0, origin), {face[0], face[1], face[2]});
+    const std::vector<double> g = gradient(potential, inputs(6.0, origin), {face[0], face[1], face[2]});
     for (int i = 0; i < 3; ++i)
       if (face[i].z == 1.0) on_apex += Vec3{-g[3 * i], -g[3 * i + 1], -g[3 * i + 2]};
   }

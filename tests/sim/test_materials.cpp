@@ -29,7 +29,8 @@ TEST_CASE("presets have the documented numbers") {
   CHECK(rubber.strain_limit == 1.0);
   CHECK(rubber.mass_damping == 0.1);
   CHECK(materials::towel().density * 1.75 * 0.75 == doctest::Approx(0.484).epsilon(1e-14));
-  CHECK(materials::foam().youngs_modulus == doctest::Approx(45e6 * std::pow(30.0 / 1200.0, 2)).epsilon(1e-14));
+  CHECK(materials::foam().youngs_modulus ==
+        doctest::Approx(45e6 * std::pow(30.0 / 1200.0, 2)).epsilon(1e-14));
   CHECK(materials::natural_rubber().youngs_modulus == 1.5e6);
   CHECK(materials::pet_solid().youngs_modulus == 3.1e9);
   CHECK(materials::steel().youngs_modulus == 2.1e11);

@@ -210,11 +210,8 @@ SolidMaterial steel() {
 }
 
 RodMaterial rubber_cord() {
-  return {.density = 950.0,
-          .youngs_modulus = 1.5e6,
-          .poissons_ratio = 0.49,
-          .radius = 2e-3,
-          .mass_damping = 0.1};
+  return {
+      .density = 950.0, .youngs_modulus = 1.5e6, .poissons_ratio = 0.49, .radius = 2e-3, .mass_damping = 0.1};
 }
 
 RodMaterial steel_wire() {

@@ -19,6 +19,6 @@ def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
         exec(compile(shortened, str(GUIDE), "exec"), names)
     assert list(names["pull"].center) == [0.1, 0.0, 0.3]  # type: ignore[attr-defined]
     assert names["rubber"].c10 == 3e4  # type: ignore[attr-defined]
-    assert 500.0 < names["air"].pressure < 1450.0  # the gas expands  # type: ignore[attr-defined]
+    assert 500.0 < names["air"].pressure < 1490.0  # the gas expands  # type: ignore[attr-defined]
     printed = capsys.readouterr().out
     assert "magnet(p, center, strength):" in printed and "nothing is wrong" in printed

@@ -11,7 +11,8 @@ PotentialDefinition pressure() {
   PotentialDefinition definition =
       define_potential("pressure", 3, "pressure inside a closed surface", [](PotentialBuilder& b) {
         const Scalar p = b.parameter("pressure", "Pa", "pressure inside over that outside");
-        const Vec3 origin = b.parameter3("origin", "m", "any point near the body, the same for all triangles");
+        const Vec3 origin =
+            b.parameter3("origin", "m", "any point near the body, the same for all triangles");
         return -p / 6.0 * dot(b.x(0) - origin, cross(b.x(1) - origin, b.x(2) - origin));
       });
   definition.translation_invariant = definition.rotation_invariant = false;  // only the sum is
