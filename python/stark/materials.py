@@ -108,6 +108,20 @@ class _Material(Generic[_CoreMaterial]):
         core, fields = self._changed(parameters, new_name)
         return self._of(core, new_name, self.source if not parameters else "", self.law, fields)
 
+    def _with_mass(self, mass: float, size: float, owner: str) -> Self:
+        """Copy whose density gives a body of this area [m^2] or volume [m^3] the mass [kg].
+        Sizes that are not positive are left to the checks of meshes."""
+        if not size > 0.0:
+            return self
+        if isinstance(mass, bool) or not isinstance(mass, (int, float, np.number)) or not 0.0 < mass < np.inf:
+            raise InvalidArgument(f"{owner}: mass = {mass!r} kg: must be a number > 0 and finite")
+        if "density" in self._fields:
+            raise InvalidArgument(
+                f"{owner}: mass = {mass!r} kg and a density of each element: must be one of the two; leave "
+                f"out the mass, or give a material with one density"
+            )
+        return self.replace(density=float(mass) / size)
+
     def to_dict(self) -> dict[str, Any]:
         """All parameters by name, in SI units; arrays where each element has its own value."""
         return self._core.to_dict() | {name: getattr(self, name) for name in self._fields}
@@ -314,7 +328,12 @@ pet: ShellMaterial = _shells["pet"]
 steel_sheet: ShellMaterial = _shells["steel_sheet"]
 soft_rubber: SolidMaterial = _solids["soft_rubber"]
 silicone: SolidMaterial = _solids["silicone"]
+foam: SolidMaterial = _solids["foam"]
+natural_rubber: SolidMaterial = _solids["natural_rubber"]
+pet_solid: SolidMaterial = _solids["pet_solid"]
+steel: SolidMaterial = _solids["steel"]
 steel_wire: RodMaterial = _rods["steel_wire"]
+rubber_cord: RodMaterial = _rods["rubber_cord"]
 
 presets: dict[str, ShellMaterial | SolidMaterial | RodMaterial] = {**_shells, **_solids, **_rods}
 """All presets by name."""

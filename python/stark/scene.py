@@ -15,6 +15,7 @@ from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.joints.scene_joints import SceneJoints
+from stark.loads.scene_loads import SceneLoads
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
@@ -56,7 +57,7 @@ class FrictionTable:
         self._scene._core.set_friction(a, b, value)
 
 
-class Scene(SceneJoints, SceneActuators):
+class Scene(SceneJoints, SceneActuators, SceneLoads):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     def __init__(self, name: str = "scene") -> None:
@@ -76,6 +77,7 @@ class Scene(SceneJoints, SceneActuators):
         mesh: Any,
         material: ShellMaterial = materials.cotton,
         *,
+        mass: float | None = None,
         name: str | None = None,
         position: Vec3Like = _ZERO,
         rotation: ArrayLike | None = None,
@@ -92,13 +94,16 @@ class Scene(SceneJoints, SceneActuators):
         """Adds a sheet. ``mesh`` is its rest shape; ``position`` [m] and ``rotation`` (matrix or quaternion)
         place it.
 
-        ``velocity`` [m/s] and ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m],
-        in the frame of the mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or
-        "mesh" (the folds of the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
+        ``mass`` [kg] of the whole replaces the density of the material. ``velocity`` [m/s] and
+        ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame of the
+        mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of
+        the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
         ``contact_distance`` [m]: half of the gap that it keeps to bodies of the same value,
         ``contact.distance`` of the settings if left out."""
         _require(material, ShellMaterial, "cloth", "stark.materials.cotton")
         surface = meshes.as_triangle_mesh(mesh, _title("cloth", name))
+        if mass is not None:
+            material = material._with_mass(mass, _size(surface, "area"), _title("cloth", name))
         given = self._description(
             name,
             surface.vertices,
@@ -131,6 +136,7 @@ class Scene(SceneJoints, SceneActuators):
         mesh: Any,
         material: SolidMaterial = materials.soft_rubber,
         *,
+        mass: float | None = None,
         name: str | None = None,
         position: Vec3Like = _ZERO,
         rotation: ArrayLike | None = None,
@@ -148,6 +154,8 @@ class Scene(SceneJoints, SceneActuators):
         volumes with ``stark.mesh.tetrahedralise``."""
         _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
         volume = meshes.as_solid_mesh(mesh, _title("solid", name))
+        if mass is not None:
+            material = material._with_mass(mass, _size(volume, "volume"), _title("solid", name))
         given = self._description(
             name,
             volume.vertices,
@@ -179,6 +187,7 @@ class Scene(SceneJoints, SceneActuators):
         points: Any,
         material: RodMaterial = materials.steel_wire,
         *,
+        mass: float | None = None,
         name: str | None = None,
         position: Vec3Like = _ZERO,
         rotation: ArrayLike | None = None,
@@ -204,6 +213,9 @@ class Scene(SceneJoints, SceneActuators):
         radius of the section, or half its thickness, if left out. Other arguments as in ``add_cloth``."""
         _require(material, RodMaterial, "rod", "stark.materials.steel_wire")
         chain = meshes.as_polyline(points, _title("rod", name))
+        if mass is not None:
+            area = material.section["mass"] / material.density
+            material = material._with_mass(mass, area * chain.length, _title("rod", name))
         given = self._description(
             name,
             chain.vertices,
@@ -454,6 +466,14 @@ class Scene(SceneJoints, SceneActuators):
 
 def _title(kind: str, name: str | None) -> str:
     return kind if name is None else f"{kind} '{name}'"
+
+
+def _size(mesh: Any, measure: str) -> float:
+    """Area or volume of a mesh, 0 for one whose indices are wrong: the core refuses it, and says which."""
+    try:
+        return float(getattr(mesh, measure))
+    except IndexError:
+        return 0.0
 
 
 def _require(material: Any, kind: type[Any], body: str, example: str) -> None:

@@ -197,6 +197,10 @@ CASES = [
     Case("nan mass", lambda: rigid(mass=NAN), InvalidArgument, ("crate", "mass = nan kg", "must be > 0")),
     Case("infinite mass", lambda: rigid(mass=INF), InvalidArgument, ("crate", "mass = inf kg", "finite", "fixed")),
     Case("mass as text", lambda: rigid(mass="heavy"), InvalidArgument, ("crate", "mass = 'heavy'", "must be a number")),
+    Case("negative mass of a cloth", lambda: cloth(mass=-1.0), InvalidArgument, ("cloth 'sheet'", "-1.0 kg", "> 0")),
+    Case("mass of a solid as text", lambda: solid(mass="1 kg"), InvalidArgument, ("solid 'block'", "'1 kg'", "> 0")),
+    Case("mass and densities of a cloth", lambda: cloth(mass=1.0, material=stark.materials.cotton.replace(
+        density=np.full(8, 0.1))), InvalidArgument, ("cloth 'sheet'", "density of each element", "leave out")),
     Case("negative density", lambda: rigid(density=-5.0), InvalidArgument, ("crate", "density = -5 kg/m^3", "must be > 0")),
     Case("no mass at all", lambda: rigid(), InvalidArgument, ("rigid body 'crate'", "none of mass", "add mass= [kg]")),
     Case("mass and density", lambda: rigid(mass=1.0, density=1.0), InvalidArgument, ("crate", "more than one", "exactly one")),

@@ -74,6 +74,32 @@ def test_presets_have_the_documented_numbers() -> None:
     assert all(preset.source for preset in stark.materials.presets.values())
 
 
+def test_presets_of_solids_and_rods_follow_from_their_sources() -> None:
+    m = stark.materials
+    assert m.foam.youngs_modulus == pytest.approx(45e6 * (m.foam.density / 1200.0) ** 2)  # Gibson, Ashby
+    assert (m.natural_rubber.youngs_modulus, m.rubber_cord.youngs_modulus) == (1.5e6, 1.5e6)  # 40 IRHD
+    assert (m.steel.youngs_modulus, m.steel.density, m.steel.poissons_ratio) == (2.1e11, 7850.0, 0.3)
+    assert (m.pet_solid.youngs_modulus, m.pet_solid.density) == (3.1e9, 1360.0)
+    # 4 mm of rubber: 11.9 g/m, and E A = 18.8 N for a doubled length.
+    assert m.rubber_cord.section["mass"] == pytest.approx(0.01194, rel=1e-3)
+    assert m.rubber_cord.section["axial_stiffness"] == pytest.approx(18.85, rel=1e-3)
+
+
+def test_deformable_bodies_have_the_mass_that_they_are_given() -> None:
+    """Momentum of free fall after one step is m g h."""
+    for add in (
+        lambda s: s.add_cloth(mesh.grid(0.3, 0.2, 4), mass=0.02),
+        lambda s: s.add_solid(mesh.tet_box(0.1, 2), mass=0.02),
+        lambda s: s.add_solid(mesh.box_hexahedra(0.1, 2), mass=0.02),
+        lambda s: s.add_rod(mesh.polyline((0, 0, 0), (1, 0, 0), 8), mass=0.02),
+    ):
+        scene = stark.Scene()
+        add(scene)
+        sim = stark.Simulation(scene, time_step=1e-3, **{"contact.enabled": False})
+        damped = 1.0 + 0.1 * 1e-3  # every preset has the mass damping 0.1/s
+        assert sim.step().momentum[2] == pytest.approx(-0.02 * 9.81 * 1e-3 / damped, rel=1e-4)
+
+
 def test_materials_are_immutable_values() -> None:
     cotton = stark.materials.cotton
     stiff = cotton.replace(bending_stiffness=1e-5)

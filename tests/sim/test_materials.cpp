@@ -1,6 +1,8 @@
 // Presets against the numbers of their sources, and the ranges of all parameters.
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include <limits>
 #include <string>
 
@@ -27,8 +29,14 @@ TEST_CASE("presets have the documented numbers") {
   CHECK(rubber.strain_limit == 1.0);
   CHECK(rubber.mass_damping == 0.1);
   CHECK(materials::towel().density * 1.75 * 0.75 == doctest::Approx(0.484).epsilon(1e-14));
+  CHECK(materials::foam().youngs_modulus ==
+        doctest::Approx(45e6 * std::pow(30.0 / 1200.0, 2)).epsilon(1e-14));
+  CHECK(materials::natural_rubber().youngs_modulus == 1.5e6);
+  CHECK(materials::pet_solid().youngs_modulus == 3.1e9);
+  CHECK(materials::steel().youngs_modulus == 2.1e11);
   for (const auto& preset : materials::shell_presets()) CHECK_NOTHROW(validate(preset.material, preset.name));
   for (const auto& preset : materials::solid_presets()) CHECK_NOTHROW(validate(preset.material, preset.name));
+  for (const auto& preset : materials::rod_presets()) CHECK_NOTHROW(validate(preset.material, preset.name));
 }
 
 TEST_CASE("every parameter refuses values outside its range and keeps the defaults inside") {

@@ -14,6 +14,7 @@ namespace stark::models {
 
 PotentialDefinition point_inertia();
 PotentialDefinition gravity();
+PotentialDefinition pressure();
 SolidLaw stable_neo_hookean();
 SolidLaw neo_hookean();
 SolidLaw st_venant_kirchhoff();

@@ -190,6 +190,30 @@ SolidMaterial silicone() {
   return {.density = 1070.0, .youngs_modulus = 6.9e4, .poissons_ratio = 0.47, .mass_damping = 0.1};
 }
 
+SolidMaterial foam() {
+  // Open cells: E = E_s (rho/rho_s)^2 and nu = 1/3, with 45 MPa and 1200 kg/m^3 of solid polyurethane.
+  return {.density = 30.0, .youngs_modulus = 28125.0, .poissons_ratio = 1.0 / 3.0, .mass_damping = 0.1};
+}
+
+SolidMaterial natural_rubber() {
+  // 1.5 MPa at 40 IRHD. Its bulk modulus of 1 GPa would be a Poisson's ratio of 0.49975, at which linear
+  // tetrahedra lock: 0.49 is a choice for these elements.
+  return {.density = 950.0, .youngs_modulus = 1.5e6, .poissons_ratio = 0.49, .mass_damping = 0.1};
+}
+
+SolidMaterial pet_solid() {
+  return {.density = 1360.0, .youngs_modulus = 3.1e9, .poissons_ratio = 0.4, .mass_damping = 0.1};
+}
+
+SolidMaterial steel() {
+  return {.density = 7850.0, .youngs_modulus = 2.1e11, .poissons_ratio = 0.3, .mass_damping = 0.1};
+}
+
+RodMaterial rubber_cord() {
+  return {
+      .density = 950.0, .youngs_modulus = 1.5e6, .poissons_ratio = 0.49, .radius = 2e-3, .mass_damping = 0.1};
+}
+
 RodMaterial steel_wire() {
   return {.density = 7850.0,
           .youngs_modulus = 2.06e11,
@@ -218,6 +242,16 @@ const std::vector<Preset<SolidMaterial>>& solid_presets() {
       {"soft_rubber", "very soft rubber as in the public preset Soft_Rubber of the paper's authors",
        soft_rubber()},
       {"silicone", "soft platinum-cure silicone, Smooth-On Ecoflex 00-30 data sheet", silicone()},
+      {"foam",
+       "flexible polyurethane foam of 30 kg/m^3; open cells by Gibson and Ashby, Cellular Solids 1997, ch. 5",
+       foam()},
+      {"natural_rubber",
+       "unfilled natural rubber of 40 IRHD, Lindley, Engineering Design with Natural Rubber 1978; Poisson's "
+       "ratio chosen for linear elements",
+       natural_rubber()},
+      {"pet_solid", "polyester blocks, Ensinger TECAPET data sheet (ISO 527-2); Poisson's ratio of PET",
+       pet_solid()},
+      {"steel", "structural steel, EN 1993-1-1 section 3.2.6", steel()},
   };
   return presets;
 }
@@ -227,6 +261,7 @@ const std::vector<Preset<RodMaterial>>& rod_presets() {
       {"steel_wire",
        "patented cold drawn spring steel wire of EN 10270-1: E = 206 GPa, G = 81.5 GPa by EN 13906-1",
        steel_wire()},
+      {"rubber_cord", "cord of 4 mm of the rubber of the preset natural_rubber", rubber_cord()},
   };
   return presets;
 }

@@ -89,8 +89,13 @@ ShellMaterial pet();          ///< polyester film of 0.145 mm, a thin drinking c
 ShellMaterial steel_sheet();  ///< spring steel of 0.1 mm
 ShellMaterial towel();        ///< terry towel, 1.75 m x 0.75 m of 0.484 kg
 SolidMaterial soft_rubber();
-SolidMaterial silicone();  ///< soft platinum-cure silicone (Ecoflex 00-30)
-RodMaterial steel_wire();  ///< spring steel, 1 mm thick
+SolidMaterial silicone();        ///< soft platinum-cure silicone (Ecoflex 00-30)
+SolidMaterial foam();            ///< flexible polyurethane foam of 30 kg/m^3
+SolidMaterial natural_rubber();  ///< unfilled vulcanisate of 40 IRHD
+SolidMaterial pet_solid();       ///< polyester, semi-finished blocks
+SolidMaterial steel();           ///< structural steel
+RodMaterial steel_wire();        ///< spring steel, 1 mm thick
+RodMaterial rubber_cord();       ///< natural rubber, 4 mm thick
 
 /// One row of the reference table: name, where the numbers come from, values.
 template <typename Material>

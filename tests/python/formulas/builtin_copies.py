@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import stark
+from stark.loads.formulas import pressure  # noqa: F401  (the one of the package)
 
 
 @stark.energy

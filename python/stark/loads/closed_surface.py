@@ -1,0 +1,56 @@
+"""Closed surfaces of bodies: which triangles, whether they are closed, the volume inside."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark._core import InvalidArgument
+from stark.bodies import Body, Cloth, Solid
+from stark.formulas.points import Stencils
+from stark.mesh import Indices, Points
+
+
+def closed_surface(surface: Any, owner: str) -> tuple[Stencils, NDArray[np.float64]]:
+    """The faces that are meant, turned so that they enclose a positive volume at time 0, and their centre
+    (3,) [m]. InvalidArgument unless they are closed."""
+    faces = surface.faces if isinstance(surface, (Cloth, Solid)) else surface
+    columns = faces.columns if isinstance(faces, Stencils) and faces.point_count == 3 else ()
+    body = columns[0].body if columns else None
+    if body is None or any(
+        "vertices" not in column._columns or column.body is not body for column in columns
+    ):
+        raise InvalidArgument(
+            f"{owner} on {surface!r}: must be a cloth or a solid with a closed surface, or some of its faces"
+        )
+    triangles = np.stack([column._columns["vertices"] for column in columns], axis=1)
+    _check_closed(body, triangles, owner)
+    positions = np.asarray(body.vertices.positions)
+    centre = positions[triangles].mean(axis=(0, 1))
+    if enclosed_volume(positions - centre, triangles) < 0.0:
+        faces = Stencils([columns[k] for k in (0, 2, 1)], "triangles")
+    return faces, centre
+
+
+def enclosed_volume(positions: Points, triangles: Indices) -> float:
+    """Volume inside a closed surface of outward triangles [m^3]."""
+    a, b, c = (positions[triangles[:, i]] for i in range(3))
+    return float(np.einsum("ni,ni->", a, np.cross(b, c)) / 6.0)
+
+
+def _check_closed(body: Body, triangles: Indices, owner: str) -> None:
+    """Every directed edge has to occur once, and once the other way round."""
+    edges = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
+    directed, counts = np.unique(edges, axis=0, return_counts=True)
+    known = set(map(tuple, directed.tolist()))
+    wrong = [
+        (i, j) for (i, j), n in zip(directed.tolist(), counts, strict=True) if n > 1 or (j, i) not in known
+    ]
+    if wrong:
+        raise InvalidArgument(
+            f"{owner} on '{body.name}': its surface is not closed at {len(wrong)} edges, first between the "
+            f"vertices {wrong[0][0]} and {wrong[0][1]}: every edge must have two triangles of the same "
+            f"orientation; close the mesh, or repair it with stark.mesh.merged and stark.mesh.oriented"
+        )
