@@ -1,0 +1,66 @@
+"""Plots of what a run measured: panels of curves over time, one above the other, as SVG."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+COLORS = ("#3366aa", "#dd6644", "#339966", "#e0a030")
+LEFT, WIDTH, HEIGHT, PITCH, TOP = 76.0, 600.0, 120.0, 158.0, 20.0  # of a panel, in pixels
+
+
+def write(path: Path, time: ArrayLike, panels: Mapping[str, Mapping[str, ArrayLike]]) -> Path:
+    """Writes curves over ``time`` [s] as ``path``. ``panels``: axis label to curves by name, each with a value for
+    every time."""
+    time = np.asarray(time, dtype=np.float64)
+    height = TOP + PITCH * len(panels) + 20
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {LEFT + WIDTH + 24:.0f} {height:.0f}"',
+        '  font-family="sans-serif" font-size="13">',
+        '<rect width="100%" height="100%" fill="white"/>',
+    ]
+    for k, (label, curves) in enumerate(panels.items()):
+        lines += _panel(TOP + PITCH * k, label, time, {name: np.asarray(c) for name, c in curves.items()})
+    lines.append(_text(LEFT + 0.5 * WIDTH, height - 8, "time [s]"))
+    path.write_text("\n".join([*lines, "</svg>\n"]))
+    return path
+
+
+def _panel(top: float, label: str, time: np.ndarray, curves: Mapping[str, np.ndarray]) -> list[str]:
+    low, high = _range(list(curves.values()))
+    x = LEFT + WIDTH * (time - time[0]) / (time[-1] - time[0])
+    lines = [
+        f'<rect x="{LEFT:.0f}" y="{top:.0f}" width="{WIDTH:.0f}" height="{HEIGHT:.0f}" fill="#f7f7f5"/>',
+        _text(16, top + 0.5 * HEIGHT, label, f' transform="rotate(-90 16 {top + 0.5 * HEIGHT:.0f})"'),
+    ]
+    for u in np.linspace(0.0, 1.0, 4):
+        y = top + HEIGHT * (1.0 - u)
+        lines.append(f'<path d="M{LEFT:.0f},{y:.1f} h{WIDTH:.0f}" stroke="#dddddd"/>')
+        lines.append(_text(LEFT - 6, y + 4, f"{low + u * (high - low):.3g}", anchor="end"))
+    for u in np.linspace(0.0, 1.0, 5):
+        lines.append(
+            _text(LEFT + u * WIDTH, top + HEIGHT + 16, f"{time[0] + u * (time[-1] - time[0]):.2g}")
+        )
+    for k, (name, values) in enumerate(curves.items()):
+        color = COLORS[k % len(COLORS)]
+        y = top + HEIGHT * (high - values) / (high - low)
+        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+        dash = ' stroke-dasharray="6 4"' if k % 2 else ""
+        lines.append(f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="1.8"{dash}/>')
+        place = LEFT + WIDTH - 8 - 90 * (len(curves) - 1 - k)
+        lines.append(_text(place, top - 5, name, f' fill="{color}"', anchor="end"))
+    return lines
+
+
+def _range(curves: list[np.ndarray]) -> tuple[float, float]:
+    """Limits of an axis, with a margin."""
+    low, high = min(np.nanmin(c) for c in curves), max(np.nanmax(c) for c in curves)
+    margin = 0.06 * (high - low) or 0.05 * abs(high) or 1.0
+    return float(low - margin), float(high + margin)
+
+
+def _text(x: float, y: float, words: str, more: str = "", anchor: str = "middle") -> str:
+    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}"{more}>{words}</text>'

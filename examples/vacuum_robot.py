@@ -21,7 +21,7 @@ import stark
 import stark.scenes
 
 until = 2.0  # [s]
-options = {"floor": "carpet", "segments": 64}
+options = {"floor": "carpet", "segments": 128}
 FRICTION = {"carpet": 1.0, "polished": 0.2}
 
 BODY_MASS, PART_MASS = 2.951, 0.1  # [kg]; wheels, arms and casters weigh 0.1 kg each
@@ -34,6 +34,12 @@ START = 0.3  # [s], when the motors, that brake until then, are switched to SPEE
 GRAVITY, CONTACT_DISTANCE = 9.81, 0.0005  # [m/s^2], [m]
 TOTAL_MASS = BODY_MASS + 6 * PART_MASS
 WHEELS, CASTERS = ("left", "right"), tuple(CASTER_Y)
+COM_HEIGHT = 0.0135 + 0.035  # of a cylinder of 70 mm above a clearance of 13.5 mm [m]
+# Wheels and casters are cylinders that roll: each adds half of its mass.
+ACCELERATION = 2 * TORQUE / WHEEL_RADIUS / (TOTAL_MASS + 4 * 0.5 * PART_MASS)  # [m/s^2]
+WEIGHT = TOTAL_MASS * GRAVITY  # [N]
+# Angular momentum about the floor for unit speed: what loads the rear caster when the robot speeds up.
+SHIFT_ARM = BODY_MASS * COM_HEIGHT + PART_MASS * (4 + 2 * 0.5) * WHEEL_RADIUS + PART_MASS * 3 * CASTER_RADIUS
 
 
 def settings():
@@ -44,7 +50,8 @@ def build():
     if options["floor"] not in FRICTION:
         raise ValueError(f"option floor = '{options['floor']}': must be one of {', '.join(FRICTION)}")
     scene = stark.Scene()
-    scene.add_floor(4.0, name="floor")
+    # Off centre, so that no wheel crosses the diagonal of its two triangles, which would lift it by microns.
+    scene.add_floor(4.0, name="floor", position=(1.0, 0.0, 0.0))
     scene.default_friction = FRICTION[options["floor"]]
     scene.add_rigid(
         robot_parts.lathed(PROFILE, 96), name="body", inertia=_body_inertia(), position=(0, 0, _gap())
@@ -81,12 +88,39 @@ def measure(sim):
 
 
 def check(run):
-    print(report(run))
+    """Against closed forms; every tolerance is several times what is measured (docs/systems.md)."""
+    series = {name.removeprefix("measured."): run.telemetry[name] for name in run.telemetry.names}
+    time = series["time"]
+    still, pull, drive_on = time < START - 0.1, (time > START + 0.04) & (time < START + 0.2), time > 1.0
+
+    def mean(name, when):
+        return series[name][when & (time > 0.1)].mean()
+
+    def agrees(what, value, expected, tolerance):
+        assert abs(value - expected) <= tolerance, f"{what} is {value:.6g}, expected {expected:.6g}"
+
+    assert max(np.abs(series[f"torque_{name}"]).max() for name in WHEELS) <= TORQUE * (1 + 1e-9), "limit"
+    agrees("acceleration", np.polyfit(time[pull], series["speed"][pull], 1)[0], ACCELERATION, 0.02)
+    agrees("final speed", mean("speed", drive_on), SPEED * WHEEL_RADIUS, 0.02 * SPEED * WHEEL_RADIUS)
+    for name in WHEELS:
+        carried = mean(f"load_{name}", still) - 2 * PART_MASS * GRAVITY  # but for wheel and arm
+        agrees("compression", mean(f"compression_{name}", still), carried / SPRING, 1e-3 * PRELOAD)
+    loads = [f"load_{name}" for name in (*WHEELS, *CASTERS)]
+    for when, tolerance in ((still, 1e-3), (drive_on, 5e-3)):
+        agrees("weight", sum(mean(name, when) for name in loads), WEIGHT, tolerance * WEIGHT)
+    rest = statics(sum(mean(f"compression_{name}", still) for name in WHEELS) / 2)
+    shift = SHIFT_ARM * ACCELERATION / (CASTER_Y["front"] - CASTER_Y["rear"])
+    for name, sign in (("front", -1), ("rear", 1)):
+        agrees(f"{name} load at rest", mean(f"load_{name}", still), rest[name], 0.01)
+        agrees(f"{name} load, accelerating", mean(f"load_{name}", pull), rest[name] + sign * shift, 0.1)
 
 
-def report(run):
-    """Asserts what is known in closed form; returns the lines that say what came out."""
-    return ""
+def statics(compression):
+    """Loads of the casters [N] that balance force and moment about the axles at rest."""
+    on_casters = WEIGHT - 2 * (SPRING * compression + 2 * PART_MASS * GRAVITY)
+    moment = PART_MASS * GRAVITY * sum(CASTER_Y.values())
+    front = (moment - on_casters * CASTER_Y["rear"]) / (CASTER_Y["front"] - CASTER_Y["rear"])
+    return {"front": front, "rear": on_casters - front}
 
 
 # --- parts --------------------------------------------------------------------------------------------------
@@ -111,11 +145,11 @@ def _add_wheel(scene, name, carrier, radius, width, place):
 
 
 def _body_inertia():
-    """Of a solid cylinder of 70 mm height above a clearance of 13.5 mm."""
+    """Of a solid cylinder."""
     radius, height = 0.175, 0.070
     across = BODY_MASS * (3.0 * radius**2 + height**2) / 12.0
     tensor = np.diag([across, across, 0.5 * BODY_MASS * radius**2])
-    return BODY_MASS, (0.0, 0.0, 0.0135 + 0.5 * height), tensor
+    return BODY_MASS, (0.0, 0.0, COM_HEIGHT), tensor
 
 
 def _gap():
@@ -127,6 +161,23 @@ def _actuators(sim, kind):
     """Those of the wheels, left and right."""
     by_name = {actuator.name: actuator for actuator in sim.actuators}
     return [by_name[f"{kind}_{name}"] for name in WHEELS]
+
+
+def plot(run, path):
+    """Writes speed, torque, compression and loads over time."""
+    t = run.telemetry
+    names = {
+        "speed [m/s]": {"speed": "speed"},
+        "torque [mN m]": {name: f"torque_{name}" for name in WHEELS},
+        "suspension [mm]": {name: f"compression_{name}" for name in WHEELS},
+        "load [N]": {name: f"load_{name}" for name in ("left", *CASTERS)},
+    }
+    panels = {
+        label: {key: t[f"measured.{name}"] * (1e3 if "[m" in label and "/" not in label else 1.0)}
+        for label, group in names.items()
+        for key, name in group.items()
+    }
+    curves.write(path, t["time"], panels)
 
 
 def main():
