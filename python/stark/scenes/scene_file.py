@@ -58,11 +58,11 @@ class SceneFile:
 
     def measure(self, sim: Any) -> dict[str, float]:
         """What the file measures after every step, for the telemetry."""
-        return {str(k): float(v) for k, v in dict(self._call("measure", {}, sim)).items()}
+        return self._numbers("measure", sim)
 
     def observables(self, sim: Any) -> dict[str, float]:
         """Numbers that characterise the state, if the file defines any."""
-        return {str(k): float(v) for k, v in dict(self._call("observables", {}, sim)).items()}
+        return self._numbers("observables", sim)
 
     @property
     def has_check(self) -> bool:
@@ -76,11 +76,23 @@ class SceneFile:
     def _call(self, function: str, default: Any, *arguments: Any) -> Any:
         return getattr(self.module, function)(*arguments) if hasattr(self.module, function) else default
 
-    def _mapping(self, source: str, value: Any) -> dict[str, Any]:
+    def _numbers(self, function: str, sim: Any) -> dict[str, float]:
+        values = self._mapping(f"{function}()", self._call(function, {}, sim), what="numbers")
+        numbers = {}
+        for name, value in values.items():
+            try:
+                numbers[str(name)] = float(value)
+            except (TypeError, ValueError):
+                raise SceneFileError(
+                    f"scene '{self.name}': {function}() returned '{name}' = {value!r}; must be a number"
+                ) from None
+        return numbers
+
+    def _mapping(self, source: str, value: Any, what: str = "settings") -> dict[str, Any]:
         if not hasattr(value, "keys"):
             kind = type(value).__name__
             raise SceneFileError(
-                f"scene '{self.name}': settings of {source} are a {kind}; must be a dictionary"
+                f"scene '{self.name}': {what} of {source} are a {kind}; must be a dictionary"
             )
         return dict(value)
 
