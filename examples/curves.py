@@ -30,24 +30,28 @@ def write(path: Path, time: ArrayLike, panels: Mapping[str, Mapping[str, ArrayLi
 
 
 def _panel(top: float, label: str, time: np.ndarray, curves: Mapping[str, np.ndarray]) -> list[str]:
-    low, high = _range(list(curves.values()))
-    x = LEFT + WIDTH * (time - time[0]) / (time[-1] - time[0])
+    values = np.concatenate(list(curves.values()))
+    heights, ticks = _ticks(values.min(), values.max()), _ticks(time[0], time[-1], 8)
+    start, end, low, high = time[0], time[-1], heights[0], heights[-1]
+
+    def x(t: ArrayLike) -> np.ndarray:
+        return LEFT + WIDTH * (np.asarray(t) - start) / (end - start)
+
+    def y(value: ArrayLike) -> np.ndarray:
+        return top + HEIGHT * (high - np.asarray(value)) / (high - low)
+
     lines = [
         f'<rect x="{LEFT:.0f}" y="{top:.0f}" width="{WIDTH:.0f}" height="{HEIGHT:.0f}" fill="#f7f7f5"/>',
         _text(16, top + 0.5 * HEIGHT, label, f' transform="rotate(-90 16 {top + 0.5 * HEIGHT:.0f})"'),
     ]
-    for u in np.linspace(0.0, 1.0, 4):
-        y = top + HEIGHT * (1.0 - u)
-        lines.append(f'<path d="M{LEFT:.0f},{y:.1f} h{WIDTH:.0f}" stroke="#dddddd"/>')
-        lines.append(_text(LEFT - 6, y + 4, f"{low + u * (high - low):.3g}", anchor="end"))
-    for u in np.linspace(0.0, 1.0, 5):
-        lines.append(
-            _text(LEFT + u * WIDTH, top + HEIGHT + 16, f"{time[0] + u * (time[-1] - time[0]):.2g}")
-        )
-    for k, (name, values) in enumerate(curves.items()):
+    for value in heights:
+        lines.append(f'<path d="M{LEFT:.0f},{y(value):.1f} h{WIDTH:.0f}" stroke="#dddddd"/>')
+        lines.append(_text(LEFT - 6, y(value) + 4, f"{value:.5g}", anchor="end"))
+    for t in ticks[(ticks > start - 1e-9) & (ticks < end + 1e-9)]:
+        lines.append(_text(x(t), top + HEIGHT + 16, f"{t:.5g}"))
+    for k, (name, curve) in enumerate(curves.items()):
         color = COLORS[k % len(COLORS)]
-        y = top + HEIGHT * (high - values) / (high - low)
-        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x(time), y(curve), strict=True))
         dash = ' stroke-dasharray="6 4"' if k % 2 else ""
         lines.append(f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="1.8"{dash}/>')
         place = LEFT + WIDTH - 8 - 90 * (len(curves) - 1 - k)
@@ -55,11 +59,12 @@ def _panel(top: float, label: str, time: np.ndarray, curves: Mapping[str, np.nda
     return lines
 
 
-def _range(curves: list[np.ndarray]) -> tuple[float, float]:
-    """Limits of an axis, with a margin."""
-    low, high = min(np.nanmin(c) for c in curves), max(np.nanmax(c) for c in curves)
-    margin = 0.06 * (high - low) or 0.05 * abs(high) or 1.0
-    return float(low - margin), float(high + margin)
+def _ticks(low: float, high: float, count: int = 3) -> np.ndarray:
+    """Round numbers around a range, about ``count`` steps of 1, 2 or 5 times a power of ten."""
+    rough = max(high - low, 1e-3 * abs(high), 1e-9) / count
+    power = 10.0 ** np.floor(np.log10(rough))
+    step = power * next(m for m in (1.0, 2.0, 5.0, 10.0) if m * power >= rough * (1 - 1e-9))
+    return step * np.arange(np.floor(low / step + 1e-9), np.ceil(high / step - 1e-9) + 1)
 
 
 def _text(x: float, y: float, words: str, more: str = "", anchor: str = "middle") -> str:

@@ -5,20 +5,21 @@ torque limit, casters on hinges; contact and friction with the floor; measured s
 The check: acceleration and final speed of the motors' law, torques within the limit, suspension against the load
 that it carries, loads of the wheels against the statics.
 
-    python examples/vacuum_robot.py             on carpet; leaves recording, plot and picture in out/vacuum_robot
-    python examples/vacuum_robot.py polished    on a polished floor
+    python examples/vacuum_robot.py             both floors; recordings, plots, pictures in out/vacuum_robot*
+    python examples/vacuum_robot.py polished    one of them
     stark run examples/vacuum_robot.py --option floor=polished
 """
 
 import sys
-from pathlib import Path
 
 import curves
 import numpy as np
+import pictures
 import robot_parts
 
 import stark
 import stark.scenes
+from stark.recording import Recording
 
 until = 2.0  # [s]
 options = {"floor": "carpet", "segments": 128}
@@ -31,7 +32,7 @@ CASTER_RADIUS, CASTER_WIDTH, CASTER_Y = 0.0135, 0.012, {"front": 0.115, "rear": 
 SPRING, DAMPER, PRELOAD = 2.0 / 0.035**2, 2.0, 0.005  # [N/m], [N s/m], [m] of compression on flat floor
 TORQUE, SPEED, RAMP = 0.0666, 7.43, 1.0  # [N m], [rad/s], [rad/s]
 START = 0.3  # [s], when the motors, that brake until then, are switched to SPEED
-GRAVITY, CONTACT_DISTANCE = 9.81, 0.0005  # [m/s^2], [m]
+GRAVITY, CONTACT_DISTANCE, STICK_VELOCITY = 9.81, 0.0005, 0.005  # [m/s^2], [m], [m/s]
 TOTAL_MASS = BODY_MASS + 6 * PART_MASS
 WHEELS, CASTERS = ("left", "right"), tuple(CASTER_Y)
 COM_HEIGHT = 0.0135 + 0.035  # of a cylinder of 70 mm above a clearance of 13.5 mm [m]
@@ -42,8 +43,11 @@ WEIGHT = TOTAL_MASS * GRAVITY  # [N]
 SHIFT_ARM = BODY_MASS * COM_HEIGHT + PART_MASS * (4 + 2 * 0.5) * WHEEL_RADIUS + PART_MASS * 3 * CASTER_RADIUS
 
 
+SHELL, TYRE, METAL = (0.42, 0.55, 0.72), (0.24, 0.24, 0.26), (0.91, 0.62, 0.25)
+
+
 def settings():
-    return {"time_step": 0.005, "contact_distance": CONTACT_DISTANCE, "contact.stick_velocity": 0.005}
+    return {"time_step": 0.005, "contact_distance": CONTACT_DISTANCE, "contact.stick_velocity": STICK_VELOCITY}
 
 
 def build():
@@ -54,7 +58,7 @@ def build():
     scene.add_floor(4.0, name="floor", position=(1.0, 0.0, 0.0))
     scene.default_friction = FRICTION[options["floor"]]
     scene.add_rigid(
-        robot_parts.lathed(PROFILE, 96), name="body", inertia=_body_inertia(), position=(0, 0, _gap())
+        robot_parts.lathed(PROFILE, 96), name="body", inertia=_body_inertia(), position=(0, 0, _gap()), color=SHELL
     )
     for name, side in zip(WHEELS, (-1, 1), strict=True):
         _add_drive(scene, name, side * WHEEL_X)
@@ -88,36 +92,63 @@ def measure(sim):
 
 
 def check(run):
-    """Against closed forms; every tolerance is several times what is measured (docs/systems.md)."""
+    want = expected()
+    for name, value in results(run).items():
+        reference, tolerance = want[name]
+        assert abs(value - reference) <= tolerance, f"{name} is {value:.6g}, expected {reference:.6g}"
+
+
+def results(run):
+    """What came out, by name, in SI units."""
     series = {name.removeprefix("measured."): run.telemetry[name] for name in run.telemetry.names}
     time = series["time"]
-    still, pull, drive_on = time < START - 0.1, (time > START + 0.04) & (time < START + 0.2), time > 1.0
+    still, pull, end = time < START, (time > START + 0.04) & (time < START + 0.2), time > 1.0
+    still &= time > 0.1
 
     def mean(name, when):
-        return series[name][when & (time > 0.1)].mean()
+        return float(series[name][when].mean())
 
-    def agrees(what, value, expected, tolerance):
-        assert abs(value - expected) <= tolerance, f"{what} is {value:.6g}, expected {expected:.6g}"
-
-    assert max(np.abs(series[f"torque_{name}"]).max() for name in WHEELS) <= TORQUE * (1 + 1e-9), "limit"
-    agrees("acceleration", np.polyfit(time[pull], series["speed"][pull], 1)[0], ACCELERATION, 0.02)
-    agrees("final speed", mean("speed", drive_on), SPEED * WHEEL_RADIUS, 0.02 * SPEED * WHEEL_RADIUS)
-    for name in WHEELS:
-        carried = mean(f"load_{name}", still) - 2 * PART_MASS * GRAVITY  # but for wheel and arm
-        agrees("compression", mean(f"compression_{name}", still), carried / SPRING, 1e-3 * PRELOAD)
+    found = {
+        "torque": max(np.abs(series[f"torque_{name}"]).max() for name in WHEELS),
+        "acceleration": np.polyfit(time[pull], series["speed"][pull], 1)[0],
+        "slip": mean("rate_left", pull) * WHEEL_RADIUS - mean("speed", pull),
+        "speed": mean("speed", end),
+        "compression": mean("compression_left", still),
+    }
+    carried = mean("load_left", still) - 2 * PART_MASS * GRAVITY  # by the spring: all but wheel and arm
+    found["imbalance"] = found["compression"] - carried / SPRING
     loads = [f"load_{name}" for name in (*WHEELS, *CASTERS)]
-    for when, tolerance in ((still, 1e-3), (drive_on, 5e-3)):
-        agrees("weight", sum(mean(name, when) for name in loads), WEIGHT, tolerance * WEIGHT)
-    rest = statics(sum(mean(f"compression_{name}", still) for name in WHEELS) / 2)
-    shift = SHIFT_ARM * ACCELERATION / (CASTER_Y["front"] - CASTER_Y["rear"])
-    for name, sign in (("front", -1), ("rear", 1)):
-        agrees(f"{name} load at rest", mean(f"load_{name}", still), rest[name], 0.01)
-        agrees(f"{name} load, accelerating", mean(f"load_{name}", pull), rest[name] + sign * shift, 0.1)
+    for moment, when in (("rest", still), ("pull", pull), ("end", end)):
+        found[f"weight_{moment}"] = sum(mean(name, when) for name in loads)
+        found |= {f"{name}_{moment}": mean(f"load_{name}", when) for name in CASTERS}
+    return found
 
 
-def statics(compression):
+def expected():
+    """What statics and the laws of motor and friction say: value and tolerance by name."""
+    rolling = 1 - 0.5 * PART_MASS * ACCELERATION * WHEEL_RADIUS / TORQUE  # less what spins up the wheel
+    grip = FRICTION[options["floor"]] * (SPRING * PRELOAD + 2 * PART_MASS * GRAVITY)
+    casters, shift = statics(), SHIFT_ARM * ACCELERATION / (CASTER_Y["front"] - CASTER_Y["rear"])
+    want = {
+        "torque": (TORQUE, 1e-9 * TORQUE),
+        "acceleration": (ACCELERATION, 0.01 * ACCELERATION),
+        # What theory eq. 20 says of a force below the limit of friction; corners of the wheels add to it.
+        "slip": (STICK_VELOCITY * (1 - np.sqrt(1 - rolling * TORQUE / WHEEL_RADIUS / grip)), 4e-4),
+        "speed": (SPEED * WHEEL_RADIUS, 0.005 * SPEED * WHEEL_RADIUS),
+        # Wheels and casters float on gaps that differ by microns with their loads.
+        "compression": (PRELOAD, 0.01 * PRELOAD),
+        "imbalance": (0.0, 1e-3 * PRELOAD),
+    }
+    for moment, tilt, tolerance in (("rest", 0.0, 1e-3), ("pull", shift, 1e-2), ("end", 0.0, 5e-3)):
+        want[f"weight_{moment}"] = (WEIGHT, tolerance * WEIGHT)
+        want[f"front_{moment}"] = (casters["front"] - tilt, 0.05)
+        want[f"rear_{moment}"] = (casters["rear"] + tilt, 0.05)
+    return want
+
+
+def statics():
     """Loads of the casters [N] that balance force and moment about the axles at rest."""
-    on_casters = WEIGHT - 2 * (SPRING * compression + 2 * PART_MASS * GRAVITY)
+    on_casters = WEIGHT - 2 * (SPRING * PRELOAD + 2 * PART_MASS * GRAVITY)
     moment = PART_MASS * GRAVITY * sum(CASTER_Y.values())
     front = (moment - on_casters * CASTER_Y["rear"]) / (CASTER_Y["front"] - CASTER_Y["rear"])
     return {"front": front, "rear": on_casters - front}
@@ -129,7 +160,10 @@ def statics(compression):
 def _add_drive(scene, name, x):
     """A wheel on an arm that slides along z of the body, with spring, damper, stop and motor."""
     center = (x, 0.0, WHEEL_RADIUS + _gap())
-    arm = scene.add_box((0.012, 0.02, 0.03), name=f"arm_{name}", mass=PART_MASS, position=center)
+    inside = (x * (1.0 - 0.020 / WHEEL_X), *center[1:])
+    arm = scene.add_box(
+        (0.012, 0.024, 0.050), name=f"arm_{name}", mass=PART_MASS, position=inside, color=METAL
+    )
     slider = scene.add_slider("body", arm, anchor=center, axis=(0, 0, 1), name=f"suspension_{name}")
     slider.add_spring(SPRING, damping=DAMPER, rest=-PRELOAD, name=f"spring_{name}")
     slider.add_limit(lower=-0.015, upper=0.020)
@@ -140,7 +174,7 @@ def _add_drive(scene, name, x):
 def _add_wheel(scene, name, carrier, radius, width, place):
     center = (*place, radius + _gap())
     mesh = robot_parts.wheel(radius, width, int(options["segments"]))
-    body = scene.add_rigid(mesh, name=name, mass=PART_MASS, position=center)
+    body = scene.add_rigid(mesh, name=name, mass=PART_MASS, position=center, color=TYRE)
     return scene.add_hinge(carrier, body, anchor=center, axis=(-1, 0, 0), name=f"axle_{name}")
 
 
@@ -164,27 +198,38 @@ def _actuators(sim, kind):
 
 
 def plot(run, path):
-    """Writes speed, torque, compression and loads over time."""
-    t = run.telemetry
-    names = {
-        "speed [m/s]": {"speed": "speed"},
-        "torque [mN m]": {name: f"torque_{name}" for name in WHEELS},
-        "suspension [mm]": {name: f"compression_{name}" for name in WHEELS},
-        "load [N]": {name: f"load_{name}" for name in ("left", *CASTERS)},
-    }
+    """Speed, torque, suspension and loads over time."""
+    settled = run.telemetry["time"] > 0.1
+    t = {name.removeprefix("measured."): run.telemetry[name][settled] for name in run.telemetry.names}
     panels = {
-        label: {key: t[f"measured.{name}"] * (1e3 if "[m" in label and "/" not in label else 1.0)}
-        for label, group in names.items()
-        for key, name in group.items()
+        "speed [m/s]": {"": t["speed"]},
+        "torque [mN m]": {name: 1e3 * t[f"torque_{name}"] for name in WHEELS},
+        "suspension [mm]": {name: 1e3 * t[f"compression_{name}"] for name in WHEELS},
+        "load [N]": {name: t[f"load_{name}"] for name in ("left", *CASTERS)},
     }
-    curves.write(path, t["time"], panels)
+    return curves.write(path, t["time"], panels)
+
+
+def draw(run, path):
+    """The robot at the start, and cut open at the end."""
+    whole, cut = run.frame(0).bodies, run.frame(-1).bodies
+    shown = [pictures.part(body) for body in whole if body.name != "floor"]
+    for body in cut:
+        middle = body.positions[body.triangles].mean(axis=1)
+        rest = (middle[:, 2] < 0.024) | ((middle[:, 0] < 0.0) & (middle[:, 2] < 0.085))
+        shown.append(pictures.part(body, keep=rest if body.name == "body" else None))
+    return pictures.compose(path, shown, azimuth=32, elevation=24)
 
 
 def main():
-    chosen = {"floor": sys.argv[1]} if len(sys.argv) > 1 else {}
-    result = stark.scenes.run(stark.scenes.load(__file__, chosen))
-    print(f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s")
-    return result.exit_code
+    for floor in sys.argv[1:] or FRICTION:
+        result = stark.scenes.run(stark.scenes.load(__file__, {"floor": floor}))
+        print(f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s")
+        if result.exit_code:
+            return result.exit_code
+        run = Recording(result.folder)
+        print(plot(run, result.folder / "curves.svg"), draw(run, result.folder / "robot.png"), sep="\n")
+    return 0
 
 
 if __name__ == "__main__":
