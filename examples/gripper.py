@@ -187,7 +187,7 @@ def draw(runs, path):
     for k, run in enumerate(runs):
         shift = (-0.25 * k, 0.0, 0.0)
         shown += [pictures.part(body, shift=shift) for body in run.frame(-1).bodies]
-    return pictures.compose(path, shown, azimuth=76, elevation=20)
+    return pictures.compose(path, shown, azimuth=90, elevation=26)
 
 
 def main():
