@@ -41,6 +41,7 @@ nb::dict energy_dict(const StepReport& r) {
   energy["damping"] = r.energy.damping;
   energy["friction"] = r.energy.friction;
   energy["external"] = r.energy.external;
+  energy["actuation"] = r.energy.actuation;
   energy["numerical"] = r.energy.numerical;
   return energy;
 }
@@ -184,6 +185,7 @@ void bind_report(nb::module_& m) {
           "energy", energy_dict,
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
           "step: damping, friction (dissipated), external (work of scripted and pinned parts), "
+          "actuation (work of actuators), "
           "numerical (what closes the balance) [J].")
       .def_prop_ro(
           "momentum", [](const StepReport& r) { return vector3(r.momentum.linear); },

@@ -292,8 +292,26 @@ _solids = {name: SolidMaterial._of(core, name, source) for name, source, core in
 
 _rods = {name: RodMaterial._of(core, name, source) for name, source, core in _core.rod_presets()}
 
+
+def plate(
+    *, youngs_modulus: float, poissons_ratio: float, thickness: float, density: float, **parameters: ArrayLike
+) -> ShellMaterial:
+    """Thin plate of an elastic material: ``youngs_modulus`` [Pa], ``thickness`` [m], ``density`` of volume
+    [kg/m^3]: flexural rigidity E t^3 / (12 (1 - nu^2)), mass rho t per area. Further parameters are those of
+    ShellMaterial."""
+    given = {
+        "youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "thickness": thickness,
+        "density": density * thickness,
+    }  # fmt: skip
+    rigidity = youngs_modulus * thickness**3 / (12.0 * (1.0 - poissons_ratio**2))
+    return ShellMaterial(**{"flexural_rigidity": rigidity, "mass_damping": 0.1, **given, **parameters})
+
+
 cotton: ShellMaterial = _shells["cotton"]
 towel: ShellMaterial = _shells["towel"]
+paper: ShellMaterial = _shells["paper"]
+pet: ShellMaterial = _shells["pet"]
+steel_sheet: ShellMaterial = _shells["steel_sheet"]
 soft_rubber: SolidMaterial = _solids["soft_rubber"]
 silicone: SolidMaterial = _solids["silicone"]
 steel_wire: RodMaterial = _rods["steel_wire"]

@@ -57,6 +57,12 @@ def test_presets_have_the_documented_numbers() -> None:
         "strain_limit_stiffness": 1e6, "bending_stiffness": 1e-6, "flexural_rigidity": 0.0,
         "mass_damping": 0.1, "strain_damping": 0.5, "bending_damping": 1e-7,
     }  # fmt: skip
+    steel = stark.materials.plate(
+        youngs_modulus=2.1e11, poissons_ratio=0.3, thickness=1e-4, density=7850.0, bending_stiffness=0.0
+    )
+    sheet = stark.materials.steel_sheet.to_dict()
+    assert steel.flexural_rigidity == pytest.approx(2.1e11 * 1e-12 / (12 * 0.91), rel=1e-12)
+    assert steel.to_dict() == pytest.approx(sheet, rel=1e-12)
     assert rubber.to_dict() == {
         "density": 1000.0, "youngs_modulus": 1e4, "poissons_ratio": 0.3, "strain_limit": 1.0,
         "strain_limit_stiffness": 1e2, "mass_damping": 0.1, "strain_damping": 0.0,

@@ -5,6 +5,7 @@
 
 #include <stark/geometry/shapes.h>
 #include <stark/sim/simulation.h>
+#include <support/joint_scenes.h>
 #include <support/simulation_checks.h>
 
 using namespace stark;
@@ -150,4 +151,23 @@ TEST_CASE("angular momentum of the report is that of the bodies") {
       cross(sim.state().body_position[0], sim.state().body_velocity[0] * 0.3) + spin(sim, 0);
   CHECK(norm(report.momentum.angular - expected) < 1e-15);
   CHECK(report.momentum.linear.x == doctest::Approx(0.15).epsilon(1e-9));
+}
+
+TEST_CASE("a motor's work is the kinetic energy of what it drives, less what the integration loses") {
+  const double moment = 0.01;
+  Machine m = machine("hinge", wheel(moment));
+  add(m.scene, "effort", m.joint, {{"target", 0.2}});
+  Settings settings = tight_settings(1e-3);
+  settings.gravity = {};
+  Simulation sim(m.scene, settings);
+  double work = 0.0, numerical = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    REQUIRE(!sim.step().failed());
+    work += sim.report().energy.actuation;
+    numerical += sim.report().energy.numerical;
+  }
+  const double rate = 0.2 * 0.1 / moment;
+  CHECK(sim.report().energy.kinetic == doctest::Approx(0.5 * moment * rate * rate).epsilon(5e-3));
+  CHECK(work == doctest::Approx(sim.report().energy.kinetic + numerical).epsilon(1e-9));
+  CHECK(numerical / work == doctest::Approx(0.01).epsilon(0.1));  // 1 / steps, for a constant acceleration
 }

@@ -148,8 +148,9 @@ class Simulation {
   void commit(double h);
   /// Stored energies of the current state with sites at x; contact is left at zero.
   EnergyLedger stored_energies(std::span<const Vec3> x) const;
-  /// Completes the ledger of the step that has just been committed; `before`: stored energies at its start.
-  EnergyLedger balance(const EnergyLedger& before) const;
+  /// Completes the ledger of the step of length h that has just been committed; `before`: stored energies at
+  /// its start.
+  EnergyLedger balance(const EnergyLedger& before, double h) const;
   double prescribed_work() const;
   double damping_work() const;
   Momentum momentum() const;

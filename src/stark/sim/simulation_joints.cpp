@@ -74,10 +74,23 @@ void Simulation::check_joints() {
   const std::vector<Vec3> x = site_positions();
   for (ConstraintGroup& group : model_->constraints().groups()) group.batch.set_previous(x);
   const std::vector<double> C = model_->constraints().residuals(x);
+  std::vector<std::vector<double>> derivatives;
+  for (const ConstraintGroup& group : model_->constraints().groups())
+    derivatives.push_back(group.batch.evaluate(symbolic::Order::Hessian, x));
   for (int32_t j = 0; j < static_cast<int32_t>(scene_.joints().size()); ++j) {
     if (!scene_.joints()[j].enabled) continue;
     const ConstraintSet::Place& place = model_->constraints().place(j);
-    const Joint& joint = *model_->constraints().groups()[place.group].joint;
+    const ConstraintGroup& group = model_->constraints().groups()[place.group];
+    const Joint& joint = *group.joint;
+    const size_t outputs = derivatives[place.group].size() / static_cast<size_t>(group.batch.size());
+    const auto first =
+        derivatives[place.group].begin() + static_cast<std::ptrdiff_t>(place.element * outputs);
+    if (!std::all_of(first, first + static_cast<std::ptrdiff_t>(outputs),
+                     [](double v) { return std::isfinite(v); }))
+      throw InvalidArgument(
+          owner_text(scene_.joints()[j]) +
+          ": its residuals or their derivatives are not finite at time 0: must be; look for the norm "
+          "of a zero vector, a division by zero, or the root or logarithm of a negative number there");
     int64_t r = place.residual;
     for (const int rows : joint.hold_sizes()) {
       const ResidualUnit unit = joint.units()[r - place.residual];

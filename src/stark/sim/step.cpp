@@ -69,7 +69,7 @@ const StepReport& Simulation::step(double max_time_step) {
       commit(h);
       {
         const PhaseTimer::Scope scope(*timer_, Phase::Commit);
-        report_.energy = balance(energies_before_);
+        report_.energy = balance(energies_before_, h);
       }
       report_.time_step = h;
       // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink

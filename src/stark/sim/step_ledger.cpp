@@ -123,7 +123,7 @@ double Simulation::prescribed_work() const {
   return total;
 }
 
-EnergyLedger Simulation::balance(const EnergyLedger& before) const {
+EnergyLedger Simulation::balance(const EnergyLedger& before, double h) const {
   const std::span<const Vec3> x = potential_->site_positions();
   EnergyLedger ledger = stored_energies(x);
   if (contact_) {
@@ -135,7 +135,10 @@ EnergyLedger Simulation::balance(const EnergyLedger& before) const {
   }
   ledger.damping = damping_work();
   ledger.external = prescribed_work();
-  ledger.numerical = before.stored() + ledger.external - ledger.stored() - ledger.damping - ledger.friction;
+  for (int32_t k = 0; k < static_cast<int32_t>(scene_.actuators().size()); ++k)
+    if (actuator_enabled({k})) ledger.actuation += actuator_power({k}) * h;
+  ledger.numerical = before.stored() + ledger.external + ledger.actuation - ledger.stored() - ledger.damping -
+                     ledger.friction;
   return ledger;
 }
 

@@ -16,7 +16,7 @@ namespace stark {
 enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step
-///   stored(end) - stored(start) = external - damping - friction - numerical.
+///   stored(end) - stored(start) = external + actuation - damping - friction - numerical.
 struct EnergyLedger {
   double kinetic = 0.0;    ///< of all free masses
   double elastic = 0.0;    ///< of elements and of users' energies
@@ -25,6 +25,7 @@ struct EnergyLedger {
   double damping = 0.0;    ///< dissipated in the step by material and mass damping
   double friction = 0.0;   ///< dissipated in the step
   double external = 0.0;   ///< work of fixed, scripted and pinned parts on the rest in the step
+  double actuation = 0.0;  ///< work of actuators in the step, springs on coordinates included
   double numerical = 0.0;  ///< what closes the balance: dissipated by the time integration and by joints
 
   double stored() const { return kinetic + elastic + gravity + contact; }

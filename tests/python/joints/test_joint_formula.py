@@ -124,3 +124,15 @@ def test_names_that_joints_need_are_refused() -> None:
         @stark.joint
         def _(a: stark.Frame, b: stark.Frame):
             return stark.hold(length=b.origin - a.origin, angle={"reaction": a.x @ b.y})
+
+
+def test_a_joint_without_derivatives_at_the_start_is_refused() -> None:
+    @stark.joint
+    def rope(a: stark.Frame, b: stark.Frame):
+        return stark.hold(length=stark.norm(b.origin - a.origin))
+
+    scene = stark.Scene()
+    box = scene.add_rigid(stark.mesh.box(0.1), mass=1.0)
+    scene.add_joint(rope, None, box, anchor=(0, 0, 0))
+    with pytest.raises(stark.InvalidArgument, match=r"rope.*not finite at time 0.*norm of a zero vector"):
+        stark.Simulation(scene)

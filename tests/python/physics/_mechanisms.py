@@ -20,6 +20,7 @@ TIGHT = {
     "newton.acceleration_tolerance": 0.0,
     "newton.step_tolerance": 0.0,
 }
+BDF2 = {"time.integrator": "bdf2"}
 
 
 @dataclass
@@ -93,13 +94,19 @@ def crossings(history: tuple[Floats, Floats]) -> Floats:
     return t[k] + (t[k + 1] - t[k]) * y[k] / (y[k] - y[k + 1])
 
 
-def extrapolate(*results: ArrayLike) -> Floats:
-    """Richardson extrapolation to time step zero of results at h, h/2, h/4, ... whose error is a power series
-    in h."""
+def extrapolate(*results: ArrayLike, order: int = 1) -> Floats:
+    """Richardson extrapolation to step zero of results at h, h/2, h/4, ... whose error is a power series in h
+    that starts with h^order."""
     level = [np.asarray(r, dtype=float) for r in results]
-    for k in range(1, len(results)):
-        level = [fine + (fine - coarse) / (2.0**k - 1.0) for coarse, fine in pairwise(level)]
+    for power in range(order, order + len(results) - 1):
+        level = [fine + (fine - coarse) / (2.0**power - 1.0) for coarse, fine in pairwise(level)]
     return level[0]
+
+
+def observed_order(*results: ArrayLike) -> float:
+    """Order of convergence from three results with h, h/2, h/4."""
+    coarse, middle, fine = (np.asarray(r, dtype=float) for r in results)
+    return float(np.log2(np.linalg.norm(middle - coarse) / np.linalg.norm(fine - middle)))
 
 
 def bar(

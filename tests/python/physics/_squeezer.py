@@ -4,6 +4,8 @@ in SI units; names of the test set."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from _mechanisms import TIGHT, Floats, Work, record, simulate
 from numpy.typing import NDArray
@@ -56,7 +58,9 @@ def _polar(angle: float, along: float, across: float) -> Floats:
     return _at(along * c - across * s, along * s + across * c)
 
 
-def squeezer(time_step: float, until: float, work: Work | None = None) -> tuple[NDArray, NDArray]:
+def squeezer(
+    time_step: float, until: float, work: Work | None = None, **settings: Any
+) -> tuple[NDArray, NDArray]:
     """The seven angles [rad] after each step."""
     beta, theta, gamma, phi, delta, omega, epsilon = START.values()
     A, B, C = _at(XA, YA), _at(XB, YB), _at(XC, YC)
@@ -94,7 +98,7 @@ def squeezer(time_step: float, until: float, work: Work | None = None) -> tuple[
     scene.add(motor(k1, torque=TORQUE))
     end = B + _polar(gamma, SD, -SC)
     scene.add(spring(k3.points(end - centers[2]), end=C, stiffness=STIFFNESS, length=REST_LENGTH))
-    sim = simulate(scene, time_step, gravity=(0, 0, 0), **SETTINGS)
+    sim = simulate(scene, time_step, gravity=(0, 0, 0), **{**SETTINGS, **settings})
 
     def angles() -> Floats:
         if sim.time == 0.0:

@@ -67,8 +67,16 @@ def _numbers(cell: str) -> np.ndarray:
     return np.array([float(text) for text in _NUMBER.findall(cell)])
 
 
+def _digits(value: float, tolerance: np.ndarray) -> int:
+    """Significant digits that show a hundredth of the tolerance, at least six."""
+    if tolerance.size == 0 or value == 0.0:
+        return 6
+    return max(6, 2 + int(np.ceil(np.log10(abs(value) / tolerance[0]))))
+
+
 def _write(name: str, values: np.ndarray) -> None:
     text = PAGE.read_text()
     match = next(m for m in _ROW.finditer(text) if m[1] == name)
-    cell = ", ".join(f"{v:.6g}" for v in values)
+    tolerance = _numbers(match[5])[:1]
+    cell = ", ".join(f"{v:.{_digits(v, tolerance)}g}" for v in values)
     PAGE.write_text(text[: match.start(4)] + f" {cell} " + text[match.end(4) :])

@@ -1,0 +1,165 @@
+"""Membranes against closed forms: strain limit of a strip (V11), a balloon and its limit point (V12)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from _mechanisms import simulate
+from _validation import validate
+from scipy.optimize import brentq, minimize_scalar
+
+import stark
+
+STATIC = {
+    "time.integrator": "quasistatic",
+    "newton.acceleration_tolerance": 1e-6,
+    "newton.step_tolerance": 1e-9,
+    "newton.max_iterations": 500,
+}
+
+
+# --- V11: strain limit ---
+
+MODULUS, THICKNESS, WIDTH, LENGTH = 5e3, 1e-3, 0.1, 0.5  # [Pa], [m], [m], [m]
+LIMIT, STIFFNESS = 0.1, 1e6  # [1], [Pa]
+LOADS = (0.04, 0.1, 0.5, 2.0)  # [N]
+
+
+@stark.energy
+def load(p: stark.Point, force: stark.Vec3):
+    """A force on each point [N]."""
+    return -(force @ p.x)
+
+
+def stretch_of_strip(force: float) -> float:
+    """Without lateral contraction the strip only gets longer. Its cells are ten times wider than long, so
+    that diagonals stay below the limit; of the area of a cell its two edges along the load stand for a
+    third."""
+
+    def resultant(a: float) -> float:
+        membrane = MODULUS / 2 * (a - 1 / a)
+        return THICKNESS * WIDTH * (membrane + STIFFNESS / 3 * max(a - 1 - LIMIT, 0.0) ** 2)
+
+    return brentq(lambda a: resultant(a) - force, 1.0, 3.0, xtol=1e-14)
+
+
+def test_strip_beyond_its_strain_limit() -> None:
+    grid = stark.mesh.grid(WIDTH, LENGTH, (1, 50))
+    y = grid.vertices[:, 1]
+    material = stark.ShellMaterial(
+        youngs_modulus=MODULUS,
+        thickness=THICKNESS,
+        poissons_ratio=0.0,
+        strain_limit=LIMIT,
+        strain_limit_stiffness=STIFFNESS,
+        bending_stiffness=1e-9,
+    )
+    measured = []
+    for force in LOADS:
+        scene = stark.Scene()
+        start = grid.vertices * (1.0, 1.01, 1.0)  # under tension, so that the flat strip is stable
+        strip = scene.add_cloth(grid, material, initial_positions=start, pins=y > 0.499 * LENGTH)
+        end = np.flatnonzero(y < -0.499 * LENGTH)
+        scene.add(load(strip.vertices[end], force=(0, -force / 2, 0)))
+        sim = simulate(scene, 1.0, gravity=(0, 0, 0), **STATIC)
+        report = sim.step()
+        assert report.status == "accepted", report.message
+        # The cells next to the clamp too: without lateral contraction the field is uniform.
+        measured.append(np.ptp(strip.positions[:, 1]) / np.ptp(start[:, 1] / 1.01))
+    expected = [stretch_of_strip(force) for force in LOADS]
+    assert measured == pytest.approx(expected, abs=1e-6)
+    validate("V11.stretch", measured)
+
+
+# --- V12: balloon ---
+
+MU, LAMBDA = 1 / 2.6, 0.3 / (1 - 0.09)  # over E, plane stress, Poisson's ratio 0.3
+STRETCHES = (1.05, 1.1, 1.2, 1.4, 1.7, 2.0)
+
+
+@stark.energy
+def pressure(t: stark.Triangle, p: float = stark.parameter(unit="Pa")):
+    """-p V, the volume of a closed surface as a sum of tetrahedra over the origin."""
+    return -p * (t.center @ t.area_vector) / 3
+
+
+@stark.energy
+def radius(p: stark.Point, target: float, stiffness: float):
+    """Springs towards a sphere about the origin."""
+    return 0.5 * stiffness * (stark.norm(p.x) - target) ** 2
+
+
+def closed_form(stretch: float) -> float:
+    """p R / (E h) of a balloon of the logarithmic law (theory eq. 11)."""
+    return (2 * MU * (stretch - 1 / stretch) + 4 * LAMBDA * np.log(stretch) / stretch) / stretch**2
+
+
+def balloon(stretch: float) -> tuple[stark.Scene, Any]:
+    """R = E h = 1, stretched to begin with."""
+    sphere = stark.mesh.sphere(1.0, 3)
+    material = stark.ShellMaterial(
+        youngs_modulus=1e3, thickness=1e-3, poissons_ratio=0.3, density=1.0, bending_stiffness=1e-9
+    )
+    scene = stark.Scene()
+    skin = scene.add_cloth(sphere, material, initial_positions=stretch * sphere.vertices, self_contact=False)
+    return scene, skin
+
+
+def held_pressure(stretch: float) -> float:
+    """Pressure of a balloon that stiff springs hold at a stretch: their force over its area."""
+    scene, skin = balloon(stretch)
+    springs = scene.add(radius(skin.vertices, target=stretch, stiffness=1e4))
+    sim = simulate(scene, 1.0, gravity=(0, 0, 0), **STATIC)
+    report = sim.step()
+    assert report.status == "accepted", report.message
+    forces = np.linalg.norm(springs.forces.reshape(-1, 3), axis=1)
+    return float(forces.sum() / stark.TriangleMesh(skin.positions, skin.triangles).area)
+
+
+def test_balloon_held_at_a_stretch_presses_as_the_law_says() -> None:
+    validate("V12.pressure", [held_pressure(a) for a in STRETCHES])
+    best = minimize_scalar(
+        lambda a: -held_pressure(a), bounds=(1.4, 1.7), method="bounded", options={"xatol": 1e-3}
+    )
+    validate("V12.limit_stretch", best.x)
+    validate("V12.limit_pressure", -best.fun)
+
+
+def blown(start: float, p: float, **settings: Any) -> tuple[stark.Simulation, Any]:
+    """A balloon under constant pressure. Springs of 1e-6 of its stiffness keep it from drifting."""
+    scene, skin = balloon(start)
+    scene.add(pressure(skin.faces, p=p))
+    scene.add(radius(skin.vertices, target=start, stiffness=1e-8))
+    return simulate(scene, 0.5, gravity=(0, 0, 0), **settings), skin
+
+
+def mean_radius(skin: Any) -> float:
+    return float(np.linalg.norm(skin.positions, axis=1).mean())
+
+
+def test_balloon_under_pressure_stretches_as_the_law_says() -> None:
+    measured = []
+    for stretch in STRETCHES[:4]:  # below the limit point
+        sim, skin = blown(stretch - 0.01, closed_form(stretch), **STATIC)
+        report = sim.step()
+        assert report.status == "accepted", report.message
+        measured.append(mean_radius(skin))
+    validate("V12.stretch", measured)
+
+
+def test_balloon_grows_without_bound_beyond_its_limit_point() -> None:
+    """Implicit Euler damps: at 98 % of the limit pressure it comes to rest, at 102 % it does not."""
+    limit = closed_form(minimize_scalar(lambda a: -closed_form(a), bounds=(1.3, 2.0), method="bounded").x)
+    below = brentq(lambda a: closed_form(a) - 0.98 * limit, 1.2, 1.55)
+    for share in (0.98, 1.02):
+        sim, skin = blown(1.38, share * limit)
+        for report in sim.run(30.0):
+            assert not report.failed, report.message
+            if mean_radius(skin) > 2.2:
+                break
+        if share < 1.0:
+            assert mean_radius(skin) == pytest.approx(below, rel=0.01)
+        else:
+            assert mean_radius(skin) > 2.2

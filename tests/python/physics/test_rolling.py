@@ -1,0 +1,94 @@
+"""A plate pushed over 25 balls (V27): the rolling test of SimBenchmark (leggedrobotics) by its parameters.
+
+A ball of mass m between plate and ground is driven by the force f of the plate above and g of the ground
+below, m a = f + g and 2/5 m r alpha = f - g. While it rolls on both, alpha r = a, so f = 0.7 m a, g = 0.3 m
+a, the plate has 2 a, and F = (2 M + 0.7 n m) a. That takes f <= mu M g / n, F <= mu M g (1 + 20 M / (7 n m)).
+Beyond, the plate slips with f = mu M g / n, and the ball rolls on the ground, a = 10 f / (7 m)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from _helpers import G, advance
+from _validation import validate
+
+import stark
+
+PLATE, BALL, SIDE = 10.0, 1.0, 5  # [kg], [kg], balls along a side
+RADIUS, GAP, STEP = 0.1, 1e-3, 5e-3  # [m], [m], [s]
+MU_PLATE, MU_GROUND = 0.8, 0.4
+
+
+@stark.energy
+def push(f: stark.Frame, force: stark.Vec3):
+    """A force on the origin of a body [N]."""
+    return -(force @ f.origin)
+
+
+def accelerations(
+    force: float, direction: float, subdivisions: int, duration: float, *, turned: bool = False
+) -> list[float]:
+    """Mean accelerations [m/s^2] of plate and balls along the force, which acts after 0.1 s of rest.
+
+    The balls have the inertia of true ones. Their surfaces are triangles: they carry the plate together if
+    all have the same orientation, unlike when each is turned at random."""
+    scene = stark.Scene()
+    scene.default_friction = MU_PLATE
+    floor = scene.add_floor(6.0)
+    plate = scene.add_box((2.4, 2.4, 0.02), mass=PLATE, position=(0, 0.5, 2 * RADIUS + 3.9 * GAP + 0.01))
+    scene.disable_contact(plate, floor)
+    inertia = (BALL, (0.0, 0.0, 0.0), 0.4 * BALL * RADIUS**2 * np.eye(3))
+    mesh = stark.mesh.sphere(RADIUS, subdivisions)
+    balls: list[stark.RigidBody] = []
+    random = np.random.default_rng(1)
+    for i, j in np.ndindex(SIDE, SIDE):
+        # Beside the middle, where the diagonal of the floor runs.
+        position = (0.4 * (i - 2) + 0.013, 0.4 * (j - 2) + 0.5, RADIUS + 1.95 * GAP)
+        axes = random_rotation(random) if turned else np.eye(3)
+        ball = scene.add_rigid(mesh, inertia=inertia, position=position, rotation=axes)
+        scene.friction[ball, floor] = MU_GROUND
+        for other in balls:
+            scene.disable_contact(ball, other)
+        balls.append(ball)
+    hand = scene.add(push(plate, force=(0, 0, 0)))
+    sim = stark.Simulation(scene, time_step=STEP, contact_distance=GAP)
+    advance(sim, 0.1)
+    ahead = np.array([np.cos(direction * stark.deg), np.sin(direction * stark.deg), 0.0])
+    hand.force = force * ahead
+
+    def velocities() -> np.ndarray:
+        return np.array([plate.velocity @ ahead, np.mean([ball.velocity @ ahead for ball in balls])])
+
+    start, before = sim.time, velocities()
+    advance(sim, start + duration)
+    return list((velocities() - before) / (sim.time - start))
+
+
+def random_rotation(random: np.random.Generator) -> np.ndarray:
+    axes = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    return axes * np.sign(np.linalg.det(axes))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("direction", [0, 45])
+def test_plate_rolls_on_25_balls(direction: int) -> None:
+    validate(f"V27.rolls_{direction}", accelerations(75.0, direction, 4, 0.3))
+
+
+def test_plate_rolls_on_coarse_balls() -> None:
+    for subdivisions in (2, 3):
+        validate(f"V27.facets_{subdivisions}", accelerations(75.0, 0.0, subdivisions, 0.3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("subdivisions", [3, 4])
+def test_plate_on_balls_of_different_heights(subdivisions: int) -> None:
+    validate(f"V27.turned_{subdivisions}", accelerations(75.0, 0.0, subdivisions, 0.3, turned=True))
+
+
+@pytest.mark.slow
+def test_plate_rolls_and_slips_as_hard_as_friction_allows() -> None:
+    validate("V27.limit", accelerations(150.0, 0.0, 4, 0.2))
+    validate("V27.slips", accelerations(200.0, 0.0, 4, 0.1))
+    limit = MU_PLATE * PLATE * G * (1 + 20 * PLATE / (7 * SIDE**2 * BALL))
+    assert 150.0 < limit < 200.0
