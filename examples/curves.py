@@ -13,8 +13,8 @@ LEFT, WIDTH, HEIGHT, PITCH, TOP = 76.0, 600.0, 120.0, 158.0, 20.0  # of a panel,
 
 
 def write(path: Path, time: ArrayLike, panels: Mapping[str, Mapping[str, ArrayLike]]) -> Path:
-    """Writes curves over ``time`` [s] as ``path``. ``panels``: axis label to curves by name, each with a value for
-    every time."""
+    """Writes curves over ``time`` [s] as ``path``. ``panels``: axis label to curves by name, each with a
+    value for every time."""
     time = np.asarray(time, dtype=np.float64)
     height = TOP + PITCH * len(panels) + 20
     lines = [

@@ -1,12 +1,12 @@
 """gripper: the fingers of a Franka hand close on a cylinder and hold it when its support goes away.
 
-What it shows: two fingers on sliders with one drive (a gear couples them as the rack of the real hand does), a motor
-with a speed and a limit of force, grip by friction; a rigid object and a soft one in the same scene.
-The check: the grip is the limit of the motor, half of it a finger; friction carries the weight of what is held, creep
-is that of the friction law; what is heavier than 2 mu N slides with (weight - 2 mu N) / mass.
+What it shows: two fingers on sliders with one drive (a gear couples them as the rack of the real hand does),
+a motor with a speed and a limit of force, grip by friction on rigid and on soft objects.
+The check: the grip is the limit of the motor, half of it a finger; friction carries the weight of what is
+held, creep is that of the friction law; what is heavier than 2 mu N slides with (weight - 2 mu N) / mass.
 
-    python examples/gripper.py          a rigid cylinder of 200 g, one of 300 g, more than the grip can hold, and one
-                                        of soft foam; leaves recordings, plots and a picture in out/gripper*
+    python examples/gripper.py          cylinders of 200 g, of 300 g, more than the grip can hold, and foam;
+                                        leaves recordings, plots and a picture in out/gripper*
     python examples/gripper.py heavy    one of them
     stark run examples/gripper.py --option object=soft
 """
@@ -28,7 +28,12 @@ MASS = {"rigid": 0.2, "heavy": 0.3}  # [kg]
 FOAM = stark.SolidMaterial(density=500.0, youngs_modulus=2e4, poissons_ratio=0.3, strain_damping=20.0)
 
 RADIUS, HEIGHT = 0.030, 0.100  # of the object [m]
-HAND, FINGER_MASS, PAD_HEIGHT, OPENING = (0.202, 0.081, 0.037), 0.1, 0.018, 0.0765  # [m], [kg]; between pads [m]
+HAND, FINGER_MASS, PAD_HEIGHT, OPENING = (
+    (0.202, 0.081, 0.037),
+    0.1,
+    0.018,
+    0.0765,
+)  # [m], [kg]; between pads [m]
 FORCE, SPEED, RAMP = 5.0, 0.05, 0.005  # of both fingers together [N]; of each finger [m/s]
 FRICTION, STICK_VELOCITY, CONTACT_DISTANCE = 0.5, 1e-4, 0.00025  # [1], [m/s], [m]
 LOWERED, FALL, LOWER_SPEED = 0.5, 0.040, 0.4  # when [s], how far [m] and how fast [m/s] the table goes down
@@ -194,7 +199,9 @@ def main():
     runs = []
     for kind in sys.argv[1:] or ("rigid", "heavy", "soft"):
         result = stark.scenes.run(stark.scenes.load(__file__, {"object": kind}))
-        print(f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s")
+        print(
+            f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s"
+        )
         if result.exit_code:
             return result.exit_code
         runs.append(Recording(result.folder))

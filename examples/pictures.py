@@ -50,9 +50,7 @@ def save(
     return path
 
 
-def part(
-    body: Any, *, shift: ArrayLike = (0.0, 0.0, 0.0), keep: ArrayLike | None = None
-) -> SimpleNamespace:
+def part(body: Any, *, shift: ArrayLike = (0.0, 0.0, 0.0), keep: ArrayLike | None = None) -> SimpleNamespace:
     """A body of a frame of a recording, moved by ``shift`` [m], with the triangles of the mask ``keep``."""
     return SimpleNamespace(
         name=body.name,

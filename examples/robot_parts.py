@@ -9,8 +9,8 @@ import stark
 
 
 def lathed(profile: ArrayLike, segments: int) -> stark.mesh.TriangleMesh:
-    """The closed surface that a profile of (radius, z) [m], from the lower to the upper pole, sweeps about the
-    z axis."""
+    """The closed surface that a profile of (radius, z) [m], from the lower to the upper pole, sweeps about
+    the z axis."""
     points = np.asarray(profile, dtype=np.float64)
     angle = 2.0 * np.pi * np.arange(segments) / segments
     rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(segments, z)]) for r, z in points]
@@ -33,8 +33,8 @@ def wheel(radius: float, width: float, segments: int) -> stark.mesh.TriangleMesh
 
 
 def prism(outline: ArrayLike, middle: ArrayLike, height: float) -> stark.mesh.TriangleMesh:
-    """An outline (n, 2) [m] in the xy plane, counter-clockwise and seen as a whole from ``middle``, extruded to
-    ``height`` about z = 0."""
+    """An outline (n, 2) [m] in the xy plane, counter-clockwise and seen as a whole from ``middle``, extruded
+    to ``height`` about z = 0."""
     corners = np.asarray(outline, dtype=np.float64)
     n, top = len(corners), 0.5 * height
     flat = np.concatenate([corners, np.asarray(middle, dtype=np.float64)[None, :]])
@@ -46,8 +46,8 @@ def prism(outline: ArrayLike, middle: ArrayLike, height: float) -> stark.mesh.Tr
 
 
 def solid_cylinder(radius: float, height: float, cells: int, layers: int) -> stark.mesh.TetMesh:
-    """Tetrahedra in a cylinder about z: a box of ``cells`` x ``cells`` x ``layers`` whose squares about the axis
-    become circles."""
+    """Tetrahedra in a cylinder about z: a box of ``cells`` x ``cells`` x ``layers`` whose squares about the
+    axis become circles."""
     box = stark.mesh.tet_box((2.0, 2.0, height), (cells, cells, layers))
     x, y, z = box.vertices.T
     # The elliptical map of the square to the disc keeps cells at the corners open.

@@ -1,9 +1,9 @@
 """vacuum_robot: a vacuum robot of the Kobuki class starts from rest and drives on.
 
-What it shows: a system of seven rigid bodies with suspended wheels on sliders, springs and dampers, motors with a
-torque limit, casters on hinges; contact and friction with the floor; measured series in the telemetry.
-The check: acceleration and final speed of the motors' law, torques within the limit, suspension against the load
-that it carries, loads of the wheels against the statics.
+What it shows: seven rigid bodies, wheels on sliders, springs and dampers, motors with a limit,
+casters on hinges; contact and friction with the floor; measured series in the telemetry.
+The check: acceleration and final speed of the motors' law, torques within the limit, suspension against the
+load that it carries, loads of the wheels against the statics.
 
     python examples/vacuum_robot.py             both floors; recordings, plots, pictures in out/vacuum_robot*
     python examples/vacuum_robot.py polished    one of them
@@ -41,13 +41,15 @@ ACCELERATION = 2 * TORQUE / WHEEL_RADIUS / (TOTAL_MASS + 4 * 0.5 * PART_MASS)  #
 WEIGHT = TOTAL_MASS * GRAVITY  # [N]
 # Angular momentum about the floor for unit speed: what loads the rear caster when the robot speeds up.
 SHIFT_ARM = BODY_MASS * COM_HEIGHT + PART_MASS * (4 + 2 * 0.5) * WHEEL_RADIUS + PART_MASS * 3 * CASTER_RADIUS
-
-
 SHELL, TYRE, METAL = (0.42, 0.55, 0.72), (0.24, 0.24, 0.26), (0.91, 0.62, 0.25)
 
 
 def settings():
-    return {"time_step": 0.005, "contact_distance": CONTACT_DISTANCE, "contact.stick_velocity": STICK_VELOCITY}
+    return {
+        "time_step": 0.005,
+        "contact_distance": CONTACT_DISTANCE,
+        "contact.stick_velocity": STICK_VELOCITY,
+    }
 
 
 def build():
@@ -58,7 +60,11 @@ def build():
     scene.add_floor(4.0, name="floor", position=(1.0, 0.0, 0.0))
     scene.default_friction = FRICTION[options["floor"]]
     scene.add_rigid(
-        robot_parts.lathed(PROFILE, 96), name="body", inertia=_body_inertia(), position=(0, 0, _gap()), color=SHELL
+        robot_parts.lathed(PROFILE, 96),
+        name="body",
+        inertia=_body_inertia(),
+        position=(0, 0, _gap()),
+        color=SHELL,
     )
     for name, side in zip(WHEELS, (-1, 1), strict=True):
         _add_drive(scene, name, side * WHEEL_X)
@@ -79,9 +85,7 @@ def drive(sim):
 def measure(sim):
     """After every step: speed [m/s], torques [N m], compressions [m], loads on the floor [N]."""
     series = {"speed": sim["body"].velocity[1], "height": sim["body"].position[2]}
-    for name, motor, spring in zip(
-        WHEELS, _actuators(sim, "motor"), _actuators(sim, "spring"), strict=True
-    ):
+    for name, motor, spring in zip(WHEELS, _actuators(sim, "motor"), _actuators(sim, "spring"), strict=True):
         series[f"torque_{name}"] = motor.torque
         series[f"rate_{name}"] = motor.joint.rates["angle"]
         series[f"compression_{name}"] = spring.joint.displacement + PRELOAD
@@ -127,14 +131,14 @@ def results(run):
 
 def expected():
     """What statics and the laws of motor and friction say: value and tolerance by name."""
-    rolling = 1 - 0.5 * PART_MASS * ACCELERATION * WHEEL_RADIUS / TORQUE  # less what spins up the wheel
-    grip = FRICTION[options["floor"]] * (SPRING * PRELOAD + 2 * PART_MASS * GRAVITY)
+    pushed = TORQUE / WHEEL_RADIUS - 0.5 * PART_MASS * ACCELERATION  # less what spins up the wheel
+    limit = FRICTION[options["floor"]] * (SPRING * PRELOAD + 2 * PART_MASS * GRAVITY)
     casters, shift = statics(), SHIFT_ARM * ACCELERATION / (CASTER_Y["front"] - CASTER_Y["rear"])
     want = {
         "torque": (TORQUE, 1e-9 * TORQUE),
         "acceleration": (ACCELERATION, 0.01 * ACCELERATION),
         # What theory eq. 20 says of a force below the limit of friction; corners of the wheels add to it.
-        "slip": (STICK_VELOCITY * (1 - np.sqrt(1 - rolling * TORQUE / WHEEL_RADIUS / grip)), 4e-4),
+        "slip": (STICK_VELOCITY * (1 - np.sqrt(max(0.0, 1 - pushed / limit))), 4e-4),
         "speed": (SPEED * WHEEL_RADIUS, 0.005 * SPEED * WHEEL_RADIUS),
         # Wheels and casters float on gaps that differ by microns with their loads.
         "compression": (PRELOAD, 0.01 * PRELOAD),
@@ -225,7 +229,9 @@ def draw(run, path):
 def main():
     for floor in sys.argv[1:] or FRICTION:
         result = stark.scenes.run(stark.scenes.load(__file__, {"floor": floor}))
-        print(f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s")
+        print(
+            f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s"
+        )
         if result.exit_code:
             return result.exit_code
         run = Recording(result.folder)

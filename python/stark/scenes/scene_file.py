@@ -169,7 +169,14 @@ def _require_arguments(name: str, function: Callable[..., Any], attribute: str, 
 def _checked(module: ModuleType, name: str) -> SceneFile:
     if not hasattr(module, "build"):
         raise SceneFileError(f"scene '{name}': defines no build(); add a function that returns a stark.Scene")
-    for attribute, count in (("build", 0), ("settings", 0), ("drive", 1), ("measure", 1), ("observables", 1), ("check", 1)):
+    for attribute, count in (
+        ("build", 0),
+        ("settings", 0),
+        ("drive", 1),
+        ("measure", 1),
+        ("observables", 1),
+        ("check", 1),
+    ):
         if hasattr(module, attribute):
             _require_arguments(name, getattr(module, attribute), attribute, count)
     until = getattr(module, "until", None)

@@ -1,4 +1,4 @@
-"""Whole systems of examples/: the vacuum robot and the gripper against statics, the motors' law and friction."""
+"""Systems of examples/: the vacuum robot and the gripper against statics, the law of motors and friction."""
 
 from __future__ import annotations
 
