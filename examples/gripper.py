@@ -197,7 +197,7 @@ def draw(runs, path):
 
 def main():
     runs = []
-    for kind in sys.argv[1:] or ("rigid", "heavy", "soft"):
+    for kind in sys.argv[1:] or ("rigid", "soft", "heavy"):
         result = stark.scenes.run(stark.scenes.load(__file__, {"object": kind}))
         print(
             f"{result.scene}: {result.status} {result.message}, {result.steps} steps in {result.wall:.1f} s"
