@@ -398,7 +398,7 @@ def test_stopping_leaves_a_complete_recording(tmp_path: Path, number: int) -> No
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=_environment())
     telemetry = tmp_path / "run/telemetry.jsonl"
     deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline and not (telemetry.exists() and telemetry.stat().st_size > 1000):
+    while time.monotonic() < deadline and not (telemetry.exists() and telemetry.read_text().count("\n") >= 2):
         time.sleep(0.02)
     sent = time.monotonic()
     process.send_signal(number)
