@@ -90,7 +90,7 @@ def _add_object(scene):
     if kind == "soft":
         return scene.add_solid(soft_mesh(), FOAM, name="object", color=SOFT)
     if kind not in MASS:
-        raise ValueError(f"option object = '{kind}': must be one of soft, {', '.join(MASS)}")
+        raise stark.InvalidArgument(f"option object = '{kind}': must be one of soft, {', '.join(MASS)}")
     facet = stark.rotation(axis="z", angle=np.pi / 64)  # towards the pads
     mesh = stark.mesh.cylinder(RADIUS, HEIGHT, 64).rotated(facet)
     return scene.add_rigid(mesh, name="object", mass=MASS[kind], color=RIGID[kind])

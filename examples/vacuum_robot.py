@@ -54,7 +54,9 @@ def settings():
 
 def build():
     if options["floor"] not in FRICTION:
-        raise ValueError(f"option floor = '{options['floor']}': must be one of {', '.join(FRICTION)}")
+        raise stark.InvalidArgument(
+            f"option floor = '{options['floor']}': must be one of {', '.join(FRICTION)}"
+        )
     scene = stark.Scene()
     # Off centre, so that no wheel crosses the diagonal of its two triangles, which would lift it by microns.
     scene.add_floor(4.0, name="floor", position=(1.0, 0.0, 0.0))

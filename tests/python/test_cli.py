@@ -189,13 +189,22 @@ def test_options_change_a_scene_and_measured_series_are_telemetry(tmp_path: Path
     assert 3.0 - high["measured.height"] == pytest.approx(drop, rel=1e-9)
 
 
+def test_info_lists_the_options(tmp_path: Path, capsys) -> None:
+    (tmp_path / "fall.py").write_text(_MEASURED)
+    assert _run("info", tmp_path / "fall.py") == 0
+    assert "  option height = 2.0\n  option label = plain\n" in capsys.readouterr().out
+
+
 def test_options_of_packaged_scenes_do_not_stay(monkeypatch) -> None:
     from stark import scenes
     from stark.scenes import stack
 
-    monkeypatch.setattr(stack, "options", {"count": 3}, raising=False)
-    assert scenes.load("stack", {"count": "5"}).name == "stack_5" and stack.options == {"count": 5}
-    assert scenes.load("stack").name == "stack" and stack.options == {"count": 3}
+    defaults = {"count": 3, "fast": False, "mesh": ""}
+    monkeypatch.setattr(stack, "options", dict(defaults), raising=False)
+    changed = scenes.load("stack", {"count": "5", "fast": "true", "mesh": "cups/a.obj"})
+    assert changed.name == "stack_5_True_cups-a.obj"
+    assert stack.options == {"count": 5, "fast": True, "mesh": "cups/a.obj"}
+    assert scenes.load("stack").name == "stack" and stack.options == defaults
     monkeypatch.delattr(stack, "_default_options")
 
 

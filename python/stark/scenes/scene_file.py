@@ -8,6 +8,7 @@ import importlib.util
 import inspect
 import math
 import pkgutil
+import re
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -149,11 +150,21 @@ def _choose(module: ModuleType, name: str, chosen: Mapping[str, Any]) -> str:
             known = ", ".join(defaults) or "none"
             raise SceneFileError(f"scene '{name}' has no option '{key}'; its options: {known}")
         try:
-            options[key] = type(defaults[key])(value)
+            options[key] = _as(type(defaults[key]), value)
         except (TypeError, ValueError):
             kind = type(defaults[key]).__name__
             raise SceneFileError(f"scene '{name}': option {key} = {value!r}; must be a {kind}") from None
-    return "".join(f"_{options[key]}" for key in defaults if options[key] != defaults[key])
+    changed = [str(options[key]) for key in defaults if options[key] != defaults[key]]
+    return "".join("_" + re.sub(r"[^\w.-]+", "-", value) for value in changed)
+
+
+def _as(kind: type, value: Any) -> Any:
+    """A value as ``kind``; texts of the command line say true or false."""
+    if kind is bool and isinstance(value, str):
+        if value.lower() not in ("true", "false"):
+            raise ValueError
+        return value.lower() == "true"
+    return kind(value)
 
 
 def _require_arguments(name: str, function: Callable[..., Any], attribute: str, count: int) -> None:

@@ -70,3 +70,24 @@ def test_unknown_options_are_refused() -> None:
         scenes.load(EXAMPLES / "vacuum_robot.py", {"floor": "ice"}).build()
     with pytest.raises(ValueError, match=r"option object = 'egg': must be one of"):
         scenes.load(EXAMPLES / "gripper.py", {"object": "egg"}).build()
+
+
+def test_meshes_are_closed_and_face_outwards() -> None:
+    robot, gripper = (scenes.load(EXAMPLES / f"{name}.py").module for name in ("vacuum_robot", "gripper"))
+    parts = robot.robot_parts
+    surfaces = [parts.lathed(robot.PROFILE, 96), parts.wheel(0.035, 0.02, 128)]
+    surfaces += [gripper.finger_mesh(side) for side in (-1.0, 1.0)]
+    assert all(mesh.is_closed and mesh.volume > 0.0 for mesh in surfaces)
+    # Frustums of the profile, and a cylinder; polygons of 96 and 128 corners enclose up to 0.1 % less.
+    frustums = sum(
+        np.pi / 3 * (top - low) * (a * a + a * b + b * b)
+        for (a, low), (b, top) in zip(robot.PROFILE, robot.PROFILE[1:], strict=False)
+    )
+    assert surfaces[0].volume == pytest.approx(frustums, rel=1e-3)
+    assert surfaces[1].volume == pytest.approx(np.pi * 0.035**2 * 0.02, rel=1e-3)
+    assert surfaces[2].volume == pytest.approx(surfaces[3].volume, rel=1e-12)
+    solid = gripper.soft_mesh()
+    assert solid.volumes.min() > 0.0
+    # 32 corners around: 0.6 % less than the cylinder.
+    assert solid.volume == pytest.approx(np.pi * gripper.RADIUS**2 * gripper.HEIGHT, rel=0.01)
+    assert solid.surface().is_closed
