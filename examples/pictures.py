@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +46,30 @@ def save(
     picture = stark.render.render(SimpleNamespace(bodies=bodies), WIDTH, height, camera=camera, edges=edges)
     OUT.mkdir(exist_ok=True)
     path = OUT / f"{name}.png"
+    stark.render.write_png(path, picture)
+    return path
+
+
+def part(body: Any, *, shift: ArrayLike = (0.0, 0.0, 0.0), keep: ArrayLike | None = None) -> SimpleNamespace:
+    """A body of a frame of a recording, moved by ``shift`` [m], with the triangles of the mask ``keep``."""
+    return SimpleNamespace(
+        name=body.name,
+        kind=body.kind,
+        motion=body.motion,
+        color=body.color,
+        positions=body.positions + np.asarray(shift, dtype=np.float64),
+        triangles=body.triangles if keep is None else body.triangles[np.asarray(keep)],
+    )
+
+
+def compose(
+    path: Path, bodies: Sequence[SimpleNamespace], *, azimuth: float, elevation: float, height: int = 480
+) -> Path:
+    """Draws bodies on a common floor, seen from ``azimuth`` and ``elevation`` [degrees]; a body called floor
+    need not be in the picture as a whole."""
+    points = np.concatenate([body.positions for body in bodies if body.name != "floor"])
+    camera = fitted_camera(points, azimuth * stark.deg, elevation * stark.deg, WIDTH / height)
+    picture = stark.render.render(SimpleNamespace(bodies=list(bodies)), WIDTH, height, camera=camera)
     stark.render.write_png(path, picture)
     return path
 

@@ -161,9 +161,79 @@ def drive(sim):
     assert run.positions("box")[:, :, 0].mean(axis=1) == pytest.approx(run.times, abs=1e-6)
 
 
+_MEASURED = """
+import stark
+until = 0.03
+options = {"height": 2.0, "label": "plain"}
+def settings():
+    return {"time_step": 0.01}
+def build():
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0, name="box", position=(0, 0, options["height"]))
+    return scene
+def measure(sim):
+    return {"height": sim["box"].position[2]}
+"""
+
+
+def test_options_change_a_scene_and_measured_series_are_telemetry(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "fall.py").write_text(_MEASURED)
+    monkeypatch.chdir(tmp_path)
+    few = ("--quiet", "--no-picture", "--no-replay")
+    assert _run("run", "fall.py", *few) == 0
+    assert _run("run", "fall.py", "--option", "height=3", "--option", "label=plain", *few) == 0
+    low, high = (Recording(f"out/{name}").telemetry for name in ("fall", "fall_3.0"))
+    # Implicit Euler falls by g h^2 n (n + 1) / 2.
+    drop = [9.81e-4 * n * (n + 1) / 2 for n in (1, 2, 3)]
+    assert 2.0 - low["measured.height"] == pytest.approx(drop, rel=1e-9)
+    assert 3.0 - high["measured.height"] == pytest.approx(drop, rel=1e-9)
+
+
+def test_info_lists_the_options(tmp_path: Path, capsys) -> None:
+    (tmp_path / "fall.py").write_text(_MEASURED)
+    assert _run("info", tmp_path / "fall.py") == 0
+    assert "  option height = 2.0\n  option label = plain\n" in capsys.readouterr().out
+
+
+def test_options_of_packaged_scenes_do_not_stay(monkeypatch) -> None:
+    from stark import scenes
+    from stark.scenes import stack
+
+    defaults = {"count": 3, "fast": False, "mesh": ""}
+    monkeypatch.setattr(stack, "options", dict(defaults), raising=False)
+    changed = scenes.load("stack", {"count": "5", "fast": "true", "mesh": "cups/a.obj"})
+    assert changed.name == "stack_5_True_cups-a.obj"
+    assert stack.options == {"count": 5, "fast": True, "mesh": "cups/a.obj"}
+    assert scenes.load("stack").name == "stack" and stack.options == defaults
+    monkeypatch.delattr(stack, "_default_options")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--option", "width=2"), "scene 'fall' has no option 'width'; its options: height, label"),
+        (("--option", "height=tall"), "scene 'fall': option height = 'tall'; must be a float"),
+        (("--option", "height"), "--option height: must be NAME=VALUE"),
+    ],
+)
+def test_wrong_options_are_refused(tmp_path: Path, capsys, words, message: str) -> None:
+    path = tmp_path / "fall.py"
+    path.write_text(_MEASURED)
+    assert _run("run", path, "--out", tmp_path / "run", *words) == 2
+    assert message in capsys.readouterr().err and not (tmp_path / "run").exists()
+
+
+def test_what_is_measured_has_to_be_numbers(tmp_path: Path, capsys) -> None:
+    path = tmp_path / "fall.py"
+    path.write_text(_MEASURED.replace("position[2]", "position"))
+    assert _run("run", path, "--out", tmp_path / "run", "--quiet") == 2
+    assert "scene 'fall': measure() returned 'height' = array(" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("source", "message"),
     [
+        ("def build(): pass\noptions = 3", "options must be a dictionary"),
         ("x = 1", "defines no build(); add a function that returns a stark.Scene"),
         ("build = 3", "build must be a function"),
         ("def build(): pass", "build() returned nothing; end it with 'return scene'"),
@@ -337,7 +407,7 @@ def test_stopping_leaves_a_complete_recording(tmp_path: Path, number: int) -> No
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=_environment())
     telemetry = tmp_path / "run/telemetry.jsonl"
     deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline and not (telemetry.exists() and telemetry.stat().st_size > 1000):
+    while time.monotonic() < deadline and not (telemetry.exists() and telemetry.read_text().count("\n") >= 2):
         time.sleep(0.02)
     sent = time.monotonic()
     process.send_signal(number)

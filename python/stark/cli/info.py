@@ -47,6 +47,8 @@ def _scene(name: str) -> int:
     built, settings = scene.build()
     print(f"{scene.name}: {scene.description}")
     print(f"  runs for {scene.until:g} s" if scene.until else "  needs --until")
+    for key, value in getattr(scene.module, "options", {}).items():
+        print(f"  option {key} = {value}")
     for key, value in settings.items():
         print(f"  {key} = {value}")
     for body in getattr(built, "bodies", []):

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from .._core import InvalidArgument
 from .progress import Progress
 from .settings_arguments import add_setting_arguments, parse_settings
 
@@ -24,6 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fps", type=float, default=60.0, help="most recorded frames per simulated second (60)"
     )
+    parser.add_argument(
+        "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the scene file"
+    )
     parser.add_argument("--no-replay", action="store_true", help="write no replay page")
     parser.add_argument("--no-picture", action="store_true", help="write no picture")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -34,12 +38,19 @@ def _stop(signal_number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
+def _option(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise InvalidArgument(f"--option {text}: must be NAME=VALUE")
+    return name, value
+
+
 def run(args: argparse.Namespace) -> int:
     from ..scenes import load
     from ..scenes import run as run_scene
     from ..scenes.runner import end_time
 
-    scene_file = load(args.scene)
+    scene_file = load(args.scene, dict(_option(text) for text in args.option))
     progress = Progress(end_time(scene_file, args.until), quiet=args.quiet)
 
     def on_step(sim: Any, report: Any) -> None:

@@ -158,8 +158,8 @@ class Recorder:
         if len(self._pending) >= self._chunk_frames:
             self.flush()
 
-    def report(self, step_report: Any, **extra: float) -> None:
-        """Adds one line of telemetry; ``extra`` are further numbers in SI units."""
+    def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
+        """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
         self._telemetry.write(step_report, **extra)
 
     def flush(self) -> None:

@@ -96,9 +96,11 @@ def run(
             scene_file.drive(sim)
             before = clock.perf_counter()
             report = sim.step()
-            recorder.report(report, wall=clock.perf_counter() - before)
+            wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
+            measured = {} if failed else scene_file.measure(sim)
+            recorder.report(report, wall=wall, **({"measured": measured} if measured else {}))
             _count(result, report)
-            if status_of(report) == "failed":
+            if failed:
                 result.status, result.message = "failed", str(report.message)
                 break
             if reached(sim, end) or sim.time - recorder.last_time >= 1.0 / fps - 1e-9:

@@ -8,8 +8,9 @@ import importlib.util
 import inspect
 import math
 import pkgutil
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -56,9 +57,13 @@ class SceneFile:
         if hasattr(self.module, "drive"):
             self.module.drive(sim)
 
+    def measure(self, sim: Any) -> dict[str, float]:
+        """What the file measures after every step, for the telemetry."""
+        return self._numbers("measure", sim)
+
     def observables(self, sim: Any) -> dict[str, float]:
         """Numbers that characterise the state, if the file defines any."""
-        return {str(k): float(v) for k, v in dict(self._call("observables", {}, sim)).items()}
+        return self._numbers("observables", sim)
 
     @property
     def has_check(self) -> bool:
@@ -72,11 +77,23 @@ class SceneFile:
     def _call(self, function: str, default: Any, *arguments: Any) -> Any:
         return getattr(self.module, function)(*arguments) if hasattr(self.module, function) else default
 
-    def _mapping(self, source: str, value: Any) -> dict[str, Any]:
+    def _numbers(self, function: str, sim: Any) -> dict[str, float]:
+        values = self._mapping(f"{function}()", self._call(function, {}, sim), what="numbers")
+        numbers = {}
+        for name, value in values.items():
+            try:
+                numbers[str(name)] = float(value)
+            except (TypeError, ValueError):
+                raise SceneFileError(
+                    f"scene '{self.name}': {function}() returned '{name}' = {value!r}; must be a number"
+                ) from None
+        return numbers
+
+    def _mapping(self, source: str, value: Any, what: str = "settings") -> dict[str, Any]:
         if not hasattr(value, "keys"):
             kind = type(value).__name__
             raise SceneFileError(
-                f"scene '{self.name}': settings of {source} are a {kind}; must be a dictionary"
+                f"scene '{self.name}': {what} of {source} are a {kind}; must be a dictionary"
             )
         return dict(value)
 
@@ -87,16 +104,19 @@ def names() -> list[str]:
     return sorted(name for name in found if not name.startswith("_") and name not in _INTERNAL)
 
 
-def load(scene: str | PathLike[str]) -> SceneFile:
-    """A scene by the name of a packaged one, or by the path of a Python file."""
+def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -> SceneFile:
+    """A scene by the name of a packaged one, or by the path of a Python file. ``options`` replace values of
+    the file's own ``options``; those that differ are appended to the name."""
     text = str(scene)
     if text.endswith(".py") or "/" in text:
-        return _checked(_import_file(Path(text)), Path(text).stem)
+        module = _import_file(Path(text))
+        return _checked(module, Path(text).stem + _choose(module, Path(text).stem, options or {}))
     if text not in names():
         near = difflib.get_close_matches(text, names(), n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"packaged scenes: {', '.join(names())}"
         raise SceneFileError(f"no scene is called '{text}'; {hint} (a file must end in .py)")
-    return _checked(importlib.import_module(f"{__package__}.{text}"), text)
+    module = importlib.import_module(f"{__package__}.{text}")
+    return _checked(module, text + _choose(module, text, options or {}))
 
 
 def _import_file(path: Path) -> ModuleType:
@@ -116,6 +136,37 @@ def _import_file(path: Path) -> ModuleType:
     return module
 
 
+def _choose(module: ModuleType, name: str, chosen: Mapping[str, Any]) -> str:
+    """Sets the options of a module to its defaults and what was chosen; returns what to append to the
+    name."""
+    options = getattr(module, "options", {})
+    if not isinstance(options, dict):
+        raise SceneFileError(f"scene '{name}': options must be a dictionary of default values by name")
+    # Modules of packaged scenes are imported once: what an earlier caller chose must not stay.
+    defaults = module.__dict__.setdefault("_default_options", dict(options))
+    options.update(defaults)
+    for key, value in chosen.items():
+        if key not in defaults:
+            known = ", ".join(defaults) or "none"
+            raise SceneFileError(f"scene '{name}' has no option '{key}'; its options: {known}")
+        try:
+            options[key] = _as(type(defaults[key]), value)
+        except (TypeError, ValueError):
+            kind = type(defaults[key]).__name__
+            raise SceneFileError(f"scene '{name}': option {key} = {value!r}; must be a {kind}") from None
+    changed = [str(options[key]) for key in defaults if options[key] != defaults[key]]
+    return "".join("_" + re.sub(r"[^\w.-]+", "-", value) for value in changed)
+
+
+def _as(kind: type, value: Any) -> Any:
+    """A value as ``kind``; texts of the command line say true or false."""
+    if kind is bool and isinstance(value, str):
+        if value.lower() not in ("true", "false"):
+            raise ValueError
+        return value.lower() == "true"
+    return kind(value)
+
+
 def _require_arguments(name: str, function: Callable[..., Any], attribute: str, count: int) -> None:
     if not callable(function):
         raise SceneFileError(f"scene '{name}': {attribute} must be a function")
@@ -129,7 +180,14 @@ def _require_arguments(name: str, function: Callable[..., Any], attribute: str, 
 def _checked(module: ModuleType, name: str) -> SceneFile:
     if not hasattr(module, "build"):
         raise SceneFileError(f"scene '{name}': defines no build(); add a function that returns a stark.Scene")
-    for attribute, count in (("build", 0), ("settings", 0), ("drive", 1), ("observables", 1), ("check", 1)):
+    for attribute, count in (
+        ("build", 0),
+        ("settings", 0),
+        ("drive", 1),
+        ("measure", 1),
+        ("observables", 1),
+        ("check", 1),
+    ):
         if hasattr(module, attribute):
             _require_arguments(name, getattr(module, attribute), attribute, count)
     until = getattr(module, "until", None)

@@ -40,6 +40,7 @@ SERIES: dict[str, str] = {
     "momentum": "N s",
     "angular_momentum": "N m s",
     "phases": "s",
+    "measured": "SI",
 }
 
 
@@ -104,7 +105,7 @@ class TelemetryWriter:
         self._file = self.path.open("w", encoding="utf-8", buffering=1)
         self._step = 0
 
-    def write(self, report: Any, **extra: float) -> None:
+    def write(self, report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds."""
         line = {"step": self._step, **report_to_dict(report), **_plain(extra)}
         self._file.write(json.dumps(line, separators=(",", ":"), allow_nan=False) + "\n")
