@@ -12,6 +12,7 @@
 
 #include "actuators.h"
 #include "arrays.h"
+#include "attachments.h"
 #include "field_values.h"
 #include "formulas.h"
 #include "joints.h"
@@ -305,7 +306,7 @@ nb::dict section_to_dict(const RodMaterial& material) {
 }
 
 void bind_scene_class(nb::module_& m) {
-  nb::class_<Scene>(m, "Scene",
+  auto scene = nb::class_<Scene>(m, "Scene",
                     "Description of what is simulated; bodies are indices in the order of adding.")
       .def(nb::init<>())
       .def("copy", [](const Scene& s) { return Scene(s); })
@@ -436,6 +437,7 @@ void bind_scene_class(nb::module_& m) {
           "check_contact_distances",
           [](const Scene& s, const Settings& settings) { return check_contact_distances(s, settings); },
           "settings"_a);
+  bind_attachments_of_scene(scene);
 }
 
 }  // namespace

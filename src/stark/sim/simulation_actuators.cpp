@@ -51,6 +51,7 @@ std::vector<double> Simulation::acting() const {
       on = on && state_.joint_enabled[coordinate.joint.index] != 0.0;
     acting.push_back(on ? 1.0 : 0.0);
   }
+  for (const double held : state_.attachment_held) acting.push_back(held == 1.0 ? 1.0 : 0.0);
   return acting;
 }
 
