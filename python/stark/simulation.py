@@ -103,7 +103,7 @@ class Simulation:
         for values in self._live_values:
             values.push(self._core)
         if self._scene._followers:
-            duration = min(self._core.time_step, *limit)
+            duration = min((self._core.time_step, *limit))
             for follower in self._followers():
                 follower.apply(self, self._core.time + duration, duration)
         return self._core.step(*limit)

@@ -133,6 +133,8 @@ class Simulation {
   void release_joints();
   void commit_joints();
   void check_actuators();
+  /// Joints, actuators and attachments are numbered one after the other.
+  bool is_of_actuators(const ConstraintGroup& group) const;
   void check_attachments();
   /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.
   void commit_attachments(std::span<const Vec3> x);

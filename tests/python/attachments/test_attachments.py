@@ -23,7 +23,7 @@ def run(sim: stark.Simulation, steps: int) -> None:
 
 def soft_box(scene: stark.Scene, position: tuple[float, float, float], **options: object) -> stark.Solid:
     material = stark.SolidMaterial(youngs_modulus=2e5, poissons_ratio=0.3, density=1000.0)
-    return scene.add_solid(stark.mesh.box_tets(0.1, cells=2), material, position=position, **options)
+    return scene.add_solid(stark.mesh.tet_box(0.1, cells=2), material, position=position, **options)
 
 
 def weight_of(scene: stark.Scene, cloth: stark.Cloth, density: float) -> float:
@@ -34,12 +34,13 @@ def weight_of(scene: stark.Scene, cloth: stark.Cloth, density: float) -> float:
 
 def test_forces_of_a_hung_cloth_add_up_to_its_weight() -> None:
     scene = stark.Scene()
-    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=6), LIGHT)
-    beam = scene.add_box((0.3, 0.02, 0.02), motion="fixed", position=(0.0, 0.115, 0.0))
+    upright = stark.rotation(axis="x", angle=90 * stark.deg)
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=6), LIGHT, rotation=upright)
+    beam = scene.add_box((0.3, 0.02, 0.02), motion="fixed", position=(0.0, 0.0, 0.115))
     glue = scene.attach(cloth, beam, distance=6e-3)
     assert len(glue) == 7
-    sim = simulate(scene, **{"time.integrator": "quasistatic"})
-    run(sim, 2)
+    sim = simulate(scene, time_step=0.1)  # the longer the step, the more implicit Euler damps
+    run(sim, 40)
     expected = weight_of(scene, cloth, 0.5)
     # What Newton's method leaves: its residual tolerance.
     np.testing.assert_allclose(glue.force, [0.0, 0.0, expected], atol=2e-3 * expected)
@@ -63,9 +64,8 @@ def test_free_bodies_keep_their_momentum(kind: str) -> None:
         b = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=4), stiff, position=(0.0, 0.0, 0.05))
     glue = scene.attach(a, b, distance=5e-3)
     assert len(glue) == 9
-    sim = simulate(
-        scene, time_step=5e-3, gravity=(0.0, 0.0, 0.0), **{"newton.residual_tolerance": 1e-8}
-    )
+    tight = {"newton.residual_tolerance": 1e-8, "newton.step_tolerance": 1e-8}
+    sim = simulate(scene, time_step=5e-3, gravity=(0.0, 0.0, 0.0), **tight)
     sim.step()
     first = sim.step()
     last = first
@@ -129,21 +129,23 @@ def test_release_and_hold_again() -> None:
 
 
 def peeled(threads: int = 1) -> tuple[stark.Scene, stark.Simulation]:
+    """A box is drawn away from under a cloth that is pinned at one edge: glue breaks row by row."""
     scene = stark.Scene()
-    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=6), LIGHT)
-    box = scene.add_box((0.3, 0.3, 0.02), motion="scripted", position=(0.0, 0.0, 0.012))
-    scene.attach(cloth, box, distance=3e-3, break_force=0.012)
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=6), LIGHT, pins=range(7))
+    box = scene.add_box((0.3, 0.3, 0.02), motion="scripted", position=(0.0, 0.0, -0.012))
+    scene.attach(cloth.vertices[7:], box, break_force=0.1)
+    box.follow(position=lambda t: (0.0, 0.0, -0.012 - 0.2 * t))
     return scene, simulate(scene, threads=threads, **{"contact.enabled": True, "contact.distance": 1e-3})
 
 
 def test_rewinding_resuming_and_threads_give_the_same_bits() -> None:
     scene, sim = peeled()
     (glue,) = scene.attachments
-    run(sim, 2)
+    run(sim, 10)
     state, broken = sim.state, glue.broken
     run(sim, 3)
     end = sim.state
-    assert broken.sum() < glue.broken.sum() < len(glue)  # some break in between, some hold
+    assert 0 < broken.sum() < glue.broken.sum() < len(glue)  # some break in between, some hold
     sim.state = state
     np.testing.assert_array_equal(glue.broken, broken)
     run(sim, 3)
@@ -203,7 +205,7 @@ def test_a_shell_on_a_solid_with_common_places() -> None:
 def test_rods_and_points_of_all_kinds() -> None:
     scene = stark.Scene()
     rod = scene.add_rod(
-        stark.mesh.polyline([(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], segments=6),
+        stark.mesh.polyline((0.0, 0.0, 0.0), (0.3, 0.0, 0.0), segments=6),
         stark.RodMaterial(radius=2e-3, youngs_modulus=1e7),
     )
     box = scene.add_box(0.04, mass=0.05, position=(0.3, 0.0, -0.03))

@@ -151,7 +151,7 @@ def test_pins_move_together_or_each_on_its_own() -> None:
 def test_clamped_ends_of_rods_turn_along() -> None:
     scene = stark.Scene()
     rod = scene.add_rod(
-        stark.mesh.polyline([(0.0, 0.0, 0.0), (0.3, 0.0, 0.0)], segments=6),
+        stark.mesh.polyline((0.0, 0.0, 0.0), (0.3, 0.0, 0.0), segments=6),
         stark.RodMaterial(radius=2e-3, youngs_modulus=1e7),
     )
     rod.clamp([0])
