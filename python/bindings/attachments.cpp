@@ -26,22 +26,29 @@ int32_t add_attachment(Scene& scene, const nb::dict& given) {
   return scene.add_attachment(std::move(attachment)).index;
 }
 
-void bind_attachments_of_scene(nb::class_<Scene>& c) {
-  c.def("add_attachment", &add_attachment, "description"_a, "Glues points; returns the index.")
-      .def("attachment_name", [](const Scene& s, int32_t k) { return s.attachment({k}).name; }, "attachment"_a);
+void bind_attachments_of_scene(nb::handle type) {
+  nb::borrow<nb::class_<Scene>>(type)
+      .def("add_attachment", &add_attachment, "description"_a, "Glues points; returns the index.")
+      .def(
+          "attachment_name", [](const Scene& s, int32_t k) { return s.attachment({k}).name; },
+          "attachment"_a);
 }
 
-void bind_attachments_of_simulation(nb::class_<Simulation>& c) {
-  c.def_prop_ro("attachment_count", [](const Simulation& s) { return s.scene().attachments().size(); })
-      .def("attachment_forces",
-           [](const Simulation& s, int32_t k) { return to_numpy<double>(s.attachment_forces({k})); },
-           "attachment"_a, "On side a in the last step (n, 3) [N].")
-      .def("attachment_status",
-           [](const Simulation& s, int32_t k) { return to_numpy<int32_t>(s.attachment_status({k})); },
-           "attachment"_a, "By pair: 1 held, 0 released, -1 broken.")
-      .def("set_attachment_enabled",
-           [](Simulation& s, int32_t k, bool enabled) { s.set_attachment_enabled({k}, enabled); },
-           "attachment"_a, "enabled"_a);
+void bind_attachments_of_simulation(nb::handle type) {
+  nb::borrow<nb::class_<Simulation>>(type)
+      .def_prop_ro("attachment_count", [](const Simulation& s) { return s.scene().attachments().size(); })
+      .def(
+          "attachment_forces",
+          [](const Simulation& s, int32_t k) { return to_numpy<double>(s.attachment_forces({k})); },
+          "attachment"_a, "On side a in the last step (n, 3) [N].")
+      .def(
+          "attachment_status",
+          [](const Simulation& s, int32_t k) { return to_numpy<int32_t>(s.attachment_status({k})); },
+          "attachment"_a, "By pair: 1 held, 0 released, -1 broken.")
+      .def(
+          "set_attachment_enabled",
+          [](Simulation& s, int32_t k, bool enabled) { s.set_attachment_enabled({k}, enabled); },
+          "attachment"_a, "enabled"_a);
 }
 
 }  // namespace stark::bindings

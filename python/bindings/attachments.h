@@ -11,7 +11,7 @@ namespace stark::bindings {
 
 /// {"name", "a": points, "b": [points], "patch_body", "patches" (n, 3), "break_force", "enabled"} -> index
 int32_t add_attachment(Scene& scene, const nb::dict& given);
-void bind_attachments_of_scene(nb::class_<Scene>& c);
-void bind_attachments_of_simulation(nb::class_<Simulation>& c);
+void bind_attachments_of_scene(nb::handle type);
+void bind_attachments_of_simulation(nb::handle type);
 
 }  // namespace stark::bindings

@@ -306,7 +306,7 @@ nb::dict section_to_dict(const RodMaterial& material) {
 }
 
 void bind_scene_class(nb::module_& m) {
-  auto scene = nb::class_<Scene>(m, "Scene",
+  nb::class_<Scene>(m, "Scene",
                     "Description of what is simulated; bodies are indices in the order of adding.")
       .def(nb::init<>())
       .def("copy", [](const Scene& s) { return Scene(s); })
@@ -437,7 +437,7 @@ void bind_scene_class(nb::module_& m) {
           "check_contact_distances",
           [](const Scene& s, const Settings& settings) { return check_contact_distances(s, settings); },
           "settings"_a);
-  bind_attachments_of_scene(scene);
+  bind_attachments_of_scene(m.attr("Scene"));
 }
 
 }  // namespace

@@ -237,7 +237,6 @@ class _Deformable(Body):
             self._index, np.ascontiguousarray(array)
         )
 
-
     def follow(
         self,
         targets: Any = None,
@@ -247,7 +246,8 @@ class _Deformable(Body):
         center: ArrayLike | None = None,
         vertices: ArrayLike | None = None,
     ) -> None:
-        """Moves pinned vertices on motions (stark.motion, or functions of the time [s]) from the next step on.
+        """Moves pinned vertices on motions (stark.motion, or functions of the time [s]) from the next step
+        on.
 
         ``targets``: positions (k, 3) [m] of the pins, in their order. Or all together, like a rigid body:
         turned by ``rotation`` about ``center`` [m] (the mean of the pins at time 0 if left out) and moved by
@@ -370,7 +370,7 @@ class RigidBody(InertialSensors, Body):
         )
 
     def follow(self, position: Any = None, rotation: Any = None) -> None:
-        """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step on:
+        """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step:
         ``position`` (3,) [m], ``rotation`` (matrix or quaternion); what is left out stays as at time 0.
         Without arguments nothing is followed any more. Values are those of the end of each step, whatever its
         length; a step that the solver halves goes halfway on the straight line."""

@@ -104,7 +104,8 @@ def follow_pose(body: Body, position: Any, rotation: Any) -> None:
     """``RigidBody.follow``."""
     if body.motion != "scripted":
         raise InvalidArgument(
-            f"'{body.name}' is {body.motion}: it cannot follow a motion; only bodies with motion='scripted' do"
+            f"'{body.name}' is {body.motion}: it cannot follow a motion; only bodies with "
+            f"motion='scripted' do"
         )
     follower = PoseFollower(
         body,
@@ -131,7 +132,7 @@ def follow_pins(
         return
     if targets is not None and not (displacement is None and rotation is None):
         raise InvalidArgument(
-            f"{owner}: follow: targets and displacement or rotation are given: give the positions of all pins, "
+            f"{owner}: follow: targets and displacement or rotation are given: give positions of all pins, "
             f"or how they move together"
         )
     rows = _pin_rows(body, vertices)
@@ -150,8 +151,8 @@ def follow_pins(
     kept = [f for f in others if isinstance(f, PinFollower) and not np.isin(f.rows, rows).any()]
     if len(kept) < len(others) and vertices is not None and not _covers(others, rows):
         raise InvalidArgument(
-            f"{owner}: follow: some of the vertices follow another motion together with others: give the same "
-            f"vertices again to replace it, or call follow() first to stop it"
+            f"{owner}: follow: some of the vertices follow another motion together with others: give the "
+            f"same vertices again to replace it, or call follow() first to stop it"
         )
     followers[body._index] = [*kept, follower]
 
@@ -179,7 +180,7 @@ def _pin_rows(body: Body, vertices: ArrayLike | None) -> NDArray[np.intp]:
     for v in chosen.tolist():
         if v not in place:
             raise InvalidArgument(
-                f"'{body.name}': follow: vertex {v} is not pinned: must be one of the pinned vertices; pin it "
-                f"first"
+                f"'{body.name}': follow: vertex {v} is not pinned: must be one of the pinned vertices; "
+                f"pin it first"
             )
     return np.array([place[int(v)] for v in chosen], dtype=np.intp)

@@ -1,7 +1,7 @@
 """Motions: values as functions of time, for bodies and pins that follow them.
 
     lift = stark.motion.spline([0.0, 1.0, 2.0], [(0, 0, 0), (0, 0, 0.2), (0.1, 0, 0.2)])
-    turn = stark.motion.rotations([0.0, 2.0], [stark.rotation(axis="z", angle=0.0), stark.rotation(axis="z", angle=1.0)])
+    turn = stark.motion.rotations([0.0, 2.0], [np.eye(3), stark.rotation(axis="z", angle=1.0)])
     finger.follow(position=lift, rotation=turn)
 
 A motion is called with a time [s]. Motions through knots hold the first value before the first time and the
@@ -108,8 +108,8 @@ def as_motion(value: Any, owner: str) -> Motion:
     if callable(value):
         return function(value)
     raise InvalidArgument(
-        f"{owner} = {value!r}: must be a motion, such as stark.motion.spline(times, values), or a function of "
-        f"the time [s]"
+        f"{owner} = {value!r}: must be a motion, such as stark.motion.spline(times, values), or a function "
+        f"of the time [s]"
     )
 
 
@@ -120,20 +120,20 @@ def _knots(owner: str, times: ArrayLike, values: ArrayLike, fewest: int) -> tupl
     try:
         t, v = np.array(times, dtype=np.float64), np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidArgument(f"{owner}: times and values must be numbers, a row of values for each time") from None
+        raise InvalidArgument(
+            f"{owner}: times and values must be numbers, a row of values for each time"
+        ) from None
     if t.ndim != 1 or v.ndim < 1 or len(t) != len(v) or len(t) < fewest:
         raise InvalidArgument(
-            f"{owner}: times of shape {t.shape} and values of shape {v.shape}: must be (n,) and (n, ...) with "
-            f"n >= {fewest}"
+            f"{owner}: times of shape {t.shape} and values of shape {v.shape}: must be (n,) and (n, ...) "
+            f"with n >= {fewest}"
         )
     if not (np.isfinite(t).all() and np.isfinite(v).all()):
         raise InvalidArgument(f"{owner}: times [s] and values must be finite; check where they are computed")
     falls = np.flatnonzero(~(np.diff(t) > 0.0))
     if falls.size:
         k = int(falls[0])
-        raise InvalidArgument(
-            f"{owner}: times[{k}] = {t[k]:g} s, times[{k + 1}] = {t[k + 1]:g} s: must rise"
-        )
+        raise InvalidArgument(f"{owner}: times[{k}] = {t[k]:g} s, times[{k + 1}] = {t[k + 1]:g} s: must rise")
     return t, v
 
 

@@ -11,11 +11,12 @@
 using namespace stark;
 
 TEST_CASE("the closest triangle is the first of those with the smallest distance") {
-  const TriangleMesh mesh = make_box({0.3, 0.2, 0.1});
+  const TriangleMesh mesh = make_box({0.3, 0.2, 0.1}, 5);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> coordinate(-0.3, 0.3);
   std::vector<Vec3> points;
-  for (int i = 0; i < 200; ++i) points.push_back({coordinate(random), coordinate(random), coordinate(random)});
+  for (int i = 0; i < 200; ++i)
+    points.push_back({coordinate(random), coordinate(random), coordinate(random)});
   points.push_back(mesh.vertices[3]);
   const std::vector<ClosestTriangle> closest = find_closest_triangles(points, mesh.vertices, mesh.triangles);
   REQUIRE(closest.size() == points.size());

@@ -1,4 +1,4 @@
-"""Attachments: points glued to bodies, points or the world. ``scene.attach(cloth, gripper, distance=1e-3)``."""
+"""Attachments: points glued to bodies or the world. ``scene.attach(cloth, gripper, distance=1e-3)``."""
 
 from stark.attachments.handle import Attachment
 

@@ -191,8 +191,8 @@ def _partners(owner: str, places: Floats, b: Points, distance: float | None) -> 
     rows = np.flatnonzero(gaps <= distance)
     if rows.size == 0:
         raise InvalidArgument(
-            f"{owner}: no two points are within distance = {distance:g} m: the nearest are {gaps.min():.3g} m "
-            f"apart; raise distance, or move the bodies together"
+            f"{owner}: no two points are within distance = {distance:g} m: the nearest are {gaps.min():.3g} "
+            f"m apart; raise distance, or move the bodies together"
         )
     return rows, nearest[rows]
 

@@ -140,12 +140,10 @@ void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, Candidat
   std::erase_if(list.edge_edge, [&](const EdgeEdgeCandidate& c) {
     return is_out(mesh.edges[c.edge_a], mesh.edges[c.edge_b]);
   });
-  std::erase_if(list.point_edge, [&](const PointEdgeCandidate& c) {
-    return is_out(one(c.point), mesh.edges[c.edge]);
-  });
-  std::erase_if(list.point_point, [&](const PointPointCandidate& c) {
-    return is_out(one(c.point_a), one(c.point_b));
-  });
+  std::erase_if(list.point_edge,
+                [&](const PointEdgeCandidate& c) { return is_out(one(c.point), mesh.edges[c.edge]); });
+  std::erase_if(list.point_point,
+                [&](const PointPointCandidate& c) { return is_out(one(c.point_a), one(c.point_b)); });
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ struct CandidateList {
   bool operator==(const CandidateList&) const = default;
 };
 
-/// Which groups may touch: a symmetric table that includes each group with itself. Single vertices may be kept
-/// from a group, with every primitive that they are part of.
+/// Which groups may touch: a symmetric table that includes each group with itself. Single vertices may be
+/// kept from a group, with every primitive that they are part of.
 class PairFilter {
  public:
   PairFilter() = default;

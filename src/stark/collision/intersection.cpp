@@ -100,8 +100,8 @@ std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::
     std::vector<bool> reported(group_count, false);
     for (const int32_t v : pieces) {
       const int32_t inner = mesh.vertex_group[v];
-      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) ||
-          filter.excluded(v, outer) || !bounds[outer].contains(x[v]))
+      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || filter.excluded(v, outer) ||
+          !bounds[outer].contains(x[v]))
         continue;
       if (locate_point(x[v], x, triangles[outer]) != PointLocation::Inside) continue;
       reported[inner] = true;

@@ -14,8 +14,8 @@ namespace stark {
 struct AttachmentDescription {
   std::string name{};  ///< unique among the attachments of the scene; empty: "attachment", numbered
   PointSet a{};        ///< n points
-  /// Points that coincide with them at time 0, together n. Or else patches: each point keeps its place relative
-  /// to three vertices of `patch_body` as it is at time 0, height above their plane included.
+  /// Points that coincide with them at time 0, together n. Or else patches: each point keeps its place
+  /// relative to three vertices of `patch_body` as it is at time 0, height above their plane included.
   std::vector<PointSet> b{};
   BodyId patch_body{};
   std::vector<Index3> patches{};

@@ -10,7 +10,7 @@ using Carrier = FrameDescription::Carrier;
 }  // namespace
 
 std::vector<double> Model::Builder::patch_numbers(const FrameDescription& frame,
-                                                 const std::array<Vec3, 3>& p) {
+                                                  const std::array<Vec3, 3>& p) {
   const Vec3 u = p[1] - p[0], v = p[2] - p[0], d = frame.position - p[0];
   const Vec3 z = normalized(cross(u, v)), x = normalized(u);
   const Mat3 axes = Mat3::from_columns(x, cross(z, x), z);

@@ -193,8 +193,8 @@ class Scene {
   void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
   void set_actuator_enabled(ActuatorId actuator, bool enabled);
 
-  /// Glues points to points or patches (sim/attachment.h). Throws InvalidArgument for points that do not exist
-  /// and counts that differ.
+  /// Glues points to points or patches (sim/attachment.h). Throws InvalidArgument for points that do not
+  /// exist and counts that differ.
   AttachmentId add_attachment(AttachmentDescription description);
   const std::vector<AttachmentDescription>& attachments() const { return attachments_; }
   const AttachmentDescription& attachment(AttachmentId attachment) const;

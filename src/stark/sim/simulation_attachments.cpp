@@ -80,7 +80,8 @@ std::vector<Vec3> Simulation::attachment_forces(AttachmentId id) const {
   std::vector<Vec3> forces(pairs);
   for (int32_t pair = 0; pair < pairs; ++pair)
     if (state_.attachment_held[place.first_pair + pair] == kHeld)  // the residual is x_a - x_b
-      forces[pair] = -vector_at(reactions, model_->constraints().place(place.first_constraint + pair).residual);
+      forces[pair] =
+          -vector_at(reactions, model_->constraints().place(place.first_constraint + pair).residual);
   return forces;
 }
 

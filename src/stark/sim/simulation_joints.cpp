@@ -128,8 +128,8 @@ std::string Simulation::violation_text() const {
   if (worst.joint < 0) return "";
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   if (!model_->attachments().empty() && worst.joint >= model_->attachments().front().first_constraint) {
-    const auto after = std::ranges::upper_bound(model_->attachments(), worst.joint, {},
-                                                &ModelAttachment::first_constraint);
+    const auto after =
+        std::ranges::upper_bound(model_->attachments(), worst.joint, {}, &ModelAttachment::first_constraint);
     const auto k = static_cast<size_t>(after - model_->attachments().begin()) - 1;
     return "attachment '" + scene_.attachments()[k].name + "', pair " +
            std::to_string(worst.joint - model_->attachments()[k].first_constraint) + ", is apart by " +

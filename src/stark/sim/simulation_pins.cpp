@@ -7,8 +7,7 @@
 
 namespace stark {
 
-void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets,
-                                 std::optional<double> duration) {
+void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets, std::optional<double> duration) {
   const std::string owner = "pin targets of body '" + scene_.name(body) + "'";
   const ModelBody& b = model_->bodies()[body.index];
   if (b.pins.size() != targets.size())
