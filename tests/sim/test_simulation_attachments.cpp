@@ -31,7 +31,7 @@ struct Mixed {
   JointId hinge = scene.add_joint(
       {.definition = find_joint("hinge"), .a = world_frame({0, 0, 0}), .b = body_frame(turning, {0, 0, 0})});
   ActuatorId motor = scene.add_actuator(
-      {.definition = find_actuator("effort"), .on = {{hinge, "angle"}}, .values = {{"effort", 0.01}}});
+      {.definition = find_actuator("effort"), .on = {{hinge, "angle"}}, .values = {{"target", 0.01}}});
   AttachmentId breaks = scene.add_attachment(nail(weak, {1, 0, 0}, 5.0));
   AttachmentId holds = scene.add_attachment(nail(strong, {2, 0, 0}, 15.0));
 };
