@@ -18,6 +18,7 @@
 #include <stark/collision/broad_phase.h>
 #include <stark/collision/ccd.h>
 #include <stark/collision/intersection.h>
+#include <stark/geometry/closest.h>
 #include <stark/geometry/distance.h>
 #include <stark/geometry/intersection.h>
 #include <stark/geometry/mass_properties.h>
@@ -260,6 +261,20 @@ void bind_topology(nb::module_& m) {
   m.def(
       "find_edges", [](nb::handle t) { return to_numpy<int32_t>(find_edges(triangles(t))); }, "triangles"_a);
   m.def("find_tet_edges", [](nb::handle t) { return to_numpy<int32_t>(find_edges(tets(t))); }, "tets"_a);
+  m.def(
+      "find_closest_triangles",
+      [](nb::handle points, nb::handle vertices, nb::handle t) {
+        const auto p = array<Rows<double, 3>>(points, "points", "an (n, 3) array");
+        const auto x = array<Rows<double, 3>>(vertices, "vertices", "an (n, 3) array");
+        std::vector<int32_t> indices;
+        std::vector<double> distances;
+        for (const ClosestTriangle& c : find_closest_triangles(rows<Vec3>(p), rows<Vec3>(x), triangles(t))) {
+          indices.push_back(c.triangle);
+          distances.push_back(c.distance);
+        }
+        return nb::make_tuple(to_numpy<int32_t>(std::move(indices)), to_numpy<double>(std::move(distances)));
+      },
+      "points"_a, "vertices"_a, "triangles"_a, "(triangle closest to each point, distance [m]).");
   m.def(
       "find_hinges", [](nb::handle t) { return to_numpy<int32_t>(find_hinges(triangles(t))); },
       "triangles"_a);

@@ -12,6 +12,7 @@
 
 #include "actuators.h"
 #include "arrays.h"
+#include "attachments.h"
 #include "field_values.h"
 #include "formulas.h"
 #include "joints.h"
@@ -436,6 +437,7 @@ void bind_scene_class(nb::module_& m) {
           "check_contact_distances",
           [](const Scene& s, const Settings& settings) { return check_contact_distances(s, settings); },
           "settings"_a);
+  bind_attachments_of_scene(m.attr("Scene"));
 }
 
 }  // namespace

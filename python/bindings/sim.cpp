@@ -10,6 +10,7 @@
 #include <stark/sim/simulation.h>
 
 #include "arrays.h"
+#include "attachments.h"
 #include "formulas.h"
 #include "joints.h"
 
@@ -199,6 +200,8 @@ void bind_report(nb::module_& m) {
       .def("__repr__", [](const StepReport& r) { return "<stark.StepReport " + r.brief() + ">"; });
 }
 
+using Duration = std::optional<double>;  // [s]
+
 nb::dict surface_dict(const Simulation& sim) {
   const SurfaceMesh& mesh = sim.surface_mesh();
   nb::dict d;
@@ -257,10 +260,12 @@ void bind_simulation(nb::module_& m) {
            [](const Simulation& s, int body, nb::object point) {
              return vector3(s.acceleration(BodyId{body}, to_vec3(point, "point")));
            })
-      .def("set_pose",
-           [](Simulation& s, int body, nb::object position, nb::object rotation) {
-             s.set_pose(BodyId{body}, to_vec3(position, "position"), to_mat3(rotation, "rotation"));
-           })
+      .def(
+          "set_pose",
+          [](Simulation& s, int body, nb::object position, nb::object rotation, Duration duration) {
+            s.set_pose(BodyId{body}, to_vec3(position, "position"), to_mat3(rotation, "rotation"), duration);
+          },
+          "body"_a, "position"_a, "rotation"_a, "duration"_a = nb::none())
       .def("set_twist",
            [](Simulation& s, int body, nb::object velocity, nb::object angular_velocity) {
              s.set_velocity(BodyId{body}, to_vec3(velocity, "velocity"),
@@ -268,19 +273,23 @@ void bind_simulation(nb::module_& m) {
            })
       .def("pin_targets",
            [](const Simulation& s, int body) { return to_numpy<double>(s.pin_targets(BodyId{body})); })
-      .def("set_pin_targets",
-           [](Simulation& s, int body, nb::object targets) {
-             const auto t = array<Rows<double, 3>>(targets, "targets", "an (n, 3) array of positions");
-             s.set_pin_targets(BodyId{body}, rows<Vec3>(t));
-           })
+      .def(
+          "set_pin_targets",
+          [](Simulation& s, int body, nb::object targets, Duration duration) {
+            const auto t = array<Rows<double, 3>>(targets, "targets", "an (n, 3) array of positions");
+            s.set_pin_targets(BodyId{body}, rows<Vec3>(t), duration);
+          },
+          "body"_a, "targets"_a, "duration"_a = nb::none())
       .def("frames", [](const Simulation& s, int body) { return to_numpy<double>(s.frames(BodyId{body})); })
       .def("clamp_targets",
            [](const Simulation& s, int body) { return to_numpy<double>(s.clamp_targets(BodyId{body})); })
-      .def("set_clamp_targets",
-           [](Simulation& s, int body, nb::object targets) {
-             const auto t = array<Rows<double, 9>>(targets, "targets", "an (n, 9) array of rotations");
-             s.set_clamp_targets(BodyId{body}, rows<Mat3>(t));
-           })
+      .def(
+          "set_clamp_targets",
+          [](Simulation& s, int body, nb::object targets, Duration duration) {
+            const auto t = array<Rows<double, 9>>(targets, "targets", "an (n, 9) array of rotations");
+            s.set_clamp_targets(BodyId{body}, rows<Mat3>(t), duration);
+          },
+          "body"_a, "targets"_a, "duration"_a = nb::none())
       .def("set_energy_value", &set_energy_value, "energy"_a, "name"_a, "values"_a)
       .def(
           "element_energies",
@@ -338,4 +347,5 @@ void bind_simulation(nb::module_& m) {
           "actuator"_a, "Fed into the motion in the last step [W].")
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
+  bind_attachments_of_simulation(m.attr("Simulation"));
 }

@@ -52,8 +52,10 @@ for _exception in (
 # Imported when first used, to keep `import stark` fast.
 _ON_DEMAND = (
     "actuators",
+    "attachments",
     "formulas",
     "joints",
+    "motion",
     "recording",
     "render",
     "replay",
@@ -68,6 +70,7 @@ _NAMES_ON_DEMAND = {
         "world_frame world_points"
     ),
     "stark.joints": "Joint Wrench hold joint",
+    "stark.attachments": "Attachment",
     "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "

@@ -237,6 +237,28 @@ class _Deformable(Body):
             self._index, np.ascontiguousarray(array)
         )
 
+    def follow(
+        self,
+        targets: Any = None,
+        *,
+        displacement: Any = None,
+        rotation: Any = None,
+        center: ArrayLike | None = None,
+        vertices: ArrayLike | None = None,
+    ) -> None:
+        """Moves pinned vertices on motions (stark.motion, or functions of the time [s]) from the next step
+        on.
+
+        ``targets``: positions (k, 3) [m] of the pins, in their order. Or all together, like a rigid body:
+        turned by ``rotation`` about ``center`` [m] (the mean of the pins at time 0 if left out) and moved by
+        ``displacement`` [m] from where they are at time 0; clamped nodes of rods turn with them.
+        ``vertices``: only these of the pinned ones; others may follow another motion. Without arguments
+        nothing is followed any more. Values are those of the end of each step, whatever its length; a step
+        that the solver halves goes halfway on the straight line."""
+        from stark.following import follow_pins
+
+        follow_pins(self, targets, displacement, rotation, center, vertices)
+
 
 class Cloth(_Deformable):
     """A sheet of triangles."""
@@ -346,6 +368,15 @@ class RigidBody(InertialSensors, Body):
         self._set_pose(
             vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation")
         )
+
+    def follow(self, position: Any = None, rotation: Any = None) -> None:
+        """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step:
+        ``position`` (3,) [m], ``rotation`` (matrix or quaternion); what is left out stays as at time 0.
+        Without arguments nothing is followed any more. Values are those of the end of each step, whatever its
+        length; a step that the solver halves goes halfway on the straight line."""
+        from stark.following import follow_pose
+
+        follow_pose(self, position, rotation)
 
     @property
     def velocity(self) -> NDArray[np.float64]:

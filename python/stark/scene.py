@@ -13,6 +13,7 @@ from stark import _core, materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
+from stark.attachments.scene_attachments import SceneAttachments
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
@@ -22,6 +23,8 @@ from stark.rotations import Vec3Like, as_matrix
 
 if TYPE_CHECKING:
     from stark.actuators.handle import Actuator
+    from stark.attachments.handle import Attachment
+    from stark.following import Follower
     from stark.formulas.energy import Binding
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
@@ -57,7 +60,7 @@ class FrictionTable:
         self._scene._core.set_friction(a, b, value)
 
 
-class Scene(SceneJoints, SceneActuators, SceneLoads):
+class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     def __init__(self, name: str = "scene") -> None:
@@ -67,6 +70,8 @@ class Scene(SceneJoints, SceneActuators, SceneLoads):
         self._energies: list[Energy] = []
         self._joints: list[Joint] = []
         self._actuators: list[Actuator] = []
+        self._attachments: list[Attachment] = []
+        self._followers: dict[int, list[Follower]] = {}  # by body
         self._latest_simulation: Callable[[], Simulation | None] = lambda: None
         self._warned = 0
 

@@ -20,6 +20,8 @@ from stark.settings import Settings
 if TYPE_CHECKING:
     from stark._core import State, StepReport
     from stark.actuators.handle import Actuator
+    from stark.attachments import Attachment
+    from stark.following import Follower
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
 
@@ -100,7 +102,16 @@ class Simulation:
     def _step(self, *limit: float) -> StepReport:
         for values in self._live_values:
             values.push(self._core)
+        if self._scene._followers:
+            duration = min((self._core.time_step, *limit))
+            for follower in self._followers():
+                follower.apply(self, self._core.time + duration, duration)
         return self._core.step(*limit)
+
+    def _followers(self) -> list[Follower]:
+        """Of the bodies that this simulation has."""
+        rows = sorted(self._scene._followers.items())
+        return [f for body, followers in rows if body < self._core.body_count for f in followers]
 
     def run_until(self, until: float, stop: Callable[[], bool] | None = None) -> StepReport | None:
         """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is
@@ -164,6 +175,11 @@ class Simulation:
     def actuators(self) -> list[Actuator]:
         """Handles of the actuators of the scene; their values and efforts are those of this simulation."""
         return [a._bound_to(self) for a in self._scene.actuators[: self._core.actuator_count]]
+
+    @property
+    def attachments(self) -> list[Attachment]:
+        """Handles of the attachments of the scene; their forces are those of this simulation."""
+        return [a._bound_to(self) for a in self._scene.attachments[: self._core.attachment_count]]
 
     @property
     def energies(self) -> list[Energy]:

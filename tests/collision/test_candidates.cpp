@@ -22,6 +22,25 @@ TEST_CASE("pair filter: symmetric, with and without self, bounds checked") {
   CHECK_THROWS_AS(PairFilter(-1), InvalidArgument);
 }
 
+TEST_CASE("pair filter: vertices are kept from a group with all that they are part of") {
+  PairFilter filter(3);
+  CHECK_FALSE(filter.has_exclusions());
+  filter.exclude(7, 2);
+  filter.exclude(7, 2);
+  CHECK(filter.has_exclusions());
+  CHECK(filter.excluded(7, 2));
+  CHECK_FALSE(filter.excluded(7, 1));
+  CHECK_FALSE(filter.excluded(6, 2));
+  CHECK_FALSE(filter.excluded(1000, 2));
+  const std::array<int32_t, 3> with{5, 6, 7}, without{4, 5, 6}, other{0, 1, 2};
+  CHECK(filter.excluded(with, 0, other, 2));
+  CHECK(filter.excluded(other, 2, with, 0));
+  CHECK_FALSE(filter.excluded(with, 0, other, 1));
+  CHECK_FALSE(filter.excluded(without, 0, other, 2));
+  CHECK_THROWS_AS(filter.exclude(-1, 0), InvalidArgument);
+  CHECK_THROWS_AS(filter.exclude(0, 3), InvalidArgument);
+}
+
 TEST_CASE("candidate list: size and clear") {
   CandidateList list;
   list.point_triangle = {{0, 1}};

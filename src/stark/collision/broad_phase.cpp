@@ -128,6 +128,24 @@ void merge_sorted(const std::vector<PairBuffer>& buffers, std::vector<Pair> Pair
   }
 }
 
+/// Drops the pairs that the filter excludes by vertex.
+void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, CandidateList& list) {
+  const auto is_out = [&](std::span<const int32_t> a, std::span<const int32_t> b) {
+    return filter.excluded(a, mesh.vertex_group[a[0]], b, mesh.vertex_group[b[0]]);
+  };
+  const auto one = [](const int32_t& v) { return std::span(&v, 1); };
+  std::erase_if(list.point_triangle, [&](const PointTriangleCandidate& c) {
+    return is_out(one(c.point), mesh.triangles[c.triangle]);
+  });
+  std::erase_if(list.edge_edge, [&](const EdgeEdgeCandidate& c) {
+    return is_out(mesh.edges[c.edge_a], mesh.edges[c.edge_b]);
+  });
+  std::erase_if(list.point_edge,
+                [&](const PointEdgeCandidate& c) { return is_out(one(c.point), mesh.edges[c.edge]); });
+  std::erase_if(list.point_point,
+                [&](const PointPointCandidate& c) { return is_out(one(c.point_a), one(c.point_b)); });
+}
+
 }  // namespace
 
 struct BroadPhase::Implementation {
@@ -207,6 +225,7 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
     merge_list(0, 0);
     merge_list(1, 0);
   }
+  if (self.filter.has_exclusions()) remove_excluded(mesh, self.filter, out);
 }
 
 }  // namespace stark

@@ -1,6 +1,7 @@
 // Checks of collision primitives, candidate lists and the table of allowed pairs. See candidates.h.
 #include <stark/collision/candidates.h>
 
+#include <algorithm>
 #include <string>
 
 #include <stark/base/error.h>
@@ -92,6 +93,29 @@ void PairFilter::set(int32_t group_a, int32_t group_b, bool allowed) {
                           std::to_string(group_b) + " must be in [0, " + std::to_string(group_count_) + ")");
   }
   table_[index(group_a, group_b)] = allowed;
+}
+
+void PairFilter::exclude(int32_t vertex, int32_t group) {
+  if (vertex < 0 || group < 0 || group >= group_count_) {
+    throw InvalidArgument("PairFilter: vertex " + std::to_string(vertex) + " must be at least 0 and group " +
+                          std::to_string(group) + " in [0, " + std::to_string(group_count_) + ")");
+  }
+  if (excluded_.size() <= static_cast<size_t>(vertex)) excluded_.resize(vertex + 1);
+  if (!excluded(vertex, group)) excluded_[vertex].push_back(group);
+}
+
+bool PairFilter::excluded(int32_t vertex, int32_t group) const {
+  if (static_cast<size_t>(vertex) >= excluded_.size()) return false;
+  const std::vector<int32_t>& groups = excluded_[vertex];
+  return std::find(groups.begin(), groups.end(), group) != groups.end();
+}
+
+bool PairFilter::excluded(std::span<const int32_t> vertices_a, int32_t group_a,
+                          std::span<const int32_t> vertices_b, int32_t group_b) const {
+  const auto some = [&](std::span<const int32_t> vertices, int32_t group) {
+    return std::any_of(vertices.begin(), vertices.end(), [&](int32_t v) { return excluded(v, group); });
+  };
+  return some(vertices_a, group_b) || some(vertices_b, group_a);
 }
 
 }  // namespace stark

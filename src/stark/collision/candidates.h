@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <stark/geometry/mesh.h>
@@ -60,7 +61,8 @@ struct CandidateList {
   bool operator==(const CandidateList&) const = default;
 };
 
-/// Which groups may touch: a symmetric table that includes each group with itself.
+/// Which groups may touch: a symmetric table that includes each group with itself. Single vertices may be
+/// kept from a group, with every primitive that they are part of.
 class PairFilter {
  public:
   PairFilter() = default;
@@ -70,6 +72,14 @@ class PairFilter {
   bool allowed(int32_t group_a, int32_t group_b) const { return table_[index(group_a, group_b)]; }
   int32_t group_count() const { return group_count_; }
 
+  /// Keeps all primitives with this vertex from those of the group.
+  void exclude(int32_t vertex, int32_t group);
+  bool has_exclusions() const { return !excluded_.empty(); }
+  bool excluded(int32_t vertex, int32_t group) const;
+  /// Whether some vertex of one primitive is kept from the group of the other.
+  bool excluded(std::span<const int32_t> vertices_a, int32_t group_a, std::span<const int32_t> vertices_b,
+                int32_t group_b) const;
+
  private:
   static size_t index(int32_t a, int32_t b) {
     const size_t low = static_cast<size_t>(a < b ? a : b), high = static_cast<size_t>(a < b ? b : a);
@@ -78,6 +88,7 @@ class PairFilter {
 
   int32_t group_count_ = 0;
   std::vector<bool> table_;
+  std::vector<std::vector<int32_t>> excluded_;  ///< groups, by vertex; as long as needed
 };
 
 }  // namespace stark

@@ -72,6 +72,11 @@ std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh
   });
   std::vector<EdgeTriangleIntersection> result;
   for (const auto& part : found) result.insert(result.end(), part.begin(), part.end());
+  if (filter.has_exclusions())
+    std::erase_if(result, [&](const EdgeTriangleIntersection& pair) {
+      return filter.excluded(mesh.edges[pair.edge], mesh.edge_group[pair.edge], mesh.triangles[pair.triangle],
+                             mesh.triangle_group[pair.triangle]);
+    });
   std::sort(result.begin(), result.end(), [](const auto& a, const auto& b) {
     return a.edge != b.edge ? a.edge < b.edge : a.triangle < b.triangle;
   });
@@ -95,7 +100,8 @@ std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::
     std::vector<bool> reported(group_count, false);
     for (const int32_t v : pieces) {
       const int32_t inner = mesh.vertex_group[v];
-      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || !bounds[outer].contains(x[v]))
+      if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || filter.excluded(v, outer) ||
+          !bounds[outer].contains(x[v]))
         continue;
       if (locate_point(x[v], x, triangles[outer]) != PointLocation::Inside) continue;
       reported[inner] = true;

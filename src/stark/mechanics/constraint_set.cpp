@@ -156,6 +156,19 @@ std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
   return result;
 }
 
+std::vector<double> ConstraintSet::reactions(std::span<const Vec3> x) const {
+  std::vector<double> result = residuals(x);
+  for (const Place& place : places_) {
+    const std::vector<char>& one_sided = groups_[place.group].joint->one_sided();
+    for (size_t k = 0; k < one_sided.size(); ++k) {
+      const int64_t r = place.residual + static_cast<int64_t>(k);
+      result[r] = multipliers_[r] + penalties_[r] * result[r];
+      if (one_sided[k] != 0) result[r] = std::max(0.0, result[r]);
+    }
+  }
+  return result;
+}
+
 ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
   Violation worst;
   const std::vector<double> C = residuals(x);

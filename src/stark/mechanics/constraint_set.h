@@ -64,6 +64,10 @@ class ConstraintSet {
   /// Forces that hold the residuals at x: the multipliers of the next step.
   std::vector<double> forces(std::span<const Vec3> x) const;
 
+  /// Forces lambda + rho C that act at x, by residual: those on what carries frame a are minus these times
+  /// the gradient of the residual.
+  std::vector<double> reactions(std::span<const Vec3> x) const;
+
   /// Largest residual over its tolerance at x, and whose it is.
   struct Violation {
     double ratio = 0.0;

@@ -24,6 +24,12 @@ struct ActuatorId {
   auto operator<=>(const ActuatorId&) const = default;
 };
 
+/// Index of an attachment that was added to a scene.
+struct AttachmentId {
+  int32_t index = -1;
+  auto operator<=>(const AttachmentId&) const = default;
+};
+
 /// Index of a joint that was added to a scene.
 struct JointId {
   int32_t index = -1;

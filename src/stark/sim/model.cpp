@@ -19,6 +19,7 @@ void Model::Builder::build() {
   add_rod_sites();
   add_energy_sites();
   add_joint_sites();
+  add_attachment_sites();
   model.map_ = KinematicMap(std::move(layout), std::move(sites));
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     if (scene.kind(BodyId{i}) == BodyKind::Cloth) add_cloth_energies(BodyId{i});
@@ -112,6 +113,7 @@ void Model::Builder::set_initial_sites() {
   model.initial_state_.joint_multiplier.assign(constraints.residual_count(), 0.0);
   for (const JointDescription& joint : scene.joints())
     model.initial_state_.joint_enabled.push_back(joint.enabled ? 1.0 : 0.0);
+  set_initial_attachments(x);
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   model.initial_state_.joint_coordinate = constraints.coordinates(x);
   set_initial_rates(x);
@@ -175,6 +177,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     for (int32_t b = a; b < groups; ++b)
       surfaces.filter.set(
           a, b, scene.contact_enabled(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
+  exclude_attached(scene, surfaces.filter);
   surfaces.rest_positions = rest_positions_;
   std::vector<double> friction(static_cast<size_t>(groups) * groups);
   for (int32_t a = 0; a < groups; ++a)

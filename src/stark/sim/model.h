@@ -67,6 +67,12 @@ struct ModelActuator {
   std::vector<bool> is_angle;                 ///< by coordinate
 };
 
+/// Pairs of an attachment of the scene.
+struct ModelAttachment {
+  int32_t first_pair = 0;        ///< in attachment_held of the state
+  int32_t first_constraint = 0;  ///< in the constraint set: its pairs follow joints and actuators
+};
+
 /// Elements with quadrature points of one body.
 struct ModelQuadrature {
   std::string body;
@@ -87,9 +93,10 @@ class Model {
   /// Joints; empty without any.
   ConstraintSet& constraints() { return constraints_; }
   const ConstraintSet& constraints() const { return constraints_; }
-  const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by joint and actuator
+  const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by constraint
   /// By actuator of the scene. In the constraint set they follow the joints.
   const std::vector<ModelActuator>& actuators() const { return actuators_; }
+  const std::vector<ModelAttachment>& attachments() const { return attachments_; }  ///< by attachment
   /// Energies, joints and actuators.
   std::vector<PotentialBatch*> all_batches();
   /// Position in batches() of an energy of the scene.
@@ -106,6 +113,9 @@ class Model {
 
  private:
   struct Builder;
+  /// Keeps attached vertices from the surface of the body that they are attached to.
+  void exclude_attached(const Scene& scene, PairFilter& filter) const;
+
   KinematicMap map_;
   std::vector<ModelBody> bodies_;
   std::vector<RigidMass> rigid_masses_;
@@ -116,6 +126,7 @@ class Model {
   ConstraintSet constraints_{{}};
   std::vector<JointSide> joint_sides_;
   std::vector<ModelActuator> actuators_;
+  std::vector<ModelAttachment> attachments_;
   std::vector<ModelQuadrature> quadrature_batches_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;

@@ -65,6 +65,8 @@ struct Model::Builder {
   std::vector<double> placement(const FrameDescription& frame) const;
   JointSide side_of(const FrameDescription& frame) const;
   static FrameKind kind_of(const FrameDescription& frame);
+  /// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
+  static std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p);
 
   // Actuators (model_actuators.cpp)
   /// Appends the groups and the sides of all actuators, numbered on from the joints.
@@ -75,6 +77,14 @@ struct Model::Builder {
   void locate_actuators();
   void set_initial_actuators();
   int coordinate_index(const CoordinateName& coordinate) const;
+
+  // Attachments (model_attachments.cpp)
+  void add_attachment_sites();
+  /// Appends the groups and the sides of all pairs, numbered on from joints and actuators.
+  void add_attachments(std::vector<ConstraintGroup>& groups);
+  JointSide side_of_sites(std::span<const int32_t> some) const;
+  /// Places points on their patches as they are at x, the positions at time 0.
+  void set_initial_attachments(std::span<const Vec3> x);
 
   // Everything else (model.cpp)
   symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }
@@ -110,6 +120,8 @@ struct Model::Builder {
   std::vector<int32_t> centre_sites, axis_sites;
   std::vector<std::vector<int32_t>> energy_stencils;  ///< by energy of the scene
   std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
+  /// By pair: the point, then the point or the three vertices of the patch that carry it.
+  std::vector<std::vector<int32_t>> attachment_sites;
 };
 
 }  // namespace stark

@@ -7,8 +7,10 @@ namespace {
 
 using Carrier = FrameDescription::Carrier;
 
-/// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
-std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p) {
+}  // namespace
+
+std::vector<double> Model::Builder::patch_numbers(const FrameDescription& frame,
+                                                  const std::array<Vec3, 3>& p) {
   const Vec3 u = p[1] - p[0], v = p[2] - p[0], d = frame.position - p[0];
   const Vec3 z = normalized(cross(u, v)), x = normalized(u);
   const Mat3 axes = Mat3::from_columns(x, cross(z, x), z);
@@ -22,8 +24,6 @@ std::vector<double> patch_numbers(const FrameDescription& frame, const std::arra
   numbers.insert(numbers.end(), local.m.begin(), local.m.end());
   return numbers;
 }
-
-}  // namespace
 
 FrameKind Model::Builder::kind_of(const FrameDescription& frame) {
   return frame.carrier == Carrier::Patch ? FrameKind::Patch : FrameKind::Axes;
@@ -92,6 +92,7 @@ void Model::Builder::add_joints() {
   for (const JointDescription& joint : scene.joints())
     for (const FrameDescription* frame : {&joint.a, &joint.b}) model.joint_sides_.push_back(side_of(*frame));
   add_actuators(groups);
+  add_attachments(groups);
   model.constraints_ = ConstraintSet(std::move(groups));
   locate_actuators();
 }

@@ -21,6 +21,7 @@
 #include <stark/mechanics/field_values.h>
 #include <stark/mechanics/rod_law.h>
 #include <stark/sim/actuator.h>
+#include <stark/sim/attachment.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/joint.h>
@@ -192,6 +193,12 @@ class Scene {
   void set_actuator_value(ActuatorId actuator, const std::string& name, double value);
   void set_actuator_enabled(ActuatorId actuator, bool enabled);
 
+  /// Glues points to points or patches (sim/attachment.h). Throws InvalidArgument for points that do not
+  /// exist and counts that differ.
+  AttachmentId add_attachment(AttachmentDescription description);
+  const std::vector<AttachmentDescription>& attachments() const { return attachments_; }
+  const AttachmentDescription& attachment(AttachmentId attachment) const;
+
   /// Coefficient of a pair; a == b is the self-contact of a body.
   void set_friction(BodyId a, BodyId b, double coefficient);
   /// Coefficient of bodies that were given none.
@@ -257,6 +264,7 @@ class Scene {
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
   std::string unique_name(const std::string& name, BodyKind kind);
   void check_points(const std::string& owner, const PointSet& points) const;
+  void check_patches(const std::string& owner, const AttachmentDescription& attachment) const;
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;
 
@@ -270,7 +278,8 @@ class Scene {
   std::vector<EnergyDescription> energies_;
   std::vector<JointDescription> joints_;
   std::vector<ActuatorDescription> actuators_;
-  Names body_names_, energy_names_, joint_names_;
+  std::vector<AttachmentDescription> attachments_;
+  Names body_names_, energy_names_, joint_names_, attachment_names_;
   std::map<Pair, double> friction_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;

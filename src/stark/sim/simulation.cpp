@@ -39,8 +39,9 @@ std::string point_text(const Vec3& p) {
 std::string count_text(const State& state) {
   return std::to_string(state.point_position.size()) + " points, " +
          std::to_string(state.body_position.size()) + " rigid bodies, " +
-         std::to_string(state.joint_enabled.size()) + " joints and " +
-         std::to_string(state.actuator_enabled.size()) + " actuators";
+         std::to_string(state.joint_enabled.size()) + " joints, " +
+         std::to_string(state.actuator_enabled.size()) + " actuators and " +
+         std::to_string(state.attachment_held.size()) + " attached points";
 }
 
 }  // namespace
@@ -75,6 +76,7 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   check_energies();
   check_joints();
   check_actuators();
+  check_attachments();
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const PotentialBatch* batch : model_->all_batches()) batches.push_back(batch);
@@ -132,7 +134,8 @@ void Simulation::set_state(const State& state) {
       state.actuator_value.size() != mine.actuator_value.size() ||
       state.actuator_memory.size() != mine.actuator_memory.size() ||
       state.actuator_effort.size() != mine.actuator_effort.size() ||
-      state.actuator_enabled.size() != mine.actuator_enabled.size())
+      state.actuator_enabled.size() != mine.actuator_enabled.size() ||
+      state.attachment_held.size() != mine.attachment_held.size())
     throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(mine) +
                           "; use a state of the same scene");
   state_ = state;
@@ -214,7 +217,15 @@ Vec3 Simulation::angular_velocity(BodyId body) const {
   return axial(state_.body_rotation_rate[b.rigid_index] * transpose(state_.body_rotation[b.rigid_index]));
 }
 
-void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotation) {
+double Simulation::checked_duration(const std::string& owner, std::optional<double> duration) const {
+  if (duration && !(*duration > 0.0 && std::isfinite(*duration)))
+    throw InvalidArgument(owner + ": duration = " + quantity_text(*duration, "s") +
+                          ": must be > 0 and finite; leave it out for a full time step");
+  return duration.value_or(settings_.time.step);
+}
+
+void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotation,
+                          std::optional<double> duration) {
   const ModelBody& b = rigid(body, "set_pose");
   if (scene_.motion(body) != Motion::Scripted)
     throw InvalidArgument("body '" + scene_.name(body) + "' is " + to_string(scene_.motion(body)) +
@@ -224,9 +235,10 @@ void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotatio
     throw InvalidArgument("pose of body '" + scene_.name(body) + "': position " + point_text(position) +
                           " must be finite and rotation orthogonal with determinant +1 (defect " +
                           to_text(defect) + ")");
+  const double remaining = checked_duration("pose of body '" + scene_.name(body) + "'", duration);
   state_.script_position[b.rigid_index] = position;
   state_.script_rotation[b.rigid_index] = orthonormalized(rotation);
-  state_.script_remaining[b.rigid_index] = settings_.time.step;
+  state_.script_remaining[b.rigid_index] = remaining;
 }
 
 void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,17 +48,19 @@ class Simulation {
   Vec3 angular_velocity(BodyId body) const;
 
   /// Pose of a scripted body at the end of the next full time step; afterwards it rests until told otherwise.
-  void set_pose(BodyId body, const Vec3& position, const Mat3& rotation);
+  /// With `duration` [s] the pose holds after that time.
+  void set_pose(BodyId body, const Vec3& position, const Mat3& rotation, std::optional<double> duration = {});
   /// Velocity of the origin [m/s] and angular velocity [rad/s] of a scripted body from now on.
   void set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
   /// Positions [m] of the pinned vertices, in the order of pinning, at the end of the next full time step.
-  void set_pin_targets(BodyId body, std::span<const Vec3> targets);
+  /// With `duration` [s] after that time, then for all pins of deformable bodies.
+  void set_pin_targets(BodyId body, std::span<const Vec3> targets, std::optional<double> duration = {});
   /// Where the pinned vertices are or are going to [m], in the order of pinning.
   std::vector<Vec3> pin_targets(BodyId body) const;
   /// Frames of the nodes of a rod, axes d1, d2, d3 as columns.
   std::vector<Mat3> frames(BodyId body) const;
   /// Frames of the clamped nodes of a rod, in the order of clamping, at the end of the next full time step.
-  void set_clamp_targets(BodyId body, std::span<const Mat3> targets);
+  void set_clamp_targets(BodyId body, std::span<const Mat3> targets, std::optional<double> duration = {});
   std::vector<Mat3> clamp_targets(BodyId body) const;
 
   /// Replaces a value of an energy of the scene from now on, without rebuilding anything: as many numbers as
@@ -97,6 +100,14 @@ class Simulation {
   /// Power [W] that it fed into the motion in the last step.
   double actuator_power(ActuatorId actuator) const;
 
+  /// Releases an attachment, or holds it again from the next step on; broken pairs stay broken.
+  void set_attachment_enabled(AttachmentId attachment, bool enabled);
+  /// By pair: 1 held, 0 released, -1 broken.
+  std::vector<int32_t> attachment_status(AttachmentId attachment) const;
+  /// Forces [N] on the points of side a in the last step, zero for pairs that do not hold; what carries them
+  /// gets the opposite. After set_state, of the multipliers of the state, as joint_reaction.
+  std::vector<Vec3> attachment_forces(AttachmentId attachment) const;
+
   /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
   /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
   std::vector<ContactForce> contacts() const;
@@ -122,13 +133,21 @@ class Simulation {
   void release_joints();
   void commit_joints();
   void check_actuators();
+  /// Joints, actuators and attachments are numbered one after the other.
+  bool is_of_actuators(const ConstraintGroup& group) const;
+  void check_attachments();
+  /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.
+  void commit_attachments(std::span<const Vec3> x);
+  void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
   /// Writes the inputs of actuators for a step of length h from step_start_ and reference_.
   void begin_actuators(double h);
   /// Takes efforts and memories over at the end of a step.
   void commit_actuators(std::span<const Vec3> x);
-  /// 1 for each joint, then for each actuator, that acts; actuators of released joints rest.
+  /// 1 for each joint, then for each actuator, then for each pair of attachments, that acts; actuators of
+  /// released joints rest.
   std::vector<double> acting() const;
   std::string violation_text() const;
+  double checked_duration(const std::string& owner, std::optional<double> duration) const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
   const ModelBody& rigid(BodyId body, const char* what) const;

@@ -51,7 +51,13 @@ std::vector<double> Simulation::acting() const {
       on = on && state_.joint_enabled[coordinate.joint.index] != 0.0;
     acting.push_back(on ? 1.0 : 0.0);
   }
+  for (const double held : state_.attachment_held) acting.push_back(held == 1.0 ? 1.0 : 0.0);
   return acting;
+}
+
+bool Simulation::is_of_actuators(const ConstraintGroup& group) const {
+  const size_t number = group.joints.front(), joints = scene_.joints().size();
+  return number >= joints && number < joints + scene_.actuators().size();
 }
 
 void Simulation::begin_actuators(double h) {
@@ -62,7 +68,7 @@ void Simulation::begin_actuators(double h) {
                             start = model_->constraints().coordinates(step_start_);
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (ConstraintGroup& group : model_->constraints().groups()) {
-    if (group.joints.front() < joints) continue;
+    if (!is_of_actuators(group)) continue;
     const ActuatorFields fields(group);
     for (int64_t e = 0; e < group.batch.size(); ++e) {
       const int32_t number = group.joints[e];
@@ -88,7 +94,7 @@ void Simulation::begin_actuators(double h) {
 void Simulation::commit_actuators(std::span<const Vec3> x) {
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (const ConstraintGroup& group : model_->constraints().groups()) {
-    if (group.joints.front() < joints) continue;
+    if (!is_of_actuators(group)) continue;
     const std::vector<double> values = group.batch.evaluate(group.joint->values(), x);
     const size_t outputs = values.size() / group.batch.size(), rows = group.joint->units().size();
     for (int64_t e = 0; e < group.batch.size(); ++e) {

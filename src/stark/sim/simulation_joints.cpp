@@ -118,6 +118,7 @@ void Simulation::commit_joints() {
   if (constraints.joint_count() == 0) return;
   const std::span<const Vec3> x = potential_->site_positions();
   state_.joint_multiplier = constraints.forces(x);
+  commit_attachments(x);
   commit_actuators(x);
   const std::vector<double> raw = constraints.coordinates(x),
                             start = constraints.coordinates(reference_.sites);
@@ -139,6 +140,15 @@ std::string Simulation::violation_text() const {
   const ConstraintSet::Violation worst = model_->constraints().worst(potential_->site_positions());
   if (worst.joint < 0) return "";
   const auto joints = static_cast<int32_t>(scene_.joints().size());
+  if (!model_->attachments().empty() && worst.joint >= model_->attachments().front().first_constraint) {
+    const auto after =
+        std::ranges::upper_bound(model_->attachments(), worst.joint, {}, &ModelAttachment::first_constraint);
+    const auto k = static_cast<size_t>(after - model_->attachments().begin()) - 1;
+    return "attachment '" + scene_.attachments()[k].name + "', pair " +
+           std::to_string(worst.joint - model_->attachments()[k].first_constraint) + ", is apart by " +
+           residual_text(worst.residual, worst.unit) +
+           "; look for prescribed bodies that pull it apart, or give it a break_force";
+  }
   if (worst.joint >= joints)
     return "actuator '" + scene_.actuators()[worst.joint - joints].name + "' is off by " +
            residual_text(worst.residual, worst.unit) +

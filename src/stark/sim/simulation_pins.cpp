@@ -7,7 +7,7 @@
 
 namespace stark {
 
-void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
+void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets, std::optional<double> duration) {
   const std::string owner = "pin targets of body '" + scene_.name(body) + "'";
   const ModelBody& b = model_->bodies()[body.index];
   if (b.pins.size() != targets.size())
@@ -16,15 +16,16 @@ void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets) {
   for (const Vec3& target : targets)
     if (!is_finite(target))
       throw InvalidArgument(owner + ": " + to_text(FieldValue(target)) + " m must be finite");
+  const double remaining = checked_duration(owner, duration);
   if (b.kind == BodyKind::Rod) {
     for (size_t k = 0; k < targets.size(); ++k) {
       state_.script_position[b.rigid_index + b.pins[k]] = targets[k];
-      state_.script_remaining[b.rigid_index + b.pins[k]] = settings_.time.step;
+      state_.script_remaining[b.rigid_index + b.pins[k]] = remaining;
     }
     return;
   }
   for (size_t k = 0; k < targets.size(); ++k) state_.pin_target[b.first_site + b.pins[k]] = targets[k];
-  state_.pin_remaining = settings_.time.step;
+  state_.pin_remaining = remaining;
 }
 
 std::vector<Vec3> Simulation::pin_targets(BodyId body) const {
@@ -43,16 +44,18 @@ std::vector<Mat3> Simulation::frames(BodyId body) const {
   return {first, first + b.site_count};
 }
 
-void Simulation::set_clamp_targets(BodyId body, std::span<const Mat3> targets) {
+void Simulation::set_clamp_targets(BodyId body, std::span<const Mat3> targets,
+                                   std::optional<double> duration) {
   const ModelBody& b = rod(body);
   const std::string owner = "clamp targets of body '" + scene_.name(body) + "'";
   if (b.clamped.size() != targets.size())
     throw InvalidArgument(owner + ": " + std::to_string(targets.size()) + " rotations for " +
                           std::to_string(b.clamped.size()) + " clamped nodes; give one rotation for each");
   for (const Mat3& target : targets) check_rotation(owner, target);
+  const double remaining = checked_duration(owner, duration);
   for (size_t k = 0; k < targets.size(); ++k) {
     state_.script_rotation[b.rigid_index + b.clamped[k]] = targets[k];
-    state_.script_remaining[b.rigid_index + b.clamped[k]] = settings_.time.step;
+    state_.script_remaining[b.rigid_index + b.clamped[k]] = remaining;
   }
 }
 

@@ -1,0 +1,62 @@
+"""``Scene``: attachments. The work is done in stark.attachments.adding, imported when first used."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from stark.attachments.handle import Attachment
+    from stark.bodies import Body
+    from stark.formulas.points import Points, Stencils
+
+
+class SceneAttachments:
+    """``Scene``: attachments."""
+
+    _attachments: list[Attachment]
+
+    def attach(
+        self,
+        a: Body | Points | Stencils | str,
+        b: Body | Points | str | None,
+        *,
+        distance: float | None = None,
+        pairs: ArrayLike | None = None,
+        break_force: float | None = None,
+        contact: bool = True,
+        enabled: bool = True,
+        name: str | None = None,
+    ) -> Attachment:
+        """Glues points of ``a`` to ``b``, where they are at time 0.
+
+        ``a``: points (``cloth.vertices[[0, 5]]``, ``cloth.faces[mask]``, ``box.points(...)``), or a body, of
+        which ``distance`` or ``pairs`` choose vertices. ``b``: a body (each point is carried by the nearest
+        place of its surface), points (as many as in ``a``, or the nearest ones with ``distance``), or None
+        for the world. ``distance`` [m]: only points that are this near to ``b``. ``pairs`` (n, 2): indices of
+        vertices of the bodies ``a`` and ``b``. ``break_force`` [N]: a pair whose force exceeds it in a step
+        is released for good.
+
+        Surfaces around attached vertices do not touch the other body; with ``contact=False`` the two bodies
+        do not touch at all."""
+        from stark.attachments.adding import attach
+
+        attachment = attach(
+            self,  # type: ignore[arg-type]
+            a,
+            b,
+            distance=distance,
+            pairs=pairs,
+            break_force=break_force,
+            contact=contact,
+            enabled=enabled,
+            name=name,
+        )
+        self._attachments.append(attachment)
+        return attachment
+
+    @property
+    def attachments(self) -> tuple[Attachment, ...]:
+        """Attachments in the order of adding."""
+        return tuple(self._attachments)

@@ -1,0 +1,186 @@
+"""Bodies and pins that follow motions: targets for the end of each step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.motion import Motion, as_motion
+from stark.rotations import as_matrix, vector
+
+if TYPE_CHECKING:
+    from stark.bodies import Body
+    from stark.simulation import Simulation
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class PoseFollower:
+    """A scripted body on a path."""
+
+    body: Body
+    position: Motion | None
+    rotation: Motion | None
+
+    def pose(self, time: float) -> tuple[Floats, Floats]:
+        """At a time [s]; what no motion prescribes is as at time 0."""
+        owner = f"'{self.body.name}'"
+        position, rotation = self.body._scene._core.pose(self.body._index)
+        if self.position is not None:
+            position = vector(self.position(time), f"{owner}: position at {time:g} s")
+        if self.rotation is not None:
+            rotation = as_matrix(self.rotation(time), f"{owner}: rotation at {time:g} s")
+        return position, rotation
+
+    def apply(self, simulation: Simulation, time: float, duration: float) -> None:
+        pose = self.pose(time)
+        simulation._core.set_pose(self.body._index, *pose, duration)
+        simulation._targets[self.body._index] = pose
+
+
+@dataclass
+class PinFollower:
+    """Pinned vertices on paths: each on its own, or all like a rigid body."""
+
+    body: Body
+    rows: NDArray[np.intp]  # among the pins of the body
+    targets: Motion | None
+    displacement: Motion | None
+    rotation: Motion | None
+    center: Floats
+
+    def positions(self, time: float) -> Floats:
+        """Positions (k, 3) [m] at a time [s]."""
+        owner = f"'{self.body.name}'"
+        if self.targets is not None:
+            places = self.targets(time)
+            if places.shape != (len(self.rows), 3):
+                raise InvalidArgument(
+                    f"{owner}: targets at {time:g} s have the shape {places.shape}: must be "
+                    f"({len(self.rows)}, 3), a position [m] for each pinned vertex that follows"
+                )
+            if not np.isfinite(places).all():
+                raise InvalidArgument(
+                    f"{owner}: targets at {time:g} s: must be finite; check where they are computed"
+                )
+            return places
+        start = self.body._scene._core.initial_positions(self.body._index)[self.body.pins[self.rows]]
+        places = self.center + (start - self.center) @ self.turn(time).T
+        if self.displacement is None:
+            return places
+        return places + vector(self.displacement(time), f"{owner}: displacement at {time:g} s")
+
+    def turn(self, time: float) -> Floats:
+        """Rotation since time 0."""
+        if self.rotation is None:
+            return np.eye(3)
+        return as_matrix(self.rotation(time), f"'{self.body.name}': rotation at {time:g} s")
+
+    def apply(self, simulation: Simulation, time: float, duration: float) -> None:
+        core, index = simulation._core, self.body._index
+        targets = core.pin_targets(index)
+        targets[self.rows] = self.positions(time)
+        core.set_pin_targets(index, targets, duration)
+        clamped = getattr(self.body, "clamped", np.empty(0))
+        if self.rotation is None or len(clamped) == 0:
+            return
+        frames = core.clamp_targets(index).reshape(-1, 3, 3)
+        turning = np.isin(clamped, self.body.pins[self.rows])
+        start = self.body._scene._core.initial_frames(index).reshape(-1, 3, 3)[clamped]
+        frames[turning] = self.turn(time) @ start[turning]
+        core.set_clamp_targets(index, np.ascontiguousarray(frames.reshape(-1, 9)), duration)
+
+
+Follower = PoseFollower | PinFollower
+
+
+def follow_pose(body: Body, position: Any, rotation: Any) -> None:
+    """``RigidBody.follow``."""
+    if body.motion != "scripted":
+        raise InvalidArgument(
+            f"'{body.name}' is {body.motion}: it cannot follow a motion; only bodies with "
+            f"motion='scripted' do"
+        )
+    follower = PoseFollower(
+        body,
+        None if position is None else as_motion(position, f"'{body.name}': position"),
+        None if rotation is None else as_motion(rotation, f"'{body.name}': rotation"),
+    )
+    follower.pose(0.0)  # says at once what is wrong with the values
+    body._scene._followers[body._index] = [] if position is None and rotation is None else [follower]
+
+
+def follow_pins(
+    body: Body,
+    targets: Any,
+    displacement: Any,
+    rotation: Any,
+    center: ArrayLike | None,
+    vertices: ArrayLike | None,
+) -> None:
+    """``follow`` of deformable bodies."""
+    owner = f"'{body.name}'"
+    followers = body._scene._followers
+    if targets is None and displacement is None and rotation is None:
+        followers[body._index] = []
+        return
+    if targets is not None and not (displacement is None and rotation is None):
+        raise InvalidArgument(
+            f"{owner}: follow: targets and displacement or rotation are given: give positions of all pins, "
+            f"or how they move together"
+        )
+    rows = _pin_rows(body, vertices)
+    follower = PinFollower(
+        body,
+        rows,
+        None if targets is None else as_motion(targets, f"{owner}: targets"),
+        None if displacement is None else as_motion(displacement, f"{owner}: displacement"),
+        None if rotation is None else as_motion(rotation, f"{owner}: rotation"),
+        body._scene._core.initial_positions(body._index)[body.pins[rows]].mean(axis=0)
+        if center is None
+        else vector(center, f"{owner}: center"),
+    )
+    follower.positions(0.0)
+    others = followers.get(body._index, [])
+    kept = [f for f in others if isinstance(f, PinFollower) and not np.isin(f.rows, rows).any()]
+    if len(kept) < len(others) and vertices is not None and not _covers(others, rows):
+        raise InvalidArgument(
+            f"{owner}: follow: some of the vertices follow another motion together with others: give the "
+            f"same vertices again to replace it, or call follow() first to stop it"
+        )
+    followers[body._index] = [*kept, follower]
+
+
+def _covers(others: Sequence[Follower], rows: NDArray[np.intp]) -> bool:
+    """Whether the followers that share pins with these have no other ones."""
+    return all(
+        np.isin(f.rows, rows).all()
+        for f in others
+        if isinstance(f, PinFollower) and np.isin(f.rows, rows).any()
+    )
+
+
+def _pin_rows(body: Body, vertices: ArrayLike | None) -> NDArray[np.intp]:
+    pins = body.pins  # type: ignore[attr-defined]
+    if len(pins) == 0:
+        raise InvalidArgument(
+            f"'{body.name}': follow: no vertex is pinned: must have pins to move; call "
+            f"'{body.name}'.pin(vertices) first"
+        )
+    if vertices is None:
+        return np.arange(len(pins))
+    chosen = np.atleast_1d(np.asarray(vertices))
+    place = {int(v): k for k, v in enumerate(pins)}
+    for v in chosen.tolist():
+        if v not in place:
+            raise InvalidArgument(
+                f"'{body.name}': follow: vertex {v} is not pinned: must be one of the pinned vertices; "
+                f"pin it first"
+            )
+    return np.array([place[int(v)] for v in chosen], dtype=np.intp)

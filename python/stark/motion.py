@@ -1,0 +1,181 @@
+"""Motions: values as functions of time, for bodies and pins that follow them.
+
+    lift = stark.motion.spline([0.0, 1.0, 2.0], [(0, 0, 0), (0, 0, 0.2), (0.1, 0, 0.2)])
+    turn = stark.motion.rotations([0.0, 2.0], [np.eye(3), stark.rotation(axis="z", angle=1.0)])
+    finger.follow(position=lift, rotation=turn)
+
+A motion is called with a time [s]. Motions through knots hold the first value before the first time and the
+last one after the last."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.rotations import as_matrix, to_quaternion
+
+Floats = NDArray[np.float64]
+
+
+class Motion:
+    """A value as a function of time: ``motion(0.5)`` [s]. Made by the functions of this module."""
+
+    def __init__(self, value: Callable[[float], Any], duration: float | None, text: str) -> None:
+        self._value = value
+        self._text = text
+        self.duration = duration
+        """Time of the last knot [s], None for functions of time."""
+
+    def __call__(self, time: float) -> Floats:
+        return np.asarray(self._value(float(time)), dtype=np.float64)
+
+    def __repr__(self) -> str:
+        return f"<stark.motion {self._text}>"
+
+
+def linear(times: ArrayLike, values: ArrayLike) -> Motion:
+    """Straight lines between knots: ``times`` (n,) [s], rising, and ``values`` (n, ...)."""
+    t, v = _knots("linear", times, values, 1)
+
+    def value(time: float) -> Floats:
+        k, s, _ = _interval(t, time)
+        return v[k] if s == 0.0 else (1.0 - s) * v[k] + s * v[k + 1]
+
+    return Motion(value, float(t[-1]), f"linear through {len(t)} knots")
+
+
+def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
+    """Cubic spline through knots with continuous velocity and acceleration: ``times`` (n,) [s], rising, and
+    ``values`` (n, ...). It starts and ends at rest, or with ``rest=False`` without acceleration (a natural
+    spline: the velocity then jumps at the ends, where the values are held)."""
+    t, v = _knots("spline", times, values, 2)
+    slopes = _slopes(t, v, rest)
+
+    def value(time: float) -> Floats:
+        k, s, h = _interval(t, time)
+        if s == 0.0:
+            return v[k]
+        # Cubic Hermite polynomial of the interval.
+        r = 1.0 - s
+        ends = (1.0 + 2.0 * s) * r * r * v[k] + (1.0 + 2.0 * r) * s * s * v[k + 1]
+        return ends + h * s * r * (r * slopes[k] - s * slopes[k + 1])
+
+    return Motion(value, float(t[-1]), f"spline through {len(t)} knots")
+
+
+def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool = True) -> Motion:
+    """Rotations through knots: ``times`` (n,) [s], rising, and n matrices or quaternions (w, x, y, z), each
+    less than half a turn from the next. The value is a matrix (3, 3).
+
+    ``smooth``: a spline of quaternions with continuous angular velocity and acceleration, ``rest`` as in
+    ``spline``; otherwise constant angular velocity between knots."""
+    quaternions = [
+        to_quaternion(as_matrix(value, f"rotations: value {k}")) for k, value in enumerate(list(values))
+    ]
+    for k in range(1, len(quaternions)):  # q and -q are the same rotation: the nearer one to the last
+        cosine = float(quaternions[k] @ quaternions[k - 1])
+        if abs(cosine) < 1e-6:
+            raise InvalidArgument(
+                f"rotations: values {k - 1} and {k} are half a turn apart: must be less; add a knot between "
+                f"them"
+            )
+        quaternions[k] = quaternions[k] * np.sign(cosine)
+    t, q = _knots("rotations", times, np.array(quaternions).reshape(-1, 4), 1 if not smooth else 2)
+    through = spline(t, q, rest=rest) if smooth else None
+
+    def value(time: float) -> Floats:
+        quaternion = _slerp(t, q, time) if through is None else through(time)
+        return as_matrix(quaternion, f"rotations at {time:g} s")
+
+    return Motion(value, float(t[-1]), f"rotations through {len(t)} knots")
+
+
+def function(value: Callable[[float], ArrayLike]) -> Motion:
+    """A motion from a function of the time [s]. It must depend on nothing else, or a rewind differs."""
+    if not callable(value):
+        raise InvalidArgument(f"function: value = {value!r}: must be a function of the time [s]")
+    return Motion(value, None, f"of {getattr(value, '__name__', 'a function')}")
+
+
+def as_motion(value: Any, owner: str) -> Motion:
+    """A motion or a plain function of time."""
+    if isinstance(value, Motion):
+        return value
+    if callable(value):
+        return function(value)
+    raise InvalidArgument(
+        f"{owner} = {value!r}: must be a motion, such as stark.motion.spline(times, values), or a function "
+        f"of the time [s]"
+    )
+
+
+# --- details ---
+
+
+def _knots(owner: str, times: ArrayLike, values: ArrayLike, fewest: int) -> tuple[Floats, Floats]:
+    try:
+        t, v = np.array(times, dtype=np.float64), np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidArgument(
+            f"{owner}: times and values must be numbers, a row of values for each time"
+        ) from None
+    if t.ndim != 1 or v.ndim < 1 or len(t) != len(v) or len(t) < fewest:
+        raise InvalidArgument(
+            f"{owner}: times of shape {t.shape} and values of shape {v.shape}: must be (n,) and (n, ...) "
+            f"with n >= {fewest}"
+        )
+    if not (np.isfinite(t).all() and np.isfinite(v).all()):
+        raise InvalidArgument(f"{owner}: times [s] and values must be finite; check where they are computed")
+    falls = np.flatnonzero(~(np.diff(t) > 0.0))
+    if falls.size:
+        k = int(falls[0])
+        raise InvalidArgument(f"{owner}: times[{k}] = {t[k]:g} s, times[{k + 1}] = {t[k + 1]:g} s: must rise")
+    return t, v
+
+
+def _interval(t: Floats, time: float) -> tuple[int, float, float]:
+    """Interval of a time, the fraction in it, its length [s]; at knots and outside the fraction is 0."""
+    k = int(np.clip(np.searchsorted(t, time, side="right") - 1, 0, len(t) - 1))
+    if time <= t[0] or k == len(t) - 1:
+        return k, 0.0, 0.0
+    h = float(t[k + 1] - t[k])
+    return k, float(time - t[k]) / h, h
+
+
+def _slopes(t: Floats, v: Floats, rest: bool) -> Floats:
+    """Velocities at the knots for which the acceleration is continuous: a tridiagonal system [de Boor 1978,
+    ch. IV], solved by elimination."""
+    n = len(t)
+    h = np.diff(t)
+    secants = np.diff(v, axis=0) / h.reshape((-1,) + (1,) * (v.ndim - 1))
+    lower, diagonal, upper, right = np.zeros(n), np.ones(n), np.zeros(n), np.zeros_like(v)
+    for k in range(1, n - 1):
+        lower[k], diagonal[k], upper[k] = h[k], 2.0 * (h[k - 1] + h[k]), h[k - 1]
+        right[k] = 3.0 * (h[k] * secants[k - 1] + h[k - 1] * secants[k])
+    if not rest:
+        diagonal[0], upper[0], right[0] = 2.0, 1.0, 3.0 * secants[0]
+        diagonal[-1], lower[-1], right[-1] = 2.0, 1.0, 3.0 * secants[-1]
+    for k in range(1, n):
+        factor = lower[k] / diagonal[k - 1]
+        diagonal[k] -= factor * upper[k - 1]
+        right[k] -= factor * right[k - 1]
+    right[-1] /= diagonal[-1]
+    for k in range(n - 2, -1, -1):
+        right[k] = (right[k] - upper[k] * right[k + 1]) / diagonal[k]
+    return right
+
+
+def _slerp(t: Floats, q: Floats, time: float) -> Floats:
+    """Between quaternions at constant angular velocity [Shoemake 1985]."""
+    k, s, _ = _interval(t, time)
+    if s == 0.0:
+        return q[k]
+    # The angle from the chord: exact for small ones.
+    angle = 2.0 * np.arcsin(min(1.0, 0.5 * float(np.linalg.norm(q[k + 1] - q[k]))))
+    if angle < 1e-8:
+        return (1.0 - s) * q[k] + s * q[k + 1]
+    return (np.sin((1.0 - s) * angle) * q[k] + np.sin(s * angle) * q[k + 1]) / np.sin(angle)

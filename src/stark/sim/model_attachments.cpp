@@ -1,0 +1,117 @@
+// Attachments of a model: sites of their pairs, one group of the constraint set for pairs of points and one
+// for points on patches.
+#include <algorithm>
+
+#include <stark/base/error.h>
+#include <stark/sim/model_builder.h>
+
+namespace stark {
+
+void Model::Builder::add_attachment_sites() {
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    const size_t first = attachment_sites.size();
+    for (const int32_t site : add_point_sites(attachment.a)) attachment_sites.push_back({site});
+    size_t pair = first;
+    for (const PointSet& points : attachment.b)
+      for (const int32_t site : add_point_sites(points)) attachment_sites[pair++].push_back(site);
+    for (const Index3& patch : attachment.patches) {
+      for (const int32_t v : patch)
+        attachment_sites[pair].push_back(model.bodies_[attachment.patch_body.index].first_site + v);
+      ++pair;
+    }
+  }
+}
+
+void Model::Builder::add_attachments(std::vector<ConstraintGroup>& groups) {
+  const auto first_number = static_cast<int32_t>(scene.joints().size() + scene.actuators().size());
+  int32_t next = 0;
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    model.attachments_.push_back({.first_pair = next, .first_constraint = first_number + next});
+    next += static_cast<int32_t>(attachment.size());
+  }
+  for (const FrameKind kind : {FrameKind::Axes, FrameKind::Patch}) {
+    const size_t carriers = kind == FrameKind::Axes ? 1 : 3;
+    std::vector<int32_t> stencils, numbers;
+    for (int32_t pair = 0; pair < next; ++pair) {
+      const std::vector<int32_t>& of_pair = attachment_sites[pair];
+      if (of_pair.size() != 1 + carriers) continue;
+      stencils.insert(stencils.end(), of_pair.begin(), of_pair.end());
+      numbers.push_back(first_number + pair);
+    }
+    if (numbers.empty()) continue;
+    auto joint = std::make_shared<const Joint>(*find_joint("ball"), FrameKind::Axes, kind, backend());
+    STARK_CHECK(joint->points().size() == 1 + carriers);  // origins, or the origin and three vertices
+    ConstraintGroup group{joint, PotentialBatch(joint->potential()), std::move(numbers)};
+    group.batch.resize(stencils);
+    groups.push_back(std::move(group));
+  }
+  for (const std::vector<int32_t>& of_pair : attachment_sites) {
+    model.joint_sides_.push_back(side_of_sites(std::span(of_pair).first(1)));
+    model.joint_sides_.push_back(side_of_sites(std::span(of_pair).subspan(1)));
+  }
+}
+
+JointSide Model::Builder::side_of_sites(std::span<const int32_t> some) const {
+  JointSide side;
+  const DofLayout& layout = model.map_.layout();
+  const auto add = [&](int32_t block, double mass) {
+    if (block == kNoBlock) return;
+    side.blocks.push_back(block);
+    side.mass += mass;
+  };
+  for (const int32_t s : some) {
+    const Site& site = model.map_.site(s);
+    if (site.kind == SiteKind::Point) add(layout.point_block[site.index], model.point_masses_[site.index]);
+    if (site.kind == SiteKind::RigidPoint)
+      add(layout.body_block[site.index], model.rigid_masses_[site.index].mass);
+    if (site.kind != SiteKind::Barycentric) continue;
+    for (size_t k = 0; k < site.points.size(); ++k)
+      if (site.weights[k] != 0.0)
+        add(layout.point_block[site.points[k]], model.point_masses_[site.points[k]]);
+  }
+  return side;
+}
+
+void Model::Builder::set_initial_attachments(std::span<const Vec3> x) {
+  for (const AttachmentDescription& attachment : scene.attachments())
+    model.initial_state_.attachment_held.insert(model.initial_state_.attachment_held.end(), attachment.size(),
+                                                attachment.enabled ? 1.0 : 0.0);
+  if (model.attachments_.empty()) return;
+  for (ConstraintGroup& group : model.constraints_.groups()) {
+    if (group.joints.front() < model.attachments_.front().first_constraint) continue;
+    if (group.batch.point_count() != 4) continue;
+    const int field = group.batch.field_index("placement_b");
+    for (int64_t e = 0; e < group.batch.size(); ++e) {
+      const std::span<const int32_t> sites_of_pair = group.batch.stencil(e);
+      group.batch.set(field, e,
+                      patch_numbers(world_frame(x[sites_of_pair[0]]),
+                                    {x[sites_of_pair[1]], x[sites_of_pair[2]], x[sites_of_pair[3]]}));
+    }
+  }
+}
+
+void Model::exclude_attached(const Scene& scene, PairFilter& filter) const {
+  const auto exclude = [&](BodyId body, std::span<const int32_t> vertices, BodyId other) {
+    if (other.index < 0) return;
+    for (const int32_t v : vertices)
+      if (v < bodies_[body.index].site_count) filter.exclude(bodies_[body.index].first_site + v, other.index);
+  };
+  const auto exclude_points = [&](const PointSet& points, BodyId other) {
+    if (points.kind == PointKind::Vertices) exclude(points.body, points.vertices, other);
+    for (size_t k = 0; k < points.supports.size(); ++k)
+      for (size_t i = 0; i < 4; ++i)
+        if (points.weights[k][i] != 0.0) exclude(points.body, {&points.supports[k][i], 1}, other);
+  };
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    if (!attachment.patches.empty()) {
+      exclude_points(attachment.a, attachment.patch_body);
+      for (const Index3& patch : attachment.patches) exclude(attachment.patch_body, patch, attachment.a.body);
+    }
+    for (const PointSet& b : attachment.b) {
+      exclude_points(attachment.a, b.body);
+      exclude_points(b, attachment.a.body);
+    }
+  }
+}
+
+}  // namespace stark

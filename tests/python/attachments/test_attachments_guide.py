@@ -1,0 +1,26 @@
+"""The code of docs/attachments.md runs as it stands."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import stark
+
+GUIDE = Path(__file__).resolve().parents[3] / "docs/attachments.md"
+
+
+def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 3
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(compile(block.replace("until=0.3", "until=0.05"), str(GUIDE), "exec"), names)
+    assert len(capsys.readouterr().out.splitlines()) == 5
+    assert not names["tape"].broken.any()  # type: ignore[attr-defined]
+    sim = stark.Simulation(names["scene"], time_step=0.01, contact_distance=1e-4)  # type: ignore[arg-type]
+    for _ in range(3):
+        report = sim.step()
+        assert not report.failed, report.message

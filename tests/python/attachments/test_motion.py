@@ -1,0 +1,214 @@
+"""Motions through knots, and bodies and pins that follow them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import stark
+from stark import motion
+
+TIMES = np.array([0.0, 0.3, 0.5, 1.1])
+VALUES = np.array([[0.0, 0.0, 0.0], [0.1, -0.2, 0.3], [0.2, 0.1, 0.0], [0.0, 0.4, 0.1]])
+
+
+def derivatives(m: motion.Motion, time: float, side: float) -> tuple[np.ndarray, np.ndarray]:
+    """First and second derivative from one side, of cubics exactly up to rounding."""
+    h = side * 1e-3
+    x = [m(time + k * h) for k in range(4)]
+    first = (-11.0 * x[0] + 18.0 * x[1] - 9.0 * x[2] + 2.0 * x[3]) / (6.0 * h)
+    second = (2.0 * x[0] - 5.0 * x[1] + 4.0 * x[2] - x[3]) / h**2
+    return first, second
+
+
+@pytest.mark.parametrize("make", [motion.linear, motion.spline])
+def test_knots_are_met_exactly_and_the_ends_are_held(make: Callable[..., motion.Motion]) -> None:
+    m = make(TIMES, VALUES)
+    for time, value in zip(TIMES, VALUES, strict=True):
+        np.testing.assert_array_equal(m(time), value)
+    np.testing.assert_array_equal(m(-1.0), VALUES[0])
+    np.testing.assert_array_equal(m(7.0), VALUES[-1])
+    assert m.duration == 1.1 and "4 knots" in repr(m)
+
+
+@pytest.mark.parametrize("rest", [True, False])
+def test_splines_have_continuous_velocity_and_acceleration(rest: bool) -> None:
+    m = motion.spline(TIMES, VALUES, rest=rest)
+    for time in TIMES[1:-1]:
+        before, after = derivatives(m, time, -1.0), derivatives(m, time, 1.0)
+        np.testing.assert_allclose(before[0], after[0], atol=1e-10)
+        np.testing.assert_allclose(before[1], after[1], atol=1e-7)
+    start, end = derivatives(m, TIMES[0], 1.0), derivatives(m, TIMES[-1], -1.0)
+    which = 0 if rest else 1
+    np.testing.assert_allclose(np.array([start[which], end[which]]), 0.0, atol=1e-7)
+    assert np.abs(start[1 - which]).max() > 0.1
+
+
+def test_a_spline_at_rest_at_both_ends_between_two_knots() -> None:
+    m = motion.spline([1.0, 3.0], [0.0, 4.0])
+    for s in (0.0, 0.25, 0.5, 0.8, 1.0):
+        np.testing.assert_allclose(m(1.0 + 2.0 * s), 4.0 * s * s * (3.0 - 2.0 * s), atol=1e-15)
+
+
+def test_linear_is_straight() -> None:
+    m = motion.linear(TIMES, VALUES)
+    np.testing.assert_allclose(m(0.4), 0.5 * (VALUES[1] + VALUES[2]), atol=1e-15)
+
+
+def test_rotations_turn_at_constant_rate_or_smoothly() -> None:
+    knots = [stark.rotation(axis="z", angle=a) for a in (0.0, 1.0, 3.5, 5.0)]
+    straight = motion.rotations(TIMES, knots, smooth=False)
+    np.testing.assert_allclose(straight(0.4), stark.rotation(axis="z", angle=2.25), atol=1e-12)
+    smooth = motion.rotations(TIMES, [stark.to_quaternion(k) for k in knots])
+    for time, knot in zip(TIMES, knots, strict=True):
+        np.testing.assert_allclose(smooth(time), knot, atol=1e-12)
+        np.testing.assert_allclose(straight(time), knot, atol=1e-12)
+    for time in np.linspace(0.0, 1.1, 23):
+        np.testing.assert_allclose(smooth(time).T @ smooth(time), np.eye(3), atol=1e-12)
+    for time in TIMES[1:-1]:
+        before, after = derivatives(smooth, time, -1.0), derivatives(smooth, time, 1.0)
+        # One-sided differences of a function that is not a cubic: off by h^3 and h^2.
+        np.testing.assert_allclose(before[0], after[0], atol=1e-4)
+        np.testing.assert_allclose(before[1], after[1], atol=0.05)
+    np.testing.assert_allclose(derivatives(smooth, 0.0, 1.0)[0], 0.0, atol=1e-4)
+
+
+def scripted() -> tuple[stark.Scene, stark.RigidBody]:
+    scene = stark.Scene()
+    return scene, scene.add_box(0.1, motion="scripted", name="finger")
+
+
+def test_bodies_are_where_the_motion_is_at_the_end_of_steps_of_any_length() -> None:
+    scene, box = scripted()
+    path = motion.spline(TIMES, VALUES)
+    turn = motion.rotations([0.0, 1.1], [np.eye(3), stark.rotation(axis="x", angle=2.0)])
+    box.follow(position=path, rotation=turn)
+    sim = stark.Simulation(scene, time_step=0.03)
+    for limit in (None, 0.011, None, 0.002, 0.03, None, 0.5):
+        assert not sim.step(max_time_step=limit).failed
+        np.testing.assert_allclose(box.position, path(sim.time), atol=1e-15)
+        np.testing.assert_allclose(box.rotation, turn(sim.time), atol=1e-12)
+    for _ in sim.run(until=1.5):
+        pass
+    np.testing.assert_allclose(box.position, VALUES[-1], atol=1e-15)
+    assert np.abs(box.velocity).max() == 0.0
+
+
+def test_rewinding_and_stopping() -> None:
+    scene, box = scripted()
+    box.follow(position=lambda t: (np.sin(t), 0.0, 0.0))
+    sim = stark.Simulation(scene, time_step=0.05)
+    sim.step()
+    state = sim.state
+    sim.step()
+    end = sim.state
+    sim.state = state
+    sim.step()
+    assert sim.state == end
+    box.follow()
+    sim.step()
+    np.testing.assert_array_equal(box.position, [np.sin(0.1), 0.0, 0.0])
+    assert np.abs(box.velocity).max() == 0.0
+
+
+def test_halved_steps_arrive_as_well() -> None:
+    """Where the solver halves a step, the next one ends on the motion again."""
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=4), stark.materials.cotton, pins=[0, 4])
+    path = motion.spline([0.0, 0.2], [(0.0, 0.0, 0.0), (0.0, 0.05, 0.1)])
+    cloth.follow(displacement=path)
+    start = cloth.positions[[0, 4]]
+    sim = stark.Simulation(scene, time_step=0.02, **{"newton.max_iterations": 3, "time.min_step": 1e-5})
+    halved = 0
+    while sim.time < 0.199:
+        report = sim.step()
+        assert not report.failed
+        halved += report.rejected_steps
+        if report.rejected_steps == 0:
+            np.testing.assert_allclose(cloth.positions[[0, 4]], start + path(sim.time), atol=1e-14)
+    assert halved > 0
+
+
+def test_pins_move_together_or_each_on_its_own() -> None:
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=4), stark.materials.cotton, pins=[0, 4, 20, 24])
+    start = cloth.positions
+    turn = motion.rotations([0.0, 0.1], [np.eye(3), stark.rotation(axis="y", angle=1.0)])
+    cloth.follow(rotation=turn, center=(0.1, -0.1, 0.0), vertices=[4, 0])
+    lifted = start[[20, 24]] + np.array([0.0, 0.0, 0.02])
+    cloth.follow(motion.linear([0.0, 0.1], [start[[20, 24]], lifted]), vertices=[20, 24])
+    sim = stark.Simulation(scene, time_step=0.01)
+    for _ in sim.run(until=0.1):
+        pass
+    center = np.array([0.1, -0.1, 0.0])
+    expected = center + (start[[0, 4]] - center) @ stark.rotation(axis="y", angle=1.0).T
+    np.testing.assert_allclose(cloth.positions[[0, 4]], expected, atol=1e-14)
+    np.testing.assert_allclose(cloth.positions[[20, 24]], lifted, atol=1e-14)
+
+
+def test_clamped_ends_of_rods_turn_along() -> None:
+    scene = stark.Scene()
+    rod = scene.add_rod(
+        stark.mesh.polyline((0.0, 0.0, 0.0), (0.3, 0.0, 0.0), segments=6),
+        stark.RodMaterial(radius=2e-3, youngs_modulus=1e7),
+    )
+    rod.clamp([0])
+    frame = rod.frames[0]
+    turn = motion.rotations([0.0, 0.1], [np.eye(3), stark.rotation(axis="x", angle=0.5)])
+    rod.follow(rotation=turn, displacement=motion.linear([0.0, 0.1], [(0, 0, 0), (0, 0, 0.01)]))
+    sim = stark.Simulation(scene, time_step=0.01)
+    for _ in sim.run(until=0.1):
+        pass
+    np.testing.assert_allclose(rod.frames[0], turn(0.1) @ frame, atol=1e-12)
+    np.testing.assert_allclose(rod.positions[0], [0.0, 0.0, 0.01], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: motion.spline([0.0], [1.0]), "with n >= 2"),
+        (lambda: motion.linear([0.0, 1.0], [1.0]), "times of shape \\(2,\\) and values of shape \\(1,\\)"),
+        (lambda: motion.linear([0.0, 0.0], [1.0, 2.0]), "times\\[0\\] = 0 s, times\\[1\\] = 0 s: must rise"),
+        (lambda: motion.spline([0.0, np.nan], [1.0, 2.0]), "must be finite"),
+        (lambda: motion.spline("ab", [1.0, 2.0]), "must be numbers"),
+        (
+            lambda: motion.rotations([0, 1], [np.eye(3), stark.rotation(axis="x", angle=np.pi)]),
+            "values 0 and 1 are half a turn apart",
+        ),
+        (lambda: motion.function(3.0), "must be a function of the time"),  # type: ignore[arg-type]
+    ],
+)
+def test_knots_that_are_none(make: Callable[[], object], message: str) -> None:
+    with pytest.raises(stark.InvalidArgument, match=message):
+        make()
+
+
+def test_followers_that_cannot() -> None:
+    scene, box = scripted()
+    free = scene.add_box(0.1, mass=1.0, position=(1, 0, 0), name="free")
+    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2), name="sheet", position=(0, 0, 1))
+    pinned = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2), name="flag", position=(0, 0, 2), pins=[0, 2])
+    for call, message in [
+        (lambda: free.follow(position=lambda t: (t, 0, 0)), "'free' is dynamic: it cannot follow"),
+        (lambda: box.follow(position=(1, 0, 0)), "'finger': position = \\(1, 0, 0\\): must be a motion"),
+        (lambda: box.follow(position=lambda t: t), "'finger': position at 0 s"),
+        (lambda: box.follow(rotation=lambda t: 2.0 * np.eye(3)), "'finger': rotation at 0 s"),
+        (lambda: cloth.follow(displacement=lambda t: (0, 0, t)), "'sheet': follow: no vertex is pinned"),
+        (lambda: pinned.follow(lambda t: np.zeros((3, 3))), "have the shape \\(3, 3\\): must be \\(2, 3\\)"),
+        (
+            lambda: pinned.follow(displacement=lambda t: (0, 0, t), vertices=[1]),
+            "vertex 1 is not pinned",
+        ),
+        (
+            lambda: pinned.follow(lambda t: np.zeros((2, 3)), displacement=lambda t: (0, 0, t)),
+            "targets and displacement or rotation are given",
+        ),
+    ]:
+        with pytest.raises(stark.InvalidArgument, match=message):
+            call()
+    box.follow(position=lambda t: (np.inf if t > 0.01 else 0.0, 0.0, 0.0))
+    sim = stark.Simulation(scene, time_step=0.02)
+    with pytest.raises(stark.InvalidArgument, match=r"'finger': position at 0\.02 s.*must be finite"):
+        sim.step()
