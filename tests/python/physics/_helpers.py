@@ -51,7 +51,8 @@ def barrier_force_over_energy(distance: float, contact_distance: float) -> float
 
 
 class Judge:
-    """Says whether any two surfaces of a simulation intersect, by ipctk."""
+    """Looks at all surfaces of a simulation with the eyes of ipctk, which knows nothing of Stark's own collision
+    detection."""
 
     def __init__(self, sim: stark.Simulation) -> None:
         import ipctk
@@ -59,9 +60,23 @@ class Judge:
         self._ipctk = ipctk
         self._core = sim._core
         surface = self._core.surface()
-        self._mesh = ipctk.CollisionMesh(
-            np.array(surface["positions"]), np.array(surface["edges"]), np.array(surface["triangles"])
-        )
+        edges, triangles = np.array(surface["edges"]), np.array(surface["triangles"])
+        # Only what touches: frames of rods and centres of mass are points of the simulation too.
+        self._touching, index = np.unique(np.append(edges.ravel(), triangles.ravel()), return_inverse=True)
+        edges, triangles = np.split(index.astype(np.int32), [edges.size])
+        self._last = self._positions()
+        self._mesh = ipctk.CollisionMesh(self._last, edges.reshape(-1, 2), triangles.reshape(-1, 3))
 
     def intersects(self) -> bool:
-        return bool(self._ipctk.has_intersections(self._mesh, np.array(self._core.surface()["positions"])))
+        """Whether an edge is in a triangle now. Rods that cross each other are not seen, see ``crossed``."""
+        return bool(self._ipctk.has_intersections(self._mesh, self._positions()))
+
+    def crossed(self) -> bool:
+        """Whether anything, rods included, collides on the straight way from where it was at the last call (at
+        first: at the start) to where it is. Ask after each step: the straight way of many steps is no longer
+        the way that was taken."""
+        before, self._last = self._last, self._positions()
+        return not self._ipctk.is_step_collision_free(self._mesh, before, self._last)
+
+    def _positions(self) -> np.ndarray:
+        return np.array(self._core.surface()["positions"])[self._touching]
