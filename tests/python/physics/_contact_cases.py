@@ -1,6 +1,7 @@
-"""Contact in its smallest forms (V24): bodies of 2 to 20 vertices that meet vertex on vertex, edge on edge, and
-in the degenerate ways of Erleben (2018, "Methodology for assessing mesh-based contact point methods"), rebuilt
-from their descriptions. All data: what the bodies are and where; the tests are in test_contact_units.py."""
+"""Contact in its smallest forms (V24): bodies of 2 to 20 vertices that meet vertex on vertex, edge on edge,
+and in the degenerate ways of Erleben (2018, "Methodology for assessing mesh-based contact point methods"),
+rebuilt from their descriptions. All data: what the bodies are and where; the tests are in
+test_contact_units.py."""
 
 from __future__ import annotations
 

@@ -51,8 +51,8 @@ def barrier_force_over_energy(distance: float, contact_distance: float) -> float
 
 
 class Judge:
-    """Looks at all surfaces of a simulation with the eyes of ipctk, which knows nothing of Stark's own collision
-    detection."""
+    """Looks at all surfaces of a simulation with the eyes of ipctk, which knows nothing of Stark's own
+    collision detection."""
 
     def __init__(self, sim: stark.Simulation) -> None:
         import ipctk
@@ -72,9 +72,9 @@ class Judge:
         return bool(self._ipctk.has_intersections(self._mesh, self._positions()))
 
     def crossed(self) -> bool:
-        """Whether anything, rods included, collides on the straight way from where it was at the last call (at
-        first: at the start) to where it is. Ask after each step: the straight way of many steps is no longer
-        the way that was taken."""
+        """Whether anything, rods included, collides on the straight way from where it was at the last call
+        (at first: at the start) to where it is. Ask after each step: the straight way of many steps is no
+        longer the way that was taken."""
         before, self._last = self._last, self._positions()
         return not self._ipctk.is_step_collision_free(self._mesh, before, self._last)
 

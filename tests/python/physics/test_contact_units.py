@@ -141,7 +141,8 @@ LYING: dict[str, dict[str, list[Part]]] = {
 
 @cache
 def lain(group: str, case: str) -> Run:
-    """Falls, rolls and slides for 6 s at most, until nothing has moved faster than friction creeps for 0.3 s."""
+    """Falls, rolls and slides for 6 s at most, until nothing has moved faster than friction creeps for
+    0.3 s."""
     scene = stark.Scene()
     bodies = [part.add_to(scene, damping=5.0) for part in LYING[group][case]]
     FLOOR.add_to(scene)
