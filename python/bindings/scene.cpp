@@ -364,10 +364,18 @@ void bind_scene_class(nb::module_& m) {
           },
           "body"_a)
       .def(
-          "set_friction", [](Scene& s, int32_t a, int32_t b, double mu) { s.set_friction({a}, {b}, mu); },
-          "a"_a, "b"_a, "coefficient"_a)
+          "set_friction",
+          [](Scene& s, int32_t a, int32_t b, double sticking, double sliding) {
+            s.set_friction({a}, {b}, {sticking, sliding});
+          },
+          "a"_a, "b"_a, "sticking"_a, "sliding"_a)
       .def(
-          "friction", [](const Scene& s, int32_t a, int32_t b) { return s.friction({a}, {b}); }, "a"_a, "b"_a)
+          "friction",
+          [](const Scene& s, int32_t a, int32_t b) {
+            const FrictionCoefficient mu = s.friction({a}, {b});
+            return nb::make_tuple(mu.sticking, mu.sliding);
+          },
+          "a"_a, "b"_a)
       .def_prop_rw("default_friction", &Scene::default_friction, &Scene::set_default_friction)
       .def(
           "disable_contact", [](Scene& s, int32_t a, int32_t b) { s.disable_contact({a}, {b}); }, "a"_a,

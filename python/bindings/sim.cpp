@@ -79,6 +79,7 @@ nb::dict report_dict(const StepReport& r) {
   d["acceleration"] = r.solve.acceleration;
   d["contact_count"] = r.contact_count;
   d["min_distance"] = r.min_distance;
+  d["friction_residual"] = r.friction_residual;
   d["energy"] = energy_dict(r);
   d["momentum"] = components(r.momentum.linear);
   d["angular_momentum"] = components(r.momentum.angular);
@@ -173,6 +174,9 @@ void bind_report(nb::module_& m) {
       .def_ro("contact_count", &StepReport::contact_count)
       .def_ro("min_distance", &StepReport::min_distance,
               "Smallest distance of an active contact [m], inf without any.")
+      .def_ro("friction_residual", &StepReport::friction_residual,
+              "Largest difference of a friction limit in this step from mu times the normal force at its end "
+              "[N].")
       .def_prop_ro("newton_iterations", [](const StepReport& r) { return r.solve.iterations; })
       .def_prop_ro("linear_iterations", [](const StepReport& r) { return r.solve.linear_iterations; })
       .def_prop_ro("factorizations", [](const StepReport& r) { return r.solve.factorizations; })

@@ -10,19 +10,21 @@ using namespace stark::test;
 
 namespace {
 
-constexpr double kEps = 1e-3 * 0.02;  ///< stick velocity times time step [m]
+constexpr double kEps = 2e-5;  ///< stick displacement [m]
 
 FilledSample slip_sample() {
   const std::vector<Vec3> x{{0, 0, 0.1}, {0, 0, 0}};
   return {x,
           x,
           x,
-          {{"strength", {5.0}},
+          {{"limit", {5.0}},
            {"normal", {0, 0, 1}},
            {"weight0", {1.0}},
            {"weight1", {-1.0}},
-           {"stick_velocity", {1e-3}},
-           {"time_step", {0.02}}}};
+           {"deflection", {0, 0, 0}},
+           {"slope", {0.0}},
+           {"majorant", {0.0}},
+           {"stick_displacement", {kEps}}}};
 }
 
 double energy_of(double slip) {

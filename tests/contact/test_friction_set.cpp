@@ -11,12 +11,13 @@ using symbolic::kLanes;
 
 namespace {
 
-constexpr double kMu = 0.4, kStickVelocity = 0.01, kStep = 0.05;  ///< [1], [m/s], [s]: sticks below 0.5 mm
+constexpr double kMu = 0.4, kStick = 5e-4;  ///< [1], [m]
 
 /// A contact of 2, 3 or 4 points with normal force `force` on side A.
 Contact contact_of(int points) {
   Contact contact;
   contact.key = {0, 0, points};
+  contact.key = {0, points, 0};
   contact.point_count = static_cast<int8_t>(points);
   contact.sites = {0, 1, 2, 3};
   contact.weights = points == 2   ? std::array<double, 4>{1, -1, 0, 0}
@@ -29,7 +30,17 @@ Contact contact_of(int points) {
 
 double coefficient(int32_t a, int32_t b) { return a == 1 && b == 2 ? kMu : 1e9; }
 
-FrictionSet make_set() { return {contact_potentials().frictions, kStickVelocity}; }
+FrictionSet make_set() { return {contact_potentials().frictions, kStick}; }
+
+/// The first point is against the triangle of the others, or a part of it.
+const SurfaceMesh& mesh() {
+  static const SurfaceMesh mesh{.vertex_count = 4, .triangles = {{1, 2, 3}}};
+  return mesh;
+}
+
+void begin(FrictionSet& set, const std::vector<Vec3>& start, FrictionMemory memory = {}) {
+  set.begin_step(mesh(), std::move(memory), start, {start, 1.0});
+}
 
 /// Gradients of all elements, added by site [N].
 std::vector<Vec3> gradients(const FrictionSet& set, std::span<const Vec3> x) {
@@ -59,7 +70,8 @@ TEST_CASE("slipping contacts feel mu lambda against the slip, sticking ones less
       const double limit = kMu * norm(force);
       FrictionSet set = make_set();
       CHECK(set.empty());
-      set.reset({contact_of(points)}, std::vector<Vec3>{force}, coefficient, start, kStep);
+      begin(set, start);
+      set.reset({contact_of(points)}, std::vector<Vec3>{force}, coefficient, start);
       CHECK_FALSE(set.empty());
       const Contact contact = contact_of(points);
       // At rest.
@@ -74,11 +86,11 @@ TEST_CASE("slipping contacts feel mu lambda against the slip, sticking ones less
       for (Vec3& p : x) p += {0.3, 0.2, -0.1};
       const std::vector<Vec3> same = gradients(set, x);
       for (int p = 0; p < points; ++p) CHECK(norm(same[p] - g[p]) < 1e-9 * limit);
-      // Sticking: y of eps = stick velocity times step; force (2 y - y^2) of the limit [Li et al. 2020, eq.
+      // Sticking: y of the stick displacement; force (2 y - y^2) of the limit [Li et al. 2020, eq.
       // 18].
       x = start;
       const double y = random.uniform(0.05, 0.95);
-      x[0] += t * (y * kStickVelocity * kStep);
+      x[0] += t * (y * kStick);
       g = gradients(set, x);
       CHECK(norm(g[0] - t * (limit * (2.0 * y - y * y))) < 1e-9 * limit);
     }
@@ -89,8 +101,9 @@ TEST_CASE("friction reports how much its strengths changed") {
   const std::vector<Vec3> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::vector<Contact> one{contact_of(2)}, two{contact_of(2), contact_of(3)};
   const auto reset = [&](const std::vector<Contact>& contacts, std::vector<Vec3> forces) {
-    return set.reset(contacts, forces, coefficient, start, kStep);
+    return set.reset(contacts, forces, coefficient, start);
   };
+  begin(set, start);
   CHECK(reset(one, {{0, 0, 10}}) == doctest::Approx(4.0));  // mu lambda, from nothing
   CHECK(reset(one, {{0, 0, 10}}) == 0.0);
   CHECK(reset(one, {{0, 12, 0}}) == doctest::Approx(0.8));
@@ -104,18 +117,18 @@ TEST_CASE("friction reports how much its strengths changed") {
 TEST_CASE("contacts without force or without friction carry none") {
   FrictionSet set = make_set();
   const std::vector<Vec3> start(4);
-  set.reset({contact_of(2)}, std::vector<Vec3>{{0, 0, 0}}, coefficient, start, kStep);
+  begin(set, start);
+  set.reset({contact_of(2)}, std::vector<Vec3>{{0, 0, 0}}, coefficient, start);
   CHECK(set.empty());
-  set.reset(
-      {contact_of(2)}, std::vector<Vec3>{{0, 0, 1}}, [](int32_t, int32_t) { return 0.0; }, start, kStep);
+  set.reset({contact_of(2)}, std::vector<Vec3>{{0, 0, 1}}, [](int32_t, int32_t) { return 0.0; }, start);
   CHECK(set.empty());
 }
 
 TEST_CASE("energy differences are those since the last remember()") {
   FrictionSet set = make_set();
   const std::vector<Vec3> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  set.reset({contact_of(2), contact_of(4)}, std::vector<Vec3>{{0, 0, 10}, {0, 0, 5}}, coefficient, start,
-            kStep);
+  begin(set, start);
+  set.reset({contact_of(2), contact_of(4)}, std::vector<Vec3>{{0, 0, 10}, {0, 0, 5}}, coefficient, start);
   std::vector<Vec3> a = start, b = start;
   a[0].x += 1e-3;
   b[0].x += 3e-3;
@@ -125,4 +138,98 @@ TEST_CASE("energy differences are those since the last remember()") {
   CHECK(set.energy_difference(b).difference == doctest::Approx(kMu * 15.0 * 2e-3).epsilon(1e-12));
   CHECK(set.energy_difference(b).magnitude ==
         doctest::Approx(kMu * 15.0 * 1e-3).epsilon(1e-12));  // f0 = y beyond sticking
+}
+
+TEST_CASE("a bent bristle holds its load without moving, and gives way at the limit") {
+  RandomPoints random(5);
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Contact> contacts{contact_of(4)};
+  const std::vector<Vec3> force{{0, 0, 10}};
+  FrictionSet set = make_set();
+  begin(set, start);
+  set.reset(contacts, force, coefficient, start);
+  std::vector<Vec3> x = start;
+  x[0] += {0.3 * kStick, 0.2 * kStick, 0.0};
+  const Vec3 held = set.forces(x).at(contacts[0].key);
+  const FrictionMemory memory = set.end_step(x);
+  CHECK(memory.force == std::vector<double>{10.0});
+  // The next step starts with the force that the last one ended with.
+  begin(set, x, memory);
+  set.reset(contacts, force, coefficient, x);
+  CHECK(norm(set.forces(x).at(contacts[0].key) - held) < 1e-12 * norm(held));
+  // Sliding on, the deflection stays at its limit and points back along the slip.
+  std::vector<Vec3> far = x;
+  far[0] += {0.0, 50.0 * kStick, 0.0};
+  const FrictionMemory slid = set.end_step(far);
+  CHECK(norm(slid.deflection[0]) == doctest::Approx(kStick).epsilon(1e-12));
+  CHECK(slid.deflection[0].y > 0.999 * kStick);
+}
+
+TEST_CASE("deflections turn with the surface") {
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Contact> contacts{contact_of(4)};
+  FrictionSet set = make_set();
+  FrictionMemory bent;
+  bent.append(contacts[0].key, {0.4 * kStick, 0, 0}, 10.0);
+  begin(set, start, bent);
+  set.reset(contacts, std::vector<Vec3>{{0, 0, 10}}, coefficient, start);
+  std::vector<Vec3> x;  // all turn by 90 degrees about the normal through the contact
+  const Vec3 pivot = start[1] * 0.2 + start[2] * 0.3 + start[3] * 0.5;
+  for (const Vec3& p : start) {
+    const Vec3 r = p - pivot;
+    x.push_back(pivot + Vec3{-r.y, r.x, r.z});
+  }
+  // The point is above the pivot but for a lever that turns too: bring it back without slip.
+  x[0] = start[0];
+  const FrictionMemory memory = set.end_step(x);
+  CHECK(norm(memory.deflection[0] - Vec3{0, 0.4 * kStick, 0}) < 1e-9 * kStick);
+}
+
+TEST_CASE("sticking contact holds by the static coefficient, sliding contact by the kinetic one") {
+  const auto coefficients = [](int32_t, int32_t) { return FrictionCoefficient(0.5, 0.3); };
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Contact> contacts{contact_of(4)};
+  const std::vector<Vec3> force{{0, 0, 10}};
+  FrictionSet set = make_set();
+  begin(set, start);
+  set.reset(contacts, force, coefficients, start);
+  std::vector<Vec3> x = start;
+  x[0].x += 10.0 * kStick;
+  CHECK(norm(set.forces(x).at(contacts[0].key)) == doctest::Approx(5.0).epsilon(1e-12));
+  CHECK(set.reset(contacts, force, coefficients, x) == doctest::Approx(2.0));  // it slides
+  CHECK(norm(set.forces(x).at(contacts[0].key)) == doctest::Approx(3.0).epsilon(1e-12));
+  const FrictionMemory sliding = set.end_step(x);
+  begin(set, x, sliding);
+  set.reset(contacts, force, coefficients, x);
+  CHECK(set.residual(contacts, force, coefficients) == 0.0);
+  // It comes to rest: the bristle relaxes below the limit.
+  std::vector<Vec3> back = x;
+  back[0].x -= 0.5 * kStick;
+  set.reset(contacts, force, coefficients, back);
+  CHECK(set.residual(contacts, {{{0, 0, 8}}}, coefficients) == doctest::Approx(1.0));
+}
+
+TEST_CASE("majorants have the gradients of the energies and lie above them") {
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  FrictionSet set = make_set();
+  begin(set, start);
+  set.reset({contact_of(4)}, std::vector<Vec3>{{0, 0, 10}}, coefficient, start);
+  const auto energy = [](const PotentialBatch& batch, std::span<const Vec3> x) {
+    return batch.evaluate(symbolic::Order::Energy, x)[0];
+  };
+  for (const double slip : {0.0, 0.3, 0.9, 1.1, 20.0}) {
+    std::vector<Vec3> x = start;
+    x[0].x += slip * kStick;
+    const PotentialBatch& majorant = *set.majorants(x).front();
+    const PotentialBatch& friction = *set.batches().front();
+    const std::vector<double> a = majorant.evaluate(symbolic::Order::Gradient, x),
+                              b = friction.evaluate(symbolic::Order::Gradient, x);
+    for (size_t i = 1; i < a.size(); ++i) CHECK(std::fabs(a[i] - b[i]) < 1e-6 * kMu * 10.0);
+    const double offset = energy(majorant, x) - energy(friction, x);
+    for (const double other : {0.0, 0.5, 1.0, 3.0, 40.0}) {
+      std::vector<Vec3> y = start;
+      y[0].x += other * kStick;
+      CHECK(energy(majorant, y) - offset >= energy(friction, y) - 1e-12);
+    }
+  }
 }

@@ -41,7 +41,8 @@ struct Bench {
   }
 
   void begin_step(std::span<const Vec3> x) {
-    pipeline->begin_step({{x.begin(), x.end()}, {}, {}}, x, diagonal, {.positions = x, .duration = 0.01});
+    pipeline->begin_step({{x.begin(), x.end()}, {}, {}}, x, diagonal,
+                         {.positions = x, .duration = 0.01, .step = 0.01}, {});
   }
 
   /// Contacts among all pairs of primitives, found without any broad phase.
@@ -177,10 +178,11 @@ TEST_CASE("energy differences of trial points agree with brute force, near and f
     const EnergyDifference expected = energy_difference(set_a, set_b),
                            found = bench.pipeline->energy_difference(b);
     // Friction, lagged at a, adds its own part; its elements are the last batches.
-    FrictionSet friction(contact_potentials().frictions, ContactOptions{}.stick_velocity);
+    FrictionSet friction(contact_potentials().frictions, ContactOptions{}.stick_displacement);
     std::vector<Vec3> forces;
     set_a.evaluate_forces(a, forces);
-    friction.reset(set_a.contacts(), forces, [](int32_t, int32_t) { return 0.3; }, a, 0.01);
+    friction.begin_step(bench.pipeline->mesh(), {}, a, {a, 1.0});
+    friction.reset(set_a.contacts(), forces, [](int32_t, int32_t) { return 0.3; }, a);
     friction.remember(a);
     const EnergyDifference slip = friction.energy_difference(b);
     CHECK(found.difference == doctest::Approx(expected.difference + slip.difference).epsilon(1e-9));

@@ -17,7 +17,7 @@ class FakeActiveSet final : public ActiveSet {
   FakeActiveSet(const MixedScene& scene, const PotentialBatch* batch) : scene_(scene), batch_(batch) {}
 
   void update(std::span<const Vec3> x) override { at_update_.assign(x.begin(), x.end()); }
-  std::vector<const PotentialBatch*> batches() const override { return {batch_}; }
+  std::vector<const PotentialBatch*> batches(Curvature) override { return {batch_}; }
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override {
     ++queries;
     double longest = 0.0;

@@ -94,17 +94,20 @@ def test_mollified_edge_edge_agrees() -> None:
 @pytest.mark.parametrize("speed", [0.0, 1e-3, 0.3, 0.999, 1.001, 5.0])
 def test_friction_agrees(speed: float) -> None:
     """The friction of two points slipping by `speed` stick distances, against f0, f1/y and f2 of ipctk."""
-    strength, stick_velocity, h = 3.0, 0.2, 0.05
-    eps, y = stick_velocity * h, speed * stick_velocity * h
+    strength, eps = 3.0, 0.01
+    y = speed * eps
     x_prev = np.zeros((2, 3))
-    x = np.array([[y, 0.0, 0.4], [0.0, 0.0, 0.0]])  # the part along the normal does no work
+    # A quarter of the slip was there at the start of the step. The part along the normal does no work.
+    x = np.array([[0.75 * y, 0.0, 0.4], [0.0, 0.0, 0.0]])
     values = {
-        "strength": strength,
+        "limit": strength,
+        "deflection": [0.25 * y, 0.0, 0.1],
+        "slope": 7.0,
+        "majorant": 0.0,
         "normal": [0.0, 0.0, 1.0],
         "weight0": 1.0,
         "weight1": -1.0,
-        "stick_velocity": stick_velocity,
-        "time_step": h,
+        "stick_displacement": eps,
     }
     energy, gradient, hessian = _core.evaluate_potential("friction_2", x, x_prev=x_prev, values=values)
     along = strength * ipctk.smooth_friction_f2(y, eps)
@@ -116,6 +119,17 @@ def test_friction_agrees(speed: float) -> None:
     # Below 1e-8 of the stick distance our curvature is that of y = 0, hence the 1e-7.
     block = hessian.reshape(6, 6)[:3, :3]
     np.testing.assert_allclose(block, np.diag([along, across, 0.0]), atol=1e-7 * scale)
+    # The parabola above has the same force and nowhere less curvature.
+    if y > 0.0:
+        values |= {"slope": across / strength, "majorant": 1.0}
+        _, parabola_gradient, parabola = _core.evaluate_potential(
+            "friction_2", x, x_prev=x_prev, values=values
+        )
+        np.testing.assert_allclose(parabola_gradient, gradient, atol=1e-9 * strength)
+        np.testing.assert_allclose(
+            parabola.reshape(6, 6)[:3, :3], np.diag([across, across, 0.0]), atol=1e-9 * scale
+        )
+        assert across >= along
 
 
 def test_potentials_are_listed_and_checked() -> None:

@@ -168,16 +168,21 @@ TEST_CASE("friction: the pair's own value, else the geometric mean with the defa
   const BodyId a = scene.add_cloth(rough), b = scene.add_cloth(smooth), c = scene.add_cloth(plain);
   CHECK(scene.default_friction() > 0.0);  // no silent zero
   scene.set_default_friction(0.4);
-  CHECK(scene.friction(a, b) == doctest::Approx(0.3).epsilon(1e-15));
-  CHECK(scene.friction(a, c) == doctest::Approx(0.6).epsilon(1e-15));
-  CHECK(scene.friction(a, a) == 0.9);
-  CHECK(scene.friction(c, c) == 0.4);
+  CHECK(scene.friction(a, b).sticking == doctest::Approx(0.3).epsilon(1e-15));
+  CHECK(scene.friction(a, c).sticking == doctest::Approx(0.6).epsilon(1e-15));
+  CHECK(scene.friction(a, a).sticking == 0.9);
+  CHECK(scene.friction(c, c).sticking == 0.4);
   scene.set_friction(b, a, 0.7);
-  CHECK(scene.friction(a, b) == 0.7);
-  CHECK(scene.friction(b, a) == 0.7);
+  CHECK(scene.friction(a, b).sticking == 0.7);
+  CHECK(scene.friction(b, a).sliding == 0.7);
   scene.set_friction(c, c, 0.0);
-  CHECK(scene.friction(c, c) == 0.0);
+  CHECK(scene.friction(c, c).sticking == 0.0);
+  scene.set_friction(b, a, {0.5, 0.4});
+  CHECK(scene.friction(a, b).sticking == 0.5);
+  CHECK(scene.friction(a, b).sliding == 0.4);
   CHECK_THROWS_AS(scene.set_friction(a, b, -0.1), InvalidArgument);
+  CHECK_THROWS_AS(scene.set_friction(a, b, {0.4, 0.5}), InvalidArgument);
+  CHECK_THROWS_AS(scene.set_friction(a, b, {0.4, -0.1}), InvalidArgument);
   CHECK_THROWS_AS(scene.set_friction(a, {9}, 0.1), InvalidArgument);
   CHECK_THROWS_AS(scene.set_default_friction(std::nan("")), InvalidArgument);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stark/base/rotation.h>
+
 namespace stark {
 
 using symbolic::kLanes;
@@ -10,71 +12,179 @@ using symbolic::Order;
 
 namespace {
 
-/// Relative change of the strengths below which friction counts as up to date.
-constexpr double kStrengthTolerance = 1e-3;
+/// Relative change of the limits below which friction counts as up to date.
+constexpr double kLimitTolerance = 1e-3;
+
+/// Resets of a step after which pairs keep their tangent planes and closest points.
+constexpr int kGeometryResets = 2;
+
+/// Part of the stick displacement from which a remembered pair counts as sliding.
+constexpr double kSliding = 1.0 - 1e-6;
+
+/// A vector laid into the plane of a unit normal without changing its length.
+Vec3 turned(const Vec3& v, const Vec3& normal) {
+  const Vec3 t = v - normal * dot(normal, v);
+  const double length = norm(t);
+  return length > 0.0 ? t * (norm(v) / length) : Vec3{};
+}
 
 }  // namespace
 
 FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials,
-                         double stick_velocity) {
+                         double stick_displacement)
+    : stick_displacement_(stick_displacement) {
   for (const auto& potential : potentials) {
-    batches_.emplace_back(potential);
-    batches_.back().set_uniform("stick_velocity", stick_velocity);
+    batches_.emplace_back(potential).set_uniform("majorant", 0.0);
+    majorants_.emplace_back(potential).set_uniform("majorant", 1.0);
   }
+}
+
+void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
+                             DisplacementReference reference) {
+  mesh_ = &mesh;
+  memory_ = std::move(memory);
+  x_start_.assign(x.begin(), x.end());
+  reference_ = std::move(reference);
+  resets_ = 0;
+  for (PotentialBatch& batch : batches_)
+    batch.set_uniform("stick_displacement", stick_displacement_ / reference_.scale);
+}
+
+FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const Vec3& force,
+                                         std::span<const Vec3> x) const {
+  Pair pair{.contact = contact, .normal = normalized(force), .force = norm(force)};
+  const int64_t known = memory_.find(contact.key);
+  const Pair* before = find(contact.key);
+  if (known >= 0) {
+    pair.deflection = turned(memory_.deflection[known], pair.normal) * orientation(*mesh_, contact);
+    if (resets_ == 0) pair.force = memory_.force[known];
+    pair.slides = norm(memory_.deflection[known]) >= kSliding * stick_displacement_;
+  }
+  if (resets_ >= kGeometryResets && before != nullptr) {
+    pair.contact = before->contact;
+    pair.normal = before->normal;
+    pair.deflection = before->deflection;
+  }
+  if (resets_ > 0) pair.slides = norm(deflection(pair, x)) >= stick_displacement_;
+  return pair;
 }
 
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                          const FrictionTable& coefficient, std::span<const Vec3> x_reference,
-                          double duration) {
-  std::map<PairKey, double> strengths;
-  std::array<std::vector<int32_t>, 3> stencils;
-  std::array<std::vector<size_t>, 3> members;
+                          const FrictionTable& coefficient, std::span<const Vec3> x) {
+  std::vector<Pair> next;
   for (size_t c = 0; c < contacts.size(); ++c) {
-    const Contact& contact = contacts[c];
-    const double strength = coefficient(contact.group_a, contact.group_b) * norm(forces[c]);
-    if (!(strength > 0.0)) continue;
-    strengths.emplace(contact.key, strength);
-    auto& stencil = stencils[contact.point_count - 2];
-    stencil.insert(stencil.end(), contact.sites.begin(), contact.sites.begin() + contact.point_count);
-    members[contact.point_count - 2].push_back(c);
+    const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
+    if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
+    Pair pair = make_pair(contacts[c], forces[c], x);
+    pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
+    next.push_back(std::move(pair));
   }
-  for (int k = 0; k < 3; ++k) {
-    PotentialBatch& batch = batches_[k];
-    batch.resize(stencils[k]);
-    batch.set_previous(x_reference);
-    batch.set_time(duration, 0.0);
-    keys_[k].clear();
-    side_a_counts_[k].clear();
-    for (const size_t c : members[k]) {
-      keys_[k].push_back(contacts[c].key);
-      side_a_counts_[k].push_back(contacts[c].side_a_count);
-    }
-    const int strength = batch.field_index("strength"), normal = batch.field_index("normal");
-    for (int64_t e = 0; e < batch.size(); ++e) {
-      const size_t c = members[k][e];
-      const Vec3 n = normalized(forces[c]);
-      batch.set(strength, e, {&strengths.at(contacts[c].key), 1});
-      batch.set(normal, e, {&n.x, 3});
-      for (int p = 0; p < k + 2; ++p) batch.set("weight" + std::to_string(p), e, contacts[c].weights[p]);
-    }
-  }
-  double change = 0.0, largest = 0.0;
-  for (const auto& [key, strength] : strengths) {
-    largest = std::max(largest, strength);
-    const auto old = strengths_.find(key);
-    change = std::max(change, std::fabs(strength - (old == strengths_.end() ? 0.0 : old->second)));
-  }
-  for (const auto& [key, strength] : strengths_)
-    if (!strengths.contains(key)) change = std::max(change, strength);
-  strengths_ = std::move(strengths);
-  return change > kStrengthTolerance * largest ? change : 0.0;
+  const Change change = compare(next);
+  pairs_ = std::move(next);
+  ++resets_;
+  for (auto& members : members_) members.clear();
+  for (size_t i = 0; i < pairs_.size(); ++i) members_[pairs_[i].contact.point_count - 2].push_back(i);
+  fill(batches_);
+  return change.largest_change > kLimitTolerance * change.largest_limit ? change.largest_change : 0.0;
 }
 
-std::vector<const PotentialBatch*> FrictionSet::batches() const {
+const FrictionSet::Pair* FrictionSet::find(const PairKey& key) const {
+  const auto found = std::ranges::lower_bound(pairs_, key, {}, [](const Pair& p) { return p.contact.key; });
+  return found != pairs_.end() && found->contact.key == key ? &*found : nullptr;
+}
+
+Vec3 FrictionSet::deflection(const Pair& pair, std::span<const Vec3> x) const {
+  Vec3 u;
+  for (int p = 0; p < pair.contact.point_count; ++p) {
+    const int32_t site = pair.contact.sites[p];
+    u += (x[site] - reference_.positions[site]) * pair.contact.weights[p];
+  }
+  u = u * reference_.scale + pair.deflection;
+  return u - pair.normal * dot(pair.normal, u);
+}
+
+double FrictionSet::residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                             const FrictionTable& coefficient) const {
+  std::vector<Pair> now;
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
+    const Pair* frozen = find(contacts[c].key);
+    const bool slides = frozen != nullptr && frozen->slides;
+    now.push_back({.contact = contacts[c], .limit = (slides ? mu.sliding : mu.sticking) * norm(forces[c])});
+  }
+  return compare(now).largest_change;
+}
+
+FrictionSet::Change FrictionSet::compare(const std::vector<Pair>& next) const {
+  Change change;
+  size_t i = 0, j = 0;
+  while (i < pairs_.size() || j < next.size()) {
+    const bool has_old =
+        i < pairs_.size() && (j == next.size() || pairs_[i].contact.key <= next[j].contact.key);
+    const bool has_new =
+        j < next.size() && (i == pairs_.size() || next[j].contact.key <= pairs_[i].contact.key);
+    const double before = has_old ? pairs_[i++].limit : 0.0, now = has_new ? next[j++].limit : 0.0;
+    change.largest_limit = std::max(change.largest_limit, now);
+    change.largest_change = std::max(change.largest_change, std::fabs(now - before));
+  }
+  return change;
+}
+
+void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
+  for (int k = 0; k < 3; ++k) {
+    std::vector<int32_t> stencils;
+    for (const size_t i : members_[k])
+      stencils.insert(stencils.end(), pairs_[i].contact.sites.begin(),
+                      pairs_[i].contact.sites.begin() + k + 2);
+    PotentialBatch& batch = batches[k];
+    batch.resize(stencils);
+    batch.set_previous(reference_.positions);
+    const int limit = batch.field_index("limit"), normal = batch.field_index("normal"),
+              deflection = batch.field_index("deflection");
+    std::array<int, 4> weights{};
+    for (int p = 0; p < k + 2; ++p) weights[p] = batch.field_index("weight" + std::to_string(p));
+    for (int64_t e = 0; e < batch.size(); ++e) {
+      const Pair& pair = pairs_[members_[k][e]];
+      const Vec3 start = pair.deflection / reference_.scale;
+      batch.set(limit, e, {&pair.limit, 1});
+      batch.set(normal, e, {&pair.normal.x, 3});
+      batch.set(deflection, e, {&start.x, 3});
+      for (int p = 0; p < k + 2; ++p) batch.set(weights[p], e, {&pair.contact.weights[p], 1});
+    }
+  }
+}
+
+FrictionMemory FrictionSet::end_step(std::span<const Vec3> x) const {
+  FrictionMemory memory;
+  for (const Pair& pair : pairs_) {
+    Vec3 u = deflection(pair, x);
+    if (const double length = norm(u); length > stick_displacement_) u = u * (stick_displacement_ / length);
+    const double angle = spin(*mesh_, pair.contact.key, pair.normal, x_start_, x);
+    memory.append(pair.contact.key, exp_rotation(pair.normal * angle) * u * orientation(*mesh_, pair.contact),
+                  pair.force);
+  }
+  return memory;
+}
+
+std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<PotentialBatch>& batches) {
   std::vector<const PotentialBatch*> result;
-  for (const PotentialBatch& batch : batches_)
+  for (const PotentialBatch& batch : batches)
     if (batch.size() > 0) result.push_back(&batch);
   return result;
+}
+
+std::vector<const PotentialBatch*> FrictionSet::majorants(std::span<const Vec3> x) {
+  fill(majorants_);
+  const double eps = stick_displacement_ / reference_.scale;
+  for (int k = 0; k < 3; ++k) {
+    const int field = majorants_[k].field_index("slope");
+    for (int64_t e = 0; e < majorants_[k].size(); ++e) {
+      const double y = norm(deflection(pairs_[members_[k][e]], x)) / reference_.scale;
+      const double slope = y < eps ? (2.0 - y / eps) / eps : 1.0 / y;
+      majorants_[k].set(field, e, {&slope, 1});
+    }
+  }
+  return non_empty(majorants_);
 }
 
 std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
@@ -82,11 +192,13 @@ std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
   for (int k = 0; k < 3; ++k) {
     const std::vector<double> values = batches_[k].evaluate(Order::Gradient, x);
     const int outputs = 1 + 3 * batches_[k].point_count();
-    for (size_t e = 0; e < keys_[k].size(); ++e)
-      for (int p = 0; p < side_a_counts_[k][e]; ++p) {
+    for (size_t e = 0; e < members_[k].size(); ++e) {
+      const Contact& contact = pairs_[members_[k][e]].contact;
+      for (int p = 0; p < contact.side_a_count; ++p) {
         const double* g = values.data() + e * outputs + 1 + 3 * p;
-        forces[keys_[k][e]] -= Vec3{g[0], g[1], g[2]};
+        forces[contact.key] -= Vec3{g[0], g[1], g[2]};
       }
+    }
   }
   return forces;
 }

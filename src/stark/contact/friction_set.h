@@ -1,45 +1,93 @@
-// Friction of the contacts of a configuration, with normal force, tangent plane and closest points frozen
-// there and displacements measured from the start of the step (step phase 2, refreshed when the iteration has
-// converged).
+// Friction of the contacts of a configuration. Normal force, tangent plane and closest points of a pair are
+// frozen while energies are minimised and refreshed in between until they agree with the result
+// (step phase 2). Sticking pairs are held by bristles that keep their deflection from step to step.
 #pragma once
 
 #include <functional>
 #include <map>
 
 #include <stark/contact/contact_set.h>
+#include <stark/contact/friction_coefficient.h>
+#include <stark/contact/friction_memory.h>
 
 namespace stark {
 
-/// Coulomb's coefficient of a pair of groups.
-using FrictionTable = std::function<double(int32_t group_a, int32_t group_b)>;
+/// Coulomb's coefficients of a pair of groups.
+using FrictionTable = std::function<FrictionCoefficient(int32_t group_a, int32_t group_b)>;
+
+/// How displacements of a step are measured: from `positions` [m], times `scale`. The integrator's reference
+/// makes them its velocity times the step.
+struct DisplacementReference {
+  std::vector<Vec3> positions;
+  double scale = 1.0;
+};
 
 class FrictionSet {
  public:
-  /// potentials: friction of 2, 3 and 4 points.
-  FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_velocity);
+  /// potentials: friction of 2, 3 and 4 points. stick_displacement: deflection of the bristles at which a
+  /// pair begins to slide [m].
+  FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_displacement);
 
-  /// Freezes friction at the contacts, with the forces on their sides A; x_reference are the site
-  /// positions that displacements over `duration` are measured from. Returns the largest change of mu lambda
-  /// of a pair [N], 0 when all are within 0.1 % of the largest of before.
+  /// Starts a step at site positions x with what is remembered of the last one.
+  void begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
+                  DisplacementReference reference);
+
+  /// Freezes friction at the contacts with their forces on sides A, at site positions x. Returns the largest
+  /// change of a friction limit mu lambda [N], 0 when all are within 0.1 % of the largest. The first call in
+  /// a step takes the normal forces of pairs in the memory from there. From the third one on, pairs keep
+  /// their tangent planes and closest points: near an impact, turning planes keep friction from settling.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-               const FrictionTable& coefficient, std::span<const Vec3> x_reference, double duration);
+               const FrictionTable& coefficient, std::span<const Vec3> x);
 
-  std::vector<const PotentialBatch*> batches() const;
+  /// Largest difference between a frozen limit and the one by these contacts and forces [N].
+  double residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                  const FrictionTable& coefficient) const;
+
+  /// What to remember of a step that ended at x.
+  FrictionMemory end_step(std::span<const Vec3> x) const;
+
+  std::vector<const PotentialBatch*> batches() const { return non_empty(batches_); }
+  /// Parabolas above the energies that have their gradients at x.
+  std::vector<const PotentialBatch*> majorants(std::span<const Vec3> x);
   /// Forces on the sides A of the pairs at site positions x [N].
   std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
-  bool empty() const { return strengths_.empty(); }
+  bool empty() const { return pairs_.empty(); }
 
   /// Energies at x are compared with those at the last remember(), element by element.
   void remember(std::span<const Vec3> x);
   EnergyDifference energy_difference(std::span<const Vec3> x) const;
 
  private:
+  struct Pair {
+    Contact contact;
+    Vec3 normal;         ///< unit, to side A
+    Vec3 deflection;     ///< at the start of the step, of side A against side B [m]
+    double force = 0.0;  ///< normal force [N]
+    double limit = 0.0;  ///< mu lambda [N]
+    bool slides = false;
+  };
+
+  Pair make_pair(const Contact& contact, const Vec3& force, std::span<const Vec3> x) const;
+  const Pair* find(const PairKey& key) const;
+  Vec3 deflection(const Pair& pair, std::span<const Vec3> x) const;
+  struct Change {
+    double largest_change = 0.0, largest_limit = 0.0;  ///< [N]
+  };
+  Change compare(const std::vector<Pair>& next) const;
+  static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
+  void fill(std::vector<PotentialBatch>& batches) const;
   std::vector<double> energies(std::span<const Vec3> x) const;
 
-  std::vector<PotentialBatch> batches_;               ///< of 2, 3 and 4 points
-  std::array<std::vector<PairKey>, 3> keys_;          ///< of their elements
-  std::array<std::vector<int8_t>, 3> side_a_counts_;  ///< points of side A of their elements
-  std::map<PairKey, double> strengths_;               ///< mu lambda [N]
+  double stick_displacement_;  ///< [m]
+  const SurfaceMesh* mesh_ = nullptr;
+  FrictionMemory memory_;
+  DisplacementReference reference_;
+  std::vector<Vec3> x_start_;
+  std::vector<Pair> pairs_;              ///< sorted by key
+  int resets_ = 0;                       ///< in this step
+  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points
+  std::vector<PotentialBatch> majorants_;
+  std::array<std::vector<size_t>, 3> members_;  ///< pairs of their elements
   std::vector<double> remembered_;
 };
 

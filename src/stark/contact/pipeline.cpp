@@ -35,7 +35,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       stiffness_(map),
       active_(potentials.barriers, pool),
       trial_(potentials.barriers, pool),
-      friction_(potentials.frictions, options.stick_velocity) {
+      friction_(potentials.frictions, options.stick_displacement) {
   surface_sites_ = find_surface_sites(surfaces.mesh);
   for (const Index2& edge : surfaces.mesh.edges)
     geometry_.edge_squared_length.push_back(
@@ -48,15 +48,25 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
 }
 
 void ContactPipeline::begin_step(const Configuration& configuration, std::span<const Vec3> x,
-                                 std::span<const Mat3> diagonal, const VelocityReference& reference) {
+                                 std::span<const Mat3> diagonal, const VelocityReference& reference,
+                                 FrictionMemory memory) {
   x_reference_.assign(reference.positions.begin(), reference.positions.end());
   duration_ = reference.duration;
+  friction_.begin_step(mesh(), std::move(memory), x, {x_reference_, reference.step / reference.duration});
   {
     const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
     stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor);
   }
   update(x);
   if (options_.friction) freeze_friction(x);
+}
+
+FrictionMemory ContactPipeline::end_step(std::span<const Vec3> x) {
+  if (!std::ranges::equal(x, x_active_)) update(x);
+  std::vector<Vec3> forces;
+  active_.evaluate_forces(x, forces);
+  friction_residual_ = friction_.residual(contacts(), forces, friction_coefficient_);
+  return friction_.end_step(x);
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
@@ -98,13 +108,16 @@ void ContactPipeline::update(std::span<const Vec3> x) {
     else
       build(x, candidates_);
   }
+  x_active_.assign(x.begin(), x.end());
   fill(candidates_.list, x, active_);
   friction_.remember(x);
 }
 
-std::vector<const PotentialBatch*> ContactPipeline::batches() const {
+std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature) {
   std::vector<const PotentialBatch*> all = active_.batches();
-  for (const PotentialBatch* batch : friction_.batches()) all.push_back(batch);
+  const auto frictions =
+      curvature == Curvature::Majorant ? friction_.majorants(x_active_) : friction_.batches();
+  all.insert(all.end(), frictions.begin(), frictions.end());
   return all;
 }
 
@@ -143,8 +156,7 @@ double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
-  const double change =
-      friction_.reset(active_.contacts(), forces, friction_coefficient_, x_reference_, duration_);
+  const double change = friction_.reset(active_.contacts(), forces, friction_coefficient_, x);
   friction_.remember(x);
   return change;
 }

@@ -16,7 +16,7 @@ namespace stark {
 struct ContactOptions {
   double stiffness_factor = 300.0;
   double min_separation_factor = 1e-3;
-  double stick_velocity = 1e-3;  ///< [m/s]
+  double stick_displacement = 1e-5;  ///< [m]
   bool friction = true;
 };
 
@@ -56,17 +56,24 @@ class ContactPipeline final : public ActiveSet {
                   const ContactOptions& options, const KinematicMap& map, ThreadPool& pool,
                   PhaseTimer& timer);
 
-  /// Velocities of a step: displacements of the sites from `positions` [m] over `duration` [s].
+  /// Velocities of a step of length `step` [s]: displacements of the sites from `positions` [m] over
+  /// `duration` [s].
   struct VelocityReference {
     std::span<const Vec3> positions;
     double duration = 0.0;
+    double step = 0.0;
   };
   /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
   void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
-                  const VelocityReference& reference);
+                  const VelocityReference& reference, FrictionMemory memory);
+  /// Takes the end of a step at site positions x: contacts are those there. Returns what friction remembers.
+  FrictionMemory end_step(std::span<const Vec3> x);
+  /// Largest difference between a friction limit that the step was solved with and mu times the normal force
+  /// at its end [N].
+  double friction_residual() const { return friction_residual_; }
 
   void update(std::span<const Vec3> x) override;
-  std::vector<const PotentialBatch*> batches() const override;
+  std::vector<const PotentialBatch*> batches(Curvature curvature) override;
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
   double refresh_lagged(std::span<const Vec3> x) override;
@@ -118,7 +125,9 @@ class ContactPipeline final : public ActiveSet {
   std::vector<int32_t> surface_sites_;
   std::vector<double> group_separation_;
   std::vector<Vec3> x_reference_;
+  std::vector<Vec3> x_active_;  ///< of the last update()
   double duration_ = 0.0;
+  double friction_residual_ = 0.0;
 };
 
 }  // namespace stark

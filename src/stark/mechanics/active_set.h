@@ -9,14 +9,20 @@
 
 namespace stark {
 
+/// Whether second derivatives are those of the energies, or, where there is something better for long steps,
+/// those of simple functions that touch the energies from above.
+enum class Curvature : uint8_t { Exact, Majorant };
+
 class ActiveSet {
  public:
   virtual ~ActiveSet() = default;
 
-  /// Rebuilds the stencils active at site positions x and remembers their energies. Returns true when the
-  /// batches' stencils changed. The batches stay valid until the next call.
+  /// Rebuilds the stencils active at site positions x and remembers their energies.
+  /// batches' stencils changed.
   virtual void update(std::span<const Vec3> x) = 0;
-  virtual std::vector<const PotentialBatch*> batches() const = 0;
+  /// Batches with energies of the active stencils, up to a constant, and their gradients at the last
+  /// update(); valid until the next call of this or of update().
+  virtual std::vector<const PotentialBatch*> batches(Curvature curvature) = 0;
 
   /// Makes sure that no pair is missed while sites move from x0 to x1 and returns the largest safe fraction
   /// in [0, 1] of the linear motion.

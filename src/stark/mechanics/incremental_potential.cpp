@@ -54,6 +54,7 @@ IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& a
 void IncrementalPotential::begin(const Configuration& start, const Configuration& target) {
   start_ = start;
   iterate_ = start;
+  settled_.reset();
   target_ = target;
   map_.positions(start, x_);
   std::vector<Vec3> x_target(map_.site_count());
@@ -86,7 +87,7 @@ void IncrementalPotential::linearize(bool project, std::span<double> out_gradien
   if (active_set_) {
     const PhaseTimer::Scope scope(timer_, Phase::ActiveSet);
     active_set_->update(x_);
-    assembler_.set_dynamic_batches(active_set_->batches());
+    assembler_.set_dynamic_batches(active_set_->batches(curvature_));
   }
   const PhaseTimer::Scope scope(timer_, Phase::Assemble);
   AssemblyOptions options{.project = project, .pending = {}};
@@ -200,10 +201,21 @@ void IncrementalPotential::accept_trial() {
 
 double IncrementalPotential::refresh_lagged(int round) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  double change = 0.0;
-  if (active_set_ && round < active_set_updates_) change = active_set_->refresh_lagged(x_);
-  if (constraints_) change = std::max(change, constraints_->update(x_));
-  return change;
+  const double violation = constraints_ ? constraints_->update(x_) : 0.0;
+  if (!active_set_ || round >= active_set_updates_) return violation;
+  const double change = active_set_->refresh_lagged(x_);
+  if (change > 0.0 && violation == 0.0 && round > 0) settled_ = iterate_;
+  return std::max(change, violation);
+}
+
+bool IncrementalPotential::restore_settled() {
+  if (!settled_) return false;
+  iterate_ = *settled_;
+  settled_.reset();
+  map_.positions(iterate_, x_);
+  place_prescribed(1.0, x_);
+  if (active_set_) active_set_->update(x_);
+  return true;
 }
 
 }  // namespace stark

@@ -7,6 +7,8 @@
 // certifies.
 #pragma once
 
+#include <optional>
+
 #include <memory>
 
 #include <stark/base/timer.h>
@@ -42,6 +44,9 @@ class IncrementalPotential final : public Objective {
   std::span<const Vec3> site_positions() const { return x_; }
 
   int32_t block_count() const override { return map_.layout().block_count; }
+  void set_cautious(bool cautious) override {
+    curvature_ = cautious ? Curvature::Majorant : Curvature::Exact;
+  }
   void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) override;
   bool has_pending_motion() const override { return progress_ < 1.0; }
   Residual residual(std::span<const double> gradient) const override;
@@ -50,6 +55,7 @@ class IncrementalPotential final : public Objective {
   TrialEnergy try_step(std::span<const double> direction, double alpha) override;
   void accept_trial() override;
   double refresh_lagged(int round) override;
+  bool restore_settled() override;
   std::span<const Vec3> block_positions() const override { return block_positions_; }
 
  private:
@@ -58,13 +64,15 @@ class IncrementalPotential final : public Objective {
 
   const KinematicMap& map_;
   Assembler& assembler_;
+  Curvature curvature_ = Curvature::Exact;
   ActiveSet* active_set_;
   ConstraintSet* constraints_;
   int active_set_updates_ = 1;
   std::vector<BlockScale> scales_;
   PhaseTimer& timer_;
   Configuration start_, iterate_, trial_, target_;
-  std::vector<Vec3> x_, x_trial_;  ///< by site [m]
+  std::optional<Configuration> settled_;  ///< converged but for lagged quantities of the active set
+  std::vector<Vec3> x_, x_trial_;         ///< by site [m]
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
   std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;
   std::vector<int32_t> pinned_bodies_;  ///< prescribed translation, free rotation

@@ -179,7 +179,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
           a, b, scene.contact_enabled(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
   exclude_attached(scene, surfaces.filter);
   surfaces.rest_positions = rest_positions_;
-  std::vector<double> friction(static_cast<size_t>(groups) * groups);
+  std::vector<FrictionCoefficient> friction(static_cast<size_t>(groups) * groups);
   for (int32_t a = 0; a < groups; ++a)
     for (int32_t b = 0; b < groups; ++b) friction[a * groups + b] = scene.friction(BodyId{a}, BodyId{b});
   surfaces.friction = [friction, groups](int32_t a, int32_t b) { return friction[a * groups + b]; };

@@ -165,10 +165,12 @@ void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
   append_new(pins_[at_index(body)].vertices, vertices);
 }
 
-void Scene::set_friction(BodyId a, BodyId b, double coefficient) {
+void Scene::set_friction(BodyId a, BodyId b, const FrictionCoefficient& coefficient) {
   const Pair pair = ordered(a, b);
-  check_number("friction of '" + name(a) + "' and '" + name(b) + "'", "coefficient", coefficient, "1",
-               non_negative(), "use 0 for none");
+  const std::string owner = "friction of '" + name(a) + "' and '" + name(b) + "'";
+  check_number(owner, "coefficient", coefficient.sticking, "1", non_negative(), "use 0 for none");
+  check_number(owner, "kinetic coefficient", coefficient.sliding, "1",
+               closed_interval(0.0, coefficient.sticking), "sliding contact cannot hold more than sticking");
   friction_[pair] = coefficient;
 }
 
@@ -177,7 +179,7 @@ void Scene::set_default_friction(double coefficient) {
   default_friction_ = coefficient;
 }
 
-double Scene::friction(BodyId a, BodyId b) const {
+FrictionCoefficient Scene::friction(BodyId a, BodyId b) const {
   if (const auto entry = friction_.find(ordered(a, b)); entry != friction_.end()) return entry->second;
   const double mu_a = body_friction(a).value_or(default_friction_),
                mu_b = body_friction(b).value_or(default_friction_);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <stark/base/math.h>
+#include <stark/contact/friction_coefficient.h>
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/solid_mesh.h>
 #include <stark/mechanics/constitutive_law.h>
@@ -200,13 +201,14 @@ class Scene {
   const AttachmentDescription& attachment(AttachmentId attachment) const;
 
   /// Coefficient of a pair; a == b is the self-contact of a body.
-  void set_friction(BodyId a, BodyId b, double coefficient);
+  /// Coulomb's coefficients of a pair, for sticking and for sliding contact; the latter is not the larger.
+  void set_friction(BodyId a, BodyId b, const FrictionCoefficient& coefficient);
   /// Coefficient of bodies that were given none.
   void set_default_friction(double coefficient);
   double default_friction() const { return default_friction_; }
   /// The pair's own coefficient when set_friction gave one, else the geometric mean of the two bodies'
   /// coefficients, where default_friction() stands in for a body without one.
-  double friction(BodyId a, BodyId b) const;
+  FrictionCoefficient friction(BodyId a, BodyId b) const;
 
   /// Switches contact of a pair off and on; a == b is the self-contact of a deformable body.
   void disable_contact(BodyId a, BodyId b);
@@ -280,7 +282,7 @@ class Scene {
   std::vector<ActuatorDescription> actuators_;
   std::vector<AttachmentDescription> attachments_;
   Names body_names_, energy_names_, joint_names_, attachment_names_;
-  std::map<Pair, double> friction_;
+  std::map<Pair, FrictionCoefficient> friction_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;
   std::vector<std::string> warnings_;

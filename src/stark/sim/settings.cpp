@@ -73,9 +73,11 @@ const FieldTable& ContactSettings::fields() {
        field(&S::min_separation_factor, "min_separation_factor", "1", open_interval(0.0, 0.5),
              "distance that collision detection keeps, over the contact distance of the pair"),
        field(&S::stick_velocity, "stick_velocity", "m/s", positive(),
-             "sliding speed below which friction is regularised to sticking"),
+             "sliding speed below which friction sticks; times the time step it is the most that a sticking "
+             "contact gives way"),
        field(&S::friction_updates, "friction_updates", "1", at_least(1),
-             "number of times in a step that normal forces and tangents of friction are refreshed")});
+             "largest number of times in a step that normal forces and tangents of friction are refreshed; "
+             "fewer do when limits of friction settle to 0.1 %")});
   return table;
 }
 

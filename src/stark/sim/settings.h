@@ -57,7 +57,7 @@ struct ContactSettings {
   double min_separation_factor =
       1e-3;  ///< distance kept by the collision detection, over the pair's contact distance
   double stick_velocity = 1e-3;  ///< [m/s] below it friction is sticking, regularised
-  int friction_updates = 2;      ///< refreshes of normal forces and tangents of friction in a step
+  int friction_updates = 8;      ///< most refreshes of normal forces and tangents of friction in a step
   static const FieldTable& fields();
 };
 

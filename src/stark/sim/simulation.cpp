@@ -19,10 +19,10 @@ LinearSolverSettings to_solver_settings(const LinearSettings& linear) {
           .pcg_max_iterations = linear.pcg_max_iterations};
 }
 
-ContactOptions to_options(const ContactSettings& contact) {
+ContactOptions to_options(const ContactSettings& contact, const TimeSettings& time) {
   return {.stiffness_factor = contact.stiffness_factor,
           .min_separation_factor = contact.min_separation_factor,
-          .stick_velocity = contact.stick_velocity,
+          .stick_displacement = contact.stick_velocity * time.step,
           .friction = contact.friction};
 }
 
@@ -68,9 +68,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
   surface_mesh_ = surfaces.mesh;
   if (settings_.contact.enabled) {
-    contact_ =
-        std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
-                                          to_options(settings_.contact), model_->map(), *pool_, *timer_);
+    contact_ = std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
+                                                 to_options(settings_.contact, settings_.time), model_->map(),
+                                                 *pool_, *timer_);
     check_initial_state();
   }
   check_energies();

@@ -155,6 +155,7 @@ class Simulation {
   Configuration start_configuration() const;
   /// Diagonal blocks of inertia and elasticity at the start of a step: what barriers and joints are measured
   /// against.
+  bool leads_through_something(double h);
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
   /// Sets what the velocities of a step of length h are measured from.
@@ -163,7 +164,7 @@ class Simulation {
   void predict(double h, double stretch);
   /// Keeps the state for the next step, where the integrator asks for it.
   void remember_state(double h);
-  bool attempt(double h, SolveReport& total);
+  bool attempt(double h, bool straight, SolveReport& total);
   void commit(double h);
   /// Stored energies of the current state with sites at x; contact is left at zero.
   EnergyLedger stored_energies(std::span<const Vec3> x) const;

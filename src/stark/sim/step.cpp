@@ -13,6 +13,9 @@ namespace {
 /// Scale that switches inertia and damping off in quasistatic steps [s].
 constexpr double kQuasistaticStep = 1e150;
 
+/// Part of the full time step down to which steps are refused that lead around something.
+constexpr double kShortestStraight = 1.0 / 16.0;
+
 /// Value of script_remaining for a scripted body that rests at the last pose it was given.
 constexpr double kAtPose = -1.0;
 
@@ -46,6 +49,8 @@ const char* failure_text(SolveStatus status) {
       return "the linear system could not be solved; look for free bodies without inertia";
     case SolveStatus::Blocked:
       return "a scripted body or pinned vertex is blocked by an obstacle; change its motion or the obstacle";
+    case SolveStatus::Detour:
+      return "bodies would change places within the step; lower time.step";
     case SolveStatus::Interrupted:
       return "interrupted";
     case SolveStatus::ConstraintViolated:  // violation_text() says which joint
@@ -64,8 +69,9 @@ const StepReport& Simulation::step(double max_time_step) {
   timer_->reset();
   linear_solver_->begin_step();
   double h = std::min(state_.time_step, max_time_step);
+  double detour = 0.0;  // length of the longest step refused as one [s]
   while (true) {
-    if (attempt(h, report_.solve)) {
+    if (attempt(h, detour >= 0.0, report_.solve)) {
       commit(h);
       {
         const PhaseTimer::Scope scope(*timer_, Phase::Commit);
@@ -88,6 +94,13 @@ const StepReport& Simulation::step(double max_time_step) {
       return report_;
     }
     ++report_.rejected_steps;
+    if (report_.solve.status == SolveStatus::Detour) {
+      detour = std::max(detour, h);
+    } else if (detour > 0.0) {
+      // A violent impact: shorter steps do not converge where the long one did.
+      h = 2.0 * detour;
+      detour = -1.0;
+    }
     h *= 0.5;
     if (h < settings_.time.min_step) {
       report_.message += "; the time step was halved down to time.min_step = " +
@@ -99,7 +112,7 @@ const StepReport& Simulation::step(double max_time_step) {
   }
 }
 
-bool Simulation::attempt(double h, SolveReport& total) {
+bool Simulation::attempt(double h, bool straight, SolveReport& total) {
   const Configuration start = start_configuration();
   const bool has_joints = model_->constraints().joint_count() > 0;
   {
@@ -118,14 +131,26 @@ bool Simulation::attempt(double h, SolveReport& total) {
     if (has_joints) begin_joints(diagonal);
     if (contact_)
       contact_->begin_step(start, potential_->site_positions(), diagonal,
-                           {.positions = reference_.sites, .duration = reference_.stencil.scale});
+                           {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
+                           {state_.friction_pair, state_.friction_deflection, state_.friction_force});
     if (contact_) energies_before_.contact = contact_->energy();
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     predict(h, 1.0);
   }
-  const SolveReport solved = newton_->minimize(*potential_, h);
+  SolveReport solved = newton_->minimize(*potential_, h);
+  if (straight && is_success(solved.status) && leads_through_something(h))
+    solved.status = SolveStatus::Detour;
   add_counters(total, solved);
   return is_success(solved.status);
+}
+
+bool Simulation::leads_through_something(double h) {
+  // The path through the iterates is certified, but at large steps it may lead around an obstacle that is
+  // straight ahead. Shorter steps than this are taken as they are: violent impacts seldom look straight.
+  if (!contact_ || 0.5 * h < std::max(settings_.time.min_step, kShortestStraight * settings_.time.step))
+    return false;
+  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
+  return contact_->max_step(step_start_, potential_->site_positions()) < 1.0;
 }
 
 std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
@@ -250,6 +275,12 @@ void Simulation::commit(double h) {
   }
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
+  if (contact_) {
+    FrictionMemory memory = contact_->end_step(potential_->site_positions());
+    state_.friction_pair = std::move(memory.pair);
+    state_.friction_deflection = std::move(memory.deflection);
+    state_.friction_force = std::move(memory.force);
+  }
   commit_joints();
   state_.time += h;
   ++state_.step_count;
@@ -260,6 +291,7 @@ void Simulation::finish_report(StepStatus status) {
   report_.time = state_.time;
   if (!report_.failed()) {
     report_.min_distance = contact_ ? contact_->min_distance() : std::numeric_limits<double>::infinity();
+    report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;
     report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
     report_.momentum = momentum();
   }

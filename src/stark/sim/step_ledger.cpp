@@ -117,7 +117,8 @@ double Simulation::prescribed_work() const {
   for (const ModelQuadrature& elements : model_->quadrature_batches())
     add_site_gradient(elements.batch, x, 1.0, gradient);
   if (contact_)
-    for (const PotentialBatch* batch : contact_->batches()) add_site_gradient(*batch, x, 1.0, gradient);
+    for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
+      add_site_gradient(*batch, x, 1.0, gradient);
   double total = 0.0;
   for (size_t i = 0; i < x.size(); ++i) total += dot(gradient[i], motion[i]);
   return total;

@@ -47,6 +47,8 @@ struct StepReport {
   SolveReport solve;       ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;
   double min_distance = 0.0;  ///< of the active contacts [m], infinity without any
+  /// Largest difference of a friction limit in this step from mu times the normal force at its end [N].
+  double friction_residual = 0.0;
   EnergyLedger energy;
   Momentum momentum;
   std::array<double, static_cast<size_t>(Phase::kCount)> phases{};  ///< seconds by Phase

@@ -12,9 +12,11 @@ constexpr int kProjectedIterations =
 constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy differences are rounding errors
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
-constexpr double kTinyStep = 1e-6;         ///< step lengths below it make no progress ...
-constexpr int kLagUpdateLimit = 100;       ///< updates of lagged quantities; joints need a few
-constexpr int kTinyStepLimit = 12;         ///< ... and so many in a row end the minimisation
+constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
+constexpr double kShortStep = 0.6;    ///< step lengths below it call for curvature that overestimates
+constexpr double kTinyStep = 1e-6;    ///< step lengths below it make no progress ...
+constexpr int kLagUpdateLimit = 100;  ///< updates of lagged quantities; joints need a few
+constexpr int kTinyStepLimit = 12;    ///< ... and so many in a row end the minimisation
 
 bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -40,7 +42,9 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   previous_gradient_norm_ = 0.0;
   int tiny_steps = 0, round_off_steps = 0, unsure_steps = 0;
   const auto finish = [&](SolveStatus status) {
-    report.status = status;
+    // A solution whose friction is a round behind is better than none.
+    const bool given_up = !is_success(status) && status != SolveStatus::Interrupted;
+    report.status = given_up && objective.restore_settled() ? SolveStatus::Converged : status;
     return report;
   };
 
@@ -93,6 +97,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
 NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, SolveReport& report) {
   bool project = settings_.projection == Projection::Always || projection_countdown_ > 0;
   if (projection_countdown_ > 0) --projection_countdown_;
+  objective.set_cautious(report.last_step_length < kShortStep);
   while (true) {
     objective.linearize(project, gradient_, hessian_);
     if (!all_finite(gradient_)) return Direction::NotFinite;
@@ -107,7 +112,11 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     const bool usable =
         solved.ok && all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
     if (usable) break;
-    if (project || settings_.projection == Projection::Never) return Direction::Failed;
+    if (settings_.projection == Projection::Never) return Direction::Failed;
+    if (project) {
+      if (solve_shifted(objective, report)) break;
+      return Direction::Failed;
+    }
     project = true;
     projection_countdown_ = kProjectedIterations - 1;
   }
@@ -115,6 +124,24 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
   report.residual = residual.force;
   report.acceleration = residual.acceleration;
   return Direction::Found;
+}
+
+bool NewtonSolver::solve_shifted(Objective& objective, SolveReport& report) {
+  // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
+  // multiple of the diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
+  for (double shift = kSmallestShift; shift <= 1.0; shift *= kShiftGrowth) {
+    for (size_t b = 0; b + 1 < hessian_.pattern.row_start.size(); ++b)
+      for (int k = 0; k < 3; ++k) {
+        double& diagonal = hessian_.values[9 * hessian_.pattern.row_start[b] + 4 * k];
+        diagonal += shift * std::fabs(diagonal);
+      }
+    const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_,
+                                                          forcing_tolerance(), objective.block_positions());
+    report.linear_iterations += solved.iterations;
+    report.factorizations += solved.factorizations;
+    if (solved.ok && all_finite(direction_) && slope() < 0.0) return true;
+  }
+  return false;
 }
 
 double NewtonSolver::slope() const { return dot(gradient_, direction_); }

@@ -29,6 +29,7 @@ class NewtonSolver {
   bool is_converged(const SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
   bool take_full_step(Objective& objective, SolveReport& report);
+  bool solve_shifted(Objective& objective, SolveReport& report);
   double slope() const;
   double forcing_tolerance();
 

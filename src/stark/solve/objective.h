@@ -31,6 +31,9 @@ class Objective {
 
   virtual int32_t block_count() const = 0;
 
+  /// Asks linearize() for curvature that is rather too large than too small, as far as the objective knows
+  /// how: the steps of the exact one overshoot.
+  virtual void set_cautious(bool cautious) { static_cast<void>(cautious); }
   /// Gradient and Hessian at the iterate. `project`: element Hessians made positive semidefinite.
   virtual void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) = 0;
 
@@ -56,6 +59,9 @@ class Objective {
   /// joints) up to date. `round` counts the calls of this minimisation. Returns the change of force it caused
   /// [N], 0 when there is nothing left to do, infinity when constraints cannot be met.
   virtual double refresh_lagged(int round) { return static_cast<void>(round), 0.0; }
+  /// Goes back to the last converged iterate at which all that was left to do was to refresh lagged
+  /// quantities once more. Returns false when there is none.
+  virtual bool restore_settled() { return false; }
 
   /// Positions of the blocks, for fill-reducing orderings; may be empty.
   virtual std::span<const Vec3> block_positions() const { return {}; }

@@ -15,6 +15,7 @@ enum class SolveStatus : uint8_t {
   LinearSolveFailed,
   Blocked,  ///< prescribed motion cannot go on: an obstacle is in the way
   Interrupted,
+  Detour,              ///< the straight way from start to end of the step leads through something
   ConstraintViolated,  ///< joints that contradict each other, or are beyond the reach of their bodies
 };
 

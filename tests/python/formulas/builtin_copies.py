@@ -449,54 +449,72 @@ def barrier_mollified_edge_edge(
     return mollifier(x, parallel_threshold) * barrier(edge_edge(*x), stiffness, contact_distance)
 
 
-def coulomb(points: list, weights: list, strength: object, normal: object, eps: object) -> object:
-    u = stark.vec(0.0, 0.0, 0.0)
+def coulomb(
+    points: list,
+    weights: list,
+    limit: object,
+    normal: object,
+    eps: object,
+    u: object,
+    slope: object,
+    majorant: object,
+) -> object:
     for p, weight in zip(points, weights, strict=True):
         u = u + weight * (p.x - p.x_prev)
     tangential = u - normal * stark.dot(normal, u)
     s = stark.squared_norm(tangential)
     y = stark.sqrt(stark.maximum(s, stark.square(1e-8 * eps)))
     stick = s / eps - s * y / (3.0 * stark.square(eps)) + eps / 3.0
-    return strength * stark.where(s < stark.square(eps), stick, y)
+    smooth = stark.where(s < stark.square(eps), stick, y)
+    return limit * stark.where(majorant > 0.5, 0.5 * slope * s, smooth)
 
 
 @stark.energy
 def friction_2(
     s: stark.Stencil[2],
-    h: stark.TimeStep,
-    strength: float,
+    limit: float,
     normal: stark.Vec3,
-    stick_velocity: float,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    slope: float,
+    majorant: float,
     weight0: float,
     weight1: float,
 ):
-    return coulomb(list(s), [weight0, weight1], strength, normal, stick_velocity * h)
+    weights = [weight0, weight1]
+    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
 
 
 @stark.energy
 def friction_3(
     s: stark.Stencil[3],
-    h: stark.TimeStep,
-    strength: float,
+    limit: float,
     normal: stark.Vec3,
-    stick_velocity: float,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    slope: float,
+    majorant: float,
     weight0: float,
     weight1: float,
     weight2: float,
 ):
-    return coulomb(list(s), [weight0, weight1, weight2], strength, normal, stick_velocity * h)
+    weights = [weight0, weight1, weight2]
+    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
 
 
 @stark.energy
 def friction_4(
     s: stark.Stencil[4],
-    h: stark.TimeStep,
-    strength: float,
+    limit: float,
     normal: stark.Vec3,
-    stick_velocity: float,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    slope: float,
+    majorant: float,
     weight0: float,
     weight1: float,
     weight2: float,
     weight3: float,
 ):
-    return coulomb(list(s), [weight0, weight1, weight2, weight3], strength, normal, stick_velocity * h)
+    weights = [weight0, weight1, weight2, weight3]
+    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)

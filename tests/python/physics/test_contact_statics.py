@@ -49,8 +49,8 @@ def test_creep_in_stick() -> None:
     sim, box, axes = on_incline(20.0, 0.5)
     advance(sim, 0.5)
     start = box.position @ axes[:, 0]
-    advance(sim, 1.5)
-    validate("V20.creep", (box.position @ axes[:, 0] - start) / STICK)
+    advance(sim, 10.5)
+    validate("V20.creep", abs(box.position @ axes[:, 0] - start))
 
 
 def test_sliding_and_its_limit_angle() -> None:

@@ -1,0 +1,56 @@
+// What friction remembers: the numbering of pairs keeps their order, the material of a pair shows its
+// turning.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <stark/base/rotation.h>
+#include <stark/contact/friction_memory.h>
+#include <support/random_points.h>
+
+using namespace stark;
+using namespace stark::test;
+
+TEST_CASE("packed pairs have the order of their keys") {
+  const std::vector<PairKey> keys{{0, 0, 0},       {0, 0, 1}, {0, 1, 0},
+                                  {0, 1 << 29, 7}, {1, 0, 0}, {1, 5, 1 << 29},
+                                  {2, 0, 1 << 29}, {3, 0, 0}, {3, 1 << 29, 1 << 29}};
+  FrictionMemory memory;
+  for (size_t i = 0; i < keys.size(); ++i) memory.append(keys[i], {static_cast<double>(i), 0, 0}, 1.0);
+  CHECK(std::ranges::is_sorted(memory.pair));
+  for (size_t i = 0; i < keys.size(); ++i) CHECK(memory.find(keys[i]) == static_cast<int64_t>(i));
+  CHECK(memory.find({2, 3, 4}) == -1);
+}
+
+TEST_CASE("spin is the angle by which triangles and edges turn about the normal") {
+  RandomPoints random(3);
+  const SurfaceMesh mesh{.vertex_count = 5, .edges = {{1, 2}, {3, 4}}, .triangles = {{1, 2, 3}}};
+  for (int trial = 0; trial < 50; ++trial) {
+    std::vector<Vec3> x0, x1;
+    for (int i = 0; i < 5; ++i) x0.push_back(random.point());
+    const Vec3 normal = normalized(random.point());
+    const double angle = random.uniform(-3.0, 3.0);
+    const Mat3 R = exp_rotation(normal * angle);
+    for (const Vec3& p : x0) x1.push_back(R * p + Vec3{1, 2, 3});
+    for (const PairKey key : {PairKey{0, 0, 0}, PairKey{1, 0, 1}, PairKey{2, 0, 1}})
+      CHECK(spin(mesh, key, normal, x0, x1) == doctest::Approx(angle).epsilon(1e-9));
+    CHECK(spin(mesh, {3, 0, 1}, normal, x0, x1) == 0.0);
+    const Vec3 along = normalized(x0[2] - x0[1]);
+    const Mat3 twist = exp_rotation(along * 0.5);
+    for (size_t i = 0; i < x0.size(); ++i) x1[i] = twist * x0[i];
+    CHECK(spin(mesh, {2, 0, 0}, along, x0, x1) == 0.0);  // an edge does not show turning about itself
+  }
+}
+
+TEST_CASE("side A of some pairs of edges is the second edge") {
+  const SurfaceMesh mesh{.vertex_count = 4, .edges = {{0, 1}, {2, 3}}};
+  Contact contact;
+  contact.key = {1, 0, 1};
+  contact.sites = {1, 2, 3, 0};
+  CHECK(orientation(mesh, contact) == 1.0);
+  contact.sites = {2, 0, 1, 0};
+  CHECK(orientation(mesh, contact) == -1.0);
+  contact.key = {2, 0, 1};
+  CHECK(orientation(mesh, contact) == 1.0);
+}
