@@ -37,11 +37,9 @@ Description layer_of(const nb::dict& given, const std::string& kind) {
 std::vector<Mat3> initial_frames(const Scene& scene, int32_t k) {
   const FibresDescription& fibres = scene.fibres(FibresId{k});
   std::vector<Mat3> frames;
-  for (const auto& path : fibres.paths) {
-    if (!fibres.bending) break;
-    const PathFrames of_path = path_frames(scene, fibres, path);
+  if (!fibres.bending) return frames;
+  for (const PathFrames& of_path : path_frames(scene, fibres))
     frames.insert(frames.end(), of_path.initial.begin(), of_path.initial.end());
-  }
   return frames;
 }
 

@@ -6,9 +6,6 @@ namespace stark {
 
 namespace {
 
-/// 1 + cos of the angle between vectors that count as opposite.
-constexpr double kOpposite = 1e-12;
-
 /// The coordinate axis with the smallest component along t, made perpendicular to it.
 Vec3 default_normal(const Vec3& t) {
   const double x = std::fabs(t.x), y = std::fabs(t.y), z = std::fabs(t.z);
@@ -21,14 +18,13 @@ Mat3 frame_of(const Vec3& tangent, const Vec3& normal) {
   return Mat3::from_columns(d1, cross(tangent, d1), tangent);
 }
 
-}  // namespace
-
+/// v turned by the smallest rotation that takes unit vector a to b.
 Vec3 transported(const Vec3& v, const Vec3& a, const Vec3& b) {
-  const double sum = 1.0 + dot(a, b);
-  if (sum < kOpposite) return v;
   const Vec3 axis = cross(a, b);
-  return v * dot(a, b) + cross(axis, v) + axis * (dot(axis, v) / sum);
+  return v * dot(a, b) + cross(axis, v) + axis * (dot(axis, v) / (1.0 + dot(a, b)));
 }
+
+}  // namespace
 
 std::vector<double> polyline_lengths(std::span<const Vec3> points) {
   std::vector<double> lengths;

@@ -15,10 +15,6 @@ std::vector<double> polyline_lengths(std::span<const Vec3> points);
 /// Unit tangent at each point: of the edge at the ends, halfway between the directions of both edges inside.
 std::vector<Vec3> polyline_tangents(std::span<const Vec3> points);
 
-/// v turned by the smallest rotation that takes unit vector a to unit vector b; v itself for opposite ones,
-/// between which v, then across them, is an axis of rotation.
-Vec3 transported(const Vec3& v, const Vec3& a, const Vec3& b);
-
 /// Right-handed frame at each point with the columns d1, d2 and the tangent d3. d1 of the first point is
 /// `normal`, made perpendicular to the tangent; without one, the coordinate axis farthest from the tangent is
 /// taken. The others follow by parallel transport, which turns each frame into the next by the smallest

@@ -16,13 +16,15 @@ ClothDescription sheet_of(const Scene& scene, const SkinDescription& skin);
 /// nodes have neighbours; `vertices` [m] are those of the body.
 std::vector<Vec3> path_points(const std::vector<int32_t>& path, std::span<const Vec3> vertices);
 
-/// Frames of the nodes of a path, without twist along it. At time 0, the first one is that of the rest shape
-/// turned by the smallest rotation that takes tangent to tangent.
+/// Frames of the nodes of a path: at rest without twist along it, at time 0 turned with the body about the
+/// fibre, so that the bearing of each neighbour is that of the rest shape.
 struct PathFrames {
-  std::vector<Mat3> rest;     ///< in the frame of the body
-  std::vector<Mat3> initial;  ///< in the world at time 0
+  std::vector<int32_t> neighbours;  ///< of each node: the vertex of an element with it farthest off the fibre
+  std::vector<Mat3> rest;           ///< in the frame of the body
+  std::vector<Mat3> initial;        ///< in the world at time 0
 };
-PathFrames path_frames(const Scene& scene, const FibresDescription& fibres, const std::vector<int32_t>& path);
+/// Of all paths.
+std::vector<PathFrames> path_frames(const Scene& scene, const FibresDescription& fibres);
 
 /// Rest lengths of all edges, path by path [m].
 std::vector<double> fibre_lengths(const Scene& scene, const FibresDescription& fibres);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <stark/mechanics/field_values.h>
+#include <stark/sim/layers.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model.h>
 #include <stark/sim/registry.h>
@@ -19,6 +20,12 @@ namespace stark {
 struct WeightedEdges {
   std::vector<Index2> edges;
   std::vector<double> weights;
+};
+
+/// Sites of the segments of fibres and, node by node, of their seams (models/rods/fibre_seam.cpp).
+struct FibreStencils {
+  std::vector<int32_t> segments, seams;
+  std::vector<double> reaches;  ///< of each node: the longer of its edges [m]
 };
 
 struct Model::Builder {
@@ -43,8 +50,8 @@ struct Model::Builder {
   void add_point_masses(BodyId body, std::span<const double> masses, double damping);
   void add_fibre_frames();
   void add_fibre_sites();
-  void add_fibre_path(const FibresDescription& fibres, const std::vector<int32_t>& path, int32_t first_frame,
-                      std::vector<int32_t>& stencils);
+  void add_fibre_path(const FibresDescription& fibres, const std::vector<int32_t>& path,
+                      const PathFrames& frames, int32_t first_frame, FibreStencils& out);
   void add_layer_energies();
   void set_initial_fibres();
 
@@ -130,7 +137,7 @@ struct Model::Builder {
       rigid_bodies;  ///< body ids in the order of the state's body arrays; rods, then fibres come after
   /// By index in the state's body arrays: the centre of mass or node, the first of the three axes; -1: none.
   std::vector<int32_t> centre_sites, axis_sites;
-  std::vector<std::vector<int32_t>> fibre_stencils;   ///< by fibres of the scene
+  std::vector<FibreStencils> fibre_stencils;          ///< by fibres of the scene
   std::vector<std::vector<int32_t>> energy_stencils;  ///< by energy of the scene
   std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
   /// By pair: the point, then the point or the three vertices of the patch that carry it.

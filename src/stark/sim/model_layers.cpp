@@ -1,4 +1,5 @@
-// Layers of a model: masses on the points of their bodies, energies of skins, frames and segments of fibres.
+// Layers of a model: masses on the points of their bodies, energies of skins; frames, segments and seams of
+// fibres.
 // A node of a fibre is a vertex of its body and a frame that turns only: the frame lives among the rigid
 // bodies of the state with a prescribed place, which nothing asks for.
 #include <algorithm>
@@ -61,48 +62,55 @@ void Model::Builder::add_fibre_frames() {
 }
 
 void Model::Builder::add_fibre_sites() {
-  fibre_stencils.resize(scene.fibres().size());
   for (size_t f = 0; f < scene.fibres().size(); ++f) {
     const FibresDescription& fibres = scene.fibres()[f];
-    int32_t frame = model.fibres_[f].first_frame;
-    for (const auto& path : fibres.paths) {
-      if (!fibres.bending) {
-        const int32_t first = model.bodies_[fibres.body.index].first_site;
-        for (size_t k = 0; k + 1 < path.size(); ++k)
-          fibre_stencils[f].insert(fibre_stencils[f].end(), {first + path[k], first + path[k + 1]});
-        continue;
+    FibreStencils& stencils = fibre_stencils.emplace_back();
+    if (fibres.bending) {
+      int32_t frame = model.fibres_[f].first_frame;
+      const std::vector<PathFrames> frames = path_frames(scene, fibres);
+      for (size_t p = 0; p < frames.size(); ++p) {
+        add_fibre_path(fibres, fibres.paths[p], frames[p], frame, stencils);
+        frame += static_cast<int32_t>(frames[p].rest.size());
       }
-      add_fibre_path(fibres, path, frame, fibre_stencils[f]);
-      frame += static_cast<int32_t>(node_count(path));
+    } else {
+      const int32_t first = model.bodies_[fibres.body.index].first_site;
+      for (const auto& path : fibres.paths)
+        for (size_t k = 0; k + 1 < path.size(); ++k)
+          for (const int32_t v : {path[k], path[k + 1]}) stencils.segments.push_back(first + v);
     }
   }
 }
 
 void Model::Builder::add_fibre_path(const FibresDescription& fibres, const std::vector<int32_t>& path,
-                                    int32_t first_frame, std::vector<int32_t>& stencils) {
-  const int32_t nodes = static_cast<int32_t>(node_count(path));
-  const int32_t first_site = model.bodies_[fibres.body.index].first_site;
-  const std::vector<Mat3> rest = path_frames(scene, fibres, path).rest;
-  const auto add_axes = [&](int32_t node, const Mat3& rest_frame) {
-    const int32_t known = axis_sites[first_frame + node];
-    add_axis_sites(first_frame + node);
-    if (known >= 0) axis_sites[first_frame + node] = known;  // inertia acts on the first ones
-    for (int k = 0; k < 3; ++k) model.rest_positions_.push_back(rest_frame.column(k));
-    return static_cast<int32_t>(sites.size()) - 3;
+                                    const PathFrames& frames, int32_t first_frame, FibreStencils& out) {
+  const int32_t first = model.bodies_[fibres.body.index].first_site;
+  const std::vector<Vec3>& X = scene.rest_vertices(fibres.body);
+  const size_t nodes = frames.rest.size();
+  const auto add_rest = [&](const Mat3& frame) {
+    for (int k = 0; k < 3; ++k) model.rest_positions_.push_back(frame.column(k));
   };
-  // Axes of their own for each segment: the rest frames of a straight one are those of its edge.
+  std::vector<int32_t> axes;
+  for (size_t n = 0; n < nodes; ++n) {
+    add_axis_sites(first_frame + static_cast<int32_t>(n));
+    add_rest(frames.rest[n]);
+    axes.push_back(axis_sites[first_frame + n]);
+    out.seams.insert(out.seams.end(),
+                     {first + path[n], first + frames.neighbours[n], axes.back(), axes.back() + 1});
+    out.reaches.push_back(model.rigid_masses_[first_frame + n].reach);
+  }
   for (size_t k = 0; k + 1 < path.size(); ++k) {
-    const std::array<int32_t, 2> ends{static_cast<int32_t>(k), static_cast<int32_t>(k + 1) % nodes};
-    std::array<Mat3, 2> frames{rest[ends[0]], rest[ends[1]]};
+    std::array<int32_t, 2> of_ends{axes[k], axes[(k + 1) % nodes]};
     if (fibres.rest_shape == RestShape::Straight) {
-      const std::vector<Vec3>& X = scene.rest_vertices(fibres.body);
-      frames.fill(polyline_frames(std::vector<Vec3>{X[path[k]], X[path[k + 1]]})[0]);
+      // Axes that move the same, at rest in the frame of the edge.
+      const Mat3 rest = polyline_frames(std::vector<Vec3>{X[path[k]], X[path[k + 1]]})[0];
+      for (size_t end = 0; end < 2; ++end) {
+        of_ends[end] = static_cast<int32_t>(sites.size());
+        for (int i = 0; i < 3; ++i) sites.push_back(Site(sites[axes[(k + end) % nodes] + i]));
+        add_rest(rest);
+      }
     }
-    stencils.insert(stencils.end(), {first_site + path[k], first_site + path[k + 1]});
-    for (int end = 0; end < 2; ++end) {
-      const int32_t axes = add_axes(ends[end], frames[end]);
-      stencils.insert(stencils.end(), {axes, axes + 1, axes + 2});
-    }
+    out.segments.insert(out.segments.end(), {first + path[k], first + path[k + 1]});
+    for (const int32_t axis : of_ends) out.segments.insert(out.segments.end(), {axis, axis + 1, axis + 2});
   }
 }
 
@@ -111,7 +119,12 @@ void Model::Builder::add_layer_energies() {
     add_shell_energies(sheet_of(scene, skin), model.bodies_[skin.body.index], skin.name);
   for (size_t f = 0; f < scene.fibres().size(); ++f) {
     const ElasticEnergy elastic = elastic_energy(scene.fibres()[f]);
-    add_batch(elastic.definition, fibre_stencils[f], scene.fibres()[f].name, elastic.values);
+    const FibreStencils& stencils = fibre_stencils[f];
+    add_batch(elastic.definition, stencils.segments, scene.fibres()[f].name, elastic.values);
+    if (stencils.seams.empty()) continue;
+    PotentialBatch& seams = add_batch(models::fibre_seam(), stencils.seams, scene.fibres()[f].name);
+    const double twisting = section_of(scene.fibres()[f].material).torsional_stiffness;
+    for (int64_t n = 0; n < seams.size(); ++n) seams.set("stiffness", n, twisting / stencils.reaches[n]);
   }
 }
 
@@ -122,8 +135,8 @@ void Model::Builder::set_initial_fibres() {
     const Mat3 turning =
         skew(scene.kind(fibres.body) == BodyKind::Cloth ? scene.cloth(fibres.body).angular_velocity
                                                         : scene.solid(fibres.body).angular_velocity);
-    for (const auto& path : fibres.paths)
-      for (const Mat3& frame : path_frames(scene, fibres, path).initial) {
+    for (const PathFrames& frames : path_frames(scene, fibres))
+      for (const Mat3& frame : frames.initial) {
         state.body_position.push_back({});
         state.body_velocity.push_back({});
         state.body_rotation.push_back(frame);
