@@ -16,6 +16,7 @@
 #include "field_values.h"
 #include "formulas.h"
 #include "joints.h"
+#include "layers.h"
 #include "solid_mesh.h"
 
 namespace {
@@ -446,6 +447,7 @@ void bind_scene_class(nb::module_& m) {
           [](const Scene& s, const Settings& settings) { return check_contact_distances(s, settings); },
           "settings"_a);
   bind_attachments_of_scene(m.attr("Scene"));
+  bind_layers_of_scene(m.attr("Scene"));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "attachments.h"
 #include "formulas.h"
 #include "joints.h"
+#include "layers.h"
 
 namespace {
 
@@ -352,4 +353,5 @@ void bind_simulation(nb::module_& m) {
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
   bind_attachments_of_simulation(m.attr("Simulation"));
+  bind_layers_of_simulation(m.attr("Simulation"));
 }

@@ -28,6 +28,7 @@ from stark._core import (  # noqa: E402
     __version__,
 )
 from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
+from stark.layers import Fibres, Layer, Skin  # noqa: E402
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
 from stark.rods import Rod  # noqa: E402
@@ -97,12 +98,14 @@ __all__ = [
     "Cloth",
     "Contacts",
     "Error",
+    "Fibres",
     "Imu",
     "InitialIntersection",
     "InternalError",
     "InvalidArgument",
     "InvalidMesh",
     "InvalidSetting",
+    "Layer",
     "RigidBody",
     "Rod",
     "RodMaterial",
@@ -110,6 +113,7 @@ __all__ = [
     "Settings",
     "ShellMaterial",
     "Simulation",
+    "Skin",
     "Solid",
     "SolidMaterial",
     "SolidMesh",

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.layers import LayeredBody
 from stark.mesh import Indices, Points, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, vector
 from stark.sensors import ContactSensors, InertialSensors
@@ -112,6 +113,11 @@ class Body(ContactSensors):
     def color(self) -> tuple[float, ...] | None:
         """Red, green, blue in [0, 1] for pictures, or None."""
         return self._color
+
+    @property
+    def mass(self) -> float:
+        """[kg], with that of all of its layers; 0 for fixed and scripted bodies."""
+        return self._scene._core.mass(self._index)
 
     @property
     def contact_distance(self) -> float | None:
@@ -260,7 +266,7 @@ class _Deformable(Body):
         follow_pins(self, targets, displacement, rotation, center, vertices)
 
 
-class Cloth(_Deformable):
+class Cloth(LayeredBody, _Deformable):
     """A sheet of triangles."""
 
     kind = "cloth"
@@ -272,7 +278,7 @@ class Cloth(_Deformable):
         return self._stencils(lambda: _core.find_hinges(self.triangles), "hinges")
 
 
-class Solid(_Deformable):
+class Solid(LayeredBody, _Deformable):
     """A soft volume."""
 
     kind = "solid"
@@ -398,11 +404,6 @@ class RigidBody(InertialSensors, Body):
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
         self._set_velocity(self.velocity, vector(value, f"'{self.name}': angular_velocity"))
-
-    @property
-    def mass(self) -> float:
-        """[kg]; 0 for fixed and scripted bodies."""
-        return self._scene._core.inertia(self._index)["mass"]
 
     @property
     def center_of_mass(self) -> NDArray[np.float64]:

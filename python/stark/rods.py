@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.bodies import _Deformable
 from stark.mesh import Indices, Points, Polyline
+from stark.tubes import outline, tube
 
 if TYPE_CHECKING:
     from stark.formulas.points import FrameHandle
-
-_TUBE_SIDES = 8  # of round rods in pictures
 
 
 class Rod(_Deformable):
@@ -79,38 +78,16 @@ class Rod(_Deformable):
         """Vertices of a tube around the rod (k, 3) [m], for pictures: the section at each node, and the
         middles of both ends."""
         positions, frames = self.positions, self.frames
-        rings = positions[:, None] + np.einsum("nij,kj->nki", frames[:, :, :2], self._outline())
+        section = outline(self._shared["material"])
+        rings = positions[:, None] + np.einsum("nij,kj->nki", frames[:, :, :2], section)
         return np.concatenate([rings.reshape(-1, 3), positions[[0, -1]]])
 
     @property
     def surface_triangles(self) -> Indices:
         if "tube" not in self._shared:
-            self._shared["tube"] = _tube(len(self._mesh.vertices), len(self._outline()))
+            self._shared["tube"] = tube(len(self._mesh.vertices), len(outline(self._shared["material"])))
         return self._shared["tube"]
-
-    def _outline(self) -> Points:
-        """Corners of the section in the axes d1, d2 (k, 2) [m]."""
-        material = self._shared["material"]
-        if material.width > 0.0:
-            corners = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-            return 0.5 * np.array([material.width, material.height]) * corners
-        angle = np.arange(_TUBE_SIDES) * (2.0 * np.pi / _TUBE_SIDES)
-        return material.radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
     def _edge_indices(self) -> Indices:
         assert isinstance(self._mesh, Polyline)
         return self._mesh.edges
-
-
-def _tube(rings: int, sides: int) -> Indices:
-    """Triangles of a tube, outwards: rings of vertices one after the other, then the middles of both ends."""
-    k = np.arange(sides)
-    near, far = k, np.roll(k, -1)
-    quads = np.concatenate(
-        [np.column_stack([near, far, near + sides]), np.column_stack([far, far + sides, near + sides])]
-    )
-    walls = (quads[None] + sides * np.arange(rings - 1)[:, None, None]).reshape(-1, 3)
-    middle, last = rings * sides, (rings - 1) * sides
-    start = np.column_stack([far, near, np.full(sides, middle)])
-    end = np.column_stack([near + last, far + last, np.full(sides, middle + 1)])
-    return np.concatenate([walls, start, end]).astype(np.int32)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from stark.formulas.energy import Binding
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
+    from stark.layers import Layer
     from stark.simulation import Simulation
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -82,6 +83,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         self._joints: list[Joint] = []
         self._actuators: list[Actuator] = []
         self._attachments: list[Attachment] = []
+        self._layers: list[Layer] = []
         self._followers: dict[int, list[Follower]] = {}  # by body
         self._latest_simulation: Callable[[], Simulation | None] = lambda: None
         self._warned = 0
@@ -398,6 +400,11 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         """All bodies in the order of adding."""
         return tuple(self._bodies)
 
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """Skins and fibres of all bodies, in the order of adding."""
+        return tuple(self._layers)
+
     def __getitem__(self, name: str) -> Body:
         return self._bodies[self._index(name)]
 
@@ -456,9 +463,16 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
 
     def _append(self, body: Body) -> None:
         self._bodies.append(body)
+        self._warn(stacklevel=4)
+
+    def _append_layer(self, layer: Layer) -> None:
+        self._layers.append(layer)
+        self._warn(stacklevel=4)
+
+    def _warn(self, stacklevel: int) -> None:
         found = self._core.warnings
         for message in found[self._warned :]:
-            warnings.warn(message, StarkWarning, stacklevel=3)
+            warnings.warn(message, StarkWarning, stacklevel=stacklevel)
         self._warned = len(found)
 
     def _index(self, body: Body | str) -> int:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from stark.following import Follower
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
+    from stark.layers import Layer
 
 
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
@@ -164,6 +165,12 @@ class Simulation:
     def __getitem__(self, body: Body | str) -> Body:
         """The handle of a body, bound to this simulation."""
         return self._scene.bodies[self._scene._index(body)]._bound_to(self)
+
+    @property
+    def layers(self) -> list[Layer]:
+        """Handles of all skins and fibres, bound to this simulation, in the order of the scene."""
+        counts = {"skin": self._core.skin_count, "fibres": self._core.fibres_count}
+        return [layer._bound_to(self) for layer in self._scene.layers if layer._index < counts[layer.kind]]
 
     @property
     def joints(self) -> list[Joint]:

@@ -117,3 +117,20 @@ TEST_CASE("the energy of a sum is the sum of the energies") {
   unknown.zero_at_rest = false;
   CHECK_FALSE(sum("both", {component(0), unknown}).zero_at_rest);
 }
+
+TEST_CASE("a bar has the energy of its law at the stretch of its edge, and the memory of the law") {
+  const RodLaw law = define_rod_law("all", "all strains", [](PotentialBuilder& b, const RodDeformation& d) {
+    const RodStrain s = d.strain(), before = d.strain_prev();
+    return b.parameter("k", "N", "stiffness") *
+               (square(s.stretch - 1.0) + square(s.stretch - before.stretch)) +
+           square(s.curvature[0]) + square(s.twist);
+  });
+  const PotentialDefinition bar = rod_bar(law);
+  CHECK(bar.point_count == 2);
+  CHECK(bar.translation_invariant);
+  const std::vector<Vec3> X{{0, 0, 0}, {0, 0, 2}}, before{{0, 0, 0}, {2.2, 0, 0}},
+      now{{1, 1, 1}, {1, 3.6, 1}};
+  const FilledSample sample{X, before, now, {{"k", {5.0}}}};
+  CHECK(test::energy(compiled(bar), sample, now) ==
+        doctest::Approx(2.0 * 5.0 * (0.09 + 0.04)).epsilon(1e-12));
+}

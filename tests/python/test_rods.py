@@ -247,7 +247,7 @@ def test_pictures_and_recordings_show_a_tube(tmp_path: Path) -> None:
     assert rod.triangles.shape == (0, 3)
     tube = stark.TriangleMesh(rod.surface_positions, rod.surface_triangles)
     assert tube.is_closed
-    sides = len(rod._outline())
+    sides = len(stark.tubes.outline(RUBBER))
     area = 0.5 * sides * np.sin(2.0 * np.pi / sides) * 0.01**2
     assert tube.volume == pytest.approx(area * 1.0, rel=1e-9)
     sim = stark.Simulation(scene, time_step=0.01)

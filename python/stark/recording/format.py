@@ -19,7 +19,7 @@ CHUNK_FRAMES = 32
 MANIFEST = "manifest.json"
 TELEMETRY = "telemetry.jsonl"
 TOPOLOGY = "frames/topology.npz"
-KINDS = ("cloth", "solid", "rigid", "rod")
+KINDS = ("cloth", "solid", "rigid", "rod", "skin", "fibres")
 
 
 class RecordingError(InvalidArgument):
@@ -85,3 +85,8 @@ def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:
     if hasattr(body, "surface_positions"):
         return np.asarray(body.surface_positions), np.asarray(body.surface_triangles)
     return np.asarray(body.positions), np.asarray(body.triangles)
+
+
+def drawn(source: Any) -> list[Any]:
+    """Bodies of a simulation or a frame, and the layers of bodies that are to be seen."""
+    return [*source.bodies, *(layer for layer in getattr(source, "layers", ()) if layer._is_drawn())]

@@ -24,6 +24,7 @@ from .format import (
     BodyEntry,
     RecordingError,
     chunk_path,
+    drawn,
     surface,
     write_atomically,
 )
@@ -43,7 +44,7 @@ def _word(value: Any) -> str:
 
 
 class Recorder:
-    """Records the surfaces of all bodies of ``sim`` into ``folder``.
+    """Records the surfaces of all bodies of ``sim``, and its layers, into ``folder``.
 
     ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
     the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
@@ -71,7 +72,7 @@ class Recorder:
         self.last_time = -np.inf
         self._closed = False
         self._prepare_folder()
-        bodies = list(sim.bodies)
+        bodies = drawn(sim)
         self._entries = [self._entry(body) for body in bodies]
         self._manifest: dict[str, Any] = {
             "format": FORMAT_NAME,
@@ -135,10 +136,10 @@ class Recorder:
         )
 
     def record(self, sim: Any, time: float | None = None) -> None:
-        """Adds one frame: the surfaces of all bodies at ``time`` [s], ``sim.time`` when not given."""
+        """Adds one frame: the surfaces of bodies and layers at ``time`` [s], ``sim.time`` when not given."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; frames can no longer be added")
-        bodies = list(sim.bodies)
+        bodies = drawn(sim)
         if len(bodies) != len(self._entries):
             raise RecordingError(
                 f"recording '{self.folder}' began with {len(self._entries)} bodies, now there are "

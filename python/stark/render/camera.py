@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
-from ..recording.format import surface
+from ..recording.format import drawn, surface
 
 #: Azimuth and elevation [rad] of the named views; the same as in the replay page.
 VIEWS = {
@@ -87,7 +87,7 @@ def _triple(values: Any) -> tuple[float, float, float]:
 def scene_bounds(*frames: Any) -> Bounds:
     """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless
     much larger."""
-    first = list(frames[0].bodies)
+    first = drawn(frames[0])
     fixed = [_word(getattr(b, "motion", "")) == "fixed" for b in first]
     filled = [i for i, b in enumerate(first) if len(surface(b)[0])]
     if not filled:
@@ -95,7 +95,7 @@ def scene_bounds(*frames: Any) -> Bounds:
             (0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first)
         )
     still = {i: _box(surface(first[i])[0]) for i in filled if fixed[i]}
-    moving = [_box(surface(list(f.bodies)[i])[0]) for f in frames for i in filled if not fixed[i]]
+    moving = [_box(surface(drawn(f)[i])[0]) for f in frames for i in filled if not fixed[i]]
     core = _join(moving or list(still.values()))
     scenery = {i for i, box in still.items() if moving and _size(box) >= _SCENERY * _size(core)}
     core = _join([core, *(box for i, box in still.items() if i not in scenery)])

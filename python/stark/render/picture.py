@@ -9,7 +9,7 @@ import numpy as np
 
 from .._core import Canvas, InvalidArgument
 from ..palette import body_colors
-from ..recording.format import surface
+from ..recording.format import drawn, surface
 from .camera import Bounds, Camera, auto_camera, scene_bounds
 
 #: Samples of the key light, samples of the sky, samples per pixel and axis.
@@ -45,7 +45,7 @@ def render(
         raise InvalidArgument(f"quality '{quality}' is unknown; choose one of {', '.join(QUALITIES)}")
     if not (1 <= width <= 16384 and 1 <= height <= 16384):
         raise InvalidArgument(f"size {width} x {height} px: each must be in [1, 16384]")
-    bodies = list(source.bodies)
+    bodies = drawn(source)
     for body in bodies:
         bad = np.flatnonzero(~np.isfinite(surface(body)[0]).all(axis=1))
         if len(bad):

@@ -124,4 +124,21 @@ PotentialDefinition rod_segment(const RodLaw& law) {
   return definition;
 }
 
+PotentialDefinition rod_bar(const RodLaw& law) {
+  PotentialDefinition definition =
+      define_potential(law.name, 2, law.doc + " of bars", [psi = law.psi](PotentialBuilder& b) {
+        const auto stretch = [&](Point p) {
+          return RodStrain{.stretch = norm((b.*p)(1) - (b.*p)(0)) / rest_length(b),
+                           .shear = {0.0, 0.0},
+                           .curvature = {0.0, 0.0},
+                           .twist = 0.0};
+        };
+        const RodDeformation deformation{[&] { return stretch(&PotentialBuilder::x); },
+                                         [&] { return stretch(&PotentialBuilder::x_prev); }};
+        return rest_length(b) * psi(b, deformation);
+      });
+  definition.zero_at_rest = law.zero_at_rest;
+  return definition;
+}
+
 }  // namespace stark

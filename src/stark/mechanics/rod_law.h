@@ -61,4 +61,7 @@ RodLaw sum(std::string name, const std::vector<RodLaw>& laws);
 PotentialDefinition rod_segment(const RodLaw& law);
 inline constexpr int kRodSegmentPoints = 8;
 
+/// Bar: 2 points, x0 and x1. psi at the stretch of the edge, without curvature and twist, times rest length.
+PotentialDefinition rod_bar(const RodLaw& law);
+
 }  // namespace stark

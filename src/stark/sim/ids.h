@@ -30,10 +30,22 @@ struct AttachmentId {
   auto operator<=>(const AttachmentId&) const = default;
 };
 
+/// Index of fibres that were added to a scene.
+struct FibresId {
+  int32_t index = -1;
+  auto operator<=>(const FibresId&) const = default;
+};
+
 /// Index of a joint that was added to a scene.
 struct JointId {
   int32_t index = -1;
   auto operator<=>(const JointId&) const = default;
+};
+
+/// Index of a skin that was added to a scene.
+struct SkinId {
+  int32_t index = -1;
+  auto operator<=>(const SkinId&) const = default;
 };
 
 }  // namespace stark

@@ -21,6 +21,7 @@ int64_t element_count(const ClothDescription& cloth) {
 int64_t element_count(const RodDescription& rod) {
   return static_cast<int64_t>(rod.mesh.vertices.size()) - 1;
 }
+int64_t element_count(const FibresDescription& fibres) { return fibres.edge_count(); }
 
 template <typename Description>
 bool is_damped(const Description& body) {
@@ -41,10 +42,17 @@ PotentialDefinition definition_of(const ClothDescription& cloth) {
   return compose("membrane", terms);
 }
 
-PotentialDefinition definition_of(const RodDescription& rod) {
-  std::vector<RodLaw> laws{rod.law.value_or(models::linear_rod())};
-  if (is_damped(rod)) laws.push_back(models::rod_damping());
-  return rod_segment(sum("rod", laws));
+template <typename Rods>
+RodLaw rod_law_of(const Rods& rods) {
+  std::vector<RodLaw> laws{rods.law.value_or(models::linear_rod())};
+  if (is_damped(rods)) laws.push_back(models::rod_damping());
+  return sum("rod", laws);
+}
+
+PotentialDefinition definition_of(const RodDescription& rod) { return rod_segment(rod_law_of(rod)); }
+
+PotentialDefinition definition_of(const FibresDescription& fibres) {
+  return fibres.bending ? rod_segment(rod_law_of(fibres)) : rod_bar(rod_law_of(fibres));
 }
 
 /// x, but y on triangles perpendicular to x.
@@ -64,8 +72,8 @@ void add_defaults(const ClothDescription& cloth, ParameterValues& values) {
   if (cloth.law && !cloth.law->isotropic) values.try_emplace("warp_direction", default_warp(cloth.mesh));
 }
 /// What the material leaves to the section.
-void add_defaults(const RodDescription& rod, ParameterValues& values) {
-  const RodSection section = section_of(rod.material);
+void add_section(const RodMaterial& material, ParameterValues& values) {
+  const RodSection section = section_of(material);
   const auto add = [&](const char* name, double value) {
     values.try_emplace(name, FieldValues{{value}, false});
   };
@@ -74,6 +82,10 @@ void add_defaults(const RodDescription& rod, ParameterValues& values) {
   add("bending_stiffness_1", section.bending_stiffness[0]);
   add("bending_stiffness_2", section.bending_stiffness[1]);
   add("torsional_stiffness", section.torsional_stiffness);
+}
+void add_defaults(const RodDescription& rod, ParameterValues& values) { add_section(rod.material, values); }
+void add_defaults(const FibresDescription& fibres, ParameterValues& values) {
+  add_section(fibres.material, values);
 }
 
 /// Values of a body: its fields, then its material, then defaults. Parameters without any are left out.
@@ -153,6 +165,7 @@ void check_warp(std::string_view owner, const ClothDescription& cloth) {
 ElasticEnergy elastic_energy(const SolidDescription& solid) { return energy_of(solid); }
 ElasticEnergy elastic_energy(const ClothDescription& cloth) { return energy_of(cloth); }
 ElasticEnergy elastic_energy(const RodDescription& rod) { return energy_of(rod); }
+ElasticEnergy elastic_energy(const FibresDescription& fibres) { return energy_of(fibres); }
 
 void check_fields(std::string_view owner, const SolidDescription& solid) {
   check(owner, solid, "stable_neo_hookean");
@@ -165,8 +178,15 @@ void check_fields(std::string_view owner, const ClothDescription& cloth) {
 
 void check_fields(std::string_view owner, const RodDescription& rod) { check(owner, rod, "linear_rod"); }
 
+void check_fields(std::string_view owner, const FibresDescription& fibres) {
+  check(owner, fibres, "linear_rod");
+}
+
 double element_density(const SolidDescription& solid, size_t element) { return density_at(solid, element); }
 double element_density(const ClothDescription& cloth, size_t element) { return density_at(cloth, element); }
 double element_density(const RodDescription& rod, size_t element) { return density_at(rod, element); }
+double element_density(const FibresDescription& fibres, size_t element) {
+  return density_at(fibres, element);
+}
 
 }  // namespace stark

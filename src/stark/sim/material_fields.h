@@ -1,6 +1,6 @@
-// From the description of a cloth, a solid or a rod to its elastic energy and the values of its parameters:
-// the law that it was given or the default one, values from its fields, else from its material. Phase: model
-// building.
+// From the description of a cloth, a solid, a rod or fibres to its elastic energy and the values of its
+// parameters: the law that it was given or the default one, values from its fields, else from its material.
+// Phase: model building.
 #pragma once
 
 #include <string_view>
@@ -19,16 +19,19 @@ struct ElasticEnergy {
 ElasticEnergy elastic_energy(const SolidDescription& solid);
 ElasticEnergy elastic_energy(const ClothDescription& cloth);
 ElasticEnergy elastic_energy(const RodDescription& rod);
+ElasticEnergy elastic_energy(const FibresDescription& fibres);
 
 /// Throws InvalidArgument when a parameter of the law has no value, a field is of no use to the body, or its
 /// values are too few, too many, not finite or out of range.
 void check_fields(std::string_view owner, const SolidDescription& solid);
 void check_fields(std::string_view owner, const ClothDescription& cloth);
 void check_fields(std::string_view owner, const RodDescription& rod);
+void check_fields(std::string_view owner, const FibresDescription& fibres);
 
 /// Density of an element [kg/m^3], of cloth [kg/m^2].
 double element_density(const SolidDescription& solid, size_t element);
 double element_density(const ClothDescription& cloth, size_t element);
 double element_density(const RodDescription& rod, size_t element);
+double element_density(const FibresDescription& fibres, size_t element);
 
 }  // namespace stark

@@ -12,11 +12,14 @@ namespace stark {
 
 void Model::Builder::build() {
   add_deformables();
+  add_layer_masses();
   add_rigids();
   add_rods();
+  add_fibre_frames();
   DofLayout layout = DofLayout::build(point_prescribed, body_prescribed, rotation_prescribed);
   add_rigid_sites();
   add_rod_sites();
+  add_fibre_sites();
   add_energy_sites();
   add_joint_sites();
   add_attachment_sites();
@@ -26,6 +29,7 @@ void Model::Builder::build() {
     if (scene.kind(BodyId{i}) == BodyKind::Solid) add_solid_energies(BodyId{i});
     if (scene.kind(BodyId{i}) == BodyKind::Rod) add_rod_energies(BodyId{i});
   }
+  add_layer_energies();
   add_inertia();
   add_energies();
   add_joints();
@@ -91,6 +95,7 @@ void Model::Builder::set_initial_state() {
                                              : Mat3{});
   }
   set_initial_rods();
+  set_initial_fibres();
   state.script_position = state.body_position;
   state.script_rotation = state.body_rotation;
   state.script_remaining.assign(state.body_position.size(), 0.0);

@@ -29,7 +29,8 @@ struct ModelBody {
   std::vector<int32_t> clamped;            ///< rods: nodes with prescribed frames
 };
 
-/// Mass distribution of a rigid body in its principal frame, or of a node of a rod in its frame.
+/// Mass distribution of a rigid body in its principal frame, or of a node of a rod in its frame. Nodes of
+/// fibres only turn: their mass is that of a vertex.
 struct RigidMass {
   double mass = 0.0;    ///< [kg], 0 for fixed and scripted bodies
   Vec3 moments;         ///< principal moments of inertia [kg m^2]
@@ -44,7 +45,7 @@ struct RigidMass {
 struct ModelBatch {
   enum class Role : uint8_t { Inertia, Elastic };
   Role role = Role::Elastic;
-  std::string owner;  ///< name of the body or of the user's energy, empty for batches of all bodies
+  std::string owner;  ///< name of the body, the layer or the user's energy, empty for batches of all bodies
   PotentialBatch batch;
   /// Inertia: what each element's site is; point index, or -1 - (3 body + axis) for directions, see
   /// Model::predict.
@@ -73,6 +74,12 @@ struct ModelAttachment {
   int32_t first_constraint = 0;  ///< in the constraint set: its pairs follow joints and actuators
 };
 
+/// Frames of the nodes of fibres, path by path, in the body arrays of the state; without bending there are
+/// none.
+struct ModelFibres {
+  int32_t first_frame = 0, frame_count = 0;
+};
+
 /// Elements with quadrature points of one body.
 struct ModelQuadrature {
   std::string body;
@@ -97,6 +104,7 @@ class Model {
   /// By actuator of the scene. In the constraint set they follow the joints.
   const std::vector<ModelActuator>& actuators() const { return actuators_; }
   const std::vector<ModelAttachment>& attachments() const { return attachments_; }  ///< by attachment
+  const std::vector<ModelFibres>& fibres() const { return fibres_; }  ///< by fibres of the scene
   /// Energies, joints and actuators.
   std::vector<PotentialBatch*> all_batches();
   /// Position in batches() of an energy of the scene.
@@ -127,6 +135,7 @@ class Model {
   std::vector<JointSide> joint_sides_;
   std::vector<ModelActuator> actuators_;
   std::vector<ModelAttachment> attachments_;
+  std::vector<ModelFibres> fibres_;
   std::vector<ModelQuadrature> quadrature_batches_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <stark/mechanics/field_values.h>
+#include <stark/sim/layers.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model.h>
 #include <stark/sim/registry.h>
@@ -21,6 +22,12 @@ struct WeightedEdges {
   std::vector<double> weights;
 };
 
+/// Sites of the segments of fibres and, node by node, of their seams (models/rods/fibre_seam.cpp).
+struct FibreStencils {
+  std::vector<int32_t> segments, seams;
+  std::vector<double> reaches;  ///< of each node: the longer of its edges [m]
+};
+
 struct Model::Builder {
   Builder(Model& m, const Scene& s, const Settings& t) : model(m), scene(s), settings(t) {}
 
@@ -28,8 +35,7 @@ struct Model::Builder {
 
   // Points and rigid bodies (model_deformables.cpp, model_rigids.cpp, model_rods.cpp)
   void add_deformables();
-  void lump_cloth(const ClothDescription& cloth, ModelBody& body);
-  void lump_solid(const SolidDescription& solid, ModelBody& body);
+  void set_masses(const ModelBody& body, std::span<const double> masses, double damping);
   void add_rigids();
   void add_rigid_sites();
   void add_axis_sites(int32_t body);
@@ -38,8 +44,20 @@ struct Model::Builder {
   void add_rod_sites();
   void set_initial_rods();
 
+  // Layers of bodies (model_layers.cpp)
+  /// Adds the masses of all layers to the points.
+  void add_layer_masses();
+  void add_point_masses(BodyId body, std::span<const double> masses, double damping);
+  void add_fibre_frames();
+  void add_fibre_sites();
+  void add_fibre_path(const FibresDescription& fibres, const std::vector<int32_t>& path,
+                      const PathFrames& frames, int32_t first_frame, FibreStencils& out);
+  void add_layer_energies();
+  void set_initial_fibres();
+
   // Energies
   void add_cloth_energies(BodyId id);
+  void add_shell_energies(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
   void add_solid_energies(BodyId id);
   void add_rod_energies(BodyId id);
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
@@ -115,9 +133,11 @@ struct Model::Builder {
   std::vector<bool> point_prescribed;
   std::vector<bool> body_prescribed, rotation_prescribed;  ///< by index in the state's body arrays
   std::vector<double> point_damping;
-  std::vector<int32_t> rigid_bodies;  ///< body ids in the order of the state's body arrays; rods come after
+  std::vector<int32_t>
+      rigid_bodies;  ///< body ids in the order of the state's body arrays; rods, then fibres come after
   /// By index in the state's body arrays: the centre of mass or node, the first of the three axes; -1: none.
   std::vector<int32_t> centre_sites, axis_sites;
+  std::vector<FibreStencils> fibre_stencils;          ///< by fibres of the scene
   std::vector<std::vector<int32_t>> energy_stencils;  ///< by energy of the scene
   std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
   /// By pair: the point, then the point or the three vertices of the patch that carry it.

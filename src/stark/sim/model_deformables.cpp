@@ -1,9 +1,10 @@
-// Cloth and solids of a model: points, lumped masses, elastic energies.
+// Cloth and solids of a model: points, masses, elastic energies.
 #include <algorithm>
 #include <cmath>
 
 #include <stark/geometry/topology.h>
 #include <stark/mechanics/plate_element.h>
+#include <stark/sim/lumped_mass.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
 
@@ -37,8 +38,7 @@ void Model::Builder::add_deformables() {
     ModelBody& body = model.bodies_[i];
     body.kind = scene.kind(id);
     if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) continue;
-    const std::vector<Vec3>& rest =
-        body.kind == BodyKind::Cloth ? scene.cloth(id).mesh.vertices : scene.solid(id).mesh.vertices;
+    const std::vector<Vec3>& rest = scene.rest_vertices(id);
     body.first_site = static_cast<int32_t>(sites.size());
     body.site_count = static_cast<int32_t>(rest.size());
     body.pins = scene.pins(id).vertices;
@@ -54,34 +54,21 @@ void Model::Builder::add_deformables() {
       point_damping.push_back(0.0);
     }
     for (const int32_t pin : body.pins) point_prescribed[body.first_site + pin] = true;
-    if (body.kind == BodyKind::Cloth)
-      lump_cloth(scene.cloth(id), body);
-    else
-      lump_solid(scene.solid(id), body);
+    if (body.kind == BodyKind::Cloth) {
+      body.triangles = scene.cloth(id).mesh.triangles;
+      set_masses(body, lumped_masses(scene.cloth(id)), scene.cloth(id).material.mass_damping);
+    } else {
+      body.triangles = find_boundary_triangles(scene.solid(id).mesh);
+      set_masses(body, lumped_masses(scene.solid(id)), scene.solid(id).material.mass_damping);
+    }
   }
 }
 
-void Model::Builder::lump_cloth(const ClothDescription& cloth, ModelBody& body) {
-  body.triangles = cloth.mesh.triangles;
-  const std::vector<double> areas = compute_triangle_areas(cloth.mesh.vertices, cloth.mesh.triangles);
-  for (size_t t = 0; t < areas.size(); ++t)
-    for (const int32_t v : cloth.mesh.triangles[t])
-      model.point_masses_[body.first_site + v] += element_density(cloth, t) * areas[t] / 3.0;
-  for (int32_t v = 0; v < body.site_count; ++v)
-    point_damping[body.first_site + v] = cloth.material.mass_damping;
-}
-
-void Model::Builder::lump_solid(const SolidDescription& solid, ModelBody& body) {
-  body.triangles = find_boundary_triangles(solid.mesh);
-  std::vector<double> volumes(solid.mesh.node_count());
-  for (int64_t e = 0; e < solid.mesh.element_count(); ++e) {
-    lump_volume(solid.mesh, e, volumes);
-    for (int a = 0; a < solid.mesh.node_count(); ++a)
-      model.point_masses_[body.first_site + solid.mesh.element(e)[a]] +=
-          element_density(solid, static_cast<size_t>(e)) * volumes[a];
+void Model::Builder::set_masses(const ModelBody& body, std::span<const double> masses, double damping) {
+  for (int32_t v = 0; v < body.site_count; ++v) {
+    model.point_masses_[body.first_site + v] = masses[v];
+    point_damping[body.first_site + v] = damping;
   }
-  for (int32_t v = 0; v < body.site_count; ++v)
-    point_damping[body.first_site + v] = solid.material.mass_damping;
 }
 
 void Model::Builder::add_strain_limit(const WeightedEdges& edges, double scale, double limit,
@@ -95,33 +82,35 @@ void Model::Builder::add_strain_limit(const WeightedEdges& edges, double scale, 
 }
 
 void Model::Builder::add_cloth_energies(BodyId id) {
-  const ClothDescription& cloth = scene.cloth(id);
-  const ShellMaterial& material = cloth.material;
-  const ModelBody& body = model.bodies_[id.index];
-  const std::string& name = scene.name(id);
+  add_shell_energies(scene.cloth(id), model.bodies_[id.index], scene.name(id));
+}
 
-  const ElasticEnergy membrane = elastic_energy(cloth);
-  add_batch(membrane.definition, offset_stencils(body.triangles, body.first_site), name, membrane.values);
+void Model::Builder::add_shell_energies(const ClothDescription& sheet, const ModelBody& body,
+                                        const std::string& name) {
+  const ShellMaterial& material = sheet.material;
+  const std::vector<Index3>& triangles = sheet.mesh.triangles;
+  const ElasticEnergy membrane = elastic_energy(sheet);
+  add_batch(membrane.definition, offset_stencils(triangles, body.first_site), name, membrane.values);
 
   if (material.flexural_rigidity > 0.0) {
-    add_plate_bending(cloth, body, name);
+    add_plate_bending(sheet, body, name);
   } else if (material.bending_stiffness > 0.0 || material.bending_damping > 0.0) {
-    const std::vector<Index4> hinges = find_hinges(body.triangles);
+    const std::vector<Index4> hinges = find_hinges(triangles);
     PotentialBatch& bending = add_batch(
-        cloth.rest_angles == RestAngles::Flat ? models::flat_bending() : models::discrete_shell_bending(),
+        sheet.rest_angles == RestAngles::Flat ? models::flat_bending() : models::discrete_shell_bending(),
         offset_stencils(hinges, body.first_site), name);
     bending.set_uniform("bending_stiffness", material.bending_stiffness);
     bending.set_uniform("bending_damping", material.bending_damping);
   }
-  const std::vector<Index2> edges = find_edges(std::span<const Index3>(body.triangles));
-  add_strain_limit({edges, compute_edge_areas(cloth.mesh.vertices, body.triangles, edges)},
-                   material.thickness, material.strain_limit, material.strain_limit_stiffness, body, name);
+  const std::vector<Index2> edges = find_edges(std::span<const Index3>(triangles));
+  add_strain_limit({edges, compute_edge_areas(sheet.mesh.vertices, triangles, edges)}, material.thickness,
+                   material.strain_limit, material.strain_limit_stiffness, body, name);
 }
 
 void Model::Builder::add_plate_bending(const ClothDescription& cloth, const ModelBody& body,
                                        const std::string& name) {
   const auto elements =
-      find_plate_elements(cloth.mesh.vertices, body.triangles, cloth.material.poissons_ratio);
+      find_plate_elements(cloth.mesh.vertices, cloth.mesh.triangles, cloth.material.poissons_ratio);
   const std::array<PotentialDefinition, 4> definitions{models::plate_bending_1(), models::plate_bending_2(),
                                                        models::plate_bending_3(), models::plate_bending_4()};
   for (int hinges = 1; hinges <= 4; ++hinges) {

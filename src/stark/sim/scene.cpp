@@ -138,10 +138,10 @@ BodyId Scene::append(std::string name, BodyKind kind, size_t index_in_kind) {
 
 std::string Scene::unique_name(const std::string& name, BodyKind kind) {
   if (name.empty()) return free_name(to_string(kind));
-  if (contains(name))
+  if (body_names_.contains(name))
     throw InvalidArgument(
         owner_text(kind, name) + ": name = '" + name +
-        "' is taken: names of bodies must be unique in a scene; choose another or leave it out");
+        "' is taken: names of bodies and layers must be unique in a scene; choose another or leave it out");
   return name;
 }
 
@@ -267,6 +267,10 @@ const RigidDescription& Scene::rigid(BodyId body) const {
 const RodDescription& Scene::rod(BodyId body) const {
   if (kind(body) != BodyKind::Rod) fail_kind(name(body), kind(body), BodyKind::Rod);
   return rods_[index_in_kind(body)];
+}
+
+const std::vector<Vec3>& Scene::rest_vertices(BodyId body) const {
+  return kind(body) == BodyKind::Cloth ? cloth(body).mesh.vertices : solid(body).mesh.vertices;
 }
 
 const RigidInertia& Scene::rigid_inertia(BodyId body) const {

@@ -1,7 +1,7 @@
-// Scene: the mutable description of what is simulated, as plain data. Bodies, materials, pins, friction,
-// pairs without contact, joints, actuators, energies of the user's own. Everything is validated when it is
-// added, so a scene that exists is a scene that can be built; no numerics happen here. sim/model turns it
-// into stencils and parameter tables. SI units.
+// Scene: the mutable description of what is simulated, as plain data. Bodies, their layers, materials, pins,
+// friction, pairs without contact, joints, actuators, energies of the user's own. Everything is validated
+// when it is added, so a scene that exists is a scene that can be built; no numerics happen here. sim/model
+// turns it into stencils and parameter tables. SI units.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,10 @@
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/joint.h>
+#include <stark/sim/layer.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/names.h>
+#include <stark/sim/rest_shape.h>
 #include <stark/sim/settings.h>
 
 namespace stark {
@@ -36,10 +38,6 @@ enum class BodyKind : uint8_t { Cloth, Solid, Rigid, Rod };
 /// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or
 /// else their constant initial velocities; forces do not move them.
 enum class Motion : uint8_t { Dynamic, Fixed, Scripted };
-/// Rest angles of cloth: flat everywhere, or those of the rest mesh.
-enum class RestAngles : uint8_t { Flat, Mesh };
-/// Rest shape of a rod: that of its points, or straight and without twist.
-enum class RestShape : uint8_t { Mesh, Straight };
 
 template <>
 struct EnumNames<BodyKind> {
@@ -49,17 +47,6 @@ template <>
 struct EnumNames<Motion> {
   static constexpr std::array<std::string_view, 3> kNames{"dynamic", "fixed", "scripted"};
 };
-template <>
-struct EnumNames<RestShape> {
-  static constexpr std::array<std::string_view, 2> kNames{"mesh", "straight"};
-};
-template <>
-struct EnumNames<RestAngles> {
-  static constexpr std::array<std::string_view, 2> kNames{"flat", "mesh"};
-};
-
-/// Red, green, blue in [0, 1]; for pictures only.
-using Color = std::array<double, 3>;
 
 struct ClothDescription {
   std::string name{};   ///< unique; empty: "cloth", "cloth_2", ...
@@ -168,6 +155,15 @@ class Scene {
   BodyId add_rigid(RigidDescription description);
   BodyId add_rod(RodDescription description);
 
+  /// Adds a layer on vertices of a cloth or a solid (sim/layer.h). Throws InvalidArgument or InvalidMesh for
+  /// other bodies, vertices that do not exist, degenerate or repeated elements, forbidden values.
+  SkinId add_skin(SkinDescription description);
+  FibresId add_fibres(FibresDescription description);
+  const std::vector<SkinDescription>& skins() const { return skins_; }
+  const std::vector<FibresDescription>& fibres() const { return fibres_; }
+  const SkinDescription& skin(SkinId skin) const;
+  const FibresDescription& fibres(FibresId fibres) const;
+
   /// Prescribes vertices of a cloth, a solid or a rod; vertices that are pinned already stay pinned.
   void pin(BodyId body, std::span<const int32_t> vertices);
   /// Prescribes positions and frames of nodes of a rod.
@@ -219,7 +215,9 @@ class Scene {
 
   int32_t body_count() const { return static_cast<int32_t>(bodies_.size()); }
   BodyId find(std::string_view name) const;  ///< throws for unknown names, with the nearest one as a hint
-  bool contains(const std::string& name) const { return body_names_.contains(name); }
+  bool contains(const std::string& name) const {
+    return body_names_.contains(name) && !layer_names_.contains(name);
+  }
   /// `stem`, or the first of stem_2, stem_3, ... that no body has.
   std::string free_name(const std::string& stem) { return body_names_.next(stem); }
   const std::string& name(BodyId body) const { return at(body).name; }
@@ -235,6 +233,8 @@ class Scene {
   const SolidDescription& solid(BodyId body) const;
   const RigidDescription& rigid(BodyId body) const;
   const RodDescription& rod(BodyId body) const;
+  /// Rest positions [m] of the vertices of a cloth or a solid, in the frame of the body.
+  const std::vector<Vec3>& rest_vertices(BodyId body) const;
   const RigidInertia& rigid_inertia(BodyId body) const;  ///< zero mass for fixed and scripted bodies
   const Pins& pins(BodyId body) const { return pins_[at_index(body)]; }
   std::optional<double> contact_distance(
@@ -265,6 +265,8 @@ class Scene {
   void check_vertices(BodyId body, std::string_view action, std::span<const int32_t> vertices) const;
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
   std::string unique_name(const std::string& name, BodyKind kind);
+  /// Owner of messages about a layer, which gets a name where it has none.
+  std::string name_layer(const std::string& kind, BodyId body, std::string& name);
   void check_points(const std::string& owner, const PointSet& points) const;
   void check_patches(const std::string& owner, const AttachmentDescription& attachment) const;
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
@@ -281,7 +283,10 @@ class Scene {
   std::vector<JointDescription> joints_;
   std::vector<ActuatorDescription> actuators_;
   std::vector<AttachmentDescription> attachments_;
-  Names body_names_, energy_names_, joint_names_, attachment_names_;
+  std::vector<SkinDescription> skins_;
+  std::vector<FibresDescription> fibres_;
+  Names body_names_, layer_names_;  // names of layers are among those of bodies too
+  Names energy_names_, joint_names_, attachment_names_;
   std::map<Pair, FrictionCoefficient> friction_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;

@@ -59,6 +59,8 @@ class Simulation {
   std::vector<Vec3> pin_targets(BodyId body) const;
   /// Frames of the nodes of a rod, axes d1, d2, d3 as columns.
   std::vector<Mat3> frames(BodyId body) const;
+  /// Frames of the nodes of fibres, path by path; none without bending.
+  std::vector<Mat3> frames(FibresId fibres) const;
   /// Frames of the clamped nodes of a rod, in the order of clamping, at the end of the next full time step.
   void set_clamp_targets(BodyId body, std::span<const Mat3> targets, std::optional<double> duration = {});
   std::vector<Mat3> clamp_targets(BodyId body) const;

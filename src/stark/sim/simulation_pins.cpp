@@ -44,6 +44,13 @@ std::vector<Mat3> Simulation::frames(BodyId body) const {
   return {first, first + b.site_count};
 }
 
+std::vector<Mat3> Simulation::frames(FibresId fibres) const {
+  scene_.fibres(fibres);  // throws for ids of another scene
+  const ModelFibres& nodes = model_->fibres()[fibres.index];
+  const auto first = state_.body_rotation.begin() + nodes.first_frame;
+  return {first, first + nodes.frame_count};
+}
+
 void Simulation::set_clamp_targets(BodyId body, std::span<const Mat3> targets,
                                    std::optional<double> duration) {
   const ModelBody& b = rod(body);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <stark/base/error.h>
+#include <stark/geometry/polyline.h>
 #include <stark/geometry/topology.h>
 
 namespace stark {
@@ -17,6 +19,12 @@ namespace {
 constexpr double kThinnestElement = 1e-6;
 // Rigid surfaces only need a normal direction; below this ratio a triangle is a line within rounding.
 constexpr double kThinnestRigidTriangle = 1e-12;
+/// Smallest 1 + cos of the angle between consecutive edges: sharper bends have no tangent to speak of.
+constexpr double kSharpestBend = 0.05;
+/// Shortest edge over the longest one.
+constexpr double kShortestEdge = 1e-6;
+/// Sine of the smallest angle between the normal and the first tangent.
+constexpr double kSmallestAngle = 1e-6;
 
 std::string text(const Vec3& v) { return to_text(FieldValue(v)); }
 
@@ -222,6 +230,59 @@ void check_solid_mesh(std::string_view owner, const SolidMesh& mesh) {
   else
     check_jacobians(owner, mesh);
   check_all_used(owner, kind, mesh.elements, mesh.vertices.size());
+}
+
+void check_layer_triangles(std::string_view owner, const TriangleMesh& mesh,
+                           std::vector<std::string>& warnings) {
+  check_triangles(owner, mesh, kThinnestElement);
+  std::map<Index3, size_t> known;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Index3 sorted = mesh.triangles[t];
+    std::sort(sorted.begin(), sorted.end());
+    const auto [first, is_new] = known.try_emplace(sorted, t);
+    if (!is_new)
+      fail_mesh(owner, "triangles " + std::to_string(first->second) + " and " + std::to_string(t) +
+                           " have the same vertices: must be different; for two layers add two skins");
+  }
+  warn_about_edges(owner, mesh, warnings);
+}
+
+void check_edge_lengths(const std::string& owner, const std::string& what, std::span<const Vec3> points) {
+  const std::vector<double> lengths = polyline_lengths(points);
+  const double longest = *std::max_element(lengths.begin(), lengths.end());
+  for (size_t i = 0; i < lengths.size(); ++i)
+    if (!(lengths[i] > kShortestEdge * longest))
+      fail_mesh(owner, what + ": edge " + std::to_string(i) + " has a length of " +
+                           quantity_text(lengths[i], "m") + ": must not be degenerate; remove a point");
+}
+
+void check_polyline(const std::string& owner, const std::string& what, std::span<const Vec3> points) {
+  if (points.size() < 2)
+    fail_mesh(owner, what + " has " + std::to_string(points.size()) +
+                         " points: must have at least 2, one for each node; use stark.mesh.polyline");
+  for (size_t i = 0; i < points.size(); ++i)
+    if (!is_finite(points[i]))
+      fail_mesh(owner, what + ": point " + std::to_string(i) + " = " + text(points[i]) +
+                           " m: must be finite; check where it is computed");
+  check_edge_lengths(owner, what, points);
+  const std::vector<double> lengths = polyline_lengths(points);
+  for (size_t i = 0; i + 1 < lengths.size(); ++i) {
+    const double cosine =
+        dot(points[i + 1] - points[i], points[i + 2] - points[i + 1]) / (lengths[i] * lengths[i + 1]);
+    if (!(1.0 + cosine > kSharpestBend))
+      fail_mesh(owner, what + " turns by " + to_text(std::acos(std::max(-1.0, cosine))) + " rad at point " +
+                           std::to_string(i + 1) +
+                           ": must turn by less than 2.8 rad; round the bend with more points");
+  }
+}
+
+void check_normal(const std::string& owner, const Vec3& normal, std::span<const Vec3> points) {
+  check_finite(owner, "normal", normal, "1");
+  const Vec3 tangent = normalized(points[1] - points[0]);
+  if (!(norm(cross(normal, tangent)) > kSmallestAngle * norm(normal)))
+    throw InvalidArgument(owner + ": normal = " + text(normal) +
+                          " is zero or along the first edge: must have a part across it; give the direction "
+                          "of the width of the section");
 }
 
 void check_initial_positions(std::string_view owner, std::span<const Vec3> positions, size_t vertex_count) {

@@ -30,6 +30,17 @@ void check_cloth_mesh(std::string_view owner, const TriangleMesh& mesh, std::vec
 /// Elements with positive Jacobians at all quadrature points, not too flat, every vertex used.
 void check_solid_mesh(std::string_view owner, const SolidMesh& mesh);
 
+/// Triangles on the vertices of a mesh: as above; none twice, not all vertices need to be used.
+void check_layer_triangles(std::string_view owner, const TriangleMesh& mesh,
+                           std::vector<std::string>& warnings);
+
+/// At least two finite points, no edge much shorter than the longest one, no bend too sharp for frames along
+/// it. `what` says which polyline it is.
+void check_polyline(const std::string& owner, const std::string& what, std::span<const Vec3> points);
+void check_edge_lengths(const std::string& owner, const std::string& what, std::span<const Vec3> points);
+/// First axis of the sections along a polyline: finite, with a part across the first edge.
+void check_normal(const std::string& owner, const Vec3& normal, std::span<const Vec3> points);
+
 /// As many finite positions as the rest mesh has vertices.
 void check_initial_positions(std::string_view owner, std::span<const Vec3> positions, size_t vertex_count);
 

@@ -518,3 +518,15 @@ def friction_4(
 ):
     weights = [weight0, weight1, weight2, weight3]
     return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
+
+
+@stark.energy
+def fibre_seam(node: stark.Point, neighbour: stark.Point, d1: stark.Point, d2: stark.Point, stiffness: float):
+    def bearing(way: stark.Vec, first: stark.Vec, second: stark.Vec) -> list[stark.Scalar]:
+        along_1, along_2 = stark.dot(way, first), stark.dot(way, second)
+        inverse = 1.0 / stark.sqrt(stark.square(along_1) + stark.square(along_2))
+        return [along_1 * inverse, along_2 * inverse]
+
+    now = bearing(neighbour.x - node.x, d1.x, d2.x)
+    rest = bearing(neighbour.X - node.X, d1.X, d2.X)
+    return 0.5 * stiffness * (stark.square(now[0] - rest[0]) + stark.square(now[1] - rest[1]))
