@@ -1,0 +1,259 @@
+"""What states and the straight paths between them say about contact: no intersection, the least distance, clear
+paths."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .certificate import INCONCLUSIVE, NOT_APPLICABLE, VERIFIED, VIOLATED, Claim
+from .distances import Kind, closest, lower_bound
+from .passing import changed_sides
+from .paths import blocked_pairs
+from .predicates import segments_meet_triangles
+from .reading import Run, State
+from .rigid_paths import between
+from .surface import PairList, Surface
+
+Floats = NDArray[np.float64]
+
+_LISTED = 8  # places named in a certificate
+#: Share of the required distance that rounding of the solver's own distances may take.
+_SLACK = 1e-6
+#: Difference of the reported and the measured least distance that rounding explains, relative and [m].
+_REPORT_TOLERANCE = 1e-6, 1e-12
+
+
+@dataclass
+class GeometryCheck:
+    """Goes through the states in order of time: ``add(state)`` for each, then ``claims()``."""
+
+    run: Run
+    surface: Surface = field(init=False)
+    intersections: list[dict[str, Any]] = field(default_factory=list)
+    worst_ratio: float = math.inf
+    worst_gap: tuple[float, float, dict[str, Any]] | None = None  # distance, required, where
+    too_near: int = 0  # states whose distance is certainly too small
+    unsure: int = 0
+    blocked: list[dict[str, Any]] = field(default_factory=list)
+    passed: list[dict[str, Any]] = field(default_factory=list)
+    detours: int = 0
+    least: list[float] = field(default_factory=list)  # measured distance of each state [m]
+    previous: State | None = None
+
+    def __post_init__(self) -> None:
+        self.surface = Surface(self.run)
+        self.factor = float(self.run.settings.get("contact.min_separation_factor", 0.0))
+
+    def add(self, state: State) -> None:
+        x = state.points()
+        self._find_intersections(state, x)
+        self._measure_distances(state, x)
+        if self.previous is not None:
+            self._follow(self.previous, state)
+        self.previous = state
+
+    def interrupt(self) -> None:
+        """A state is missing: nothing is said about the path to the next one."""
+        self.previous = None
+        self.least.append(math.nan)
+
+    # --- states ---
+
+    def _find_intersections(self, state: State, x: Floats) -> None:
+        pairs = self.surface.edge_triangle_pairs(x)
+        meets = segments_meet_triangles(*(x[pairs.points[:, k]] for k in range(5)))
+        for row in np.flatnonzero(meets):
+            self.intersections.append(self._where(state, pairs, int(row), "edge-triangle"))
+
+    def _measure_distances(self, state: State, x: Floats) -> None:
+        reach = self.surface.distance[self.surface.body_of][:, None]
+        least = math.inf
+        near, unsure = False, False
+        for kind, pairs in self.surface.distance_pairs(x - reach, x + reach).items():
+            if not len(pairs):
+                continue
+            points = x[pairs.points]
+            distance, direction = closest(kind, points)
+            within = self.surface.distance[pairs.bodies].sum(axis=1)
+            rows = np.flatnonzero(distance < within)
+            if not len(rows):
+                continue
+            least = min(least, float(distance[rows].min()))
+            bound = lower_bound(kind, points[rows], direction[rows])
+            required = (1.0 - _SLACK) * self.factor * within[rows]
+            near = near or bool((distance[rows] < required).any())
+            unsure = unsure or bool(((bound < required) | (bound <= 0.0)).any())
+            self._keep_worst(state, kind, pairs[rows], bound, required)
+        self.least.append(least)
+        self.too_near += near
+        self.unsure += unsure and not near
+
+    def _keep_worst(self, state: State, kind: Kind, pairs: PairList, bound: Floats, required: Floats) -> None:
+        ratio = bound / np.maximum(required, 1e-300)
+        row = int(ratio.argmin())
+        if ratio[row] < self.worst_ratio:
+            self.worst_ratio = float(ratio[row])
+            where = self._where(state, pairs, row, _title(kind))
+            self.worst_gap = float(bound[row]), float(required[row]), where
+
+    # --- paths ---
+
+    def _follow(self, start: State, end: State) -> None:
+        first = self._blocked(start.points(), end.points())
+        if not first:
+            return
+        stations = between(self.run.bodies, start, end)
+        if stations and not any(self._blocked(a, b) for a, b in zip(stations, stations[1:], strict=False)):
+            self.detours += 1
+            return
+        for kind, pairs, rows, times in first:
+            for row, time in zip(rows.tolist(), times.tolist(), strict=True):
+                where = self._where(end, pairs, row, _title(kind))
+                where["stuck_at"] = start.time + time * (end.time - start.time)
+                self.blocked.append(where)
+            bodies = {tuple(pair) for pair in pairs.bodies[rows].tolist()}
+            for a, b, vertex in changed_sides(self.surface, bodies, start.points(), end.points()):
+                names = self.surface.bodies
+                self.passed.append(
+                    {
+                        "time": end.time,
+                        "state": end.index,
+                        "bodies": [names[a].name, names[b].name],
+                        "vertices": [[vertex], []],
+                        "pair": "vertex-volume",
+                    }
+                )
+
+    def _blocked(self, x0: Floats, x1: Floats) -> list[tuple[Kind, PairList, NDArray[np.int64], Floats]]:
+        """Pairs whose straight path could not be certified."""
+        blocked = []
+        for kind, pairs in self.surface.distance_pairs(np.minimum(x0, x1), np.maximum(x0, x1)).items():
+            rows, times = blocked_pairs(kind, x0[pairs.points], x1[pairs.points])
+            if len(rows):
+                blocked.append((kind, pairs, rows, times))
+        return blocked
+
+    # --- claims ---
+
+    def _where(self, state: State, pairs: PairList, row: int, pair: str) -> dict[str, Any]:
+        return {"time": state.time, "state": state.index, "pair": pair, **self.surface.names(pairs, row)}
+
+    def claims(self) -> list[Claim]:
+        if not self.surface.allowed.any():
+            basis = "scene"
+            detail = "contact is switched off, or between all bodies"
+            names = ("no_intersection", "minimum_distance", "paths")
+            return [Claim(name, "contact of bodies", NOT_APPLICABLE, basis, detail=detail) for name in names]
+        return [
+            self._no_intersection(),
+            self._minimum_distance(),
+            self._paths(),
+            self._reported_distance(),
+        ]
+
+    def _no_intersection(self) -> Claim:
+        found = self.intersections
+        return Claim(
+            "no_intersection",
+            "no edge meets a triangle in any accepted state",
+            VIOLATED if found else VERIFIED,
+            "states, exact predicates",
+            float(len(found)),
+            0.0,
+            where=found[0] if found else None,
+            detail=_listed(found, "edge-triangle pairs meet"),
+        )
+
+    def _minimum_distance(self) -> Claim:
+        status = VIOLATED if self.too_near else INCONCLUSIVE if self.unsure else VERIFIED
+        bound, required, where = self.worst_gap or (math.inf, None, None)
+        detail = "" if self.worst_gap else "no two surfaces come within their contact distances"
+        if self.too_near:
+            detail = f"too near in {self.too_near} states"
+        elif self.unsure:
+            detail = f"rounding leaves the distance open in {self.unsure} states"
+        return Claim(
+            "minimum_distance",
+            "surfaces keep the distance contact.min_separation_factor times the sum of their contact distances",
+            status,
+            "states, bounds that hold in spite of rounding",
+            bound,
+            required,
+            "m",
+            where,
+            detail,
+        )
+
+    def _paths(self) -> Claim:
+        steps = max(0, len(self.least) - 1)
+        statement = "nothing passes through anything on the straight paths of all vertices between accepted states"
+        detail = ""
+        if self.detours:
+            detail = f"in {self.detours} of {steps} steps rigid bodies turn on arcs, cut into straight pieces"
+        status, where = VERIFIED, None
+        if self.passed:
+            status, where = VIOLATED, self.passed[0]
+            detail = _listed(self.passed, "vertices changed sides of a closed surface")
+        elif self.blocked:
+            status, where = INCONCLUSIVE, self.blocked[0]
+            detail = _listed(self.blocked, "pairs are in the way of each other on the straight path") + (
+                "; the solver's own path within the step is not recorded"
+            )
+        return Claim(
+            "paths",
+            statement,
+            status,
+            "states, supporting planes",
+            float(len({place["state"] for place in self.blocked})),
+            0.0,
+            "steps",
+            where,
+            detail,
+        )
+
+    def _reported_distance(self) -> Claim:
+        """The solver's own figure for every step against the measured one."""
+        relative, absolute = _REPORT_TOLERANCE
+        worst, where, compared = 0.0, None, 0
+        for row, measured in zip(self.run.rows, self.least[1:], strict=False):
+            given = row.get("min_distance")
+            reported = math.inf if given is None else float(given)
+            if reported == measured:
+                continue
+            compared += 1
+            if math.inf in (reported, measured):
+                # A pair at the very rim of its contact distance may be in one list and not in the other.
+                rim = float(2.0 * self.surface.distance.max())
+                difference = abs(min(reported, measured) - rim) if np.ptp(self.surface.distance) == 0.0 else 0.0
+            else:
+                difference = abs(reported - measured)
+            excess = max(0.0, difference - absolute) / max(min(reported, measured), 1e-300)
+            if excess > worst:
+                worst, where = excess, {"time": row.get("time"), "reported": given, "measured": measured}
+        return Claim(
+            "reported_distance",
+            "the least distance that the solver reports for a step is the one of its state",
+            VIOLATED if worst > relative else VERIFIED,
+            "states against telemetry",
+            worst,
+            relative,
+            where=where,
+            required=False,
+        )
+
+
+def _title(kind: Kind) -> str:
+    return "point-triangle" if kind == Kind.POINT_TRIANGLE else "edge-edge"
+
+
+def _listed(places: list[dict[str, Any]], what: str) -> str:
+    if not places:
+        return ""
+    texts = [f"{place['time']:.6g} s {' and '.join(place['bodies'])} {place['vertices']}" for place in places]
+    more = f" and {len(texts) - _LISTED} more" if len(texts) > _LISTED else ""
+    return f"{len(places)} {what}: " + ", ".join(texts[:_LISTED]) + more
