@@ -12,13 +12,11 @@ from .progress import Progress
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
-        "exit codes: 0 certified; 1 a claim is violated; 2 the recording cannot be read; 3 nothing is violated, "
-        "but not everything could be shown"
+        "exit codes: 0 certified; 1 a claim is violated; 2 the recording cannot be read; "
+        "3 nothing is violated, but not everything could be shown"
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run, best of one with --certify")
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="certificate; default: RUN/certificate.json"
-    )
+    parser.add_argument("--out", type=Path, metavar="FILE", help="certificate; default: RUN/certificate.json")
     parser.add_argument("--json", action="store_true", help="print the certificate as JSON")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 

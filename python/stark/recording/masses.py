@@ -1,5 +1,5 @@
-"""Masses of the points of bodies, lumped here from mesh and density and not asked of the core: what a recording
-for certification says about inertia shall not come from what is certified."""
+"""Masses of the points of bodies, lumped here from mesh and density and not asked of the core: what a
+recording for certification says about inertia shall not come from what is certified."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ Floats = NDArray[np.float64]
 
 
 def point_masses(body: Any) -> Floats | None:
-    """Masses of the vertices of a cloth, of a solid of linear tetrahedra or of the nodes of a rod (n,) [kg]; None
-    for bodies whose masses are lumped in another way (quadratic and hexahedral elements, rigid bodies)."""
+    """Masses of the vertices of a cloth, of a solid of linear tetrahedra or of the nodes of a rod (n,) [kg];
+    None for bodies whose masses are lumped in another way (quadratic and hexahedral elements, rigid
+    bodies)."""
     material = body._shared.get("material")
     if material is None:
         return None
@@ -30,8 +31,8 @@ def point_masses(body: Any) -> Floats | None:
 
 
 def second_moments(body: Any) -> Floats | None:
-    """Second moments of mass of the sections at the nodes of a rod about its axes d1 and d2 (n, 2) [kg m^2]: the
-    integrals of x_k^2 dm."""
+    """Second moments of mass of the sections at the nodes of a rod about its axes d1 and d2 (n, 2) [kg m^2]:
+    the integrals of x_k^2 dm."""
     material = body._shared.get("material")
     if body.kind != "rod" or material is None:
         return None

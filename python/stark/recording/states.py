@@ -4,7 +4,7 @@ that says which bodies must not pass through each other, what they weigh and wha
 Layout, beside the frames::
 
     states/scene.json          bodies, contact distances, pairs without contact, joints, attachments
-    states/mesh.npz            triangles_0000 (m, 3) and edges_0000 (k, 2) int32, masses_0000 (n,) float64 [kg]
+    states/mesh.npz            triangles_0000 (m, 3) and edges_0000 (k, 2) int32, masses_0000 (n,) [kg]
     states/chunk_000000.npz    times (k,), positions_0000 (k, n, 3) float64 [m]; poses_0000 (k, 4, 3) of rigid
                                bodies (position, then the rows of the rotation); frames_0000 (k, n, 3, 3) of
                                rods; joints (k, j) and attachments (k, p): what was enabled
@@ -34,7 +34,12 @@ def describe(sim: Any) -> dict[str, Any]:
         "contact_enabled": settings["contact.enabled"],
         "pairs_without_contact": _pairs_without_contact(scene, len(bodies), settings["contact.self_contact"]),
         "joints": [
-            {"name": joint.name, "kind": joint.kind, "built_in": joint.formula.residuals is None, **joint._given}
+            {
+                "name": joint.name,
+                "kind": joint.kind,
+                "built_in": joint.formula.residuals is None,
+                **joint._given,
+            }
             for joint in sim.joints
         ],
         "attachments": [{**attachment._given, "name": attachment.name} for attachment in sim.attachments],

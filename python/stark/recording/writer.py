@@ -184,8 +184,8 @@ class Recorder:
         self._telemetry.write(step_report, **extra)
 
     def flush(self) -> None:
-        """Writes the frames held in memory as one chunk, and the states, too. A body that did not move in it is
-        stored once."""
+        """Writes the frames held in memory as one chunk, and the states, too. A body that did not move in it
+        is stored once."""
         if self._states is not None:
             self._states.flush()
         if self._pending:

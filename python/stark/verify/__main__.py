@@ -1,4 +1,5 @@
-"""``python path/to/stark/verify RUN [--out FILE]``: the checker alone, where Stark itself cannot be imported."""
+"""``python path/to/stark/verify RUN [--out FILE]``: the checker alone, where Stark itself cannot be
+imported."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ else:
 
 
 def main() -> int:
-    """Writes the certificate beside the recording and prints it; the exit codes are those of ``stark verify``."""
+    """Writes the certificate beside the recording and prints it; the exit codes are those of ``stark
+    verify``."""
     parser = argparse.ArgumentParser(prog="verify", description="Checks a recording of Stark.")
     parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run")
     parser.add_argument("--out", type=Path, metavar="FILE", help="certificate; default: RUN/certificate.json")

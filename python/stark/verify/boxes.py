@@ -1,5 +1,6 @@
-"""Pairs of overlapping boxes by a bounding volume hierarchy in NumPy: boxes sorted along a space-filling curve, a
-complete binary tree above them, both trees walked together with all open pairs of nodes in one array."""
+"""Pairs of overlapping boxes by a bounding volume hierarchy in NumPy: boxes sorted along a space-filling
+curve, a complete binary tree above them, both trees walked together with all open pairs of nodes in one
+array."""
 
 from __future__ import annotations
 
@@ -28,15 +29,17 @@ class _Level:
 
 
 class BoxTree:
-    """Boxes (n, 3) with a group each. Nodes whose boxes are all of one group know it, so that pairs of groups that
-    do not matter are left early."""
+    """Boxes (n, 3) with a group each. Nodes whose boxes are all of one group know it, so that pairs of groups
+    that do not matter are left early."""
 
     def __init__(self, low: Floats, high: Floats, group: Integers, group_count: int) -> None:
         count = len(low)
         self.count = count
         size = 1 << max(0, (count - 1).bit_length())
         #: Number of the box of each leaf.
-        self.order = np.lexsort((_morton(0.5 * (low + high)), group)) if count else np.zeros(0, dtype=np.int64)
+        self.order = (
+            np.lexsort((_morton(0.5 * (low + high)), group)) if count else np.zeros(0, dtype=np.int64)
+        )
         leaves = _Level(np.full((3, size), np.inf), np.full((3, size), -np.inf), np.full(size, -1))
         leaves.low[:, :count] = low[self.order].T
         leaves.high[:, :count] = high[self.order].T
@@ -48,8 +51,8 @@ class BoxTree:
 
 
 def overlapping_pairs(a: BoxTree, b: BoxTree, allowed: NDArray[np.bool_]) -> tuple[Integers, Integers]:
-    """Numbers of boxes of a and of b that overlap or touch, of groups that are allowed (G, G); a tree with itself
-    gives each pair once, without a box with itself."""
+    """Numbers of boxes of a and of b that overlap or touch, of groups that are allowed (G, G); a tree with
+    itself gives each pair once, without a box with itself."""
     nothing = np.zeros(0, dtype=np.int64)
     if not a.count or not b.count:
         return nothing, nothing
@@ -92,9 +95,7 @@ def _overlapping(
     return i.take(rows), j.take(rows)
 
 
-def _children(
-    i: Integers, j: Integers, keep_i: bool, keep_j: bool, same: bool
-) -> tuple[Integers, Integers]:
+def _children(i: Integers, j: Integers, keep_i: bool, keep_j: bool, same: bool) -> tuple[Integers, Integers]:
     """Pairs of children of both nodes; leaves stay as they are."""
     firsts = [i] if keep_i else [2 * i, 2 * i + 1]
     seconds = [j] if keep_j else [2 * j, 2 * j + 1]

@@ -24,8 +24,8 @@ EXIT_CERTIFIED, EXIT_VIOLATED, EXIT_UNREADABLE, EXIT_INCONCLUSIVE = 0, 1, 2, 3
 class Claim:
     """One statement about all accepted steps of a run.
 
-    ``worst`` is the value nearest to the bound ``tolerance``, or beyond it, in ``unit``, and ``where`` it occurs;
-    ``basis`` is what the statement rests on: states that were checked, or what the solver reported.
+    ``worst`` is the value nearest to the bound ``tolerance``, or beyond it, in ``unit``, and ``where`` it
+    occurs; ``basis`` is what the statement rests on: states that were checked, or what the solver reported.
     ``required`` claims must hold for a certificate; the others compare what the solver reported with what
     follows from the states, and count only when they are violated."""
 
@@ -55,8 +55,8 @@ class Certificate:
 
     @property
     def verdict(self) -> str:
-        """``violated`` when any claim is; ``certified`` when all required ones are verified or have nothing to be
-        about; else ``inconclusive``."""
+        """``violated`` when any claim is; ``certified`` when all required ones are verified or have nothing
+        to be about; else ``inconclusive``."""
         if any(claim.status == VIOLATED for claim in self.claims):
             return "violated"
         good = all(c.status in (VERIFIED, NOT_APPLICABLE) for c in self.claims if c.required)

@@ -16,6 +16,7 @@ from .geometry import GeometryCheck
 from .inertia import InertiaCheck
 from .joints import JointCheck
 from .reading import Run, digest, read
+from .shapes import ShapeCheck
 from .telemetry import friction_claim, ledger_claim, residual_claim, steps_claim
 
 _WITHOUT_STATES = {
@@ -31,8 +32,8 @@ def verify(
 ) -> Certificate:
     """Checks the run in ``folder`` and says what is certain about it.
 
-    ``progress(done, text)`` is called with the share in [0, 1] that is done. Raises UnreadableRecording for folders
-    that are no recording, or a damaged one."""
+    ``progress(done, text)`` is called with the share in [0, 1] that is done. Raises UnreadableRecording for
+    folders that are no recording, or a damaged one."""
     begin = clock.perf_counter()
     run = read(Path(folder))
     claims = _claims_of_states(run, progress) if run.has_states else [steps_claim(run, []), *_not_recorded()]
@@ -59,11 +60,18 @@ def verify(
 
 def _not_recorded() -> list[Claim]:
     detail = "frames are rounded and few: record with 'stark run --certify', or Recorder(..., certify=True)"
-    return [Claim(name, text, NOT_RECORDED, "states", detail=detail) for name, text in _WITHOUT_STATES.items()]
+    return [
+        Claim(name, text, NOT_RECORDED, "states", detail=detail) for name, text in _WITHOUT_STATES.items()
+    ]
 
 
 def _claims_of_states(run: Run, progress: Callable[[float, str], None]) -> list[Claim]:
-    geometry, joints, inertia = GeometryCheck(run), JointCheck(run), InertiaCheck(run)
+    geometry, shapes, joints, inertia = (
+        GeometryCheck(run),
+        ShapeCheck(run),
+        JointCheck(run),
+        InertiaCheck(run),
+    )
     broken: list[int] = []
     previous = None
     for state in run.states():
@@ -73,9 +81,11 @@ def _claims_of_states(run: Run, progress: Callable[[float, str], None]) -> list[
             geometry.interrupt()
             continue
         geometry.add(state)
+        shapes.add(state)
         joints.add(state)
         if previous is not None and state.index - 1 < len(run.rows):
             inertia.add(previous, state, run.rows[state.index - 1])
         previous = state
         progress((state.index + 1) / len(run.times), f"t = {state.time:.3f} s")
-    return [steps_claim(run, broken), *geometry.claims(), *joints.claims(), *inertia.claims()]
+    checks = (geometry, shapes, joints, inertia)
+    return [steps_claim(run, broken), *(claim for check in checks for claim in check.claims())]

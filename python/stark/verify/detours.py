@@ -1,9 +1,9 @@
-"""Looks for a clear path between two states near the straight one: what slides around a corner in a long step, or
-meets in the middle of it, is in its own way on straight lines.
+"""Looks for a clear path between two states near the straight one: what slides around a corner in a long
+step, or meets in the middle of it, is in its own way on straight lines.
 
-The search is a heuristic; the path that it finds is certified piece by piece like any other. From where it is, the
-path heads straight for the end; pairs that would meet are kept on their sides of the plane between their closest
-points (by projections in turn), which turns along as the pieces go on."""
+The search is a heuristic; the path that it finds is certified piece by piece like any other. From where it
+is, the path heads straight for the end; pairs that would meet are kept on their sides of the plane between
+their closest points (by projections in turn), which turns along as the pieces go on."""
 
 from __future__ import annotations
 

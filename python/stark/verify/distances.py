@@ -1,9 +1,9 @@
-"""Distances of points to triangles and of edges to edges, many pairs at a time, with bounds that hold in spite of
-rounding.
+"""Distances of points to triangles and of edges to edges, many pairs at a time, with bounds that hold in
+spite of rounding.
 
-A pair is four points x (k, 4, 3): a point and the three of a triangle, or the two points of each edge. Along any
-direction n the hulls are at least min_ij n.(a_i - b_j) / |n| apart: however n was found, this is a lower bound of
-the distance, and at the direction of the closest points it is the distance itself."""
+A pair is four points x (k, 4, 3): a point and the three of a triangle, or the two points of each edge. Along
+any direction n the hulls are at least min_ij n.(a_i - b_j) / |n| apart: however n was found, this is a lower
+bound of the distance, and at the direction of the closest points it is the distance itself."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ class Kind(IntEnum):
     EDGE_EDGE = 2
 
 
-#: Rounding error of a product n.(a - b) over |n|_1 |a - b|_max: a subtraction, three products, two sums, generously.
+#: Rounding error of a product n.(a - b) over |n|_1 |a - b|_max: a subtraction, three products, two sums,
+#: generously.
 GAP_ERROR = 16.0 * 2.0**-53
 
 
@@ -33,14 +34,14 @@ def differences(kind: Kind, x: Floats) -> Floats:
 
 
 def gaps(n: Floats, d: Floats) -> tuple[Floats, Floats]:
-    """n.(a_i - b_j) for unit n (k, 3) and differences d (k, m, 3): values (k, m) and a bound (k,) of their rounding
-    errors."""
+    """n.(a_i - b_j) for unit n (k, 3) and differences d (k, m, 3): values (k, m) and a bound (k,) of their
+    rounding errors."""
     return np.einsum("kc,kmc->km", n, d), GAP_ERROR * np.abs(d).max(axis=(1, 2)) * 3.0
 
 
 def closest(kind: Kind, x: Floats) -> tuple[Floats, Floats]:
-    """Distance (k,) and unit direction (k, 3), from the second side to the first one, of the closest points; the
-    direction is zero where they coincide."""
+    """Distance (k,) and unit direction (k, 3), from the second side to the first one, of the closest points;
+    the direction is zero where they coincide."""
     separation = _point_triangle(x) if kind == Kind.POINT_TRIANGLE else _edge_edge(x)
     distance = np.linalg.norm(separation, axis=1)
     return distance, separation / np.where(distance > 0.0, distance, 1.0)[:, None]

@@ -1,5 +1,5 @@
-"""What states and the straight paths between them say about contact: no intersection, the least distance, clear
-paths."""
+"""What states and the straight paths between them say about contact: no intersection, the least distance,
+clear paths."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, VERIFIED, VIOLATED, Claim
-from .distances import Kind, closest, lower_bound
 from .detours import Blocked, find_detour, largest_detour
+from .distances import Kind, closest, lower_bound
 from .passing import changed_sides
 from .paths import blocked_pairs
 from .predicates import segments_meet_triangles
@@ -183,7 +183,7 @@ class GeometryCheck:
             detail = f"rounding leaves the distance open in {self.unsure} states"
         return Claim(
             "minimum_distance",
-            "surfaces keep the distance contact.min_separation_factor times the sum of their contact distances",
+            "surfaces keep contact.min_separation_factor times the sum of their contact distances",
             status,
             "states, bounds that hold in spite of rounding",
             bound,
@@ -199,14 +199,19 @@ class GeometryCheck:
         ways = [f"all vertices move straight in {steps - self.arcs - self.detours - open_steps} steps"]
         ways += [f"rigid bodies turn on arcs in {self.arcs}"] if self.arcs else []
         if self.detours:
-            ways.append(f"{self.detours} have detours of up to {self.largest_detour:.3g} m from the straight lines")
+            ways.append(
+                f"{self.detours} have detours of up to {self.largest_detour:.3g} m from the straight lines"
+            )
         status, where, detail = VERIFIED, None, "; ".join(ways)
         if self.passed:
             status, where = VIOLATED, self.passed[0]
             detail = _listed(self.passed, "vertices changed sides of a closed surface")
         elif self.blocked:
             status, where = INCONCLUSIVE, self.blocked[0]
-            detail = _listed(_by_bodies(self.blocked), f"pairs of bodies in {open_steps} steps have no clear path that was found")
+            detail = _listed(
+                _by_bodies(self.blocked),
+                f"pairs of bodies in {open_steps} steps have no clear path that was found",
+            )
             detail += "; the solver's own path within a step is not recorded"
         return Claim(
             "paths",
@@ -233,7 +238,9 @@ class GeometryCheck:
             if math.inf in (reported, measured):
                 # A pair at the very rim of its contact distance may be in one list and not in the other.
                 rim = float(2.0 * self.surface.distance.max())
-                difference = abs(min(reported, measured) - rim) if np.ptp(self.surface.distance) == 0.0 else 0.0
+                difference = (
+                    abs(min(reported, measured) - rim) if np.ptp(self.surface.distance) == 0.0 else 0.0
+                )
             else:
                 difference = abs(reported - measured)
             excess = max(0.0, difference - absolute) / max(min(reported, measured), 1e-300)

@@ -1,7 +1,7 @@
 """Kinetic and gravitational energy and momentum of the states, against what the solver reported.
 
-Velocities are differences of positions over the time step, which is what they are in implicit Euler steps; masses
-come from mesh and density (recording/masses.py)."""
+Velocities are differences of positions over the time step, which is what they are in implicit Euler steps;
+masses come from mesh and density (recording/masses.py)."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ class InertiaCheck:
     def __post_init__(self) -> None:
         self.weights = [_weights(body) for body in self.run.bodies]
         self.unknown = [
-            b.name for b, w in zip(self.run.bodies, self.weights, strict=True) if w is None and b.motion == "dynamic"
+            b.name
+            for b, w in zip(self.run.bodies, self.weights, strict=True)
+            if w is None and b.motion == "dynamic"
         ]
         self.gravity = np.array(self.run.settings.get("gravity", (0.0, 0.0, 0.0)), dtype=np.float64)
         self.integrator = self.run.settings.get("time.integrator")
@@ -60,7 +62,9 @@ class InertiaCheck:
             if weights is not None:
                 self._add_body(sums, weights, start, end, i, h)
         where = {"time": end.time, "step": row.get("step")}
-        self._compare("gravity", number(energy, "gravity"), sums.gravity, _RELATIVE * sums.gravity_size, where)
+        self._compare(
+            "gravity", number(energy, "gravity"), sums.gravity, _RELATIVE * sums.gravity_size, where
+        )
         if self.integrator != "implicit_euler":
             return
         self._compare(
@@ -103,7 +107,9 @@ class InertiaCheck:
             sums.angular += moments @ np.cross(axes1, rate)
             sums.angular_error += float(moments @ (2.0 * error + _RELATIVE * speed))
 
-    def _compare(self, name: str, reported: float, value: float, allowed: float, where: dict[str, Any]) -> None:
+    def _compare(
+        self, name: str, reported: float, value: float, allowed: float, where: dict[str, Any]
+    ) -> None:
         """Keeps the largest difference over what is allowed."""
         share = abs(reported - value) / max(allowed, 1e-300)
         if not share <= self.worst.get(name, (-1.0, None))[0]:  # also NaN
@@ -169,7 +175,9 @@ class _Weights:
     def axes(self, start: State, end: State, i: int) -> list[tuple[Floats, Floats, Floats]]:
         """Second moments, and axes (k, 3) that carry them, at the start and at the end."""
         if self.body.kind == "rigid":
-            before, after = ((pose[1:] @ self.principal).T for pose in (start.poses[i], end.poses[i]) if pose is not None)
+            before, after = (
+                (pose[1:] @ self.principal).T for pose in (start.poses[i], end.poses[i]) if pose is not None
+            )
             return [(self.moments, before, after)]
         frames_0, frames_1, moments = start.frames[i], end.frames[i], self.body.second_moments
         if frames_0 is None or frames_1 is None or moments is None:

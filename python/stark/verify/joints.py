@@ -19,8 +19,8 @@ Floats = NDArray[np.float64]
 _SLACK = 1e-6  # of a tolerance, for the rounding of rotations
 _ROUNDING = 1e-12  # [m], [rad]
 
-#: Residuals of two frames (origins p, q; axes as columns of A, B): lengths [m] and angles [rad], each held by its
-#: norm.
+#: Residuals of two frames (origins p, q; axes as columns of A, B): lengths [m] and angles [rad], each held by
+#: its norm.
 Residuals = tuple[list[Floats], list[Floats]]
 
 
@@ -202,13 +202,19 @@ class JointCheck:
 
     def claims(self) -> list[Claim]:
         basis = "states, formulas of the built-in joints"
-        unknown = f"joint '{self.unknown[0]}' has a formula of its own, which is not recorded" if self.unknown else ""
+        unknown = (
+            f"joint '{self.unknown[0]}' has a formula of its own, which is not recorded"
+            if self.unknown
+            else ""
+        )
         joints = _claim("joints", "joints are held within the tolerances of the settings", basis, self.joints)
         if self.unknown and joints.status != VIOLATED:
             joints = Claim("joints", joints.statement, NOT_RECORDED, basis, detail=unknown)
         return [
             joints,
-            _claim("attachments", "attached points stay within joints.length_tolerance", basis, self.attachments),
+            _claim(
+                "attachments", "attached points stay within joints.length_tolerance", basis, self.attachments
+            ),
         ]
 
 
@@ -227,8 +233,8 @@ def _patch_axes(corners: Floats) -> Floats:
 
 
 def _on_patch(before: Floats, now: Floats, places: Floats) -> Floats:
-    """Where places (n, 3) at time 0 are carried to by their triangles (n, 3, 3): barycentric in the plane, and at a
-    fixed height above it."""
+    """Where places (n, 3) at time 0 are carried to by their triangles (n, 3, 3): barycentric in the plane,
+    and at a fixed height above it."""
     u, v, w = before[:, 1] - before[:, 0], before[:, 2] - before[:, 0], places - before[:, 0]
     normal = np.cross(u, v)
     area = np.einsum("ni,ni->n", normal, normal)

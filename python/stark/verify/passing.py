@@ -1,5 +1,5 @@
-"""Proof that something passed through a closed surface: a vertex that is outside of it in one state and inside in
-the next, whatever its path was."""
+"""Proof that something passed through a closed surface: a vertex that is outside of it in one state and
+inside in the next, whatever its path was."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _DIRECTIONS = 16  # rays tried until one meets no edge and no vertex
 def changed_sides(
     surface: Surface, bodies: set[tuple[int, ...]], x0: Floats, x1: Floats
 ) -> list[tuple[int, int, int]]:
-    """(body of the vertex, closed body, vertex of the body) for each of the pairs of bodies, in both roles: the
-    first vertex whose side is certain in both states and not the same."""
+    """(body of the vertex, closed body, vertex of the body) for each of the pairs of bodies, in both roles:
+    the first vertex whose side is certain in both states and not the same."""
     found = []
     for pair in sorted({(a, b) for p in bodies for a, b in (p, p[::-1]) if a != b}):
         vertex_body, closed = pair
@@ -37,7 +37,9 @@ def is_closed(triangles: NDArray[np.int64]) -> bool:
     """Whether every edge belongs to exactly two triangles."""
     if not len(triangles):
         return False
-    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    sides = np.sort(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
+    )
     return bool((np.unique(sides, axis=0, return_counts=True)[1] == 2).all())
 
 
@@ -59,8 +61,8 @@ def _sides(points: Floats, corners: Floats) -> NDArray[np.int8]:
 
 
 def _parity(p: Floats, q: Floats, corners: Floats) -> int:
-    """Whether the segment from p to a point outside crosses the surface an odd number of times; -1 where it is not
-    certain."""
+    """Whether the segment from p to a point outside crosses the surface an odd number of times; -1 where it
+    is not certain."""
     p, q = np.broadcast_to(p, corners[:, 0].shape), np.broadcast_to(q, corners[:, 0].shape)
     a, b, c = corners.transpose(1, 0, 2)
     sides = orientation_signs(a, b, c, p), orientation_signs(a, b, c, q)

@@ -1,9 +1,9 @@
 """Whether pairs of primitives stay apart while their points move on straight lines.
 
-A supporting plane certifies a stretch of time: along a fixed direction the gaps n.(a_i - b_j) of the points of two
-convex hulls are linear in time, so while all of them are positive the hulls are apart. The march takes the
-direction of the closest points, goes as far as it certifies, and takes a new one there. What is said to be clear is
-clear whatever the rounding of closest points and times; what is not may be clear, too."""
+A supporting plane certifies a stretch of time: along a fixed direction the gaps n.(a_i - b_j) of the points
+of two convex hulls are linear in time, so while all of them are positive the hulls are apart. The march takes
+the direction of the closest points, goes as far as it certifies, and takes a new one there. What is said to
+be clear is clear whatever the rounding of closest points and times; what is not may be clear, too."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _MAX_PLANES = 256
 
 
 def blocked_pairs(kind: Kind, x0: Floats, x1: Floats) -> tuple[NDArray[np.int64], Floats]:
-    """Rows of pairs whose path from x0 to x1 (k, 4, 3) could not be certified, and the time in [0, 1] they got
-    to."""
+    """Rows of pairs whose path from x0 to x1 (k, 4, 3) could not be certified, and the time in [0, 1] they
+    got to."""
     open_rows, time = np.arange(len(x0)), np.zeros(len(x0))
     blocked: list[NDArray[np.int64]] = []
     for _ in range(_MAX_PLANES):

@@ -1,8 +1,8 @@
-"""Whether segments meet triangles, exactly: orientations in floating point where their sign is certain, else in
-fractions, which hold doubles without rounding.
+"""Whether segments meet triangles, exactly: orientations in floating point where their sign is certain, else
+in fractions, which hold doubles without rounding.
 
-The bound of the rounding error is the one of Shewchuk's first filter (Adaptive precision floating-point arithmetic
-and fast robust geometric predicates, 1997)."""
+The bound of the rounding error is the one of Shewchuk's first filter (Adaptive precision floating-point
+arithmetic and fast robust geometric predicates, 1997)."""
 
 from __future__ import annotations
 
@@ -51,12 +51,16 @@ def segments_meet_triangles(p: Floats, q: Floats, a: Floats, b: Floats, c: Float
 
 
 def _certainly_apart(p: Floats, q: Floats, a: Floats, b: Floats, c: Floats) -> NDArray[np.bool_]:
-    """Where a plane across the closest points separates them by more than rounding: most pairs of flat sheets."""
+    """Where a plane across the closest points separates them by more than rounding: most pairs of flat
+    sheets."""
     ends = np.stack([p, q], axis=1)
     corners = np.stack([a, b, c], axis=1)
     found = [
         *(closest(Kind.POINT_TRIANGLE, np.concatenate([ends[:, [k]], corners], axis=1)) for k in (0, 1)),
-        *(closest(Kind.EDGE_EDGE, np.concatenate([ends, corners[:, [k, (k + 1) % 3]]], axis=1)) for k in range(3)),
+        *(
+            closest(Kind.EDGE_EDGE, np.concatenate([ends, corners[:, [k, (k + 1) % 3]]], axis=1))
+            for k in range(3)
+        ),
     ]
     distances, directions = (np.stack(column) for column in zip(*found, strict=True))
     n = directions[distances.argmin(axis=0), np.arange(len(p))]
@@ -98,9 +102,7 @@ def _meets_exactly(p: Point, q: Point, a: Point, b: Point, c: Point) -> bool:
 
 def _in_triangle(p: Point, a: Point, b: Point, c: Point, normal: Point) -> bool:
     """Of a point in the plane of the triangle."""
-    return all(
-        _dot(normal, _cross(_minus(t, s), _minus(p, s))) >= 0 for s, t in ((a, b), (b, c), (c, a))
-    )
+    return all(_dot(normal, _cross(_minus(t, s), _minus(p, s))) >= 0 for s, t in ((a, b), (b, c), (c, a)))
 
 
 def _segments_meet(p: Point, q: Point, s: Point, t: Point) -> bool:

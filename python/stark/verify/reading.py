@@ -1,4 +1,5 @@
-"""Reads what the checker needs of a run folder, with code of its own: nothing here is shared with what wrote it."""
+"""Reads what the checker needs of a run folder, with code of its own: nothing here is shared with what wrote
+it."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ _READABLE = 1  # version of recordings and of their states
 _CACHED_CHUNKS = 2
 
 
-class UnreadableRecording(ValueError):
+class UnreadableRecording(ValueError):  # noqa: N818 (says what happened)
     """A recording that cannot be checked: names the file and the defect."""
 
 
@@ -150,7 +151,9 @@ class Run:
 def pair_count(attachment: dict[str, Any]) -> int:
     """Pairs of an attachment: as many as points on its side a."""
     a = attachment["a"]
-    return len(a["vertices"] if a["kind"] == "vertices" else a["supports" if a["kind"] == "embedded" else "local"])
+    return len(
+        a["vertices"] if a["kind"] == "vertices" else a["supports" if a["kind"] == "embedded" else "local"]
+    )
 
 
 def need(holds: bool, message: str) -> None:
@@ -180,7 +183,8 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def read(folder: Path, progress: Callable[[float, str], None] = lambda done, text: None) -> Run:
-    """Reads and checks a run folder; UnreadableRecording names what is wrong. Chunks of states are read in turn."""
+    """Reads and checks a run folder; UnreadableRecording names what is wrong. Chunks of states are read in
+    turn."""
     need(folder.is_dir(), f"'{folder}' is not a run folder: no such folder")
     manifest = read_json(folder / "manifest.json")
     need(

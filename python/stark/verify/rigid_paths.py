@@ -16,8 +16,8 @@ _ANGLE = math.radians(1.0)  # of a piece
 
 
 def between(bodies: list[Body], start: State, end: State) -> list[Floats]:
-    """Positions of all points at the ends of the pieces of a step: rigid bodies turn evenly about their centres of
-    mass, which move on straight lines like everything else. Empty if no body turns."""
+    """Positions of all points at the ends of the pieces of a step: rigid bodies turn evenly about their
+    centres of mass, which move on straight lines like everything else. Empty if no body turns."""
     turns = [_turn(a, b) for a, b in zip(start.poses, end.poses, strict=True)]
     largest = max((angle for turn in turns if turn is not None for angle in [turn[1]]), default=0.0)
     if not largest > 0.0:

@@ -18,8 +18,8 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class PairList:
-    """Pairs of primitives: their points (k, 4) or (k, 5), the bodies of both sides (k, 2), and how many of the
-    points are of the first side."""
+    """Pairs of primitives: their points (k, 4) or (k, 5), the bodies of both sides (k, 2), and how many of
+    the points are of the first side."""
 
     points: Integers
     bodies: Integers

@@ -1,4 +1,5 @@
-"""What the solver reported of its steps: times, unbalanced forces, the energy balance, the sign of friction."""
+"""What the solver reported of its steps: times, unbalanced forces, the energy balance, the sign of
+friction."""
 
 from __future__ import annotations
 
@@ -52,10 +53,14 @@ def _state_times(run: Run) -> list[str]:
     unfinished = run.manifest.get("status") in ("running", "interrupted")
     problems = []
     if not (found == expected or (unfinished and abs(found - expected) <= 32)):
-        problems.append(f"{len(run.rows)} accepted steps, but {found} states; one more state than steps is needed")
+        problems.append(
+            f"{len(run.rows)} accepted steps, but {found} states; one more state than steps is needed"
+        )
     for k, row in enumerate(run.rows[: found - 1]):
         if run.times[k + 1] != number(row, "time"):
-            problems.append(f"state {k + 1} is at {run.times[k + 1]:.9g} s, its step ends at {row.get('time')} s")
+            problems.append(
+                f"state {k + 1} is at {run.times[k + 1]:.9g} s, its step ends at {row.get('time')} s"
+            )
             break
     return problems
 
@@ -94,7 +99,7 @@ def residual_claim(run: Run) -> Claim:
     if failed:
         detail = f"not so in {failed} steps"
     elif rounded:
-        detail = f"{rounded} steps ended at rounding or by newton.step_tolerance, whose motion is not in the telemetry"
+        detail = f"{rounded} steps ended at rounding or by newton.step_tolerance, which is not recorded"
     status = VIOLATED if failed else INCONCLUSIVE if rounded else VERIFIED
     return Claim(name, statement, status, _BASIS, worst, 1.0, "of the tolerance", where, detail)
 
@@ -102,7 +107,9 @@ def residual_claim(run: Run) -> Claim:
 def ledger_claim(run: Run) -> Claim:
     """The energies of successive steps close their balance."""
     name = "energy_ledger"
-    statement = "what is stored changes by what a step reports as supplied and dissipated, but for contact stiffness"
+    statement = (
+        "what is stored changes by what a step reports as supplied and dissipated, but for contact stiffness"
+    )
     if not all(_has_energies(row) for row in run.rows) or len(run.rows) < 2:
         return Claim(name, statement, NOT_RECORDED, _BASIS, detail="a step lacks energies")
     worst, bound, where, largest_growth = -math.inf, 0.0, None, 0.0
@@ -110,9 +117,11 @@ def ledger_claim(run: Run) -> Claim:
     for before, row in zip(run.rows, run.rows[1:], strict=False):
         imbalance, rounding = _imbalance(before, row)
         contact = number(before["energy"], "contact")
-        # Of the contact energy at the start of the step only its stiffness differs from that at the end of the
-        # one before: the imbalance is at least minus that energy, and nothing where there is none.
-        off = max(-contact - imbalance, imbalance if contact == 0.0 else imbalance - _STIFFNESS_GROWTH * contact)
+        # Of the contact energy at the start of the step only its stiffness differs from that at the end of
+        # the one before: the imbalance is at least minus that energy, and nothing where there is none.
+        off = max(
+            -contact - imbalance, imbalance if contact == 0.0 else imbalance - _STIFFNESS_GROWTH * contact
+        )
         if off > rounding:
             surely = imbalance < -contact - rounding or contact == 0.0
             violated, unexplained = violated + surely, unexplained + (not surely)
@@ -120,7 +129,12 @@ def ledger_claim(run: Run) -> Claim:
             largest_growth = max(largest_growth, abs(imbalance) / contact)
         if off - rounding > worst:
             worst, bound = off - rounding, rounding
-            where = {"time": row.get("time"), "step": row.get("step"), "imbalance": imbalance, "contact": contact}
+            where = {
+                "time": row.get("time"),
+                "step": row.get("step"),
+                "imbalance": imbalance,
+                "contact": contact,
+            }
     own = bool(run.scene.get("energies"))
     status = VERIFIED
     if violated or unexplained:
@@ -153,7 +167,9 @@ def friction_claim(run: Run) -> Claim:
     name, statement = "friction_dissipates", "friction never adds energy"
     integrator = run.settings.get("time.integrator")
     if integrator not in ("implicit_euler", "quasistatic"):
-        return Claim(name, statement, NOT_APPLICABLE, _BASIS, detail=f"not implied by {integrator}", required=False)
+        return Claim(
+            name, statement, NOT_APPLICABLE, _BASIS, detail=f"not implied by {integrator}", required=False
+        )
     if not all(_has_energies(row) for row in run.rows) or not run.rows:
         return Claim(name, statement, NOT_RECORDED, _BASIS, required=False)
     least, where, bound = math.inf, None, 0.0
