@@ -161,6 +161,10 @@ class JointCheck:
             before, now = (s.positions[side["body"]][corners][None] for s in (self.start, state))
             carried = _on_patch(before, now, position[None])[0]
             return carried, _patch_axes(now)[0] @ _patch_axes(before)[0].T @ rotation
+        if side["carrier"] == "node":  # placed in the world at time 0, like a patch
+            assert self.start is not None
+            origin, axes = self._carrier(self.start, side)
+            position, rotation = axes.T @ (position - origin), axes.T @ rotation
         origin, axes = self._carrier(state, side)
         return origin + axes @ position, axes @ rotation
 
