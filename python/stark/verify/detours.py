@@ -12,15 +12,19 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from .distances import Kind, closest
+from .distances import Kind, closest, differences
 from .surface import PairList, Surface
 
 Floats = NDArray[np.float64]
 #: Pairs in the way of each other on a straight path, and the times they got to.
 Blocked = list[tuple[Kind, PairList, NDArray[np.int64], Floats]]
+#: Points of pairs (k, 4), how many are of the first side, normals (k, 3) and gaps (k,) [m].
+Plane = tuple[NDArray[np.int64], int, Floats, Floats]
 
 _PIECES = 60
-_SWEEPS = 30  # of projections
+_ROUNDS = 6  # in which pairs join that would meet on the way around others
+_SWEEPS = 100  # of projections
+_SHARED = 8  # normals of the nearest pairs of two bodies
 _KEPT_GAP = 0.5  # of the distance of a pair, at most
 _STRIDE = 0.9  # of what is certified
 _PATIENCE = 12  # pieces without getting nearer to the end
@@ -34,12 +38,18 @@ def find_detour(
     weight = weight / max(float(weight.max()), 1e-300) + 1e-9
     stations, x, best, waited = [x0], x0, np.inf, 0
     for _ in range(_PIECES):
-        if not blocked(x, x1):
-            return [*stations, x1]
-        goal = _kept_apart(surface, x, x1, weight)
+        goal, planes = x1, list[Plane]()
         in_the_way = blocked(x, goal)
-        reached = min((float(times.min()) for *_, times in in_the_way), default=1.0)
+        for _ in range(_ROUNDS):
+            if not in_the_way:
+                break
+            planes += _planes(surface, x, in_the_way)
+            goal = _kept_apart(x1, planes, weight)
+            in_the_way = blocked(x, goal)
+        if goal is x1:
+            return [*stations, x1]
         if in_the_way:
+            reached = min(float(times.min()) for *_, times in in_the_way)
             goal = x + _STRIDE * reached * (goal - x)
             if blocked(x, goal):
                 return None
@@ -64,15 +74,37 @@ def largest_detour(stations: list[Floats]) -> float:
     return largest
 
 
-def _kept_apart(surface: Surface, x: Floats, goal: Floats, weight: Floats) -> Floats:
-    """The goal, moved so that pairs near the way there stay on their sides of the planes between them."""
-    reach = 0.25 * surface.distance[surface.body_of][:, None]
-    low, high = np.minimum(x, goal) - reach, np.maximum(x, goal) + reach
+def _planes(surface: Surface, x: Floats, in_the_way: Blocked) -> list[Plane]:
+    """Planes between pairs at x, and the gaps to be kept there. Two bodies share the normals of their nearest
+    pairs where they separate others, too: those of the pairs around a corner would hold each other up."""
+    near: dict[tuple[int, int], list[tuple[float, Floats]]] = {}
+    found = []
+    for kind, pairs, rows, _ in in_the_way:
+        points, bodies = x[pairs.points[rows]], pairs.bodies[rows]
+        distance, normal = closest(kind, points)
+        sign = np.where(bodies[:, 0] < bodies[:, 1], 1.0, -1.0)[:, None]
+        found.append((kind, pairs, rows, distance, normal, sign))
+        for (a, b), d, n in zip(bodies.tolist(), distance.tolist(), sign * normal, strict=True):
+            near.setdefault((min(a, b), max(a, b)), []).append((d, n))
+    for shared in near.values():
+        shared.sort(key=lambda entry: entry[0])
     planes = []
-    for pairs, kind in ((p, k) for k, p in surface.distance_pairs(low, high).items() if len(p)):
-        distance, normal = closest(kind, x[pairs.points])
-        gap = _KEPT_GAP * np.minimum(distance, surface.distance[pairs.bodies].sum(axis=1))
-        planes.append((pairs.points, pairs.first, normal, gap))
+    for kind, pairs, rows, distance, normal, sign in found:
+        d = differences(kind, x[pairs.points[rows]])
+        chosen, kept = normal.copy(), distance.copy()
+        for k, (a, b) in enumerate(pairs.bodies[rows].tolist()):
+            for _, n in near[min(a, b), max(a, b)][:_SHARED] if a != b else []:
+                gap = float((d[k] @ (sign[k] * n)).min())
+                if gap > 1e-3 * distance[k]:
+                    chosen[k], kept[k] = sign[k] * n, gap
+                    break
+        reach = surface.distance[pairs.bodies[rows]].sum(axis=1)
+        planes.append((pairs.points[rows], pairs.first, chosen, _KEPT_GAP * np.minimum(kept, reach)))
+    return planes
+
+
+def _kept_apart(goal: Floats, planes: list[Plane], weight: Floats) -> Floats:
+    """The goal, moved so that pairs stay on their sides of the planes between them."""
     y = goal.copy()
     for _ in range(_SWEEPS):
         shift, count = np.zeros_like(y), np.full(len(y), 1e-300)

@@ -34,7 +34,7 @@ def blocked_pairs(kind: Kind, x0: Floats, x1: Floats) -> tuple[NDArray[np.int64]
         now = start + t[:, None] * (end - start)
         apart = (now > 0.0).all(axis=1) & (n != 0.0).any(axis=1)
         falling = end <= 0.0
-        rate = np.where(falling, start - end, 1.0)
+        rate = np.where(start > end, start - end, 1.0)
         last = np.where(falling, start / rate, np.inf).min(axis=1)  # when the first gap closes
         clear = apart & (last == np.inf)
         reached = t + _STRIDE * (np.minimum(last, 1.0) - t)

@@ -52,10 +52,10 @@ def edit_rows(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> N
 def sheet_on_box() -> stark.Scene:
     """A sheet that falls on a fixed box, and a small cube beside it on a plate."""
     scene = stark.Scene("sheet_on_box")
-    scene.add_box((0.1, 0.1, 0.1), name="box", motion="fixed", position=(0.0, 0.0, -0.0521))
+    scene.add_box((0.1, 0.1, 0.1), name="box", motion="fixed", position=(0.0, 0.0, -0.06))
     scene.add_cloth(stark.mesh.grid(0.16, 0.16, cells=8), stark.materials.cotton, name="sheet")
     scene.add_box((0.6, 0.6, 0.02), name="plate", motion="fixed", position=(1.0, 0.0, 0.0))
-    scene.add_box(0.04, name="cube", density=500.0, position=(1.0, 0.0, 0.0322))
+    scene.add_box(0.04, name="cube", density=500.0, position=(1.0, 0.0, 0.04))
     return scene
 
 
