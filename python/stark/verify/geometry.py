@@ -23,6 +23,7 @@ from .surface import PairList, Surface
 
 Floats = NDArray[np.float64]
 
+_CHUNK = 1 << 13  # pairs followed at a time: they stay in the cache
 _LISTED = 8  # places named in a certificate
 #: Share of the required distance that rounding of the solver's own distances may take.
 _SLACK = 1e-6
@@ -137,9 +138,11 @@ class GeometryCheck:
         """Pairs whose straight path could not be certified."""
         blocked: Blocked = []
         for kind, pairs in self.surface.distance_pairs(np.minimum(x0, x1), np.maximum(x0, x1)).items():
-            rows, times = blocked_pairs(kind, x0[pairs.points], x1[pairs.points])
-            if len(rows):
-                blocked.append((kind, pairs, rows, times))
+            for first in range(0, len(pairs), _CHUNK):
+                some = pairs[first : first + _CHUNK]
+                rows, times = blocked_pairs(kind, x0[some.points], x1[some.points])
+                if len(rows):
+                    blocked.append((kind, some, rows, times))
         return blocked
 
     # --- claims ---

@@ -7,6 +7,8 @@ be clear is clear whatever the rounding of closest points and times; what is not
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,25 @@ _MAX_PLANES = 256
 def blocked_pairs(kind: Kind, x0: Floats, x1: Floats) -> tuple[NDArray[np.int64], Floats]:
     """Rows of pairs whose path from x0 to x1 (k, 4, 3) could not be certified, and the time in [0, 1] they
     got to."""
+    near = np.flatnonzero(~_apart_along_axes(kind, x0, x1))
+    stuck, reached = _march(kind, x0[near], x1[near])
+    return near[stuck], reached
+
+
+def _apart_along_axes(kind: Kind, x0: Floats, x1: Floats) -> NDArray[np.bool_]:
+    """Pairs that a coordinate axis separates at both ends, and so on all of the path: exactly, as comparisons
+    do not round."""
+    count = int(kind)
+    above, below = np.ones((len(x0), 3), dtype=bool), np.ones((len(x0), 3), dtype=bool)
+    for x in (x0, x1):
+        a, b = x[:, :count].swapaxes(0, 1), x[:, count:].swapaxes(0, 1)
+        above &= reduce(np.minimum, a) > reduce(np.maximum, b)
+        below &= reduce(np.maximum, a) < reduce(np.minimum, b)
+    return (above | below).any(axis=1)
+
+
+def _march(kind: Kind, x0: Floats, x1: Floats) -> tuple[NDArray[np.int64], Floats]:
+    """Rows that no planes carry to the end, and how far they do."""
     open_rows, time = np.arange(len(x0)), np.zeros(len(x0))
     blocked: list[NDArray[np.int64]] = []
     for _ in range(_MAX_PLANES):
