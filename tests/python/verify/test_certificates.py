@@ -186,6 +186,13 @@ def test_states_take_24_bytes_a_vertex(tmp_path: Path) -> None:
     assert size == pytest.approx(24 * 41 * 41 * 11, rel=0.01)
 
 
+def test_the_guide_names_every_claim(sheet: Path) -> None:
+    guide = (ROOT / "docs/verify.md").read_text(encoding="utf-8")
+    for claim in verify(sheet).claims:
+        assert f"`{claim.name}`" in guide
+        assert not claim.required or f"| `{claim.name}` | " in guide
+
+
 # --- independence ---
 
 
