@@ -15,7 +15,7 @@ from .certificate import CERTIFICATE_VERSION, NOT_RECORDED, Certificate, Claim
 from .geometry import GeometryCheck
 from .inertia import InertiaCheck
 from .joints import JointCheck
-from .reading import Run, digest, read
+from .reading import Run, UnreadableRecording, digest, read
 from .shapes import ShapeCheck
 from .telemetry import friction_claim, ledger_claim, residual_claim, steps_claim
 
@@ -35,9 +35,14 @@ def verify(
     ``progress(done, text)`` is called with the share in [0, 1] that is done. Raises UnreadableRecording for
     folders that are no recording, or a damaged one."""
     begin = clock.perf_counter()
-    run = read(Path(folder))
-    claims = _claims_of_states(run, progress) if run.has_states else [steps_claim(run, []), *_not_recorded()]
-    claims += [residual_claim(run), ledger_claim(run), friction_claim(run)]
+    try:
+        run = read(Path(folder))
+        claims = _claims_of(run, progress)
+    except UnreadableRecording:
+        raise
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise UnreadableRecording(f"'{folder}' lacks or breaks an entry ({reason})") from error
     recording = {
         "scene": str(run.manifest.get("scene", "")),
         "status": str(run.manifest.get("status", "")),
@@ -56,6 +61,11 @@ def verify(
         "platform": f"{sys.platform} {platform.machine()}",
     }
     return Certificate(recording, tools, tuple(claims), clock.perf_counter() - begin)
+
+
+def _claims_of(run: Run, progress: Callable[[float, str], None]) -> list[Claim]:
+    claims = _claims_of_states(run, progress) if run.has_states else [steps_claim(run, []), *_not_recorded()]
+    return [*claims, residual_claim(run), ledger_claim(run), friction_claim(run)]
 
 
 def _not_recorded() -> list[Claim]:

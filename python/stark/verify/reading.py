@@ -265,6 +265,8 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
         inside = rows.size == 0 or (rows.min() >= 0 and rows.max() < count)
         need(bool(inside), f"body '{name}': its topology names a vertex that it does not have")
     masses, moments = arrays.get(f"masses_{i:04d}"), arrays.get(f"second_moments_{i:04d}")
+    rigid = entry["kind"] != "rigid" or isinstance(entry["inertia"], dict)
+    need(rigid, f"body '{name}': breaks an entry: inertia must be an object")
     need(masses is None or masses.shape == (count,), f"body '{name}': masses of the wrong shape")
     return Body(
         name,

@@ -30,7 +30,10 @@ def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(folder, sheet_on_box(), 40, time_step=0.01, contact_distance=0.001)
 
 
-@pytest.mark.parametrize(("name", "until"), [("hello_cloth", 0.5), ("stack", 0.2), ("soft_column_6", 0.1)])
+@pytest.mark.parametrize(
+    ("name", "until"),
+    [("hello_cloth", 0.5), ("stack", 0.2), pytest.param("soft_column_6", 0.1, marks=pytest.mark.slow)],
+)
 def test_packaged_scenes_are_certified(tmp_path: Path, name: str, until: float) -> None:
     words = ["run", name, "--until", str(until), "--out", str(tmp_path / "run"), "--certify", "--quiet"]
     # The comparison scene ends its steps by the motion of the next one, which telemetry does not hold.

@@ -59,6 +59,12 @@ def _edit_json(name: str, change: Callable[[Any], None]) -> Callable[[Path], Non
         (_edit_json("states/scene.json", lambda s: s.update(version=9)), "has version 9, not 1"),
         (_edit_json("states/scene.json", lambda s: s.pop("joints")), "lacks or breaks an entry"),
         (_edit_json("states/scene.json", lambda s: s["bodies"].pop()), "a pair of bodies"),
+        (_edit_json("states/scene.json", lambda s: s["bodies"][3].update(inertia=None)), "breaks an entry"),
+        (
+            _edit_json("states/scene.json", lambda s: s["attachments"].append({})),
+            "breaks an entry",
+        ),
+        (_edit_json("manifest.json", lambda m: m["settings"].update(gravity="down")), "breaks an entry"),
         (
             _edit_json("states/scene.json", lambda s: s["bodies"][1].update(vertex_count=5)),
             "names a vertex that it does not have",
