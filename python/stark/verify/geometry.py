@@ -24,6 +24,9 @@ from .surface import PairList, Surface
 Floats = NDArray[np.float64]
 
 _CHUNK = 1 << 13  # pairs followed at a time: they stay in the cache
+#: Detour, over the size of the smallest body in it, beyond which it may not be what happened: bodies that
+#: were thrown at each other could be said to have gone around one another.
+_LONG_DETOUR = 0.1
 _LISTED = 8  # places named in a certificate
 #: Share of the required distance that rounding of the solver's own distances may take.
 _SLACK = 1e-6
@@ -47,6 +50,7 @@ class GeometryCheck:
     arcs: int = 0  # steps whose rigid bodies turn on arcs
     detours: int = 0  # steps with another path near the straight one
     largest_detour: float = 0.0  # [m]
+    long_detours: list[dict[str, Any]] = field(default_factory=list)
     least: list[float] = field(default_factory=list)  # measured distance of each state [m]
     previous: State | None = None
 
@@ -121,8 +125,13 @@ class GeometryCheck:
         passed = changed_sides(self.surface, _bodies_of(in_the_way), x0, x1)
         detour = None if passed else find_detour(self.surface, x0, x1, self._blocked)
         if detour is not None:
+            length, size = largest_detour(detour), self._smallest_size(in_the_way, x0)
             self.detours += 1
-            self.largest_detour = max(self.largest_detour, largest_detour(detour))
+            self.largest_detour = max(self.largest_detour, length)
+            if length > _LONG_DETOUR * size:
+                kind, pairs, rows, _ = in_the_way[0]
+                where = self._where(end, pairs, int(rows[0]), _title(kind))
+                self.long_detours.append(where | {"detour": length, "size": size})
             return
         for kind, pairs, rows, times in in_the_way:
             for row, time in zip(rows.tolist(), times.tolist(), strict=True):
@@ -133,6 +142,11 @@ class GeometryCheck:
             names = [self.surface.bodies[a].name, self.surface.bodies[b].name]
             place = {"time": end.time, "state": end.index, "pair": "vertex-volume"}
             self.passed.append({**place, "bodies": names, "vertices": [[vertex], []]})
+
+    def _smallest_size(self, in_the_way: Blocked, x: Floats) -> float:
+        """Largest extent of the smallest of the bodies that are in each other's way [m]."""
+        bodies = {body for pair in _bodies_of(in_the_way) for body in pair}
+        return min(float(np.ptp(x[self.surface.body_of == body], axis=0).max()) for body in bodies)
 
     def _blocked(self, x0: Floats, x1: Floats) -> Blocked:
         """Pairs whose straight path could not be certified."""
@@ -216,6 +230,10 @@ class GeometryCheck:
                 f"pairs of bodies in {open_steps} steps have no clear path that was found",
             )
             detail += "; the solver's own path within a step is not recorded"
+        elif self.long_detours:
+            status, where = INCONCLUSIVE, self.long_detours[0]
+            detail = _listed(self.long_detours, "steps have clear paths only far from the straight lines")
+            detail += f"; up to {self.largest_detour:.3g} m, more than a tenth of the smallest body there"
         return Claim(
             "paths",
             "from each accepted state to the next there is a path on which nothing passes through anything",

@@ -15,6 +15,7 @@ from _runs import edit_rows, edit_states, mechanism, record, sheet_on_box
 
 import stark
 from stark.verify import Certificate, verify
+from stark.verify.reading import read
 
 _BOX, _SHEET, _PLATE, _CUBE = range(4)
 _STEPS = 20
@@ -158,16 +159,48 @@ def _lower_pose(array: np.ndarray, height: float) -> None:
 def test_sliding_around_a_corner_in_one_step_is_no_tunnelling(tmp_path: Path) -> None:
     """The straight path of a bead from the top of a block to its side cuts through the corner of the block:
     there is a clear way around it, and the certificate says how far it is from the straight one."""
-    scene = stark.Scene()
-    scene.add_box(0.2, name="block", motion="fixed")
-    scene.add_box(0.02, name="bead", density=500.0, position=(0.09, 0.0, 0.12))
-    run = record(tmp_path / "run", scene, 1, time_step=0.001, gravity=(0.0, 0.0, 0.0))
-    for name, change in _move(1, slice(1, None), (0.03, 0.0, -0.05)):
-        edit_states(run, name, change)
-    claim = verify(run)["paths"]
+    claim = verify(_around_a_corner(tmp_path, (0.247, 0.0, 0.253), (0.008, 0.0, -0.01)))["paths"]
     assert claim.status == "verified"
     assert "1 have detours of up to" in claim.detail
-    assert 0.001 < (claim.worst or 0.0) < 0.03
+    assert 0.0005 < (claim.worst or 0.0) < 0.01
+
+
+def test_a_detour_as_long_as_a_body_is_no_proof(tmp_path: Path) -> None:
+    claim = verify(_around_a_corner(tmp_path, (0.24, 0.0, 0.26), (0.1, 0.0, -0.17)))["paths"]
+    assert claim.status == "inconclusive"
+    assert "only far from the straight lines" in claim.detail
+    assert claim.where is not None
+    assert claim.where["detour"] == claim.worst > 0.1 * claim.where["size"]
+    assert claim.where["size"] == pytest.approx(0.1)
+
+
+def _around_a_corner(
+    tmp_path: Path, position: tuple[float, float, float], shift: tuple[float, float, float]
+) -> Path:
+    """A box of 0.1 m at a corner (0.2, y, 0.2) of a block that moves in one step."""
+    scene = stark.Scene()
+    scene.add_box(0.4, name="block", motion="fixed")
+    scene.add_box(0.1, name="bead", density=500.0, position=position)
+    run = record(tmp_path / "run", scene, 1, time_step=0.001, gravity=(0.0, 0.0, 0.0))
+    for name, change in _move(1, slice(1, None), shift):
+        edit_states(run, name, change)
+    return run
+
+
+@pytest.mark.parametrize("speed", [6.0, 10.0])
+def test_bodies_that_change_places_in_a_step_are_not_certified(tmp_path: Path, speed: float) -> None:
+    """Boxes of 50 mm that are thrown at each other, 100 mm a step and more."""
+    scene = stark.Scene()
+    for k in range(2):
+        place = (0.1 * k, 0.01 * k, 0.0)
+        velocity = (speed * (1 - 2 * k), 0.0, 0.0)
+        scene.add_box(0.05, name=f"box_{k}", density=800.0, position=place, velocity=velocity)
+    run = record(
+        tmp_path / "run", scene, 1, time_step=1 / 60, contact_distance=0.001, gravity=(0.0, 0.0, 0.0)
+    )
+    ends = np.array([x.mean(axis=0) for x in read(run).state(1).positions])
+    claim = verify(run)["paths"]
+    assert claim.status == ("inconclusive" if ends[0, 0] > ends[1, 0] else "verified")
 
 
 def test_rigid_bodies_turn_on_arcs(tmp_path: Path) -> None:
