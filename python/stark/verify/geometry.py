@@ -192,7 +192,7 @@ class GeometryCheck:
 
     def _minimum_distance(self) -> Claim:
         status = VIOLATED if self.too_near else INCONCLUSIVE if self.unsure else VERIFIED
-        bound, required, where = self.worst_gap or (math.inf, None, None)
+        bound, required, where = self.worst_gap or (None, None, None)
         detail = "" if self.worst_gap else "no two surfaces come within their contact distances"
         if self.too_near:
             detail = f"too near in {self.too_near} states"
