@@ -63,6 +63,7 @@ _ON_DEMAND = (
     "scenes",
     "symbolic",
     "telemetry",
+    "verify",
 )
 _NAMES_ON_DEMAND = {
     "stark.formulas": (

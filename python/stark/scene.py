@@ -142,6 +142,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         }
         _check_pins(pins, len(surface.vertices), _title("cloth", name))
         cloth = Cloth(self, self._core.add_cloth(given, material._core), surface, color)
+        cloth._shared["material"] = material
         if initial_positions is not None:
             cloth._rest_placement = given["position"], given["rotation"]
         self._append(cloth)
@@ -193,6 +194,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         }
         _check_pins(pins, len(volume.vertices), _title("solid", name))
         solid = Solid(self, self._core.add_solid(given, material._core), volume, color)
+        solid._shared["material"] = material
         if initial_positions is not None:
             solid._rest_placement = given["position"], given["rotation"]
         self._append(solid)

@@ -60,7 +60,7 @@ def attach(
     bodies = {side.body if isinstance(side, Points) else side for side in (points, carriers)} - {None}
     if not contact and len(bodies) == 2:
         scene._core.disable_contact(*sorted(body._index for body in bodies))
-    return Attachment(scene, index, points, given["break_force"], bool(enabled))
+    return Attachment(scene, index, points, given)
 
 
 # --- sides ---

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,12 +21,11 @@ Floats = NDArray[np.float64]
 class Attachment:
     """Pairs of a scene that are glued: points of ``a``, each carried by ``b``."""
 
-    def __init__(self, scene: Scene, index: int, a: Points, break_force: float, enabled: bool) -> None:
+    def __init__(self, scene: Scene, index: int, a: Points, given: Mapping[str, Any]) -> None:
         self._scene = scene
         self._index = index
         self._a = a
-        self._break_force = break_force
-        self._enabled_at_start = enabled
+        self._given = given  # as the core was given it
         self._simulation: Simulation | None = None
 
     @property
@@ -40,7 +40,7 @@ class Attachment:
     @property
     def break_force(self) -> float:
         """Force [N] above which a pair breaks; inf: none breaks."""
-        return self._break_force
+        return float(self._given["break_force"])
 
     @property
     def forces(self) -> Floats:
@@ -65,7 +65,7 @@ class Attachment:
         next step on. What is apart by then is pulled together at once."""
         simulation = self._simulation or self._scene._latest_simulation()
         if simulation is None:
-            return self._enabled_at_start
+            return bool(self._given["enabled"])
         return not (self._core("enabled").attachment_status(self._index) == 0).any()
 
     @enabled.setter
@@ -96,6 +96,6 @@ class Attachment:
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Attachment:
-        handle = Attachment(self._scene, self._index, self._a, self._break_force, self._enabled_at_start)
+        handle = Attachment(self._scene, self._index, self._a, self._given)
         handle._simulation = simulation
         return handle

@@ -15,6 +15,7 @@ VERBS: dict[str, str] = {
     "still": "write a picture of a recording",
     "video": "write an mp4 of a recording",
     "export": "write VTU, PLY or OBJ files of a recording",
+    "verify": "check a recording and write a certificate",
     "info": "list scenes, or describe a scene or a recording",
     "doctor": "show what this machine and installation offer",
 }

@@ -28,6 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the scene file"
     )
+    parser.add_argument(
+        "--certify", action="store_true", help="record every step in double precision, for stark verify"
+    )
     parser.add_argument("--no-replay", action="store_true", help="write no replay page")
     parser.add_argument("--no-picture", action="store_true", help="write no picture")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -67,6 +70,7 @@ def run(args: argparse.Namespace) -> int:
             fps=args.fps,
             replay=not args.no_replay,
             picture=not args.no_picture,
+            certify=args.certify,
             on_step=on_step,
         )
     finally:

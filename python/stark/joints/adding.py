@@ -46,20 +46,14 @@ def add_joint(
     else:
         place = next((_placement_of(side) for side in (a, b) if _is_one_frame(side)), None)
     frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
+    given = {"a": frames[0], "b": frames[1], "values": _values(owner, formula, values)}
     index = scene._core.add_joint(
-        {
-            "name": name or "",
-            "definition": formula.core,
-            "a": frames[0],
-            "b": frames[1],
-            "values": _values(owner, formula, values),
-            "enabled": bool(enabled),
-        }
+        {"name": name or "", "definition": formula.core, "enabled": bool(enabled), **given}
     )
     bodies = {frame["body"] for frame in frames if "body" in frame}
     if not contact and len(bodies) == 2:
         scene._core.disable_contact(*sorted(bodies))
-    return Joint(scene, index, formula, bool(enabled))
+    return Joint(scene, index, formula, bool(enabled), given)
 
 
 def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:

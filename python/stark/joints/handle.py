@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -32,14 +33,18 @@ class Joint(JointActuators):
     _index: int
     _formula: JointFormula
     _enabled_at_start: bool
+    _given: Mapping[str, Any]  # sides a and b and values, as the core was given them
     _simulation: Simulation | None
 
-    def __init__(self, scene: Scene, index: int, formula: JointFormula, enabled: bool) -> None:
+    def __init__(
+        self, scene: Scene, index: int, formula: JointFormula, enabled: bool, given: Mapping[str, Any]
+    ) -> None:
         for attribute, value in (
             ("_scene", scene),
             ("_index", index),
             ("_formula", formula),
             ("_enabled_at_start", enabled),
+            ("_given", given),
             ("_simulation", None),
         ):
             object.__setattr__(self, attribute, value)
@@ -133,6 +138,6 @@ class Joint(JointActuators):
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Joint:
-        handle = Joint(self._scene, self._index, self._formula, self._enabled_at_start)
+        handle = Joint(self._scene, self._index, self._formula, self._enabled_at_start, self._given)
         object.__setattr__(handle, "_simulation", simulation)
         return handle

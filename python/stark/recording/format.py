@@ -19,6 +19,8 @@ CHUNK_FRAMES = 32
 MANIFEST = "manifest.json"
 TELEMETRY = "telemetry.jsonl"
 TOPOLOGY = "frames/topology.npz"
+STATES = "states"
+STATES_VERSION = 1
 KINDS = ("cloth", "solid", "rigid", "rod", "skin", "fibres")
 
 

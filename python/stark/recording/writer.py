@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .format import (
     FORMAT_NAME,
     FORMAT_VERSION,
     MANIFEST,
+    STATES,
     TELEMETRY,
     TOPOLOGY,
     BodyEntry,
@@ -28,6 +29,9 @@ from .format import (
     surface,
     write_atomically,
 )
+
+if TYPE_CHECKING:
+    from .states import StateWriter
 
 
 def body_color(body: Any) -> tuple[float, float, float] | None:
@@ -48,6 +52,8 @@ class Recorder:
 
     ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
     the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
+    With ``certify``, ``record_state(sim)`` has to be called at the start and after every accepted step, for
+    ``stark verify``.
     """
 
     def __init__(
@@ -59,6 +65,7 @@ class Recorder:
         settings: Mapping[str, Any] | None = None,
         chunk_frames: int = CHUNK_FRAMES,
         stark_version: str = "",
+        certify: bool = False,
     ) -> None:
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
@@ -92,6 +99,11 @@ class Recorder:
         }
         triangles = {f"triangles_{i:04d}": surface(b)[1].astype(np.int32) for i, b in enumerate(bodies)}
         write_atomically(self.folder / TOPOLOGY, lambda file: np.savez(file, **triangles))
+        self._states: StateWriter | None = None
+        if certify:
+            from .states import StateWriter
+
+            self._states = StateWriter(self.folder, sim, chunk_frames)
         self._telemetry = TelemetryWriter(self.folder / TELEMETRY)
         self._write_manifest()
 
@@ -107,6 +119,8 @@ class Recorder:
             if known:
                 (self.folder / MANIFEST).unlink()
                 shutil.rmtree(self.folder / "frames", ignore_errors=True)
+                shutil.rmtree(self.folder / STATES, ignore_errors=True)
+                (self.folder / "certificate.json").unlink(missing_ok=True)
                 (self.folder / TELEMETRY).unlink(missing_ok=True)
                 (self.folder / "replay.html").unlink(missing_ok=True)
         (self.folder / "frames").mkdir(parents=True, exist_ok=True)
@@ -159,14 +173,27 @@ class Recorder:
         if len(self._pending) >= self._chunk_frames:
             self.flush()
 
+    def record_state(self, sim: Any) -> None:
+        """Adds the state of ``sim`` in double precision, if the recording is one for certification."""
+        if self._closed:
+            raise RecordingError(f"recording '{self.folder}' is closed; states can no longer be added")
+        if self._states is not None and self._states.write(sim):
+            self.flush()
+
     def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
         self._telemetry.write(step_report, **extra)
 
     def flush(self) -> None:
-        """Writes the frames held in memory as one chunk. A body that did not move in it is stored once."""
-        if not self._pending:
-            return
+        """Writes the frames held in memory as one chunk, and the states, too. A body that did not move in it
+        is stored once."""
+        if self._states is not None:
+            self._states.flush()
+        if self._pending:
+            self._write_chunk()
+        self._write_manifest()
+
+    def _write_chunk(self) -> None:
         times = [at for at, _ in self._pending]
         arrays: dict[str, np.ndarray] = {"times": np.array(times, dtype=np.float64)}
         for i in range(len(self._entries)):
@@ -178,7 +205,6 @@ class Recorder:
         self._chunk_index += 1
         self._written += len(self._pending)
         self._pending = []
-        self._write_manifest()
 
     @property
     def frame_count(self) -> int:
@@ -188,6 +214,8 @@ class Recorder:
     def _write_manifest(self) -> None:
         self._manifest["frame_count"] = self._written
         self._manifest["chunk_count"] = self._chunk_index
+        if self._states is not None:
+            self._manifest["states"] = {"count": self._states.count, "chunk_count": self._states.chunk_count}
         text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"
         write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()) and None)
 
@@ -201,7 +229,6 @@ class Recorder:
         self._manifest["message"] = message
         self._manifest["summary"] = _plain(dict(summary or {}))
         self.flush()
-        self._write_manifest()
         self._telemetry.close()
         self._closed = True
 

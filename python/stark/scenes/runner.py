@@ -67,6 +67,7 @@ def run(
     replay: bool = True,
     picture: bool = True,
     check: bool = True,
+    certify: bool = False,
     on_step: Callable[[Any, Any], None] | None = None,
 ) -> RunResult:
     """Runs a scene file until its end and leaves recording, replay page and a picture in ``out``.
@@ -75,6 +76,7 @@ def run(
     number of recorded frames per simulated second; the last state is always recorded. ``on_step(sim,
     report)`` is called after each step. The run stops cleanly on KeyboardInterrupt: the recording is
     complete up to the last accepted step. A check is made only when the run went to the file's own end.
+    ``certify`` records every accepted step in double precision, too, for ``stark.verify``.
     """
     import stark
 
@@ -87,11 +89,19 @@ def run(
     sim = stark.Simulation(built, **all_settings)
     folder = Path(out) if out is not None else Path("out") / scene_file.name
     stored = sim.settings.to_dict() if hasattr(sim, "settings") else all_settings
-    recorder = Recorder(folder, sim, scene=scene_file.name, settings=stored, stark_version=stark.__version__)
+    recorder = Recorder(
+        folder,
+        sim,
+        scene=scene_file.name,
+        settings=stored,
+        stark_version=stark.__version__,
+        certify=certify,
+    )
     result = RunResult(scene_file.name, "complete", "", float(sim.time), 0.0, folder=folder)
     begin = clock.perf_counter()
     try:
         recorder.record(sim)
+        recorder.record_state(sim)
         while not reached(sim, end):
             scene_file.drive(sim)
             before = clock.perf_counter()
@@ -103,6 +113,7 @@ def run(
             if failed:
                 result.status, result.message = "failed", str(report.message)
                 break
+            recorder.record_state(sim)
             if reached(sim, end) or sim.time - recorder.last_time >= 1.0 / fps - 1e-9:
                 recorder.record(sim)
             if on_step:

@@ -1,0 +1,192 @@
+"""Kinetic and gravitational energy and momentum of the states, against what the solver reported.
+
+Velocities are differences of positions over the time step, which is what they are in implicit Euler steps;
+masses come from mesh and density (recording/masses.py)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .reading import Body, Run, State
+from .telemetry import number
+
+Floats = NDArray[np.float64]
+
+_RELATIVE = 1e-9  # of the sums of absolute values
+_EPSILON = 2.0**-52
+
+
+@dataclass
+class Sums:
+    """Of all free masses; ``size`` are sums of absolute values, to bound rounding."""
+
+    kinetic: float = 0.0
+    gravity: float = 0.0
+    linear: Floats = field(default_factory=lambda: np.zeros(3))
+    angular: Floats = field(default_factory=lambda: np.zeros(3))
+    gravity_size: float = 0.0
+    kinetic_error: float = 0.0
+    linear_error: float = 0.0
+    angular_error: float = 0.0
+
+
+@dataclass
+class InertiaCheck:
+    """``add(start, end, row)`` for each step, then ``claims()``."""
+
+    run: Run
+    worst: dict[str, tuple[float, dict[str, Any] | None]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.weights = [_weights(body) for body in self.run.bodies]
+        self.unknown = [
+            b.name
+            for b, w in zip(self.run.bodies, self.weights, strict=True)
+            if w is None and b.motion == "dynamic"
+        ]
+        self.gravity = np.array(self.run.settings.get("gravity", (0.0, 0.0, 0.0)), dtype=np.float64)
+        self.integrator = self.run.settings.get("time.integrator")
+
+    def add(self, start: State, end: State, row: dict[str, Any]) -> None:
+        h = number(row, "time_step")
+        energy = row.get("energy")
+        if self.unknown or not h > 0.0 or not isinstance(energy, dict):
+            return
+        sums = Sums()
+        for i, weights in enumerate(self.weights):
+            if weights is not None:
+                self._add_body(sums, weights, start, end, i, h)
+        where = {"time": end.time, "step": row.get("step")}
+        self._compare(
+            "gravity", number(energy, "gravity"), sums.gravity, _RELATIVE * sums.gravity_size, where
+        )
+        if self.integrator != "implicit_euler":
+            return
+        self._compare(
+            "kinetic",
+            number(energy, "kinetic"),
+            sums.kinetic,
+            _RELATIVE * sums.kinetic + sums.kinetic_error,
+            where,
+        )
+        for name, value, error in (
+            ("momentum", sums.linear, sums.linear_error),
+            ("angular_momentum", sums.angular, sums.angular_error),
+        ):
+            reported = row.get(name)
+            if not isinstance(reported, dict):
+                continue
+            for axis, component in zip("xyz", value, strict=True):
+                self._compare(name, number(reported, axis), float(component), error, where)
+
+    def _add_body(self, sums: Sums, weights: _Weights, start: State, end: State, i: int, h: float) -> None:
+        for masses, x0, x1 in weights.points(start, end, i):
+            v = (x1 - x0) / h
+            # Rounding of the positions, over the time step.
+            error = 4.0 * _EPSILON * np.abs(x1).max(initial=0.0) / h
+            speed = np.linalg.norm(v, axis=1)
+            sums.kinetic += 0.5 * float(masses @ (v * v).sum(axis=1))
+            sums.kinetic_error += float(masses @ (2.0 * error * speed + error * error))
+            sums.gravity -= float(masses @ (x1 @ self.gravity))
+            sums.gravity_size += float(masses @ np.abs(x1 * self.gravity).sum(axis=1))
+            sums.linear += masses @ v
+            sums.linear_error += float(masses @ (2.0 * error + _RELATIVE * speed))
+            sums.angular += masses @ np.cross(x1, v)
+            reach = np.linalg.norm(x1, axis=1)
+            sums.angular_error += float(masses @ (reach * (2.0 * error + _RELATIVE * speed)))
+        for moments, axes0, axes1 in weights.axes(start, end, i):
+            rate = (axes1 - axes0) / h
+            error, speed = 8.0 * _EPSILON / h, np.linalg.norm(rate, axis=1)
+            sums.kinetic += 0.5 * float(moments @ (rate * rate).sum(axis=1))
+            sums.kinetic_error += float(moments @ (2.0 * error * speed + error * error))
+            sums.angular += moments @ np.cross(axes1, rate)
+            sums.angular_error += float(moments @ (2.0 * error + _RELATIVE * speed))
+
+    def _compare(
+        self, name: str, reported: float, value: float, allowed: float, where: dict[str, Any]
+    ) -> None:
+        """Keeps the largest difference over what is allowed."""
+        share = abs(reported - value) / max(allowed, 1e-300)
+        if not share <= self.worst.get(name, (-1.0, None))[0]:  # also NaN
+            self.worst[name] = share, {**where, "reported": reported, "measured": value}
+
+    def claims(self) -> list[Claim]:
+        return [
+            self._claim(
+                "reported_energies",
+                "kinetic and gravitational energy that the solver reports are those of the states",
+                ("kinetic", "gravity"),
+            ),
+            self._claim(
+                "reported_momentum",
+                "linear and angular momentum that the solver reports are those of the states",
+                ("momentum", "angular_momentum"),
+            ),
+        ]
+
+    def _claim(self, name: str, statement: str, parts: tuple[str, ...]) -> Claim:
+        basis = "states against telemetry"
+        found = [(part, *self.worst[part]) for part in parts if part in self.worst]
+        if self.unknown:
+            detail = f"masses of '{self.unknown[0]}' are not recorded"
+            return Claim(name, statement, NOT_RECORDED, basis, detail=detail, required=False)
+        if not found:
+            detail = f"velocities of {self.integrator} steps are not differences of two states"
+            return Claim(name, statement, NOT_APPLICABLE, basis, detail=detail, required=False)
+        part, worst, where = max(found, key=lambda entry: (entry[1] != entry[1], entry[1]))
+        status = VERIFIED if worst <= 1.0 else VIOLATED
+        detail = "" if status == VERIFIED else f"{part} differs"
+        if "kinetic" in parts and "kinetic" not in self.worst:
+            detail = f"gravitational energy only: {self.integrator} steps"
+        return Claim(name, statement, status, basis, worst, 1.0, "of rounding", where, detail, required=False)
+
+
+class _Weights:
+    """What of a body has inertia: points with masses, and axes with second moments."""
+
+    def __init__(self, body: Body) -> None:
+        self.body = body
+        if body.kind == "rigid":
+            assert body.inertia is not None
+            tensor = np.array(body.inertia["tensor"], dtype=np.float64)
+            self.mass = float(body.inertia["mass"])
+            self.centre = np.array(body.inertia["center_of_mass"], dtype=np.float64)
+            # Integral of x x^T dm, diagonal in its own axes.
+            self.moments, self.principal = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
+            return
+        assert body.masses is not None
+        self.masses = body.masses.copy()
+        self.masses[body.pins] = 0.0
+        self.free = np.ones(body.vertex_count)
+        self.free[body.clamped] = 0.0
+
+    def points(self, start: State, end: State, i: int) -> list[tuple[Floats, Floats, Floats]]:
+        if self.body.kind != "rigid":
+            return [(self.masses, start.positions[i], end.positions[i])]
+        poses = start.poses[i], end.poses[i]
+        before, after = (pose[0] + pose[1:] @ self.centre for pose in poses if pose is not None)
+        return [(np.array([self.mass]), before[None], after[None])]
+
+    def axes(self, start: State, end: State, i: int) -> list[tuple[Floats, Floats, Floats]]:
+        """Second moments, and axes (k, 3) that carry them, at the start and at the end."""
+        if self.body.kind == "rigid":
+            before, after = (
+                (pose[1:] @ self.principal).T for pose in (start.poses[i], end.poses[i]) if pose is not None
+            )
+            return [(self.moments, before, after)]
+        frames_0, frames_1, moments = start.frames[i], end.frames[i], self.body.second_moments
+        if frames_0 is None or frames_1 is None or moments is None:
+            return []
+        return [(moments[:, k] * self.free, frames_0[:, :, k], frames_1[:, :, k]) for k in range(2)]
+
+
+def _weights(body: Body) -> _Weights | None:
+    """None for bodies without inertia, or whose masses are not known."""
+    if body.motion != "dynamic" or (body.kind != "rigid" and body.masses is None):
+        return None
+    return _Weights(body)

@@ -1,0 +1,254 @@
+"""Joints and attachments of the states: what their frames are apart by, from poses and positions alone.
+
+The residuals are those of docs/joints.md, written down here once more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .reading import Run, State, pair_count
+
+Floats = NDArray[np.float64]
+
+_SLACK = 1e-6  # of a tolerance, for the rounding of rotations
+_ROUNDING = 1e-12  # [m], [rad]
+
+#: Residuals of two frames (origins p, q; axes as columns of A, B): lengths [m] and angles [rad], each held by
+#: its norm.
+Residuals = tuple[list[Floats], list[Floats]]
+
+
+def _fixed(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [p - q], [A[:, 0] - B[:, 0], A[:, 2] - B[:, 2]]
+
+
+def _ball(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [p - q], []
+
+
+def _hinge(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [p - q], [A[:, 2] - B[:, 2]]
+
+
+def _slider(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [A[:, :1].T @ (q - p), A[:, 1:2].T @ (q - p)], [A[:, 0] - B[:, 0], A[:, 2] - B[:, 2]]
+
+
+def _cylindrical(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [A[:, :1].T @ (q - p), A[:, 1:2].T @ (q - p)], [A[:, 2] - B[:, 2]]
+
+
+def _universal(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [p - q], [A[:, :1].T @ B[:, 1]]
+
+
+def _planar(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [A[:, 2:].T @ (q - p)], [A[:, 2] - B[:, 2]]
+
+
+def _point_on_axis(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [A[:, :1].T @ (q - p), A[:, 1:2].T @ (q - p)], []
+
+
+def _distance(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [np.array([np.linalg.norm(q - p) - values["length"][0][0]])], []
+
+
+def _direction(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [], [A[:, 2] - B[:, 2]]
+
+
+def _orientation(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [], [A[:, 0] - B[:, 0], A[:, 2] - B[:, 2]]
+
+
+def _nothing(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
+    return [], []
+
+
+KINDS: dict[str, Callable[[Floats, Floats, Floats, Floats, dict[str, Any]], Residuals]] = {
+    "fixed": _fixed,
+    "ball": _ball,
+    "hinge": _hinge,
+    "slider": _slider,
+    "cylindrical": _cylindrical,
+    "universal": _universal,
+    "planar": _planar,
+    "point_on_axis": _point_on_axis,
+    "distance": _distance,
+    "direction": _direction,
+    "orientation": _orientation,
+    "span": _nothing,
+    "tilt": _nothing,
+}
+
+
+@dataclass
+class _Worst:
+    """The largest share of a tolerance, and where."""
+
+    share: float = -1.0
+    value: float = 0.0
+    tolerance: float = 0.0
+    unit: str = "m"
+    where: dict[str, Any] | None = None
+
+    def keep(self, value: float, tolerance: float, unit: str, where: dict[str, Any]) -> None:
+        if not value / tolerance <= self.share:
+            self.share, self.value, self.tolerance, self.unit = value / tolerance, value, tolerance, unit
+            self.where = where
+
+    @property
+    def holds(self) -> bool:
+        return self.value <= self.tolerance * (1.0 + _SLACK) + _ROUNDING
+
+
+@dataclass
+class JointCheck:
+    """``add(state)`` for each state, the first one first, then ``claims()``."""
+
+    run: Run
+    joints: _Worst = field(default_factory=_Worst)
+    attachments: _Worst = field(default_factory=_Worst)
+    start: State | None = None
+
+    def __post_init__(self) -> None:
+        settings = self.run.settings
+        self.length = float(settings.get("joints.length_tolerance", 1e-6))
+        self.angle = float(settings.get("joints.angle_tolerance", 1e-5))
+        known = [joint["built_in"] and joint["kind"] in KINDS for joint in self.run.scene["joints"]]
+        self.unknown = [j["name"] for j, k in zip(self.run.scene["joints"], known, strict=True) if not k]
+
+    def add(self, state: State) -> None:
+        self.start = self.start or state
+        for k, joint in enumerate(self.run.scene["joints"]):
+            if joint["name"] not in self.unknown and state.joints[k]:
+                self._add_joint(state, joint)
+        first = 0
+        for attachment in self.run.scene["attachments"]:
+            count = pair_count(attachment)
+            held = state.attachments[first : first + count] == 1
+            first += count
+            if held.any():
+                apart = np.linalg.norm(self._apart(state, attachment)[held], axis=1)
+                where = {"time": state.time, "attachment": attachment["name"]}
+                pair = int(np.flatnonzero(held)[apart.argmax()])
+                self.attachments.keep(float(apart.max()), self.length, "m", where | {"pair": pair})
+
+    def _add_joint(self, state: State, joint: dict[str, Any]) -> None:
+        frames = [*self._frame(state, joint["a"]), *self._frame(state, joint["b"])]
+        lengths, angles = KINDS[joint["kind"]](*frames, joint["values"])
+        where = {"time": state.time, "joint": joint["name"]}
+        for rows, tolerance, unit in ((lengths, self.length, "m"), (angles, self.angle, "rad")):
+            for row in rows:
+                self.joints.keep(float(np.linalg.norm(row)), tolerance, unit, where)
+
+    def _frame(self, state: State, side: dict[str, Any]) -> tuple[Floats, Floats]:
+        """Origin and axes (columns) of a side of a joint in a state."""
+        position = np.array(side["position"])
+        rotation = np.array(side["rotation"]).reshape(3, 3)
+        if side["carrier"] == "world":
+            return position, rotation
+        if side["carrier"] == "patch":
+            assert self.start is not None
+            corners = np.array(side["vertices"])
+            before, now = (s.positions[side["body"]][corners][None] for s in (self.start, state))
+            carried = _on_patch(before, now, position[None])[0]
+            return carried, _patch_axes(now)[0] @ _patch_axes(before)[0].T @ rotation
+        if side["carrier"] == "node":  # placed in the world at time 0, like a patch
+            assert self.start is not None
+            origin, axes = self._carrier(self.start, side)
+            position, rotation = axes.T @ (position - origin), axes.T @ rotation
+        origin, axes = self._carrier(state, side)
+        return origin + axes @ position, axes @ rotation
+
+    @staticmethod
+    def _carrier(state: State, side: dict[str, Any]) -> tuple[Floats, Floats]:
+        body = side["body"]
+        pose, frames = state.poses[body], state.frames[body]
+        if "node" in side and frames is not None:
+            return state.positions[body][side["node"]], frames[side["node"]]
+        assert pose is not None
+        return pose[0], pose[1:]
+
+    # --- attachments ---
+
+    def _apart(self, state: State, attachment: dict[str, Any]) -> Floats:
+        """Points of side a less what carries them (n, 3) [m]."""
+        a = self._places(state, attachment["a"])
+        if "patches" not in attachment:
+            return a - np.concatenate([self._places(state, b) for b in attachment["b"]])
+        assert self.start is not None
+        corners = np.array(attachment["patches"])
+        before, now = (s.positions[attachment["patch_body"]][corners] for s in (self.start, state))
+        return a - _on_patch(before, now, self._places(self.start, attachment["a"]))
+
+    def _places(self, state: State, points: dict[str, Any]) -> Floats:
+        """Where described points are in a state (n, 3) [m]."""
+        kind = points["kind"]
+        if kind == "world":
+            return np.array(points["local"]).reshape(-1, 3)
+        x = state.positions[points["body"]]
+        if kind == "vertices":
+            return x[np.array(points["vertices"])]
+        if kind == "embedded":
+            return np.einsum("ni,nij->nj", np.array(points["weights"]), x[np.array(points["supports"])])
+        origin, axes = self._carrier(state, points)
+        return origin + np.array(points["local"]).reshape(-1, 3) @ axes.T
+
+    # --- claims ---
+
+    def claims(self) -> list[Claim]:
+        basis = "states, formulas of the built-in joints"
+        unknown = (
+            f"joint '{self.unknown[0]}' has a formula of its own, which is not recorded"
+            if self.unknown
+            else ""
+        )
+        joints = _claim("joints", "joints are held within the tolerances of the settings", basis, self.joints)
+        if self.unknown and joints.status != VIOLATED:
+            joints = Claim("joints", joints.statement, NOT_RECORDED, basis, detail=unknown)
+        return [
+            joints,
+            _claim(
+                "attachments", "attached points stay within joints.length_tolerance", basis, self.attachments
+            ),
+        ]
+
+
+def _claim(name: str, statement: str, basis: str, worst: _Worst) -> Claim:
+    if worst.where is None:
+        return Claim(name, statement, NOT_APPLICABLE, basis, detail="there are none")
+    status = VERIFIED if worst.holds else VIOLATED
+    return Claim(name, statement, status, basis, worst.value, worst.tolerance, worst.unit, worst.where)
+
+
+def _patch_axes(corners: Floats) -> Floats:
+    """Axes of triangles (n, 3, 3), as columns: along the first side, across it, along the normal."""
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normal, tangent = _unit(np.cross(u, v)), _unit(u)
+    return np.stack([tangent, np.cross(normal, tangent), normal], axis=2)
+
+
+def _on_patch(before: Floats, now: Floats, places: Floats) -> Floats:
+    """Where places (n, 3) at time 0 are carried to by their triangles (n, 3, 3): barycentric in the plane,
+    and at a fixed height above it."""
+    u, v, w = before[:, 1] - before[:, 0], before[:, 2] - before[:, 0], places - before[:, 0]
+    normal = np.cross(u, v)
+    area = np.einsum("ni,ni->n", normal, normal)
+    beta = np.einsum("ni,ni->n", np.cross(w, v), normal) / area
+    gamma = np.einsum("ni,ni->n", np.cross(u, w), normal) / area
+    height = np.einsum("ni,ni->n", w, normal) / np.sqrt(area)
+    weights = np.stack([1.0 - beta - gamma, beta, gamma], axis=1)
+    up = _unit(np.cross(now[:, 1] - now[:, 0], now[:, 2] - now[:, 0]))
+    return np.einsum("ni,nij->nj", weights, now) + height[:, None] * up
+
+
+def _unit(v: Floats) -> Floats:
+    return v / np.linalg.norm(v, axis=1)[:, None]

@@ -1,0 +1,306 @@
+"""Reads what the checker needs of a run folder, with code of its own: nothing here is shared with what wrote
+it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int32]
+
+_READABLE = 1  # version of recordings and of their states
+_CACHED_CHUNKS = 2
+
+
+class UnreadableRecording(ValueError):  # noqa: N818 (says what happened)
+    """A recording that cannot be checked: names the file and the defect."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of the scene: all of its vertices, its surface and what it weighs."""
+
+    name: str
+    kind: str
+    motion: str
+    vertex_count: int
+    contact_distance: float  # [m]
+    triangles: Integers  # (m, 3)
+    edges: Integers  # (k, 2), of rods
+    pins: Integers
+    clamped: Integers
+    masses: Floats | None  # (n,) [kg]
+    second_moments: Floats | None  # of rods (n, 2) [kg m^2]
+    inertia: dict[str, Any] | None  # of rigid bodies
+
+
+@dataclass(frozen=True)
+class State:
+    """An accepted state. Lists are by body; ``poses`` and ``frames`` are None where a body has none."""
+
+    index: int
+    time: float  # [s]
+    positions: list[Floats]  # (n, 3) [m]
+    poses: list[Floats | None]  # (4, 3): position, rows of the rotation
+    frames: list[Floats | None]  # (n, 3, 3)
+    joints: NDArray[np.int8]  # enabled
+    attachments: NDArray[np.int8]  # 1 held, 0 released, -1 broken; pairs of all attachments in a row
+
+    def points(self) -> Floats:
+        """All vertices of all bodies (N, 3) [m]."""
+        return np.concatenate(self.positions)
+
+    def parts(self) -> list[Floats]:
+        """All arrays of numbers."""
+        return [a for a in (*self.positions, *self.poses, *self.frames) if a is not None]
+
+
+@dataclass
+class Run:
+    """A run folder. ``bodies`` is empty in a recording that was not made for certification."""
+
+    folder: Path
+    manifest: dict[str, Any]
+    rows: list[dict[str, Any]]  # telemetry of accepted steps
+    all_rows: int
+    bodies: list[Body] = field(default_factory=list)
+    scene: dict[str, Any] = field(default_factory=dict)
+    times: Floats = field(default_factory=lambda: np.zeros(0))
+    files: dict[str, str] = field(default_factory=dict)  # sha256 by path
+    _starts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+    _chunks: dict[int, dict[str, np.ndarray]] = field(default_factory=dict)
+
+    @property
+    def has_states(self) -> bool:
+        return bool(self.bodies)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        return self.manifest.get("settings", {})
+
+    def states(self) -> Iterator[State]:
+        """All states in order of time."""
+        return (self.state(k) for k in range(len(self.times)))
+
+    def state(self, index: int) -> State:
+        chunk = int(np.searchsorted(self._starts, index, side="right")) - 1
+        arrays = self._chunk(chunk)
+
+        def at(name: str) -> Any:
+            rows = arrays.get(name)
+            return None if rows is None else rows[0 if len(rows) == 1 else index - self._starts[chunk]]
+
+        count = range(len(self.bodies))
+        return State(
+            index,
+            float(self.times[index]),
+            [at(f"positions_{i:04d}") for i in count],
+            [at(f"poses_{i:04d}") for i in count],
+            [at(f"frames_{i:04d}") for i in count],
+            at("joints"),
+            at("attachments"),
+        )
+
+    def _chunk(self, index: int) -> dict[str, np.ndarray]:
+        if index not in self._chunks:
+            if len(self._chunks) >= _CACHED_CHUNKS:
+                self._chunks.pop(next(iter(self._chunks)))
+            self._chunks[index] = self._checked_chunk(index)
+        return self._chunks[index]
+
+    def _checked_chunk(self, index: int) -> dict[str, np.ndarray]:
+        path = self.folder / f"states/chunk_{index:06d}.npz"
+        arrays = read_npz(path)
+        times = arrays.get("times", np.zeros(0))
+        need(times.ndim == 1 and np.isfinite(times).all() and times.size > 0, f"'{path}' has no valid times")
+        for i, body in enumerate(self.bodies):
+            shapes = {"positions": (body.vertex_count, 3)}
+            shapes |= {"poses": (4, 3)} if body.kind == "rigid" else {}
+            shapes |= {"frames": (body.vertex_count, 3, 3)} if body.kind == "rod" else {}
+            for name, shape in shapes.items():
+                rows = arrays.get(f"{name}_{i:04d}")
+                fits = rows is not None and rows.shape[1:] == shape and len(rows) in (1, len(times))
+                need(
+                    fits and rows is not None and rows.dtype == np.float64,
+                    f"'{path}': {name} of body '{body.name}' are missing or have a wrong shape",
+                )
+        for name, count in (("joints", len(self.scene["joints"])), ("attachments", self.pair_count)):
+            rows = arrays.get(name)
+            need(
+                rows is not None and rows.shape[1:] == (count,) and len(rows) in (1, len(times)),
+                f"'{path}': {name} are missing or have a wrong shape",
+            )
+        return arrays
+
+    @property
+    def pair_count(self) -> int:
+        """Pairs of all attachments."""
+        return sum(pair_count(attachment) for attachment in self.scene["attachments"])
+
+
+def pair_count(attachment: dict[str, Any]) -> int:
+    """Pairs of an attachment: as many as points on its side a."""
+    a = attachment["a"]
+    return len(
+        a["vertices"] if a["kind"] == "vertices" else a["supports" if a["kind"] == "embedded" else "local"]
+    )
+
+
+def need(holds: bool, message: str) -> None:
+    if not holds:
+        raise UnreadableRecording(message)
+
+
+def read_npz(path: Path) -> dict[str, np.ndarray]:
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except FileNotFoundError:
+        raise UnreadableRecording(f"'{path}' is missing") from None
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+        raise UnreadableRecording(f"'{path}' is damaged or cut off ({error})") from error
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise UnreadableRecording(f"'{path}' is missing") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise UnreadableRecording(f"'{path}' is damaged: {error}") from error
+    need(isinstance(value, dict), f"'{path}' must be a JSON object")
+    return value
+
+
+def read(folder: Path, progress: Callable[[float, str], None] = lambda done, text: None) -> Run:
+    """Reads and checks a run folder; UnreadableRecording names what is wrong. Chunks of states are read in
+    turn."""
+    need(folder.is_dir(), f"'{folder}' is not a run folder: no such folder")
+    manifest = read_json(folder / "manifest.json")
+    need(
+        manifest.get("format") == "stark-recording" and manifest.get("version") == _READABLE,
+        f"'{folder / 'manifest.json'}' is not the manifest of a Stark recording of version {_READABLE}",
+    )
+    need(isinstance(manifest.get("settings"), dict), f"'{folder / 'manifest.json'}' has no settings")
+    rows = _telemetry(folder / "telemetry.jsonl", cut_allowed=manifest.get("status") == "running")
+    accepted = [row for row in rows if row.get("status") in ("accepted", "retried")]
+    run = Run(folder, manifest, accepted, len(rows))
+    states = manifest.get("states")
+    chunk_count = 0
+    if states is not None:
+        chunk_count = _count(states, "chunk_count", folder)
+        _read_scene(run)
+        times = []
+        for index in range(chunk_count):
+            times.append(run._checked_chunk(index)["times"])
+            progress((index + 1) / chunk_count, "reading")
+        run._starts = np.cumsum([0, *(len(t) for t in times)])
+        run.times = np.concatenate([np.zeros(0), *times])
+        count = _count(states, "count", folder)
+        need(
+            len(run.times) == count and count > 0,
+            f"'{folder}' holds {len(run.times)} states, its manifest says {count}",
+        )
+    run.files = _digests(folder, int(manifest.get("chunk_count", 0)), chunk_count, states is not None)
+    return run
+
+
+def _count(states: Any, name: str, folder: Path) -> int:
+    value = states.get(name) if isinstance(states, dict) else None
+    need(isinstance(value, int) and value >= 0, f"'{folder / 'manifest.json'}': states.{name} is not a count")
+    return int(value)  # type: ignore[arg-type]
+
+
+def _telemetry(path: Path, cut_allowed: bool) -> list[dict[str, Any]]:
+    try:
+        lines = path.read_text(encoding="utf-8").split("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UnreadableRecording(f"'{path}' cannot be read: {error}") from error
+    need(cut_allowed or not lines[-1], f"'{path}' line {len(lines)} is cut off")
+    rows = []
+    for number, line in enumerate(lines[:-1], start=1):
+        try:
+            row = json.loads(line)
+        except json.JSONDecodeError as error:
+            raise UnreadableRecording(f"'{path}' line {number} is not JSON: {error.msg}") from error
+        need(isinstance(row, dict), f"'{path}' line {number} must be a JSON object")
+        rows.append(row)
+    return rows
+
+
+def _read_scene(run: Run) -> None:
+    path = run.folder / "states/scene.json"
+    scene = read_json(path)
+    need(scene.get("version") == _READABLE, f"'{path}' has version {scene.get('version')}, not {_READABLE}")
+    arrays = read_npz(run.folder / "states/mesh.npz")
+    try:
+        run.bodies = [_body(entry, i, arrays) for i, entry in enumerate(scene["bodies"])]
+        for name in ("joints", "attachments", "energies", "actuators", "pairs_without_contact"):
+            need(isinstance(scene[name], list), f"'{path}': {name} must be a list")
+        pairs = np.array(scene["pairs_without_contact"], dtype=np.int64).reshape(-1, 2)
+    except (KeyError, TypeError, ValueError) as error:
+        raise UnreadableRecording(f"'{path}' lacks or breaks an entry: {error}") from error
+    need(
+        bool(run.bodies) and ((pairs >= 0) & (pairs < len(run.bodies))).all(),
+        f"'{path}' has no bodies, or a pair of bodies that it does not have",
+    )
+    run.scene = scene
+
+
+def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
+    count, name = int(entry["vertex_count"]), str(entry["name"])
+    triangles, edges = arrays[f"triangles_{i:04d}"], arrays[f"edges_{i:04d}"]
+    for rows, width in ((triangles, 3), (edges, 2)):
+        need(rows.ndim == 2 and rows.shape[1] == width, f"body '{name}': topology of the shape {rows.shape}")
+        inside = rows.size == 0 or (rows.min() >= 0 and rows.max() < count)
+        need(bool(inside), f"body '{name}': its topology names a vertex that it does not have")
+    masses, moments = arrays.get(f"masses_{i:04d}"), arrays.get(f"second_moments_{i:04d}")
+    rigid = entry["kind"] != "rigid" or isinstance(entry["inertia"], dict)
+    need(rigid, f"body '{name}': breaks an entry: inertia must be an object")
+    need(masses is None or masses.shape == (count,), f"body '{name}': masses of the wrong shape")
+    return Body(
+        name,
+        str(entry["kind"]),
+        str(entry["motion"]),
+        count,
+        float(entry["contact_distance"]),
+        triangles.astype(np.int32),
+        edges.astype(np.int32),
+        np.array(entry["pins"], dtype=np.int32),
+        np.array(entry["clamped"], dtype=np.int32),
+        masses,
+        moments,
+        entry.get("inertia"),
+    )
+
+
+def _digests(folder: Path, frame_chunks: int, state_chunks: int, has_states: bool) -> dict[str, str]:
+    """sha256 of every file of the recording, by its path in the folder."""
+    names = ["manifest.json", "telemetry.jsonl", "frames/topology.npz"]
+    names += [f"frames/chunk_{k:06d}.npz" for k in range(frame_chunks)]
+    names += ["states/scene.json", "states/mesh.npz"] if has_states else []
+    names += [f"states/chunk_{k:06d}.npz" for k in range(state_chunks)]
+    digests = {}
+    for name in names:
+        try:
+            with open(folder / name, "rb") as file:
+                digests[name] = hashlib.file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise UnreadableRecording(f"'{folder / name}' cannot be read: {error}") from error
+    return digests
+
+
+def digest(files: dict[str, str]) -> str:
+    """One sha256 of a recording: that of the lines ``digest  path`` of its files, sorted by path."""
+    lines = "".join(f"{value}  {name}\n" for name, value in sorted(files.items()))
+    return hashlib.sha256(lines.encode()).hexdigest()

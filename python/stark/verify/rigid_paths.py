@@ -1,0 +1,63 @@
+"""Paths on which rigid bodies turn on arcs: straight paths of their vertices cut corners in long steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .reading import Body, State
+
+Floats = NDArray[np.float64]
+
+_FEWEST, _MOST = 4, 64  # pieces of a step
+_ANGLE = math.radians(1.0)  # of a piece
+
+
+def between(bodies: list[Body], start: State, end: State) -> list[Floats]:
+    """Positions of all points at the ends of the pieces of a step: rigid bodies turn evenly about their
+    centres of mass, which move on straight lines like everything else. Empty if no body turns."""
+    turns = [_turn(a, b) for a, b in zip(start.poses, end.poses, strict=True)]
+    largest = max((angle for turn in turns if turn is not None for angle in [turn[1]]), default=0.0)
+    if not largest > 0.0:
+        return []
+    count = int(np.clip(math.ceil(largest / _ANGLE), _FEWEST, _MOST))
+    stations = [start.points()]
+    for k in range(1, count):
+        s, parts = k / count, []
+        for i, body in enumerate(bodies):
+            x0, x1 = start.positions[i], end.positions[i]
+            turn = turns[i]
+            if turn is None or turn[1] == 0.0:
+                parts.append(x0 + s * (x1 - x0))
+                continue
+            centre_0, centre_1 = _centre(body, start.poses[i]), _centre(body, end.poses[i])
+            arms = (x0 - centre_0) @ _rotation(turn[0], s * turn[1]).T
+            parts.append(centre_0 + s * (centre_1 - centre_0) + arms)
+        stations.append(np.concatenate(parts))
+    return [*stations, end.points()]
+
+
+def _centre(body: Body, pose: Floats | None) -> Floats:
+    assert pose is not None and body.inertia is not None
+    return pose[0] + pose[1:] @ np.array(body.inertia["center_of_mass"])
+
+
+def _turn(pose_0: Floats | None, pose_1: Floats | None) -> tuple[Floats, float] | None:
+    """Axis and angle of the shortest turn between two poses."""
+    if pose_0 is None or pose_1 is None:
+        return None
+    R = pose_1[1:] @ pose_0[1:].T
+    w = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine, cosine = float(np.linalg.norm(w)), 0.5 * (float(np.trace(R)) - 1.0)
+    if sine < 1e-14:
+        return np.array([0.0, 0.0, 1.0]), 0.0
+    return w / sine, math.atan2(sine, cosine)
+
+
+def _rotation(axis: Floats, angle: float) -> Floats:
+    """Rodrigues' formula."""
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K

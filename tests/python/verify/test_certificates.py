@@ -1,0 +1,222 @@
+"""Good runs are certified, and the certificate says on what grounds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from _runs import mechanism, record, rods, sheet_on_box
+
+import stark
+from stark.cli import main
+from stark.joints.definition import built_in
+from stark.verify import verify
+from stark.verify.inertia import InertiaCheck
+from stark.verify.joints import KINDS, JointCheck
+from stark.verify.reading import read
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sheet") / "run"
+    return record(folder, sheet_on_box(), 40, time_step=0.01, contact_distance=0.001)
+
+
+@pytest.mark.parametrize(
+    ("name", "until"),
+    [("hello_cloth", 0.5), ("stack", 0.2), pytest.param("soft_column_6", 0.1, marks=pytest.mark.slow)],
+)
+def test_packaged_scenes_are_certified(tmp_path: Path, name: str, until: float) -> None:
+    words = ["run", name, "--until", str(until), "--out", str(tmp_path / "run"), "--certify", "--quiet"]
+    # The comparison scene ends its steps by the motion of the next one, which telemetry does not hold.
+    tolerances = [
+        "newton.termination=all",
+        "newton.residual_tolerance=0",
+        "newton.acceleration_tolerance=0.01",
+    ]
+    words += [word for text in tolerances for word in ("--set", text)]
+    assert main([*words, "--no-replay", "--no-picture"]) == 0
+    assert main(["verify", str(tmp_path / "run"), "--quiet"]) == 0
+    certificate = json.loads((tmp_path / "run/certificate.json").read_text())
+    statuses = {claim["name"]: claim["status"] for claim in certificate["claims"]}
+    assert certificate["verdict"] == "certified"
+    assert set(statuses.values()) <= {"verified", "not applicable"}
+    for claim in ("no_intersection", "minimum_distance", "paths", "reported_distance", "reported_energies"):
+        assert statuses[claim] == "verified"
+
+
+def test_sheet_rods_and_mechanism_are_certified(tmp_path: Path, sheet: Path) -> None:
+    crossed = record(tmp_path / "rods", rods(), 30, time_step=0.01)
+    joined = record(tmp_path / "joints", mechanism(), 20, time_step=0.01, contact_distance=0.0005)
+    for folder in (sheet, crossed, joined):
+        certificate = verify(folder)
+        assert certificate.verdict == "certified", certificate.text()
+        assert certificate["reported_momentum"].status == "verified"
+    certificate = verify(joined)
+    assert certificate["joints"].status == certificate["attachments"].status == "verified"
+    # Things did touch, or nothing would have been shown about contact.
+    assert verify(sheet)["minimum_distance"].worst < 0.002
+    assert verify(crossed)["minimum_distance"].worst < 0.01
+
+
+def test_the_measured_distance_is_the_reported_one(sheet: Path) -> None:
+    """Two programs, the same number to the last digits."""
+    claim = verify(sheet)["reported_distance"]
+    assert claim.status == "verified"
+    assert claim.worst < 1e-8  # [m]; the solver's is that before its last Newton iteration
+    reported = [row["min_distance"] for row in read(sheet).rows if row["min_distance"] is not None]
+    assert len(reported) > 10
+
+
+def test_joints_are_recomputed_as_the_solver_has_them(tmp_path: Path) -> None:
+    sim = stark.Simulation(mechanism(), time_step=0.01, contact_distance=0.0005)
+    folder = record(tmp_path / "run", mechanism(), 12, time_step=0.01, contact_distance=0.0005)
+    for _ in range(12):
+        sim.step()
+    run = read(folder)
+    check = JointCheck(run)
+    check.start, last = run.state(0), run.state(12)
+    for joint, recorded in zip(sim.joints, run.scene["joints"], strict=True):
+        frames = [*check._frame(last, recorded["a"]), *check._frame(last, recorded["b"])]
+        lengths, angles = KINDS[joint.kind](*frames, recorded["values"])
+        own = np.concatenate([np.zeros(0), *lengths, *angles])
+        # Poses have gone through a rotation matrix once more.
+        assert np.abs(own) == pytest.approx(np.abs(joint.residuals), abs=1e-14), joint.name
+
+
+def test_every_built_in_joint_is_known() -> None:
+    assert set(KINDS) == set(stark._core.joint_names())
+    for name in KINDS:
+        assert built_in(name).residuals is None
+
+
+def test_masses_of_the_recording_are_those_of_the_solver(tmp_path: Path) -> None:
+    """Kinetic energy and momentum come out the same only with the same masses, of sheets, solids, rods,
+    bodies."""
+    scene = stark.Scene()
+    spin = {"velocity": (0.3, -0.2, 0.1), "angular_velocity": (3.0, 2.0, -4.0)}
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=3), stark.materials.cotton, **spin)
+    scene.add_solid(stark.mesh.tet_box((0.1, 0.05, 0.02), 2), mass=0.3, position=(1.0, 0.0, 0.0), **spin)
+    scene.add_box((0.1, 0.2, 0.3), density=300.0, position=(2.0, 0.0, 0.0), **spin)
+    flat = stark.materials.rubber_cord.replace(width=0.01, height=0.002)
+    for k, material in enumerate((stark.materials.rubber_cord, flat)):
+        line = stark.mesh.polyline((0, 0, 0), (0.1, 0.02, 0.0), 5)
+        scene.add_rod(
+            line, material, position=(3.0 + k, 0.0, 0.0), pins=[2] if k else None, **({} if k else spin)
+        )
+    run = read(record(tmp_path / "run", scene, 3, time_step=1e-3))
+    check = InertiaCheck(run)
+    for k in range(3):
+        check.add(run.state(k), run.state(k + 1), run.rows[k])
+    assert set(check.worst) == {"kinetic", "gravity", "momentum", "angular_momentum"}
+    for name, (share, where) in check.worst.items():
+        assert share < 1.0, (name, where)
+
+
+def test_without_certify_little_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = str(tmp_path / "run")
+    assert main(["run", "hello_cloth", "--until", "0.1", "--out", run, "--no-replay", "--no-picture"]) == 0
+    capsys.readouterr()
+    assert main(["verify", run]) == 3
+    text = capsys.readouterr().out
+    assert "hello_cloth: inconclusive" in text
+    assert "stark run --certify" in text
+    certificate = verify(run)
+    assert certificate["paths"].status == "not recorded"
+    assert certificate["residual"].status == "verified"
+
+
+def test_switched_off_contact_is_not_claimed(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, name="a", density=100.0)
+    scene.add_box(0.1, name="b", density=100.0, position=(0.05, 0.0, 0.0))
+    scene.disable_contact("a", "b")
+    certificate = verify(record(tmp_path / "run", scene, 3, time_step=0.01))
+    assert certificate["no_intersection"].status == "not applicable"
+    assert certificate.verdict == "certified"
+
+
+def test_pairs_without_contact_may_overlap(tmp_path: Path) -> None:
+    scene = sheet_on_box()
+    scene.add_box(0.05, name="ghost", motion="fixed")
+    scene.disable_contact("ghost", "sheet")
+    certificate = verify(record(tmp_path / "run", scene, 3, time_step=0.01, contact_distance=0.001))
+    assert certificate.verdict == "certified"
+
+
+def test_bdf2_steps_are_certified(tmp_path: Path) -> None:
+    settings = {"time_step": 0.01, "contact_distance": 0.001, "time.integrator": "bdf2"}
+    certificate = verify(record(tmp_path / "run", sheet_on_box(), 25, **settings))
+    assert certificate.verdict == "certified", certificate.text()
+    assert certificate["reported_energies"].detail.startswith("gravitational energy only")
+    assert certificate["reported_momentum"].status == "not applicable"
+
+
+def test_digests_are_those_of_the_files(sheet: Path) -> None:
+    recording = verify(sheet).recording
+    for name, value in recording["files"].items():
+        assert hashlib.sha256((sheet / name).read_bytes()).hexdigest() == value
+    lines = "".join(f"{value}  {name}\n" for name, value in sorted(recording["files"].items()))
+    assert hashlib.sha256(lines.encode()).hexdigest() == recording["digest"]
+    stored = {str(p.relative_to(sheet)) for p in sheet.rglob("*") if p.is_file()}
+    assert stored - {"certificate.json"} == set(recording["files"])
+
+
+def test_the_certificate_can_be_printed_as_json(sheet: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["verify", str(sheet), "--json", "--out", str(sheet.parent / "other.json")]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((sheet.parent / "other.json").read_text())
+    assert (printed["format"], printed["version"]) == ("stark-certificate", 1)
+    assert printed["tools"]["numpy"] == np.__version__
+    for claim in printed["claims"]:
+        assert claim.keys() >= {"name", "statement", "status", "basis", "worst", "tolerance", "unit", "where"}
+
+
+def test_states_take_24_bytes_a_vertex(tmp_path: Path) -> None:
+    """The cost that docs/verify.md states."""
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells=40), stark.materials.cotton)
+    folder = record(tmp_path / "run", scene, 10, time_step=0.01)
+    size = (folder / "states/chunk_000000.npz").stat().st_size
+    assert size == pytest.approx(24 * 41 * 41 * 11, rel=0.01)
+
+
+def test_the_guide_names_every_claim(sheet: Path) -> None:
+    guide = (ROOT / "docs/verify.md").read_text(encoding="utf-8")
+    for claim in verify(sheet).claims:
+        assert f"`{claim.name}`" in guide
+        assert not claim.required or f"| `{claim.name}` | " in guide
+
+
+# --- independence ---
+
+
+def test_the_checker_runs_without_stark(sheet: Path, tmp_path: Path) -> None:
+    """A copy of the folder is all it needs; anything named stark would be an error."""
+    shutil.copytree(ROOT / "python/stark/verify", tmp_path / "verify")
+    (tmp_path / "stark.py").write_text("raise ImportError('the checker must not import Stark')")
+    command = [sys.executable, "-P", "-s", str(tmp_path / "verify"), str(sheet)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env={"PYTHONPATH": str(tmp_path)}
+    )
+    assert done.returncode == 0, done.stderr
+    assert "sheet_on_box: certified" in done.stdout
+
+
+def test_the_checker_imports_numpy_and_itself_only() -> None:
+    code = (
+        "import sys; import numpy; before = set(sys.modules); sys.path.insert(0, sys.argv[1]); "
+        "import verify.check; print(*sorted({m.split('.')[0] for m in set(sys.modules) - before}))"
+    )
+    command = [sys.executable, "-c", code, str(ROOT / "python/stark")]
+    loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    allowed = set(sys.stdlib_module_names) | {"numpy", "verify"}
+    assert set(loaded) <= allowed, set(loaded) - allowed
