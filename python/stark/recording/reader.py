@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
-import zlib
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -12,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..array_file import DamagedFile, read_arrays
 from ..telemetry import Telemetry, TelemetryError
 from .format import (
     FORMAT_NAME,
@@ -29,13 +28,12 @@ from .format import (
 
 def _read_npz(path: Path) -> dict[str, np.ndarray]:
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return read_arrays(path)
     except FileNotFoundError:
         raise RecordingError(
             f"'{path}' is missing; copy the run folder again or run the scene anew"
         ) from None
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+    except DamagedFile as error:
         raise RecordingError(
             f"'{path}' is damaged or cut off ({error}); copy the run folder again"
         ) from error
@@ -53,11 +51,19 @@ class Recording:
             frame_count = int(self.manifest["frame_count"])
             self.scene = str(self.manifest["scene"])
             self.status = str(self.manifest["status"])
-        except (KeyError, TypeError, ValueError) as error:
+            if frame_count < 0 or chunk_count < 0:
+                raise ValueError("frame_count and chunk_count must be >= 0")
+            for group in ("settings", "summary"):
+                if not isinstance(self.manifest.get(group, {}), dict):
+                    raise TypeError(f"{group} must be an object")
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
         self._triangles = self._read_topology()
         self._cache: dict[int, dict[str, np.ndarray]] = {}
         times = [self._chunk(index)["times"] for index in range(chunk_count)]
+        if self.status == "running" and times:
+            # The last chunk grows at checkpoints; frames that the manifest does not count yet are not there.
+            times[-1] = times[-1][: max(0, frame_count - sum(map(len, times[:-1])))]
         self._starts = np.cumsum([0] + [len(t) for t in times])
         #: Time of each frame [s], shape (frames,).
         self.times: np.ndarray = np.concatenate(times) if times else np.zeros(0)
@@ -77,7 +83,7 @@ class Recording:
             manifest = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise RecordingError(f"'{self.folder}' is not a run folder: it has no {MANIFEST}") from None
-        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise RecordingError(f"'{path}' is damaged: {error}") from error
         if not isinstance(manifest, dict) or manifest.get("format") != FORMAT_NAME:
             raise RecordingError(
@@ -96,7 +102,7 @@ class Recording:
         triangles = []
         for i, body in enumerate(self.bodies):
             array = arrays.get(f"triangles_{i:04d}")
-            if array is None or array.shape != (body.triangle_count, 3):
+            if array is None or array.dtype.kind != "i" or array.shape != (body.triangle_count, 3):
                 raise RecordingError(
                     f"'{path}': triangles of body '{body.name}' are missing or have a wrong shape"
                 )
@@ -113,12 +119,13 @@ class Recording:
         path = self.folder / chunk_path(index)
         arrays = _read_npz(path)
         times = arrays.get("times")
-        if times is None or times.ndim != 1 or not np.all(np.isfinite(times)):
+        if times is None or times.ndim != 1 or times.dtype != np.float64 or not np.isfinite(times).all():
             raise RecordingError(f"'{path}' has no valid times")
         for i, body in enumerate(self.bodies):
             positions = arrays.get(f"positions_{i:04d}")
             if (
                 positions is None
+                or positions.dtype != np.float32
                 or positions.shape[1:] != (body.vertex_count, 3)
                 or len(positions)
                 not in (
