@@ -2,7 +2,7 @@
 before memory is taken for it.
 
 ``numpy.load`` trusts the shapes that a file claims and fails in many ways on others. Here a file gives its
-arrays or a ``DamagedFile``, and never takes more memory than a few times its own size."""
+arrays or a ``DamageError``, and never takes more memory than a few times its own size."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ _HEADER = re.compile(
 _MAGIC = b"\x93NUMPY\x01\x00"
 
 
-class DamagedFile(ValueError):
+class DamageError(ValueError):
     """What is wrong with a file, without its name."""
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
-    """All arrays of an NPZ file by name. Raises FileNotFoundError, or DamagedFile for everything else."""
+    """All arrays of an NPZ file by name. Raises FileNotFoundError, or DamageError for everything else."""
     try:
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
             members = archive.infolist()
             _check_sizes(members, os.fstat(file.fileno()).st_size)
             return {member.filename.removesuffix(".npy"): _read(archive, member) for member in members}
-    except (FileNotFoundError, DamagedFile):
+    except (FileNotFoundError, DamageError):
         raise
     except Exception as error:  # the decoder meets damage in ways that have no common base
-        raise DamagedFile(f"{type(error).__name__}: {error}") from error
+        raise DamageError(f"{type(error).__name__}: {error}") from error
 
 
 def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
@@ -67,14 +67,14 @@ def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
 def _check_sizes(members: list[zipfile.ZipInfo], file_size: int) -> None:
     names = [member.filename for member in members]
     if len(set(names)) < len(names):
-        raise DamagedFile("an array occurs twice")
+        raise DamageError("an array occurs twice")
     for member in members:
         if not member.filename.endswith(".npy"):
-            raise DamagedFile(f"'{member.filename[:80]}' is not an array")
+            raise DamageError(f"'{member.filename[:80]}' is not an array")
         if member.compress_type != zipfile.ZIP_STORED or member.compress_size != member.file_size:
-            raise DamagedFile(f"array '{member.filename[:80]}' is compressed; arrays are stored as they are")
+            raise DamageError(f"array '{member.filename[:80]}' is compressed; arrays are stored as they are")
     if sum(member.file_size for member in members) > file_size:
-        raise DamagedFile("arrays claim to be larger than the file")
+        raise DamageError("arrays claim to be larger than the file")
 
 
 def _read(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Array:
@@ -82,14 +82,14 @@ def _read(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Array:
     name = member.filename[:80]
     start = len(_MAGIC) + 2
     if not data.startswith(_MAGIC) or len(data) < start:
-        raise DamagedFile(f"'{name}' is not an array of NumPy's format 1.0")
+        raise DamageError(f"'{name}' is not an array of NumPy's format 1.0")
     end = start + int.from_bytes(data[start - 2 : start], "little")
     header = _HEADER.fullmatch(data[start:end]) if end - start <= _LONGEST_HEADER else None
     if header is None:
-        raise DamagedFile(f"'{name}' has a header that is not one of plain numbers")
+        raise DamageError(f"'{name}' has a header that is not one of plain numbers")
     dtype = np.dtype(header["type"].decode())
     shape = tuple(int(extent) for extent in header["shape"].replace(b" ", b"").split(b",") if extent)
     if math.prod(shape) * dtype.itemsize != len(data) - end:
-        raise DamagedFile(f"'{name}' claims the shape {shape}, which is not what it holds")
+        raise DamageError(f"'{name}' claims the shape {shape}, which is not what it holds")
     flat = np.frombuffer(data, dtype=dtype, offset=end).copy()
     return flat.reshape(shape[::-1]).T if header["fortran"] == b"True" else flat.reshape(shape)

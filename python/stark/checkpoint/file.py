@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.array_file import DamagedFile, read_arrays, write_arrays
+from stark.array_file import DamageError, read_arrays, write_arrays
 from stark.simulation import LastStep
 
 from . import memory
@@ -76,7 +76,7 @@ def read(path: Path) -> Checkpoint:
         arrays = read_arrays(path)
     except FileNotFoundError:
         raise CheckpointError(f"{owner}: there is no such file") from None
-    except DamagedFile as error:
+    except DamageError as error:
         raise CheckpointError(f"{owner} is damaged or no checkpoint ({error}); use another one") from error
     header = _header(arrays, owner)
     try:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..array_file import DamagedFile, read_arrays
+from ..array_file import DamageError, read_arrays
 from ..telemetry import Telemetry, TelemetryError
 from .format import (
     FORMAT_NAME,
@@ -33,7 +33,7 @@ def _read_npz(path: Path) -> dict[str, np.ndarray]:
         raise RecordingError(
             f"'{path}' is missing; copy the run folder again or run the scene anew"
         ) from None
-    except DamagedFile as error:
+    except DamageError as error:
         raise RecordingError(
             f"'{path}' is damaged or cut off ({error}); copy the run folder again"
         ) from error
