@@ -161,13 +161,14 @@ class Job:
         """Steps until the end. Whatever ends the loop, the last moment between two steps is saved."""
         moment = self._moment()
         try:
-            while True:
-                moment = self._moment()
-                if reached(self.sim, self.plan.until):
-                    break
+            while not reached(self.sim, self.plan.until):
                 self._save(moment, only_when_due=True)
-                if not self._step(on_step):
+                report = self._step()
+                if report is None:
                     break
+                moment = self._moment()
+                if on_step:
+                    on_step(self.sim, report)
         except KeyboardInterrupt:
             self.result.status, self.result.message = "interrupted", "stopped by the user"
         except BaseException as error:
@@ -177,8 +178,8 @@ class Job:
         self._save(moment)
         return self.result
 
-    def _step(self, on_step: OnStep | None) -> bool:
-        """One step with its telemetry and frame; False when it failed."""
+    def _step(self) -> Any:
+        """One step with its telemetry and frame; its report, or None when it failed."""
         self.scene_file.drive(self.sim)
         before = clock.perf_counter()
         report = self.sim.step()
@@ -188,12 +189,10 @@ class Job:
         self._count(report)
         if failed:
             self.result.status, self.result.message = "failed", str(report.message)
-            return False
+            return None
         if self.sim.time - self.recorder.last_time >= 1.0 / self.plan.fps - 1e-9:
             self.recorder.record(self.sim)
-        if on_step:
-            on_step(self.sim, report)
-        return True
+        return report
 
     def _count(self, report: Any) -> None:
         self.result.steps += 1

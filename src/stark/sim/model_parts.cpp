@@ -64,8 +64,8 @@ void Model::Builder::list_bodies() {
     append_all(structure, body.clamped);
     const std::span<const Vec3> rest = model.rest_positions_;
     append_all(shape, rest.subspan(body.first_site, body.site_count));
-    shape.append(body.centre);
-    shape.append(body.axes);
+    mass.append(body.centre);
+    mass.append(body.axes);
     if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) {
       const int32_t count = body.kind == BodyKind::Rod ? body.site_count : 1;
       for (int32_t b = 0; b < count; ++b) append_mass(mass, model.rigid_masses_[body.rigid_index + b]);

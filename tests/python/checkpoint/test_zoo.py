@@ -1,4 +1,4 @@
-"""Stopping, saving, loading elsewhere and going on gives the same bits as never stopping: states and sensors."""
+"""Stopping, saving, loading elsewhere and going on gives the bits of never stopping: states and sensors."""
 
 from __future__ import annotations
 
