@@ -64,6 +64,13 @@ def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
         temporary.unlink(missing_ok=True)
 
 
+def remove_leftovers(folder: Path) -> None:
+    """Removes what write_atomically() left half-written in a folder when its process was killed."""
+    for path in folder.glob(".*.tmp"):
+        if re.fullmatch(r"\..+\.\d+\.tmp", path.name):
+            path.unlink(missing_ok=True)
+
+
 def _check_sizes(members: list[zipfile.ZipInfo], file_size: int) -> None:
     names = [member.filename for member in members]
     if len(set(names)) < len(names):

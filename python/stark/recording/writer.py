@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..array_file import write_arrays, write_atomically
+from ..array_file import remove_leftovers, write_arrays, write_atomically
 from ..telemetry import SERIES, TelemetryWriter, _plain
 from .format import (
     CHECKPOINT,
@@ -113,6 +113,7 @@ class Recorder:
                 (self.folder / TELEMETRY).unlink(missing_ok=True)
                 (self.folder / "replay.html").unlink(missing_ok=True)
                 (self.folder / CHECKPOINT).unlink(missing_ok=True)
+                remove_leftovers(self.folder)
         (self.folder / "frames").mkdir(parents=True, exist_ok=True)
 
     @classmethod
@@ -125,6 +126,8 @@ class Recorder:
             raise RecordingError(f"'{folder}' holds {len(recording)} frames: must have {frames} to go on")
         recorder = cls.__new__(cls)
         recorder.folder = Path(folder)
+        for place in (recorder.folder, recorder.folder / "frames"):
+            remove_leftovers(place)
         recorder._manifest = {
             **recording.manifest,
             "status": "running",
