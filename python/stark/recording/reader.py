@@ -46,7 +46,7 @@ class Recording:
         self.folder = Path(folder)
         self.manifest = self._read_manifest()
         try:
-            self.bodies: list[BodyEntry] = [BodyEntry(**_tuples(entry)) for entry in self.manifest["bodies"]]
+            self.bodies: list[BodyEntry] = [_body(entry) for entry in self.manifest["bodies"]]
             chunk_count = int(self.manifest["chunk_count"])
             frame_count = int(self.manifest["frame_count"])
             self.scene = str(self.manifest["scene"])
@@ -56,7 +56,7 @@ class Recording:
             for group in ("settings", "summary"):
                 if not isinstance(self.manifest.get(group, {}), dict):
                     raise TypeError(f"{group} must be an object")
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
             raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
         self._triangles = self._read_topology()
         self._cache: dict[int, dict[str, np.ndarray]] = {}
@@ -220,5 +220,15 @@ class Recording:
         return render(self.frame(self.nearest(time)), **options)
 
 
-def _tuples(entry: dict[str, Any]) -> dict[str, Any]:
-    return {**entry, "color": tuple(entry["color"]) if entry.get("color") else None}
+def _body(entry: dict[str, Any]) -> BodyEntry:
+    """An entry of a manifest. Raises TypeError or ValueError for what a writer never writes."""
+    color = tuple(float(c) for c in entry["color"]) if entry.get("color") else None
+    body = BodyEntry(**{**entry, "color": color})
+    texts, counts = (body.name, body.kind, body.motion), (body.vertex_count, body.triangle_count)
+    if not all(isinstance(text, str) for text in texts):
+        raise TypeError(f"name, kind and motion of a body must be texts, not {texts}")
+    if not all(type(count) is int and count >= 0 for count in counts):
+        raise ValueError(f"body '{body.name}' has {counts} vertices and triangles")
+    if color is not None and (len(color) != 3 or not all(0.0 <= c <= 1.0 for c in color)):
+        raise ValueError(f"body '{body.name}' has the colour {color}")
+    return body

@@ -143,6 +143,18 @@ def _number(value: Any) -> float:
         return math.nan
 
 
+def _row(path: Path, number: int, line: str | bytes) -> dict[str, Any]:
+    """A line of a file, by number from 1."""
+    try:
+        row = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        what = getattr(error, "msg", error)
+        raise TelemetryError(f"telemetry '{path}' line {number} is not JSON: {what}") from error
+    if not isinstance(row, dict):
+        raise TelemetryError(f"telemetry '{path}' line {number} must be a JSON object")
+    return row
+
+
 def _keep_lines(path: Path, count: int) -> None:
     """Cuts a file after so many lines."""
     size = 0
@@ -152,6 +164,7 @@ def _keep_lines(path: Path, count: int) -> None:
                 line = file.readline()
                 if not line.endswith(b"\n"):
                     raise TelemetryError(f"telemetry '{path}' has {number} lines: must have {count}")
+                _row(path, number + 1, line)
                 size += len(line)
             file.truncate(size)
     except OSError as error:
@@ -182,14 +195,7 @@ class Telemetry:
                 f"telemetry '{path}' line {len(lines)} is cut off; copy the run folder again"
             )
         for number, line in enumerate(complete, start=1):
-            try:
-                row = json.loads(line)
-            except (ValueError, RecursionError) as error:
-                what = getattr(error, "msg", error)
-                raise TelemetryError(f"telemetry '{path}' line {number} is not JSON: {what}") from error
-            if not isinstance(row, dict):
-                raise TelemetryError(f"telemetry '{path}' line {number} must be a JSON object")
-            rows.append(row)
+            rows.append(_row(path, number, line))
         return cls(rows)
 
     def __len__(self) -> int:
