@@ -212,12 +212,18 @@ void bind_state(nb::module_& m) {
           "time_step", [](const State& s) { return s.time_step; }, "Length of the next step [s].")
       .def_prop_ro(
           "step_count", [](const State& s) { return s.step_count; }, "Accepted steps so far.")
-      .def_prop_ro("point_positions",
-                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); })
-      .def_prop_ro("point_velocities",
-                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); })
-      .def_prop_ro("body_positions",
-                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); })
+      .def_prop_ro(
+          "point_positions",
+          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); },
+          nb::rv_policy::automatic, "Positions of the points of cloth and solids (n, 3) [m].")
+      .def_prop_ro(
+          "point_velocities",
+          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); },
+          nb::rv_policy::automatic, "Their velocities (n, 3) [m/s].")
+      .def_prop_ro(
+          "body_positions",
+          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); },
+          nb::rv_policy::automatic, "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
       .def_prop_ro(
           "hash", [](const State& s) { return hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
       .def(

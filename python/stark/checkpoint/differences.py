@@ -14,11 +14,12 @@ _WITHOUT_EFFECT = ("execution.threads", "execution.backend")
 
 
 def of_parts(saved: Sequence[Part], mine: Sequence[Part], *, structure_only: bool) -> list[str]:
-    """Names of the parts that differ, in the order of the scene."""
+    """Names of the parts that differ: first those that a state depends on, in the order of the scene."""
     ours = {name: (is_structure, digest) for name, is_structure, digest in mine}
     theirs = {name: (is_structure, digest) for name, is_structure, digest in saved}
     found = []
-    for name in dict.fromkeys([*ours, *theirs]):
+    names = dict.fromkeys([*ours, *theirs])
+    for name in sorted(names, key=lambda name: not (ours.get(name) or theirs[name])[0]):
         is_structure = (ours.get(name) or theirs[name])[0]
         if structure_only and not is_structure:
             continue
