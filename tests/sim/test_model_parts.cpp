@@ -65,7 +65,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-using Names = std::vector<std::string>;
+using PartNames = std::vector<std::string>;
 
 }  // namespace
 
@@ -85,11 +85,11 @@ TEST_CASE("names of parts are all different") {
 }
 
 TEST_CASE("a change is seen in its part") {
-  CHECK(changed([](Ingredients& i) { i.friction = 0.31; }) == Names{"coefficients of friction"});
+  CHECK(changed([](Ingredients& i) { i.friction = 0.31; }) == PartNames{"coefficients of friction"});
   CHECK(changed([](Ingredients& i) { i.rigid.contact_distance = 1e-3; }) ==
-        Names{"contact distances of bodies"});
-  CHECK(changed([](Ingredients& i) { i.stiffness = 2.1; }) == Names{"values of the energy 'anchor'"});
-  CHECK(changed([](Ingredients& i) { i.exponent = 4.0; }) == Names{"formula of the energy 'anchor'"});
+        PartNames{"contact distances of bodies"});
+  CHECK(changed([](Ingredients& i) { i.stiffness = 2.1; }) == PartNames{"values of the energy 'anchor'"});
+  CHECK(changed([](Ingredients& i) { i.exponent = 4.0; }) == PartNames{"formula of the energy 'anchor'"});
   CHECK(contains(changed([](Ingredients& i) { i.pins = {0, 2}; }),
                  "kind, motion, topology or pins of cloth 'cloth'"));
   CHECK(contains(changed([](Ingredients& i) { i.solid.mesh.vertices[0].x += 1e-12; }),
@@ -98,7 +98,7 @@ TEST_CASE("a change is seen in its part") {
   CHECK(contains(
       changed([](Ingredients& i) { std::swap(i.cloth.mesh.triangles[0], i.cloth.mesh.triangles[1]); }),
       "kind, motion, topology or pins of cloth 'cloth'"));
-  const Names stiffer = changed([](Ingredients& i) { i.solid.material.youngs_modulus *= 2.0; });
+  const PartNames stiffer = changed([](Ingredients& i) { i.solid.material.youngs_modulus *= 2.0; });
   REQUIRE_FALSE(stiffer.empty());
   for (const std::string& name : stiffer) CHECK(name.find("of 'cube'") != std::string::npos);
 }
