@@ -17,6 +17,7 @@ from _runs import content, write_scene
 import stark
 from stark import scenes
 from stark.checkpoint import Checkpoint, CheckpointError
+from stark.cli import main
 from stark.recording import Recording, RecordingError
 
 QUIET = {"replay": False, "picture": False}
@@ -149,6 +150,16 @@ def test_folders_that_cannot_be_resumed(tmp_path: Path) -> None:
         scenes.resume(tmp_path / "run", **QUIET)
 
 
+def test_memories_of_scene_files(tmp_path: Path) -> None:
+    """They begin anew with every load, and must be dictionaries."""
+    stopped(tmp_path, 3)
+    first = scenes.load(tmp_path / "swing.py")
+    assert first.memory["integral"] == 0.0 and first.memory["rng"] is None
+    wrong = write_scene(tmp_path, "wrong.py", **{'memory = {"integral"': 'memory = 3; unused = {"integral"'})
+    with pytest.raises(scenes.SceneFileError, match="memory must be a dictionary"):
+        scenes.load(wrong)
+
+
 def test_a_new_run_does_not_leave_the_checkpoint_of_the_old_one(tmp_path: Path) -> None:
     stopped(tmp_path, 5)
     stopped(tmp_path, 2, checkpoint_every=None)
@@ -205,6 +216,11 @@ def test_command_line(tmp_path: Path, capfd: pytest.CaptureFixture[str], whole: 
     stopped(tmp_path, 8)
     assert _start(tmp_path, "--resume", "run").wait() == 0
     assert content(tmp_path / "run") == content(whole)
+    assert main(["info", str(tmp_path / "run")]) == 0
+    assert f"checkpoint at 0.4 s: stark run --resume {tmp_path / 'run'}" in capfd.readouterr().out
+    assert main(["info", str(tmp_path / "run/checkpoint.stark")]) == 0
+    assert "checkpoint at 0.4 s, after 40 steps" in (out := capfd.readouterr().out)
+    assert "memory integral" in out and "body_position: 1" in out
     manifest = json.loads((tmp_path / "run/manifest.json").read_text())
     assert manifest["resumed"] == [pytest.approx(0.08)]
     for words, message in (
