@@ -13,6 +13,7 @@ import numpy as np
 from ..array_file import DamageError, read_arrays
 from ..telemetry import Telemetry, TelemetryError
 from .format import (
+    CHUNK_FRAMES,
     FORMAT_NAME,
     FORMAT_VERSION,
     MANIFEST,
@@ -56,6 +57,11 @@ class Recording:
             for group in ("settings", "summary"):
                 if not isinstance(self.manifest.get(group, {}), dict):
                     raise TypeError(f"{group} must be an object")
+            if not isinstance(self.manifest.get("resumed", []), list):
+                raise TypeError("resumed must be a list")
+            size = self.manifest.get("chunk_frames", CHUNK_FRAMES)
+            if type(size) is not int or size < 1:
+                raise ValueError(f"chunk_frames = {size} must be an integer >= 1")
         except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
             raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
         self._triangles = self._read_topology()

@@ -11,7 +11,7 @@ from typing import Any
 from ..checkpoint import Checkpoint, CheckpointError
 from ..recording import Recorder
 from ..recording.format import CHECKPOINT
-from .runner import Job, OnStep, Plan, RunResult, end_time, make_simulation, reached
+from .runner import COUNTS, Job, OnStep, Plan, RunResult, end_time, make_simulation, reached
 from .scene_file import SceneFile, load
 
 
@@ -79,13 +79,44 @@ def _matter(settings: Mapping[str, Any]) -> bool:
 def _read_run(checkpoint: Checkpoint, owner: str) -> tuple[Plan, int, int, dict[str, int], float]:
     if checkpoint.run is None:
         raise CheckpointError(f"{owner}: was not written by 'stark run'; load it with Simulation.load()")
+    run = checkpoint.run
     try:
-        run = checkpoint.run
-        plan = Plan(**{f.name: run["plan"][f.name] for f in fields(Plan)})
-        frames, lines = int(run["frames"]), int(run["lines"])
-        counts = {str(name): int(value) for name, value in run["counts"].items()}
-        if not plan.fps > 0.0 or frames < 1 or lines < 0:
-            raise ValueError("frames and fps must be positive")
-        return plan, frames, lines, counts, float(run["wall"])
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        plan = _plan(run["plan"])
+        frames, lines, wall = run["frames"], run["lines"], run["wall"]
+        counts = {name: run["counts"][name] for name in COUNTS}
+        for name, value, least in (
+            ("frames", frames, 1),
+            ("lines", lines, 0),
+            *((n, c, 0) for n, c in counts.items()),
+        ):
+            if type(value) is not int or value < least:
+                raise ValueError(f"{name} = {value!r}: must be an integer >= {least}")
+        _number("wall", wall, at_least=0.0)
+    except (KeyError, TypeError, ValueError) as error:
         raise CheckpointError(f"{owner} is damaged (run: {error}); run the scene anew") from error
+    return plan, frames, lines, counts, wall
+
+
+def _plan(given: dict[str, Any]) -> Plan:
+    """Raises KeyError, TypeError or ValueError for what a run never writes."""
+    if not isinstance(given, dict):
+        raise TypeError(f"plan = {given!r}: must be an object")
+    plan = Plan(**{f.name: given[f.name] for f in fields(Plan)})
+    if not isinstance(plan.scene, str) or not isinstance(plan.options, dict):
+        raise TypeError("scene and options must be a text and an object")
+    if not all(isinstance(text, str) for text in plan.options.values()):
+        raise TypeError("options must be texts")
+    if not isinstance(plan.settings, dict):
+        raise TypeError("settings must be an object")
+    _number("until", plan.until, at_least=0.0)
+    if _number("fps", plan.fps, at_least=0.0) == 0.0:
+        raise ValueError("fps must be > 0")
+    if plan.checkpoint_every is not None:
+        _number("checkpoint_every", plan.checkpoint_every, at_least=0.0)
+    return plan
+
+
+def _number(name: str, value: Any, at_least: float) -> float:
+    if not isinstance(value, float) or not at_least <= value < float("inf"):
+        raise ValueError(f"{name} = {value!r}: must be a number >= {at_least:g}")
+    return value

@@ -19,6 +19,9 @@ _QUICK_PAGE_BYTES = 20e6
 #: Time from one checkpoint of a run to the next [s], by the clock on the wall.
 CHECKPOINT_PERIOD = 60.0
 
+#: What a result counts, kept when a run is resumed.
+COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
+
 OnStep = Callable[[Any, Any], None]
 
 
@@ -172,8 +175,10 @@ class Job:
         except KeyboardInterrupt:
             self.result.status, self.result.message = "interrupted", "stopped by the user"
         except BaseException as error:
-            self._save(moment)
-            self.recorder.close("failed", f"{type(error).__name__}: {error}")
+            try:
+                self._save(moment)
+            finally:
+                self.recorder.close("failed", f"{type(error).__name__}: {error}")
             raise
         self._save(moment)
         return self.result
@@ -206,12 +211,11 @@ class Job:
             return None
         from ..checkpoint import Checkpoint
 
-        counts = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
         run = {
             "plan": asdict(self.plan),
             "frames": self.recorder.frame_count,
             "lines": self.recorder.line_count,
-            "counts": {name: getattr(self.result, name) for name in counts},
+            "counts": {name: getattr(self.result, name) for name in COUNTS},
             "wall": self._wall(),
         }
         return Checkpoint.of(self.sim, memory=self.scene_file.memory, run=run)

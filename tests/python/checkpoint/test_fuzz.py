@@ -261,7 +261,10 @@ def test_resuming_damaged_folders(tmp_path: Path) -> None:
         shutil.rmtree(tmp_path / "bad", ignore_errors=True)
         shutil.copytree(tmp_path / "good", tmp_path / "bad")
         name = files[int(rng.integers(len(files)))]
-        (tmp_path / "bad" / name).write_bytes(damaged((tmp_path / "good" / name).read_bytes(), rng))
+        data = (tmp_path / "good" / name).read_bytes()
+        if name.name == "manifest.json":
+            data = json.dumps(strange_json(json.loads(data), rng)).encode()
+        (tmp_path / "bad" / name).write_bytes(damaged(data, rng) if rng.random() < 0.8 else data)
         try:
             result = scenes.resume(tmp_path / "bad", until=0.12, **quiet)
         except stark.InvalidArgument:
@@ -270,3 +273,19 @@ def test_resuming_damaged_folders(tmp_path: Path) -> None:
             assert result.status == "complete"
             open_all(tmp_path / "bad")
     assert refused > 5
+
+
+def test_runs_of_checkpoints_that_say_strange_things(tmp_path: Path) -> None:
+    """What 'stark run' keeps in a checkpoint: refused, or gone on with."""
+    rng = np.random.default_rng(SEED)
+    quiet = {"replay": False, "picture": False, "check": False}
+    scenes.run(write_scene(tmp_path), out=tmp_path / "run", until=0.05, **quiet)
+    path = tmp_path / "run/checkpoint.stark"
+    header, arrays = arrays_of(path)
+    for k in range(COUNT // 3):
+        rewrite(path, {**header, "run": strange_json(header["run"], rng)}, arrays)
+        try:
+            result = scenes.resume(tmp_path / "run", until=0.07, **quiet)
+        except stark.InvalidArgument:
+            continue
+        assert result.status == "complete", f"seed {SEED}, mutation {k}"
