@@ -176,6 +176,8 @@ TEST_CASE("lengths and numbers that no state can have are found") {
   good.actuator_enabled = {0.0, 1.0};
   good.attachment_held = {1.0, -1.0};
   good.actuator_value = {std::numeric_limits<double>::infinity(), -1.0};  // no cap
+  good.body_rotation = good.script_rotation =
+      good.previous_body_rotation = {Mat3::identity(), Mat3::identity()};
   CHECK(find_invalid_number(good) == "");
   CHECK(first_length_difference(good, good) == "");
   State bad = good;
@@ -190,6 +192,9 @@ TEST_CASE("lengths and numbers that no state can have are found") {
   CHECK(found([&](State& s) { s.body_rotation[1].m[3] = nan; }) == "body_rotation[1] = nan: must be finite");
   CHECK(found([](State& s) { s.point_position[1].z = 1.0 / 0.0; }) ==
         "point_position[1] = inf m: must be finite");
+  CHECK(found([](State& s) { s.script_rotation[1].m[0] = 1.001; }) ==
+        "script_rotation[1]: must be a rotation");
+  CHECK(found([](State& s) { s.body_rotation[0].m[8] = -1.0; }) == "body_rotation[0]: must be a rotation");
   CHECK(found([](State& s) { s.time_step = 0.0; }) == "time_step = 0 s: must be > 0 and finite");
   CHECK(found([](State& s) { s.time = -1.0; }) == "time = -1 s: must be >= 0 and finite");
   CHECK(found([](State& s) { s.step_count = -1; }) == "step_count = -1: must be >= 0");

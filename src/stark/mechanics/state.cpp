@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include <stark/base/error.h>
 #include <stark/base/hash.h>
@@ -130,6 +131,20 @@ size_t count_numbers(const std::vector<size_t>& shape) {
   return count;
 }
 
+/// Rounding of many steps stays far below this, what is no rotation far above.
+constexpr double kOrthonormal = 1e-5;
+
+/// Position of the first matrix that is no rotation, -1 if all are.
+int64_t find_no_rotation(const std::vector<Mat3>& matrices) {
+  for (size_t k = 0; k < matrices.size(); ++k) {
+    const Mat3 error = transpose(matrices[k]) * matrices[k] - Mat3::identity();
+    for (const double entry : error.m)
+      if (!(std::fabs(entry) <= kOrthonormal)) return static_cast<int64_t>(k);
+    if (!(determinant(matrices[k]) > 0.0)) return static_cast<int64_t>(k);
+  }
+  return -1;
+}
+
 }  // namespace
 
 std::vector<StateArray> arrays_of(const State& state) {
@@ -177,6 +192,11 @@ std::string find_invalid_number(const State& state) {
         return array.name + (array.shape.empty() ? "" : "[" + std::to_string(k / width) + "]") + " = " +
                quantity_text(numbers[k], array.unit) + ": " + rule.text;
   }
+  for (const auto& [name, matrices] : {std::pair{"body_rotation", &state.body_rotation},
+                                       {"script_rotation", &state.script_rotation},
+                                       {"previous_body_rotation", &state.previous_body_rotation}})
+    if (const int64_t k = find_no_rotation(*matrices); k >= 0)
+      return std::string(name) + "[" + std::to_string(k) + "]: must be a rotation";
   return {};
 }
 
