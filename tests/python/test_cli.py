@@ -204,6 +204,7 @@ def test_options_of_packaged_scenes_do_not_stay(monkeypatch) -> None:
     from stark.scenes import stack
 
     defaults = {"count": 3, "fast": False, "mesh": ""}
+    monkeypatch.delattr(stack, "_default_options", raising=False)  # of an earlier load
     monkeypatch.setattr(stack, "options", dict(defaults), raising=False)
     changed = scenes.load("stack", {"count": "5", "fast": "true", "mesh": "cups/a.obj"})
     assert changed.name == "stack_5_True_cups-a.obj"
