@@ -9,6 +9,9 @@ from _zoo import CASES, advance, sensors
 
 import stark
 
+#: The last step, taken again when a checkpoint is loaded, must have the same bits.
+pytestmark = pytest.mark.filterwarnings("error:the last step:stark.StarkWarning")
+
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_run_that_was_stopped_has_the_same_bits(name: str, tmp_path: Path) -> None:
