@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes docs/reference.md: every setting, material parameter and preset, as the core declares them.
+"""Writes docs/reference.md: every setting, material parameter, field of the state and preset, as declared.
 
 Needs the package: `PYTHONPATH=python python tools/reference.py`. `--check` compares instead of writing.
 """
@@ -65,6 +65,19 @@ def text() -> str:
                 "| kind | what it does | value | unit | range | default | meaning |",
                 "|---|---|---|---|---|---|---|",
                 *(row for name in stark._core.actuator_names() for row in actuator_rows(name)),
+            ]
+        ),
+        "## Fields of the state (`stark.Simulation.state`)",
+        "All that a step depends on besides the scene, `sim.state.arrays()` by name; "
+        "[checkpoints](checkpoints.md) hold them.",
+        "\n".join(
+            [
+                "| field | unit | meaning |",
+                "|---|---|---|",
+                *(
+                    f"| `{row['name']}` | {row['unit']} | {row['meaning']} |"
+                    for row in stark._core.State.fields()
+                ),
             ]
         ),
         "## Presets (`stark.materials`)",

@@ -119,23 +119,91 @@ Mat3 to_mat3(nb::handle object, const std::string& name) {
   return result;
 }
 
-/// One step without the GIL; signals are looked at between Newton iterations, so Ctrl-C acts within one of
-/// them.
-StepReport run_step(Simulation& sim, std::optional<double> max_time_step) {
+/// Steps without the GIL; signals are looked at between Newton iterations, so Ctrl-C acts within one of them.
+template <typename Steps>
+auto interruptible(Simulation& sim, const Steps& steps) {
   bool raised = false;
   sim.set_interrupt([&raised] {
     nb::gil_scoped_acquire gil;
     raised = raised || PyErr_CheckSignals() != 0;
     return raised;
   });
-  StepReport report;
-  {
+  const auto result = [&] {
     nb::gil_scoped_release release;
-    report = max_time_step ? sim.step(*max_time_step) : sim.step();
-  }
+    return steps();
+  }();
   sim.set_interrupt({});
   if (raised) throw nb::python_error();
-  return report;
+  return result;
+}
+
+StepReport run_step(Simulation& sim, std::optional<double> max_time_step) {
+  return interruptible(sim,
+                       [&]() -> StepReport { return max_time_step ? sim.step(*max_time_step) : sim.step(); });
+}
+
+bool resume(Simulation& sim, const State& before, std::optional<double> max_time_step, const State& state) {
+  return interruptible(sim, [&] { return sim.resume(before, max_time_step.value_or(1e300), state); });
+}
+
+/// A field as an array of its own.
+nb::object copied(const StateArray& field) {
+  size_t count = 1;
+  for (const size_t extent : field.shape) count *= extent;
+  const auto owned = [&]<typename T>(const T* data) {
+    auto* values = new std::vector<T>(data, data + count);
+    nb::capsule owner(values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+    return nb::cast(nb::ndarray<nb::numpy, T>(values->data(), field.shape.size(), field.shape.data(), owner));
+  };
+  return field.is_integer ? owned(static_cast<const int64_t*>(field.data))
+                          : owned(static_cast<const double*>(field.data));
+}
+
+nb::dict state_arrays(const State& state) {
+  nb::dict arrays;
+  for (const StateArray& field : arrays_of(state)) arrays[field.name.c_str()] = copied(field);
+  return arrays;
+}
+
+nb::list state_fields() {
+  nb::list fields;
+  const State none;
+  for (const StateArray& field : arrays_of(none)) {
+    nb::dict row;
+    row["name"] = field.name;
+    row["unit"] = field.unit;
+    row["meaning"] = field.meaning;
+    fields.append(row);
+  }
+  return fields;
+}
+
+State state_of_arrays(const nb::dict& given) {
+  using Any = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
+  std::vector<Any> kept;  // the arrays live as long as they are read
+  std::vector<StateArray> arrays;
+  for (const auto& [key, value] : given) {
+    const std::string name = text(key);
+    Any array;
+    if (!nb::try_cast<Any>(value, array, false) ||
+        (array.dtype() != nb::dtype<double>() && array.dtype() != nb::dtype<int64_t>()))
+      throw InvalidArgument("state: the field '" + name +
+                            "' must be a contiguous array of the type float64 or int64");
+    StateArray field{.name = name, .unit = "", .meaning = ""};
+    field.is_integer = array.dtype() == nb::dtype<int64_t>();
+    for (size_t k = 0; k < array.ndim(); ++k) field.shape.push_back(array.shape(k));
+    field.data = array.data();
+    kept.push_back(array);
+    arrays.push_back(field);
+  }
+  return make_state(arrays);
+}
+
+nb::list part_list(const Simulation& sim) {
+  nb::list parts;
+  for (const ModelPart& part : sim.model().parts())
+    parts.append(nb::make_tuple(part.name, part.is_structure, hex(part.hash)));
+  return parts;
 }
 
 void bind_state(nb::module_& m) {
@@ -146,15 +214,29 @@ void bind_state(nb::module_& m) {
           "time_step", [](const State& s) { return s.time_step; }, "Length of the next step [s].")
       .def_prop_ro(
           "step_count", [](const State& s) { return s.step_count; }, "Accepted steps so far.")
-      .def_prop_ro("point_positions",
-                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); })
-      .def_prop_ro("point_velocities",
-                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); })
-      .def_prop_ro("body_positions",
-                   [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); })
+      .def_prop_ro(
+          "point_positions",
+          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); },
+          nb::rv_policy::automatic, "Positions of the points of cloth and solids (n, 3) [m].")
+      .def_prop_ro(
+          "point_velocities",
+          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); },
+          nb::rv_policy::automatic, "Their velocities (n, 3) [m/s].")
+      .def_prop_ro(
+          "body_positions",
+          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); },
+          nb::rv_policy::automatic, "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
       .def_prop_ro(
           "hash", [](const State& s) { return hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
-      .def("copy", [](const State& s) { return s; })
+      .def(
+          "copy", [](const State& s) { return s; }, "A state of its own: the same value.")
+      .def("arrays", &state_arrays,
+           "All fields by name, as arrays of their own; State.fields() describes them.")
+      .def_static(
+          "of_arrays", &state_of_arrays, "arrays"_a,
+          "The state of what arrays() gave. Raises InvalidArgument for fields that are missing, unknown "
+          "or of another type or shape.")
+      .def_static("fields", &state_fields, "Name, unit and meaning of every field, in order.")
       .def("__eq__", [](const State& a, const State& b) { return first_difference(a, b).empty(); })
       .def(
           "first_difference", [](const State& a, const State& b) { return first_difference(a, b); },
@@ -245,6 +327,8 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("time_step", [](const Simulation& s) { return s.state().time_step; })
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a,
+           "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
       .def_prop_ro("dof_count", &Simulation::dof_count)
       .def_prop_ro("body_count", [](const Simulation& s) { return s.scene().body_count(); })
@@ -271,6 +355,13 @@ void bind_simulation(nb::module_& m) {
             s.set_pose(BodyId{body}, to_vec3(position, "position"), to_mat3(rotation, "rotation"), duration);
           },
           "body"_a, "position"_a, "rotation"_a, "duration"_a = nb::none())
+      .def("target_pose",
+           [](const Simulation& s, int body) {
+             Vec3 position;
+             Mat3 rotation;
+             s.target_pose(BodyId{body}, position, rotation);
+             return nb::make_tuple(vector3(position), matrix(rotation));
+           })
       .def("set_twist",
            [](Simulation& s, int body, nb::object velocity, nb::object angular_velocity) {
              s.set_velocity(BodyId{body}, to_vec3(velocity, "velocity"),
@@ -351,6 +442,7 @@ void bind_simulation(nb::module_& m) {
           "actuator_power", [](const Simulation& s, int32_t k) { return s.actuator_power({k}); },
           "actuator"_a, "Fed into the motion in the last step [W].")
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
+      .def("parts", part_list, "What the model was made of: name, whether a state depends on it, hash.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
   bind_attachments_of_simulation(m.attr("Simulation"));
   bind_layers_of_simulation(m.attr("Simulation"));

@@ -54,6 +54,7 @@ for _exception in (
 _ON_DEMAND = (
     "actuators",
     "attachments",
+    "checkpoint",
     "formulas",
     "joints",
     "motion",
@@ -73,6 +74,7 @@ _NAMES_ON_DEMAND = {
     ),
     "stark.joints": "Joint Wrench hold joint",
     "stark.attachments": "Attachment",
+    "stark.checkpoint": "Checkpoint CheckpointError",
     "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "

@@ -422,20 +422,17 @@ class RigidBody(InertialSensors, Body):
         )
 
     def _target(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        targets = self._require_simulation("setting a pose")._targets
-        return targets.get(self._index) or self._pose()
+        return self._require_simulation("setting a pose")._core.target_pose(self._index)
 
     def _set_pose(self, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
         simulation = self._require_simulation("setting a pose")
         self._require_scripted("pose")
         simulation._core.set_pose(self._index, position, rotation)
-        simulation._targets[self._index] = position, rotation
 
     def _set_velocity(self, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]) -> None:
         simulation = self._require_simulation("setting a velocity")
         self._require_scripted("velocity")
         simulation._core.set_twist(self._index, velocity, angular_velocity)
-        simulation._targets.pop(self._index, None)
 
     def _require_scripted(self, what: str) -> None:
         if self.motion != "scripted":

@@ -39,9 +39,7 @@ class PoseFollower:
         return position, rotation
 
     def apply(self, simulation: Simulation, time: float, duration: float) -> None:
-        pose = self.pose(time)
-        simulation._core.set_pose(self.body._index, *pose, duration)
-        simulation._targets[self.body._index] = pose
+        simulation._core.set_pose(self.body._index, *self.pose(time), duration)
 
 
 @dataclass

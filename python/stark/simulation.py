@@ -5,10 +5,9 @@ from __future__ import annotations
 import warnings
 import weakref
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stark import _core
 from stark._core import Error, InvalidArgument
@@ -25,6 +24,14 @@ if TYPE_CHECKING:
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
     from stark.layers import Layer
+
+
+class LastStep(NamedTuple):
+    """What a step started from: taken again, it brings back what sensors read."""
+
+    before: State
+    limit: float | None  #: [s], of a step that was cut short
+    values: list[dict[str, Any]]  #: live values of the energies, arrays by name
 
 
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
@@ -62,11 +69,11 @@ class Simulation:
         for message in scene._core.check_contact_distances(self._settings._core):
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)
-        self._targets: dict[int, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         for body in scene.bodies:
             body._bind(self)
         scene._latest_simulation = weakref.ref(self)
         self._live_values = [energy._live_values() for energy in scene.energies]
+        self._last_step: LastStep | None = None
 
     # --- stepping ---
 
@@ -107,7 +114,12 @@ class Simulation:
             duration = min((self._core.time_step, *limit))
             for follower in self._followers():
                 follower.apply(self, self._core.time + duration, duration)
-        return self._core.step(*limit)
+        before, self._last_step = self._core.state, None
+        report = self._core.step(*limit)
+        if not report.failed:
+            pushed = [values.pushed() for values in self._live_values]
+            self._last_step = LastStep(before, limit[0] if limit else None, pushed)
+        return report
 
     def _followers(self) -> list[Follower]:
         """Of the bodies that this simulation has."""
@@ -144,7 +156,33 @@ class Simulation:
     @state.setter
     def state(self, state: State) -> None:
         self._core.state = state
-        self._targets.clear()
+        self._last_step = None
+
+    def save(self, path: str | PathLike[str], *, memory: dict[str, Any] | None = None) -> None:
+        """Writes where it is to a file, to go on from bit for bit: the state, the live values of energies,
+        and ``memory``, what a controller remembers (numbers, texts, lists, dictionaries, arrays). The file is
+        written whole or not at all. Raises ``stark.CheckpointError`` when it cannot be written."""
+        from stark.checkpoint import Checkpoint
+
+        Checkpoint.of(self, memory=memory).write(path)
+
+    def load(self, path: str | PathLike[str], *, exact: bool = True) -> dict[str, Any]:
+        """Goes on from a file that ``save`` wrote, of the same scene and settings; returns its ``memory``.
+
+        The last step is taken again, so that contacts, reactions and other sensors read what they read.
+        ``exact=False`` accepts other materials, values and settings. Values of energies become those of the
+        file for all simulations of the scene. Raises ``stark.CheckpointError`` for files that are missing,
+        damaged or of another scene, and leaves everything as it was."""
+        from stark.checkpoint import Checkpoint
+
+        checkpoint = Checkpoint.read(path)
+        checkpoint.put_into(self, exact=exact, owner=f"checkpoint '{path}'")
+        return checkpoint.memory
+
+    @cached_property
+    def _parts(self) -> list[tuple[str, bool, str]]:
+        """What the model was made of, with hashes."""
+        return self._core.parts()
 
     @property
     def settings(self) -> Settings:

@@ -93,3 +93,22 @@ TEST_CASE("boxes in single precision contain the points far from the origin") {
     }
   }
 }
+
+TEST_CASE("places that floats cannot reach are found together, and nothing else is touched") {
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(1.0, 1.0, 9, 9));
+  scene.add_mesh(make_grid(1.0, 1.0, 4, 4), {0, 0, 5.0});
+  for (size_t v = 0; v < scene.x.size(); v += 3)
+    for (int axis = 0; axis < 3; ++axis) scene.x[v][axis] = (v / 3 + axis) % 2 == 0 ? 1e300 : -1e300;
+  ThreadPool pool(1);
+  Bvh bvh;
+  bvh.reset(scene.surface, 2);
+  bvh.refit(scene.x, scene.x, std::vector<double>{0.001, 0.001}, pool);
+  const auto count = static_cast<int32_t>(scene.surface.triangles.size());
+  int64_t pairs = 0;
+  bvh.for_each_pair(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool) {
+    REQUIRE((a.triangle >= 0 && a.triangle < count && b.triangle >= 0 && b.triangle < count));
+    ++pairs;
+  });
+  CHECK(pairs > 0);
+}

@@ -157,6 +157,29 @@ TEST_CASE("linear solver: the bits of a step depend on the systems of that step 
   CHECK(x == y);
 }
 
+TEST_CASE("linear solver: a step that starts on the pattern it was analysed for has no history either") {
+  ThreadPool pool(1);
+  int32_t count = 0;
+  const test::Pairs pairs = test::solid_pairs(6, count);
+  test::Pairs more = pairs;
+  for (int32_t i = 0; i + 40 < count; i += 3) more.emplace_back(i, i + 40);
+  const BlockMatrix first = test::spd_matrix(BlockPattern::from_pairs(count, more), 3);
+  const BlockMatrix second = test::spd_matrix(BlockPattern::from_pairs(count, pairs), 5);
+  const std::vector<double> b = test::random_vector(3 * count, 4);
+  std::vector<double> x(b.size()), y(b.size());
+  LinearSolver with_history({.kind = LinearSolverKind::Cholesky}, pool);
+  LinearSolver fresh({.kind = LinearSolverKind::Cholesky}, pool);
+  with_history.begin_step();
+  CHECK(with_history.solve(first, b, x, 1e-4).ok);
+  for (LinearSolver* solver : {&with_history, &fresh}) {
+    std::vector<double>& result = solver == &fresh ? y : x;
+    solver->begin_step();
+    CHECK(solver->solve(first, b, result, 1e-4).ok);
+    CHECK(solver->solve(second, b, result, 1e-4).ok);  // on the ordering of `first`
+  }
+  CHECK(x == y);
+}
+
 TEST_CASE("linear solver: settings are checked, empty and zero systems are solved") {
   ThreadPool pool(1);
   CHECK_THROWS_AS(LinearSolver({.pcg_tolerance = 0.0}, pool), InvalidSetting);

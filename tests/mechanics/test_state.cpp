@@ -1,10 +1,13 @@
 // State as a value: equality, hash and first difference see every field of state_fields.inc, bit for bit.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
 
+#include <stark/base/error.h>
 #include <stark/mechanics/state.h>
 
 using namespace stark;
@@ -113,4 +116,88 @@ TEST_CASE(
   a.time = std::numeric_limits<double>::quiet_NaN();
   const State c = a;
   CHECK(a == c);
+}
+
+TEST_CASE("a state is the arrays of its fields, and comes back from them in any order") {
+  const State a = sample();
+  std::vector<StateArray> arrays = arrays_of(a);
+  CHECK(arrays.front().name == "time");
+  CHECK(arrays.front().unit == "s");
+  CHECK(arrays.front().shape.empty());
+  for (const StateArray& array : arrays) {
+    CHECK(array.is_integer == (array.name == "step_count"));
+    if (array.name == "body_rotation") CHECK(array.shape == std::vector<size_t>{2, 3, 3});
+    if (array.name == "point_position") CHECK(array.shape == std::vector<size_t>{2, 3});
+    if (array.name == "joint_rate") CHECK(array.shape == std::vector<size_t>{2});
+  }
+  std::reverse(arrays.begin(), arrays.end());
+  CHECK(make_state(arrays) == a);
+  const State none;
+  CHECK(make_state(arrays_of(none)) == none);
+}
+
+TEST_CASE("arrays that are no state are refused") {
+  const State a = sample();
+  const std::vector<StateArray> good = arrays_of(a);
+  std::vector<StateArray> arrays = good;
+  SUBCASE("missing") {
+    arrays.pop_back();
+    CHECK_THROWS_WITH_AS(make_state(arrays), doctest::Contains("'pin_remaining' is missing"),
+                         InvalidArgument);
+  }
+  SUBCASE("unknown") {
+    arrays.push_back(good[0]);
+    arrays.back().name = "tim";
+    CHECK_THROWS_WITH_AS(make_state(arrays), doctest::Contains("unknown field 'tim'"), InvalidArgument);
+  }
+  SUBCASE("type") {
+    arrays[2].is_integer = false;
+    CHECK_THROWS_WITH_AS(make_state(arrays), doctest::Contains("'step_count' has real numbers"),
+                         InvalidArgument);
+  }
+  SUBCASE("number of dimensions") {
+    arrays[0].shape = {1};
+    CHECK_THROWS_WITH_AS(make_state(arrays), doctest::Contains("'time' has real numbers in 1 dimensions"),
+                         InvalidArgument);
+  }
+  SUBCASE("last dimension") {
+    arrays[3].shape = {2, 2};
+    CHECK_THROWS_AS(make_state(arrays), InvalidArgument);
+  }
+  SUBCASE("one dimension too few") {
+    arrays[7].shape = {2, 3};
+    CHECK_THROWS_AS(make_state(arrays), InvalidArgument);
+  }
+}
+
+TEST_CASE("lengths and numbers that no state can have are found") {
+  State good = sample();
+  good.joint_enabled = {1.0, 0.0};
+  good.actuator_enabled = {0.0, 1.0};
+  good.attachment_held = {1.0, -1.0};
+  good.actuator_value = {std::numeric_limits<double>::infinity(), -1.0};  // no cap
+  good.body_rotation = good.script_rotation =
+      good.previous_body_rotation = {Mat3::identity(), Mat3::identity()};
+  CHECK(find_invalid_number(good) == "");
+  CHECK(first_length_difference(good, good) == "");
+  State bad = good;
+  shorten(bad.previous_body_rotation_rate);
+  CHECK(first_length_difference(good, bad) == "previous_body_rotation_rate");
+  const auto found = [&](auto change) {
+    State state = good;
+    change(state);
+    return find_invalid_number(state);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(found([&](State& s) { s.body_rotation[1].m[3] = nan; }) == "body_rotation[1] = nan: must be finite");
+  CHECK(found([](State& s) { s.point_position[1].z = 1.0 / 0.0; }) ==
+        "point_position[1] = inf m: must be finite");
+  CHECK(found([](State& s) { s.script_rotation[1].m[0] = 1.001; }) ==
+        "script_rotation[1]: must be a rotation");
+  CHECK(found([](State& s) { s.body_rotation[0].m[8] = -1.0; }) == "body_rotation[0]: must be a rotation");
+  CHECK(found([](State& s) { s.time_step = 0.0; }) == "time_step = 0 s: must be > 0 and finite");
+  CHECK(found([](State& s) { s.time = -1.0; }) == "time = -1 s: must be >= 0 and finite");
+  CHECK(found([](State& s) { s.step_count = -1; }) == "step_count = -1: must be >= 0");
+  CHECK(found([](State& s) { s.attachment_held[0] = 2.0; }) == "attachment_held[0] = 2: must be 1, 0 or -1");
+  CHECK(found([&](State& s) { s.actuator_value[1] = nan; }) == "actuator_value[1] = nan: must be a number");
 }

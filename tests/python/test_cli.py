@@ -79,10 +79,14 @@ def test_run_can_be_silent_and_bare(fall: Path, tmp_path: Path, capsys) -> None:
     assert _run("run", fall, "--out", tmp_path / "run", "--quiet", "--no-replay", "--no-picture") == 0
     assert capsys.readouterr() == ("", "")
     assert sorted(p.name for p in (tmp_path / "run").iterdir()) == [
+        "checkpoint.stark",
         "frames",
         "manifest.json",
         "telemetry.jsonl",
     ]
+    bare = ("--quiet", "--no-replay", "--no-picture", "--no-checkpoint")
+    assert _run("run", fall, "--out", tmp_path / "run", *bare) == 0
+    assert not (tmp_path / "run/checkpoint.stark").exists()
 
 
 def test_command_line_wins_over_the_file(fall: Path, tmp_path: Path) -> None:
@@ -200,7 +204,7 @@ def test_options_of_packaged_scenes_do_not_stay(monkeypatch) -> None:
     from stark.scenes import stack
 
     defaults = {"count": 3, "fast": False, "mesh": ""}
-    monkeypatch.delattr(stack, "_default_options", raising=False)  # of an earlier test
+    monkeypatch.delattr(stack, "_default_options", raising=False)  # of an earlier load
     monkeypatch.setattr(stack, "options", dict(defaults), raising=False)
     changed = scenes.load("stack", {"count": "5", "fast": "true", "mesh": "cups/a.obj"})
     assert changed.name == "stack_5_True_cups-a.obj"
@@ -296,7 +300,7 @@ def test_bad_input_is_one_line_and_2(tmp_path: Path, monkeypatch, capsys, words,
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("words", [(), ("fly",), ("run",), ("run", "hello_cloth", "--until", "x")])
+@pytest.mark.parametrize("words", [(), ("fly",), ("run", "hello_cloth", "--until", "x")])
 def test_wrong_usage(words, capsys) -> None:
     assert _run(*words) == 2
     assert "usage: stark" in capsys.readouterr().err

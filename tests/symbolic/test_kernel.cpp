@@ -110,9 +110,23 @@ TEST_CASE("a kernel outlives its graph, equal kernels are shared") {
   }
   CHECK(&first.statistics() == &second.statistics());
   CHECK(&first.statistics() != &third.statistics());
+  CHECK(first.fingerprint() == second.fingerprint());
+  CHECK(first.fingerprint() != third.fingerprint());
   Samples s;
   s.unknowns = {{0.25}};
   CHECK(run(first, Order::Gradient, s)[0][1] == doctest::Approx(std::exp(0.25) * 1.25).epsilon(1e-15));
+}
+
+TEST_CASE("the fingerprint is that of the formula, on every back end") {
+  Graph graph;
+  const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown);
+  const auto of = [](const Scalar& energy, Backend backend = Backend::Automatic) {
+    return compile(energy, backend).fingerprint();
+  };
+  CHECK(of(x * y) == of(x * y, Backend::Interpreter));
+  CHECK(of(x * y) != of(x * x));
+  CHECK(of(2.0 * x) != of(2.5 * x));
+  CHECK(of(sin(x)) != of(cos(x)));
 }
 
 TEST_CASE("kernels are built and called from several threads") {

@@ -9,14 +9,14 @@ from collections.abc import Sequence
 
 #: Verb and what it does; the module of a verb has add_arguments(parser) and run(args) -> exit code.
 VERBS: dict[str, str] = {
-    "run": "run a scene and record it",
+    "run": "run a scene and record it, or go on with a run",
     "bench": "measure a scene",
     "replay": "write the replay page of a recording",
     "still": "write a picture of a recording",
     "video": "write an mp4 of a recording",
     "export": "write VTU, PLY or OBJ files of a recording",
     "verify": "check a recording and write a certificate",
-    "info": "list scenes, or describe a scene or a recording",
+    "info": "list scenes, or describe a scene, a recording or a checkpoint",
     "doctor": "show what this machine and installation offer",
 }
 

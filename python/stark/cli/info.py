@@ -1,4 +1,4 @@
-"""``stark info``: the packaged scenes, one scene, or one recording."""
+"""``stark info``: the packaged scenes, one scene, one recording or one checkpoint."""
 
 from __future__ import annotations
 
@@ -7,7 +7,12 @@ from pathlib import Path
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", nargs="?", metavar="SCENE|RUN", help="a scene or the folder of a run")
+    parser.add_argument(
+        "what",
+        nargs="?",
+        metavar="SCENE|RUN|FILE.stark",
+        help="a scene, the folder of a run, or a checkpoint",
+    )
     parser.add_argument(
         "--settings", action="store_true", help="list all settings with unit, default and meaning"
     )
@@ -18,7 +23,10 @@ def run(args: argparse.Namespace) -> int:
         return _settings()
     if args.what is None:
         return _scenes()
-    return _recording(Path(args.what)) if Path(args.what).is_dir() else _scene(args.what)
+    path = Path(args.what)
+    if path.is_dir():
+        return _recording(path)
+    return _checkpoint(path) if path.suffix == ".stark" else _scene(args.what)
 
 
 def _settings() -> int:
@@ -57,7 +65,9 @@ def _scene(name: str) -> int:
 
 
 def _recording(folder: Path) -> int:
+    from ..checkpoint import Checkpoint
     from ..recording import Recording
+    from ..recording.format import CHECKPOINT
 
     recording = Recording(folder)
     manifest = recording.manifest
@@ -73,4 +83,21 @@ def _recording(folder: Path) -> int:
         print(f"  {body.kind:6} {body.name}: {body.vertex_count} vertices, {body.triangle_count} triangles")
     for name, value in manifest.get("summary", {}).get("observables", {}).items():
         print(f"  {name} = {value:.6g}")
+    if (folder / CHECKPOINT).exists():
+        print(f"  checkpoint at {Checkpoint.read(folder / CHECKPOINT).time:g} s: stark run --resume {folder}")
+    return 0
+
+
+def _checkpoint(path: Path) -> int:
+    from ..checkpoint import Checkpoint
+
+    checkpoint = Checkpoint.read(path)
+    state = checkpoint.state
+    print(f"{checkpoint.scene}: checkpoint at {checkpoint.time:g} s, after {state.step_count} steps")
+    print(f"  Stark {checkpoint.stark_version}, state {state.hash}")
+    for name, array in state.arrays().items():
+        if array.size and array.ndim:
+            print(f"  {name}: {len(array)}")
+    for name in checkpoint.memory:
+        print(f"  memory {name}")
     return 0

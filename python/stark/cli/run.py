@@ -1,4 +1,5 @@
-"""``stark run``: runs a scene and leaves recording, telemetry, replay page and a picture in a folder."""
+"""``stark run``: runs a scene and leaves recording, telemetry, replay page and a picture in a folder; goes on
+with a run that was killed or stopped."""
 
 from __future__ import annotations
 
@@ -16,14 +17,28 @@ from .settings_arguments import add_setting_arguments, parse_settings
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "scene", metavar="SCENE.py|NAME", help="a scene file, or the name of a packaged scene"
+        "scene",
+        metavar="SCENE.py|NAME",
+        nargs="?",
+        help="a scene file, or the name of a packaged scene; with --resume only if the file was moved",
     )
     parser.add_argument(
         "--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own"
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the run; default: out/NAME")
+    parser.add_argument("--fps", type=float, help="most recorded frames per simulated second (60)")
     parser.add_argument(
-        "--fps", type=float, default=60.0, help="most recorded frames per simulated second (60)"
+        "--checkpoint-every",
+        type=float,
+        metavar="SECONDS",
+        help="by the clock on the wall, to resume from: a killed run loses no more (60; 0: after each step)",
+    )
+    parser.add_argument("--no-checkpoint", action="store_true", help="write no checkpoints")
+    parser.add_argument(
+        "--resume",
+        type=Path,
+        metavar="DIR",
+        help="go on with the run in DIR from its last checkpoint, as if it had never stopped",
     )
     parser.add_argument(
         "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the scene file"
@@ -48,13 +63,61 @@ def _option(text: str) -> tuple[str, str]:
     return name, value
 
 
-def run(args: argparse.Namespace) -> int:
+def _check(args: argparse.Namespace) -> None:
+    """Which arguments go together."""
+    if args.resume is None:
+        if args.scene is None:
+            raise InvalidArgument("run: give a scene, or --resume DIR to go on with a run")
+        return
+    fixed = {
+        "--out": args.out is not None,
+        "--fps": args.fps is not None,
+        "--option": bool(args.option),
+        "--checkpoint-every": args.checkpoint_every is not None,
+        "--no-checkpoint": args.no_checkpoint,
+        "--certify": args.certify,
+    }
+    if given := [name for name, is_given in fixed.items() if is_given]:
+        raise InvalidArgument(f"run: {given[0]} is that of the run in {args.resume}; leave it out")
+
+
+def _end(args: argparse.Namespace) -> float:
+    """Simulated time at the end [s]."""
     from ..scenes import load
-    from ..scenes import run as run_scene
+    from ..scenes.resuming import planned_end
     from ..scenes.runner import end_time
 
-    scene_file = load(args.scene, dict(_option(text) for text in args.option))
-    progress = Progress(end_time(scene_file, args.until), quiet=args.quiet)
+    if args.resume is not None:
+        return planned_end(args.resume) if args.until is None else args.until
+    return end_time(load(args.scene, dict(_option(text) for text in args.option)), args.until)
+
+
+def _run(args: argparse.Namespace, on_step: Any) -> Any:
+    from .. import scenes
+
+    common: dict[str, Any] = {
+        "until": args.until,
+        "settings": parse_settings(args),
+        "replay": not args.no_replay,
+        "picture": not args.no_picture,
+        "on_step": on_step,
+    }
+    if args.resume is not None:
+        return scenes.resume(args.resume, scene=args.scene, **common)
+    period = scenes.CHECKPOINT_PERIOD if args.checkpoint_every is None else args.checkpoint_every
+    return scenes.run(
+        scenes.load(args.scene, dict(_option(text) for text in args.option)),
+        out=args.out,
+        fps=60.0 if args.fps is None else args.fps,
+        checkpoint_every=None if args.no_checkpoint else period,
+        certify=args.certify,
+        **common,
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    _check(args)
+    progress = Progress(_end(args), quiet=args.quiet)
 
     def on_step(sim: Any, report: Any) -> None:
         iterations, contacts = int(report.newton_iterations), int(report.contact_count)
@@ -62,17 +125,7 @@ def run(args: argparse.Namespace) -> int:
 
     previous = signal.signal(signal.SIGTERM, _stop)
     try:
-        result = run_scene(
-            scene_file,
-            out=args.out,
-            until=args.until,
-            settings=parse_settings(args),
-            fps=args.fps,
-            replay=not args.no_replay,
-            picture=not args.no_picture,
-            certify=args.certify,
-            on_step=on_step,
-        )
+        result = _run(args, on_step)
     finally:
         signal.signal(signal.SIGTERM, previous)
         progress.close()

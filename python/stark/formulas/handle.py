@@ -192,11 +192,35 @@ class LiveValues:
         for name, value in self.energy._binding.values.items():
             version, copy = self._known[name]
             if value.version == version and not (value.exposed and self._changed(value, copy)):
+                if copy is None:  # nobody has touched it so far
+                    self._known[name] = version, value.array.copy()
                 continue
             owner, parameter = f"energy '{self.energy.name}'", self.energy._parameter(name)
             check_range(owner, parameter, value.array, value.per_element)
             core.set_energy_value(self.energy._index, name, value.numbers)
             self._known[name] = value.version, value.array.copy()
+
+    def present(self) -> dict[str, Floats]:
+        """Copies of the values that the next step takes."""
+        return {name: value.array.copy() for name, value in self.energy._binding.values.items()}
+
+    def check(self, owner: str, given: Mapping[str, Floats]) -> None:
+        """Raises InvalidArgument for values out of range."""
+        for name, array in given.items():
+            value = self.energy._binding.values[name]
+            check_range(owner, self.energy._parameter(name), array, value.per_element)
+
+    def assign(self, given: Mapping[str, Floats]) -> None:
+        """Makes these the values of the energy, for every simulation of its scene."""
+        for name, array in given.items():
+            value = self.energy._binding.values[name]
+            if value.array.tobytes() != array.tobytes():
+                value.array[...] = array  # in place: arrays that were handed out stay live
+                value.version += 1
+
+    def pushed(self) -> dict[str, Floats]:
+        """The values that the last step took."""
+        return {name: copy for name, (_, copy) in self._known.items() if copy is not None}
 
     @staticmethod
     def _changed(value: Value, copy: Floats | None) -> bool:

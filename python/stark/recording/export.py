@@ -11,7 +11,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from .format import Frame, RecordingError, write_atomically
+from ..array_file import write_atomically
+from .format import Frame, RecordingError
 from .reader import Recording
 
 FORMATS = ("vtu", "ply", "obj")

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +11,15 @@ from .._core import InvalidArgument
 
 FORMAT_NAME = "stark-recording"
 FORMAT_VERSION = 1
-#: Frames in one chunk file; also the largest number of frames that a killed run loses.
+#: Frames in one chunk file; also the largest number of frames that a killed run loses between checkpoints.
 CHUNK_FRAMES = 32
 MANIFEST = "manifest.json"
 TELEMETRY = "telemetry.jsonl"
 TOPOLOGY = "frames/topology.npz"
 STATES = "states"
 STATES_VERSION = 1
+#: Where a run can be resumed from, see stark.checkpoint.
+CHECKPOINT = "checkpoint.stark"
 KINDS = ("cloth", "solid", "rigid", "rod", "skin", "fibres")
 
 
@@ -66,19 +65,6 @@ class Frame:
 
 def chunk_path(index: int) -> str:
     return f"frames/chunk_{index:06d}.npz"
-
-
-def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
-    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with open(temporary, "wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:

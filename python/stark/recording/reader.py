@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
-import zlib
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -12,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from ..array_file import DamageError, read_arrays
 from ..telemetry import Telemetry, TelemetryError
 from .format import (
+    CHUNK_FRAMES,
     FORMAT_NAME,
     FORMAT_VERSION,
     MANIFEST,
@@ -29,13 +29,12 @@ from .format import (
 
 def _read_npz(path: Path) -> dict[str, np.ndarray]:
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return read_arrays(path)
     except FileNotFoundError:
         raise RecordingError(
             f"'{path}' is missing; copy the run folder again or run the scene anew"
         ) from None
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+    except DamageError as error:
         raise RecordingError(
             f"'{path}' is damaged or cut off ({error}); copy the run folder again"
         ) from error
@@ -48,16 +47,29 @@ class Recording:
         self.folder = Path(folder)
         self.manifest = self._read_manifest()
         try:
-            self.bodies: list[BodyEntry] = [BodyEntry(**_tuples(entry)) for entry in self.manifest["bodies"]]
+            self.bodies: list[BodyEntry] = [_body(entry) for entry in self.manifest["bodies"]]
             chunk_count = int(self.manifest["chunk_count"])
             frame_count = int(self.manifest["frame_count"])
             self.scene = str(self.manifest["scene"])
             self.status = str(self.manifest["status"])
-        except (KeyError, TypeError, ValueError) as error:
+            if frame_count < 0 or chunk_count < 0:
+                raise ValueError("frame_count and chunk_count must be >= 0")
+            for group in ("settings", "summary"):
+                if not isinstance(self.manifest.get(group, {}), dict):
+                    raise TypeError(f"{group} must be an object")
+            if not isinstance(self.manifest.get("resumed", []), list):
+                raise TypeError("resumed must be a list")
+            size = self.manifest.get("chunk_frames", CHUNK_FRAMES)
+            if type(size) is not int or size < 1:
+                raise ValueError(f"chunk_frames = {size} must be an integer >= 1")
+        except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
             raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
         self._triangles = self._read_topology()
         self._cache: dict[int, dict[str, np.ndarray]] = {}
         times = [self._chunk(index)["times"] for index in range(chunk_count)]
+        if self.status == "running" and times:
+            # The last chunk grows at checkpoints; frames that the manifest does not count yet are not there.
+            times[-1] = times[-1][: max(0, frame_count - sum(map(len, times[:-1])))]
         self._starts = np.cumsum([0] + [len(t) for t in times])
         #: Time of each frame [s], shape (frames,).
         self.times: np.ndarray = np.concatenate(times) if times else np.zeros(0)
@@ -77,7 +89,7 @@ class Recording:
             manifest = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise RecordingError(f"'{self.folder}' is not a run folder: it has no {MANIFEST}") from None
-        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise RecordingError(f"'{path}' is damaged: {error}") from error
         if not isinstance(manifest, dict) or manifest.get("format") != FORMAT_NAME:
             raise RecordingError(
@@ -96,7 +108,7 @@ class Recording:
         triangles = []
         for i, body in enumerate(self.bodies):
             array = arrays.get(f"triangles_{i:04d}")
-            if array is None or array.shape != (body.triangle_count, 3):
+            if array is None or array.dtype.kind != "i" or array.shape != (body.triangle_count, 3):
                 raise RecordingError(
                     f"'{path}': triangles of body '{body.name}' are missing or have a wrong shape"
                 )
@@ -113,12 +125,13 @@ class Recording:
         path = self.folder / chunk_path(index)
         arrays = _read_npz(path)
         times = arrays.get("times")
-        if times is None or times.ndim != 1 or not np.all(np.isfinite(times)):
+        if times is None or times.ndim != 1 or times.dtype != np.float64 or not np.isfinite(times).all():
             raise RecordingError(f"'{path}' has no valid times")
         for i, body in enumerate(self.bodies):
             positions = arrays.get(f"positions_{i:04d}")
             if (
                 positions is None
+                or positions.dtype != np.float32
                 or positions.shape[1:] != (body.vertex_count, 3)
                 or len(positions)
                 not in (
@@ -213,5 +226,15 @@ class Recording:
         return render(self.frame(self.nearest(time)), **options)
 
 
-def _tuples(entry: dict[str, Any]) -> dict[str, Any]:
-    return {**entry, "color": tuple(entry["color"]) if entry.get("color") else None}
+def _body(entry: dict[str, Any]) -> BodyEntry:
+    """An entry of a manifest. Raises TypeError or ValueError for what a writer never writes."""
+    color = tuple(float(c) for c in entry["color"]) if entry.get("color") else None
+    body = BodyEntry(**{**entry, "color": color})
+    texts, counts = (body.name, body.kind, body.motion), (body.vertex_count, body.triangle_count)
+    if not all(isinstance(text, str) for text in texts):
+        raise TypeError(f"name, kind and motion of a body must be texts, not {texts}")
+    if not all(type(count) is int and count >= 0 for count in counts):
+        raise ValueError(f"body '{body.name}' has {counts} vertices and triangles")
+    if color is not None and (len(color) != 3 or not all(0.0 <= c <= 1.0 for c in color)):
+        raise ValueError(f"body '{body.name}' has the colour {color}")
+    return body

@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from .format import STATES, STATES_VERSION, write_atomically
+from ..array_file import write_atomically
+from .format import STATES, STATES_VERSION
 from .masses import point_masses, second_moments
 
 

@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..array_file import remove_leftovers, write_arrays, write_atomically
 from ..telemetry import SERIES, TelemetryWriter, _plain
 from .format import (
+    CHECKPOINT,
     CHUNK_FRAMES,
     FORMAT_NAME,
     FORMAT_VERSION,
@@ -27,8 +29,8 @@ from .format import (
     chunk_path,
     drawn,
     surface,
-    write_atomically,
 )
+from .reader import Recording
 
 if TYPE_CHECKING:
     from .states import StateWriter
@@ -73,11 +75,12 @@ class Recorder:
         self._written = 0
         self._chunk_frames = chunk_frames
         self._chunk_index = 0
-        #: Frames not written yet: time [s] and the positions of each body.
+        #: Frames of the chunk that is not full yet: time [s] and the positions of each body.
         self._pending: list[tuple[float, list[np.ndarray]]] = []
         #: Time of the last frame [s], minus infinity before the first.
         self.last_time = -np.inf
         self._closed = False
+        self._synced = 0
         self._prepare_folder()
         bodies = drawn(sim)
         self._entries = [self._entry(body) for body in bodies]
@@ -95,10 +98,11 @@ class Recorder:
             "settings": _plain(dict(settings or {})),
             "bodies": [entry.to_json() for entry in self._entries],
             "units": {"position": "m", **SERIES},
+            "resumed": [],
             "summary": {},
         }
         triangles = {f"triangles_{i:04d}": surface(b)[1].astype(np.int32) for i, b in enumerate(bodies)}
-        write_atomically(self.folder / TOPOLOGY, lambda file: np.savez(file, **triangles))
+        write_arrays(self.folder / TOPOLOGY, triangles)
         self._states: StateWriter | None = None
         if certify:
             from .states import StateWriter
@@ -123,7 +127,52 @@ class Recorder:
                 (self.folder / "certificate.json").unlink(missing_ok=True)
                 (self.folder / TELEMETRY).unlink(missing_ok=True)
                 (self.folder / "replay.html").unlink(missing_ok=True)
+                (self.folder / CHECKPOINT).unlink(missing_ok=True)
+                remove_leftovers(self.folder)
         (self.folder / "frames").mkdir(parents=True, exist_ok=True)
+
+    @classmethod
+    def resume(cls, folder: str | PathLike[str], sim: Any, *, frames: int, lines: int) -> Recorder:
+        """Goes on with the recording in ``folder`` after its first ``frames`` frames and ``lines`` lines of
+        telemetry; what follows them is dropped. The folder ends up as if it had been recorded at once, the
+        times of resuming in its manifest apart."""
+        recording = Recording(folder)
+        if "states" in recording.manifest:
+            raise RecordingError(
+                f"'{folder}' was recorded for certification, which covers a run from its start to its end: such "
+                "a run cannot be resumed; run it again with --certify"
+            )
+        if len(recording) < frames:
+            raise RecordingError(f"'{folder}' holds {len(recording)} frames: must have {frames} to go on")
+        recorder = cls.__new__(cls)
+        recorder.folder = Path(folder)
+        for place in (recorder.folder, recorder.folder / "frames"):
+            remove_leftovers(place)
+        recorder._manifest = {
+            **recording.manifest,
+            "status": "running",
+            "message": "",
+            "resumed": [*recording.manifest.get("resumed", []), float(sim.time)],
+            "summary": {},
+        }
+        recorder._states = None
+        recorder._entries = [cls._entry(body) for body in drawn(sim)]
+        if recorder._entries != recording.bodies:
+            raise RecordingError(
+                f"'{folder}' is a recording of other bodies; give the scene it was made with"
+            )
+        recorder._chunk_frames = int(recording.manifest.get("chunk_frames", CHUNK_FRAMES))
+        recorder._chunk_index, rest = divmod(frames, recorder._chunk_frames)
+        recorder._written = recorder._synced = frames - rest
+        recorder._pending = [
+            (float(recording.times[k]), [recording.positions(i, k) for i in range(len(recording.bodies))])
+            for k in range(frames - rest, frames)
+        ]
+        recorder.last_time = float(recording.times[frames - 1]) if frames else -np.inf
+        recorder._closed = False
+        recorder._telemetry = TelemetryWriter(recorder.folder / TELEMETRY, keep=lines)
+        recorder.sync()
+        return recorder
 
     @staticmethod
     def _entry(body: Any) -> BodyEntry:
@@ -185,35 +234,49 @@ class Recorder:
         self._telemetry.write(step_report, **extra)
 
     def flush(self) -> None:
-        """Writes the frames held in memory as one chunk, and the states, too. A body that did not move in it
-        is stored once."""
+        """Writes the frames held in memory as one chunk, and the states, too, and begins the next one."""
         if self._states is not None:
             self._states.flush()
         if self._pending:
             self._write_chunk()
+            self._chunk_index += 1
+            self._written += len(self._pending)
+            self._pending = []
         self._write_manifest()
 
+    def sync(self) -> None:
+        """Writes all that was recorded, so that a killed run has it. The last chunk is written again when it
+        has grown: where frames are stored does not depend on when this is called."""
+        if self.frame_count > self._synced and self._pending:
+            self._write_chunk()
+        self._synced = self.frame_count
+        self._telemetry.sync()
+        self._write_manifest(with_pending=True)
+
     def _write_chunk(self) -> None:
+        """A body that did not move in the chunk is stored once."""
         times = [at for at, _ in self._pending]
         arrays: dict[str, np.ndarray] = {"times": np.array(times, dtype=np.float64)}
         for i in range(len(self._entries)):
             track = [frame[i] for _, frame in self._pending]
             still = all(np.array_equal(track[0], positions) for positions in track[1:])
             arrays[f"positions_{i:04d}"] = np.stack(track[:1] if still else track)
-        path = self.folder / chunk_path(self._chunk_index)
-        write_atomically(path, lambda file: np.savez(file, **arrays))
-        self._chunk_index += 1
-        self._written += len(self._pending)
-        self._pending = []
+        write_arrays(self.folder / chunk_path(self._chunk_index), arrays)
 
     @property
     def frame_count(self) -> int:
         """Frames recorded so far, written or not."""
         return self._written + len(self._pending)
 
-    def _write_manifest(self) -> None:
-        self._manifest["frame_count"] = self._written
-        self._manifest["chunk_count"] = self._chunk_index
+    @property
+    def line_count(self) -> int:
+        """Lines of telemetry so far."""
+        return self._telemetry.line_count
+
+    def _write_manifest(self, *, with_pending: bool = False) -> None:
+        pending = len(self._pending) if with_pending else 0
+        self._manifest["frame_count"] = self._written + pending
+        self._manifest["chunk_count"] = self._chunk_index + (1 if pending else 0)
         if self._states is not None:
             self._manifest["states"] = {"count": self._states.count, "chunk_count": self._states.chunk_count}
         text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .._core import InvalidArgument
-from ..recording.format import write_atomically
+from ..array_file import write_atomically
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 

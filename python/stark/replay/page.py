@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from ..array_file import write_atomically
 from ..recording import Recording
-from ..recording.format import write_atomically
 from ..telemetry import Telemetry
 from .encode import EncodedReplay, encode
 

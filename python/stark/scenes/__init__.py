@@ -3,7 +3,8 @@
 A scene file is a Python file with a function ``build()``; ``docs/scene_files.md`` is the contract.
 """
 
-from .runner import RunResult, run
+from .resuming import resume
+from .runner import CHECKPOINT_PERIOD, RunResult, run
 from .scene_file import SceneFile, SceneFileError, load, names
 
-__all__ = ["RunResult", "SceneFile", "SceneFileError", "load", "names", "run"]
+__all__ = ["CHECKPOINT_PERIOD", "RunResult", "SceneFile", "SceneFileError", "load", "names", "resume", "run"]

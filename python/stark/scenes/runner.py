@@ -1,19 +1,28 @@
-"""Runs a scene file: builds it, steps it, records it, checks it."""
+"""Runs a scene file: builds it, steps it, records it, keeps a checkpoint to go on from, checks it."""
 
 from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ..recording import Recorder, Recording
+from ..recording.format import CHECKPOINT
 from .scene_file import SceneFile, SceneFileError, load
 
 #: An interrupted run still gets its replay page when its recording is smaller than this.
 _QUICK_PAGE_BYTES = 20e6
+
+#: Time from one checkpoint of a run to the next [s], by the clock on the wall.
+CHECKPOINT_PERIOD = 60.0
+
+#: What a result counts, kept when a run is resumed.
+COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
+
+OnStep = Callable[[Any, Any], None]
 
 
 @dataclass
@@ -35,6 +44,18 @@ class RunResult:
     @property
     def exit_code(self) -> int:
         return {"complete": 0, "interrupted": 130}.get(self.status, 1)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What was asked of a run: all that is needed to go on with it."""
+
+    scene: str  # packaged name or path
+    options: dict[str, str]
+    settings: dict[str, Any]  # those of the caller, over those of the file
+    until: float  # [s]
+    fps: float  # frames per simulated second
+    checkpoint_every: float | None  # [s] by the clock on the wall, None: no checkpoints
 
 
 def end_time(scene_file: SceneFile, until: float | None) -> float:
@@ -67,85 +88,177 @@ def run(
     replay: bool = True,
     picture: bool = True,
     check: bool = True,
+    checkpoint_every: float | None = CHECKPOINT_PERIOD,
     certify: bool = False,
-    on_step: Callable[[Any, Any], None] | None = None,
+    on_step: OnStep | None = None,
 ) -> RunResult:
     """Runs a scene file until its end and leaves recording, replay page and a picture in ``out``.
 
     ``out`` defaults to ``out/<scene>``. ``settings`` go over those of the file. ``fps`` is the largest
-    number of recorded frames per simulated second; the last state is always recorded. ``on_step(sim,
-    report)`` is called after each step. The run stops cleanly on KeyboardInterrupt: the recording is
-    complete up to the last accepted step. A check is made only when the run went to the file's own end.
-    ``certify`` records every accepted step in double precision, too, for ``stark.verify``.
+    number of recorded frames per simulated second; the last state is always recorded. ``checkpoint_every``
+    [s] by the clock on the wall: how often ``checkpoint.stark`` is written, 0 after each step, None never;
+    ``resume`` goes on from it. ``certify`` records every accepted step in double precision, too, for
+    ``stark.verify``; such a run is not resumed. ``on_step(sim, report)`` is called after each step. The run
+    stops cleanly on KeyboardInterrupt: the recording is complete up to the last accepted step. A check is
+    made only when the run went to the file's own end.
     """
     import stark
 
     scene_file = scene if isinstance(scene, SceneFile) else load(scene)
-    end = end_time(scene_file, until)
-    if not fps > 0.0:
-        raise SceneFileError(f"fps = {fps}; must be positive")
-    built, file_settings = scene_file.build()
-    all_settings = {**file_settings, **dict(settings or {})}
-    sim = stark.Simulation(built, **all_settings)
+    plan = Plan(
+        scene=scene_file.source,
+        options=scene_file.options,
+        settings=dict(settings or {}),
+        until=end_time(scene_file, until),
+        fps=_positive(fps),
+        checkpoint_every=_period(checkpoint_every),
+    )
+    sim = make_simulation(scene_file, plan.settings)
     folder = Path(out) if out is not None else Path("out") / scene_file.name
-    stored = sim.settings.to_dict() if hasattr(sim, "settings") else all_settings
     recorder = Recorder(
         folder,
         sim,
         scene=scene_file.name,
-        settings=stored,
+        settings=sim.settings.to_dict(),
         stark_version=stark.__version__,
         certify=certify,
     )
-    result = RunResult(scene_file.name, "complete", "", float(sim.time), 0.0, folder=folder)
-    begin = clock.perf_counter()
-    try:
-        recorder.record(sim)
-        recorder.record_state(sim)
-        while not reached(sim, end):
-            scene_file.drive(sim)
-            before = clock.perf_counter()
-            report = sim.step()
-            wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
-            measured = {} if failed else scene_file.measure(sim)
-            recorder.report(report, wall=wall, **({"measured": measured} if measured else {}))
-            _count(result, report)
-            if failed:
-                result.status, result.message = "failed", str(report.message)
-                break
-            recorder.record_state(sim)
-            if reached(sim, end) or sim.time - recorder.last_time >= 1.0 / fps - 1e-9:
-                recorder.record(sim)
-            if on_step:
-                on_step(sim, report)
-    except KeyboardInterrupt:
-        result.status, result.message = "interrupted", "stopped by the user"
-    except BaseException as error:
-        recorder.close("failed", f"{type(error).__name__}: {error}")
-        raise
-    if sim.time > recorder.last_time:
-        recorder.record(sim)  # where a stopped or failed run got to
-    result.simulated = float(sim.time)
-    result.wall = clock.perf_counter() - begin
-    observables = scene_file.observables(sim) if result.status == "complete" else {}
-    summary = {
-        "simulated": result.simulated,
-        "wall": result.wall,
-        "steps": result.steps,
-        "rejected_steps": result.rejected_steps,
-        "newton_iterations": result.newton_iterations,
-        "observables": observables,
-    }
-    recorder.close(result.status, result.message, summary)
-    _finish(result, scene_file, replay, picture, check and end >= (scene_file.until or end))
-    return result
+    recorder.record(sim)
+    recorder.record_state(sim)
+    job = Job(scene_file, plan, sim, recorder, RunResult(scene_file.name, "complete", "", 0.0, 0.0))
+    return job.finish(job.advance(on_step), replay, picture, check)
 
 
-def _count(result: RunResult, report: Any) -> None:
-    result.steps += 1
-    result.rejected_steps += int(report.rejected_steps)
-    result.newton_iterations += int(report.newton_iterations)
-    result.max_contacts = max(result.max_contacts, int(report.contact_count))
+def make_simulation(scene_file: SceneFile, settings: Mapping[str, Any]) -> Any:
+    """The scene of a file with its settings and those of the caller."""
+    import stark
+
+    built, file_settings = scene_file.build()
+    return stark.Simulation(built, **{**file_settings, **settings})
+
+
+def _positive(fps: float) -> float:
+    if not fps > 0.0:
+        raise SceneFileError(f"fps = {fps}; must be positive")
+    return float(fps)
+
+
+def _period(seconds: float | None) -> float | None:
+    if seconds is not None and not 0.0 <= seconds < float("inf"):
+        raise SceneFileError(f"checkpoint_every = {seconds} s; must be >= 0 and finite, or None for none")
+    return None if seconds is None else float(seconds)
+
+
+@dataclass
+class Job:
+    """A run under way."""
+
+    scene_file: SceneFile
+    plan: Plan
+    sim: Any
+    recorder: Recorder
+    result: RunResult  # counts and time of the run before it was resumed
+    _begin: float = field(default_factory=clock.perf_counter, init=False)
+    _saved_at: float = field(default=-float("inf"), init=False)
+
+    def __post_init__(self) -> None:
+        self._wall_before = self.result.wall  # [s]
+
+    def advance(self, on_step: OnStep | None) -> RunResult:
+        """Steps until the end. Whatever ends the loop, the last moment between two steps is saved."""
+        moment = self._moment()
+        try:
+            while not reached(self.sim, self.plan.until):
+                self._save(moment, only_when_due=True)
+                report = self._step()
+                if report is None:
+                    break
+                moment = self._moment()
+                if on_step:
+                    on_step(self.sim, report)
+        except KeyboardInterrupt:
+            self.result.status, self.result.message = "interrupted", "stopped by the user"
+        except BaseException as error:
+            try:
+                self._save(moment)
+            finally:
+                self.recorder.close("failed", f"{type(error).__name__}: {error}")
+            raise
+        self._save(moment)
+        return self.result
+
+    def _step(self) -> Any:
+        """One step with its telemetry and frame; its report, or None when it failed."""
+        self.scene_file.drive(self.sim)
+        before = clock.perf_counter()
+        report = self.sim.step()
+        wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
+        measured = {} if failed else self.scene_file.measure(self.sim)
+        self.recorder.report(report, wall=wall, **({"measured": measured} if measured else {}))
+        self._count(report)
+        if failed:
+            self.result.status, self.result.message = "failed", str(report.message)
+            return None
+        self.recorder.record_state(self.sim)
+        if self.sim.time - self.recorder.last_time >= 1.0 / self.plan.fps - 1e-9:
+            self.recorder.record(self.sim)
+        return report
+
+    def _count(self, report: Any) -> None:
+        self.result.steps += 1
+        self.result.rejected_steps += int(report.rejected_steps)
+        self.result.newton_iterations += int(report.newton_iterations)
+        self.result.max_contacts = max(self.result.max_contacts, int(report.contact_count))
+
+    def _moment(self) -> Any:
+        """Where the run is between two steps, before the controller acts: what it can be resumed from."""
+        if self.plan.checkpoint_every is None:
+            return None
+        from ..checkpoint import Checkpoint
+
+        run = {
+            "plan": asdict(self.plan),
+            "frames": self.recorder.frame_count,
+            "lines": self.recorder.line_count,
+            "counts": {name: getattr(self.result, name) for name in COUNTS},
+            "wall": self._wall(),
+        }
+        return Checkpoint.of(self.sim, memory=self.scene_file.memory, run=run)
+
+    def _wall(self) -> float:
+        return self._wall_before + clock.perf_counter() - self._begin
+
+    def _save(self, moment: Any, *, only_when_due: bool = False) -> None:
+        """First what the checkpoint builds on, then the checkpoint: a run that is killed in between has more
+        than it needs."""
+        if moment is None:
+            return
+        now = clock.perf_counter()
+        if only_when_due and now - self._saved_at < self.plan.checkpoint_every:
+            return
+        self.recorder.sync()
+        moment.write(self.recorder.folder / CHECKPOINT)
+        self._saved_at = now
+
+    def finish(self, result: RunResult, replay: bool, picture: bool, check: bool) -> RunResult:
+        """The last frame, summary, page, picture and check."""
+        if self.sim.time > self.recorder.last_time:
+            self.recorder.record(self.sim)  # the end, or where a stopped or failed run got to
+        result.simulated, result.wall = float(self.sim.time), self._wall()
+        result.folder = self.recorder.folder
+        complete = result.status == "complete"
+        summary = {
+            "simulated": result.simulated,
+            "wall": result.wall,
+            "steps": result.steps,
+            "rejected_steps": result.rejected_steps,
+            "newton_iterations": result.newton_iterations,
+            "observables": self.scene_file.observables(self.sim) if complete else {},
+        }
+        self.recorder.close(result.status, result.message, summary)
+        own_end = self.plan.until >= (self.scene_file.until or self.plan.until)
+        _finish(result, self.scene_file, replay, picture, check and own_end)
+        return result
 
 
 def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: bool, check: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import importlib
 import importlib.util
@@ -11,7 +12,7 @@ import pkgutil
 import re
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
@@ -19,7 +20,7 @@ from typing import Any
 
 from .._core import InvalidArgument
 
-_INTERNAL = {"runner", "scene_file"}
+_INTERNAL = {"resuming", "runner", "scene_file"}
 
 
 class SceneFileError(InvalidArgument):
@@ -35,6 +36,8 @@ class SceneFile:
     description: str
     module: ModuleType
     until: float | None
+    source: str = ""  #: the packaged scene's name, or the absolute path of the file
+    options: dict[str, str] = field(default_factory=dict)  #: what the caller chose
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         """A fresh scene and the settings of the file by dotted name."""
@@ -56,6 +59,17 @@ class SceneFile:
         """The file's hook before every step, if it has one."""
         if hasattr(self.module, "drive"):
             self.module.drive(sim)
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """What the file's functions remember from step to step, if it has that; see stark.checkpoint."""
+        return getattr(self.module, "memory", {})
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Puts back what they remembered at a checkpoint."""
+        if memory or self.memory:
+            self.memory.clear()
+            self.memory.update(memory)
 
     def measure(self, sim: Any) -> dict[str, float]:
         """What the file measures after every step, for the telemetry."""
@@ -108,15 +122,18 @@ def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -
     """A scene by the name of a packaged one, or by the path of a Python file. ``options`` replace values of
     the file's own ``options``; those that differ are appended to the name."""
     text = str(scene)
+    chosen = {name: str(value) for name, value in (options or {}).items()}
     if text.endswith(".py") or "/" in text:
         module = _import_file(Path(text))
-        return _checked(module, Path(text).stem + _choose(module, Path(text).stem, options or {}))
+        name = Path(text).stem + _choose(module, Path(text).stem, options or {})
+        return replace(_checked(module, name), source=str(Path(text).resolve()), options=chosen)
     if text not in names():
         near = difflib.get_close_matches(text, names(), n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"packaged scenes: {', '.join(names())}"
         raise SceneFileError(f"no scene is called '{text}'; {hint} (a file must end in .py)")
     module = importlib.import_module(f"{__package__}.{text}")
-    return _checked(module, text + _choose(module, text, options or {}))
+    checked = _checked(module, text + _choose(module, text, options or {}))
+    return replace(checked, source=text, options=chosen)
 
 
 def _import_file(path: Path) -> ModuleType:
@@ -158,6 +175,18 @@ def _choose(module: ModuleType, name: str, chosen: Mapping[str, Any]) -> str:
     return "".join("_" + re.sub(r"[^\w.-]+", "-", value) for value in changed)
 
 
+def _forget(module: ModuleType, name: str) -> None:
+    """Makes the memory of a module that was imported before what it was at first."""
+    memory = getattr(module, "memory", None)
+    if memory is None:
+        return
+    if not isinstance(memory, dict):
+        raise SceneFileError(f"scene '{name}': memory must be a dictionary of what its functions remember")
+    first = module.__dict__.setdefault("_first_memory", copy.deepcopy(memory))
+    memory.clear()
+    memory.update(copy.deepcopy(first))
+
+
 def _as(kind: type, value: Any) -> Any:
     """A value as ``kind``; texts of the command line say true or false."""
     if kind is bool and isinstance(value, str):
@@ -190,6 +219,7 @@ def _checked(module: ModuleType, name: str) -> SceneFile:
     ):
         if hasattr(module, attribute):
             _require_arguments(name, getattr(module, attribute), attribute, count)
+    _forget(module, name)
     until = getattr(module, "until", None)
     if until is not None and not (isinstance(until, (int, float)) and math.isfinite(until) and until > 0.0):
         raise SceneFileError(f"scene '{name}': until = {until!r} s; must be a positive number")

@@ -100,12 +100,24 @@ def report_to_dict(report: Any) -> dict[str, Any]:
 
 class TelemetryWriter:
     """Appends one line a step. Each line is handed to the system at once, so a killed run loses at most one
-    line."""
+    line. ``keep``: goes on after so many lines of a file that exists; what follows them is dropped."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], *, keep: int = 0) -> None:
         self.path = Path(path)
-        self._file = self.path.open("w", encoding="utf-8", buffering=1)
-        self._step = 0
+        if keep:
+            _keep_lines(self.path, keep)
+        self._file = self.path.open("a" if keep else "w", encoding="utf-8", buffering=1)
+        self._step = keep
+
+    @property
+    def line_count(self) -> int:
+        """Lines so far, those that were kept included."""
+        return self._step
+
+    def sync(self) -> None:
+        """Returns when all lines are on disk."""
+        self._file.flush()
+        os.fsync(self._file.fileno())
 
     def write(self, report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds."""
@@ -125,6 +137,42 @@ class TelemetryWriter:
         self.close()
 
 
+def _number(value: Any) -> float:
+    """NaN for what is not a number; JSON has integers that no float can hold."""
+    try:
+        return float(value) if isinstance(value, (int, float)) else math.nan
+    except OverflowError:
+        return math.nan
+
+
+def _row(path: Path, number: int, line: str | bytes) -> dict[str, Any]:
+    """A line of a file, by number from 1."""
+    try:
+        row = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        what = getattr(error, "msg", error)
+        raise TelemetryError(f"telemetry '{path}' line {number} is not JSON: {what}") from error
+    if not isinstance(row, dict):
+        raise TelemetryError(f"telemetry '{path}' line {number} must be a JSON object")
+    return row
+
+
+def _keep_lines(path: Path, count: int) -> None:
+    """Cuts a file after so many lines."""
+    size = 0
+    try:
+        with path.open("r+b") as file:
+            for number in range(count):
+                line = file.readline()
+                if not line.endswith(b"\n"):
+                    raise TelemetryError(f"telemetry '{path}' has {number} lines: must have {count}")
+                _row(path, number + 1, line)
+                size += len(line)
+            file.truncate(size)
+    except OSError as error:
+        raise TelemetryError(f"telemetry '{path}' cannot be read: {error}") from error
+
+
 class Telemetry:
     """The steps of a run as columns: ``telemetry["newton_iterations"]`` is a float64 array with one value a
     step."""
@@ -139,7 +187,7 @@ class Telemetry:
         path = Path(path)
         try:
             text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
+        except (OSError, ValueError) as error:
             raise TelemetryError(f"telemetry '{path}' cannot be read: {error}") from error
         rows: list[dict[str, Any]] = []
         lines = text.split("\n")
@@ -149,13 +197,7 @@ class Telemetry:
                 f"telemetry '{path}' line {len(lines)} is cut off; copy the run folder again"
             )
         for number, line in enumerate(complete, start=1):
-            try:
-                row = json.loads(line)
-            except json.JSONDecodeError as error:
-                raise TelemetryError(f"telemetry '{path}' line {number} is not JSON: {error.msg}") from error
-            if not isinstance(row, dict):
-                raise TelemetryError(f"telemetry '{path}' line {number} must be a JSON object")
-            rows.append(row)
+            rows.append(_row(path, number, line))
         return cls(rows)
 
     def __len__(self) -> int:
@@ -185,7 +227,7 @@ class Telemetry:
                 value = row.get(name, row.get(group))
                 if isinstance(value, dict):
                     value = value.get(inner)
-                values.append(float(value) if isinstance(value, (int, float)) else math.nan)
+                values.append(_number(value))
             if self.rows and name not in self.names:
                 raise KeyError(f"no series '{name}'; there are: {', '.join(self.names)}")
             self._columns[name] = np.array(values, dtype=np.float64)

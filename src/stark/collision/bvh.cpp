@@ -21,15 +21,22 @@ constexpr double kRebuildGrowth = 2.0;
 // Leaf blocks per unit of parallel work.
 constexpr int32_t kLeavesPerTask = 64;
 
+// Boxes of what is farther away than floats reach end at the largest one: an infinite box would overlap the
+// empty slots of nodes.
+float bounded(float value) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return std::clamp(value, -kLargest, kLargest);
+}
+
 // One unit in the last place further out; subtracting two roundings' worth keeps the bound after the
 // conversion.
 float round_down(double value) {
   const float rounded = static_cast<float>(value);
-  return rounded - std::fabs(rounded) * 0x1p-23f - 1e-37f;
+  return bounded(rounded - std::fabs(rounded) * 0x1p-23f - 1e-37f);
 }
 float round_up(double value) {
   const float rounded = static_cast<float>(value);
-  return rounded + std::fabs(rounded) * 0x1p-23f + 1e-37f;
+  return bounded(rounded + std::fabs(rounded) * 0x1p-23f + 1e-37f);
 }
 
 struct Splitter {

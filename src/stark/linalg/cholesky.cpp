@@ -222,6 +222,12 @@ void Cholesky<Real>::begin_sequence() {
 }
 
 template <typename Real>
+void Cholesky<Real>::keep_analysis() {
+  implementation_->new_sequence = false;
+  --implementation_->analyses_at_ordering;
+}
+
+template <typename Real>
 uint64_t Cholesky<Real>::ordered_pattern() const {
   return implementation_->ordered_pattern;
 }

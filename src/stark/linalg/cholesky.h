@@ -38,6 +38,9 @@ class Cholesky {
   /// The next analyze() orders anew, unless its pattern is the one that the present ordering was made for:
   /// what follows then depends on the patterns from here on only.
   void begin_sequence();
+  /// Stands for analyze() of the present pattern, whose ordering is its own, at the start of a sequence: what
+  /// follows must not depend on whether the pattern had been analysed before.
+  void keep_analysis();
   /// Hash of the pattern that the present ordering was made for, 0 before the first.
   uint64_t ordered_pattern() const;
 

@@ -52,9 +52,13 @@ struct Factor {
   bool first_of_step = false;
 
   void update(const BlockPattern& pattern, uint64_t pattern_hash, std::span<const Vec3> positions) {
-    const bool own_ordering = !first_of_step || cholesky.ordered_pattern() == pattern_hash;
+    const bool first = first_of_step;
+    const bool own_ordering = !first || cholesky.ordered_pattern() == pattern_hash;
     first_of_step = false;
-    if (analyzed && hash == pattern_hash && own_ordering) return;
+    if (analyzed && hash == pattern_hash && own_ordering) {
+      if (first) cholesky.keep_analysis();
+      return;
+    }
     cholesky.analyze(pattern, positions);
     hash = pattern_hash;
     analyzed = true;

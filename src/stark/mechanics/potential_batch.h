@@ -36,6 +36,9 @@ class PotentialBatch {
   }
   void set(const std::string& field, int64_t element, double value) { set(field, element, {&value, 1}); }
   int field_index(const std::string& name) const;
+  /// Numbers of all elements, lane by lane, and shared ones: what the batch was given.
+  std::span<const double> element_values() const { return elements_; }
+  std::span<const double> uniform_values() const { return uniforms_; }
   /// Value of component c of an element field.
   double get(int field, int64_t element, int c = 0) const;
 

@@ -1,8 +1,14 @@
 #include <stark/mechanics/state.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <type_traits>
+#include <utility>
 
+#include <stark/base/error.h>
 #include <stark/base/hash.h>
+#include <stark/base/settings.h>
 
 namespace stark {
 
@@ -47,6 +53,157 @@ std::string first_difference(const State& a, const State& b) {
   if (!same_bits(a.name, b.name)) return #name;
 #include <stark/mechanics/state_fields.inc>
 #undef STARK_STATE_FIELD
+  return {};
+}
+
+namespace {
+
+// Numbers of one element of a field, and its shape: 1, 3 or 3 x 3.
+template <typename T>
+constexpr size_t kWidth = sizeof(T) / sizeof(double);
+template <typename T>
+std::vector<size_t> element_shape() {
+  if constexpr (kWidth<T> == 1) return {};
+  if constexpr (kWidth<T> == 3) return {3};
+  return {3, 3};
+}
+
+template <typename T>
+void describe(const T& value, StateArray& out) {
+  out.is_integer = std::is_integral_v<T>;
+  out.data = &value;
+}
+template <typename T>
+void describe(const std::vector<T>& values, StateArray& out) {
+  out.shape = element_shape<T>();
+  out.shape.insert(out.shape.begin(), values.size());
+  out.data = values.data();
+}
+
+bool matches(const StateArray& field, const StateArray& given) {
+  // The number of elements is free; everything else is the field's.
+  std::vector<size_t> shape = given.shape;
+  if (!field.shape.empty() && !shape.empty()) shape[0] = field.shape[0];
+  return shape == field.shape && given.is_integer == field.is_integer;
+}
+
+template <typename T>
+void read(const StateArray& given, T& out) {
+  std::memcpy(&out, given.data, sizeof(T));
+}
+template <typename T>
+void read(const StateArray& given, std::vector<T>& out) {
+  out.resize(given.shape[0]);
+  if (!out.empty()) std::memcpy(out.data(), given.data, sizeof(T) * out.size());
+}
+
+const StateArray& find(std::span<const StateArray> arrays, const std::string& name) {
+  for (const StateArray& array : arrays)
+    if (array.name == name) return array;
+  throw InvalidArgument("state: the field '" + name + "' is missing: must have all fields of stark::State");
+}
+
+struct NumberRule {
+  const char* text;
+  bool (*holds)(double);
+};
+
+NumberRule rule_of(const std::string& field) {
+  if (field == "joint_enabled" || field == "actuator_enabled")
+    return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
+  if (field == "attachment_held")
+    return {"must be 1, 0 or -1", [](double v) { return v == 0.0 || v == 1.0 || v == -1.0; }};
+  // Infinity switches caps off; memories are what users' formulas make of them.
+  if (field == "actuator_value" || field == "actuator_memory")
+    return {"must be a number", [](double v) { return !std::isnan(v); }};
+  if (field == "time_step")
+    return {"must be > 0 and finite", [](double v) { return v > 0.0 && std::isfinite(v); }};
+  if (field == "time" || field == "previous_time_step")
+    return {"must be >= 0 and finite", [](double v) { return v >= 0.0 && std::isfinite(v); }};
+  return {"must be finite", [](double v) { return std::isfinite(v); }};
+}
+
+size_t length(const std::vector<size_t>& shape) { return shape.empty() ? 1 : shape[0]; }
+
+size_t count_numbers(const std::vector<size_t>& shape) {
+  size_t count = 1;
+  for (const size_t extent : shape) count *= extent;
+  return count;
+}
+
+/// Rounding of many steps stays far below this, what is no rotation far above.
+constexpr double kOrthonormal = 1e-5;
+
+/// Position of the first matrix that is no rotation, -1 if all are.
+int64_t find_no_rotation(const std::vector<Mat3>& matrices) {
+  for (size_t k = 0; k < matrices.size(); ++k) {
+    const Mat3 error = transpose(matrices[k]) * matrices[k] - Mat3::identity();
+    for (const double entry : error.m)
+      if (!(std::fabs(entry) <= kOrthonormal)) return static_cast<int64_t>(k);
+    if (!(determinant(matrices[k]) > 0.0)) return static_cast<int64_t>(k);
+  }
+  return -1;
+}
+
+}  // namespace
+
+std::vector<StateArray> arrays_of(const State& state) {
+  std::vector<StateArray> arrays;
+#define STARK_STATE_FIELD(type, name, unit, meaning) \
+  arrays.push_back({#name, unit, meaning});          \
+  describe(state.name, arrays.back());
+#include <stark/mechanics/state_fields.inc>
+#undef STARK_STATE_FIELD
+  return arrays;
+}
+
+State make_state(std::span<const StateArray> arrays) {
+  State state;
+  std::vector<std::string> names;
+  for (const StateArray& field : arrays_of(state)) {
+    names.push_back(field.name);
+    const StateArray& given = find(arrays, field.name);
+    if (!matches(field, given))
+      throw InvalidArgument("state: the field '" + field.name + "' has " +
+                            (given.is_integer ? "integers" : "real numbers") + " in " +
+                            std::to_string(given.shape.size()) + " dimensions: must have " +
+                            (field.is_integer ? "integers" : "real numbers") + " in " +
+                            std::to_string(field.shape.size()) + ", with the last ones of 3");
+  }
+  for (const StateArray& given : arrays)
+    if (std::find(names.begin(), names.end(), given.name) == names.end())
+      throw InvalidArgument("state: unknown field '" + given.name + "'" +
+                            nearest_name_hint(given.name, names) + ": must be a field of stark::State");
+#define STARK_STATE_FIELD(type, name, unit, meaning) read(find(arrays, #name), state.name);
+#include <stark/mechanics/state_fields.inc>
+#undef STARK_STATE_FIELD
+  return state;
+}
+
+std::string find_invalid_number(const State& state) {
+  if (state.step_count < 0) return "step_count = " + std::to_string(state.step_count) + ": must be >= 0";
+  for (const StateArray& array : arrays_of(state)) {
+    if (array.is_integer) continue;
+    const auto* numbers = static_cast<const double*>(array.data);
+    const NumberRule rule = rule_of(array.name);
+    const size_t count = count_numbers(array.shape), width = count / std::max<size_t>(1, length(array.shape));
+    for (size_t k = 0; k < count; ++k)
+      if (!rule.holds(numbers[k]))
+        return array.name + (array.shape.empty() ? "" : "[" + std::to_string(k / width) + "]") + " = " +
+               quantity_text(numbers[k], array.unit) + ": " + rule.text;
+  }
+  for (const auto& [name, matrices] : {std::pair{"body_rotation", &state.body_rotation},
+                                       {"script_rotation", &state.script_rotation},
+                                       {"previous_body_rotation", &state.previous_body_rotation}})
+    if (const int64_t k = find_no_rotation(*matrices); k >= 0)
+      return std::string(name) + "[" + std::to_string(k) + "]: must be a rotation";
+  return {};
+}
+
+std::string first_length_difference(const State& a, const State& b) {
+  const std::vector<StateArray> of_a = arrays_of(a), of_b = arrays_of(b);
+  for (size_t k = 0; k < of_a.size(); ++k)
+    if (length(of_a[k].shape) != length(of_b[k].shape)) return of_a[k].name;
   return {};
 }
 

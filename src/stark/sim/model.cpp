@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <stark/base/error.h>
-#include <stark/base/hash.h>
 #include <stark/geometry/topology.h>
 #include <stark/sim/model_builder.h>
 
@@ -38,6 +37,7 @@ void Model::Builder::build() {
   set_initial_state();
   set_initial_sites();
   compile_contact();
+  list_parts();
 }
 
 std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition,
@@ -131,21 +131,7 @@ void Model::Builder::compile_contact() {
   if (settings.contact.enabled) model.contact_potentials_ = compile_contact_potentials(backend());
 }
 
-Model::Model(const Scene& scene, const Settings& settings) {
-  Builder(*this, scene, settings).build();
-  Hash64 hash;
-  for (const ModelBatch& batch : batches_) {
-    for (const char c : batch.batch.potential().name()) hash.append(c);
-    for (const int32_t site : batch.batch.stencils()) hash.append(site);
-  }
-  for (const ModelQuadrature& quadrature : quadrature_batches_) {
-    for (const char c : quadrature.batch.law().potential().name()) hash.append(c);
-    for (const int32_t site : quadrature.batch.stencils()) hash.append(site);
-  }
-  for (const Vec3& X : rest_positions_) hash.append(X);
-  for (const double mass : point_masses_) hash.append(mass);
-  fingerprint_ = hash.value();
-}
+Model::Model(const Scene& scene, const Settings& settings) { Builder(*this, scene, settings).build(); }
 
 std::vector<PotentialBatch*> Model::all_batches() {
   std::vector<PotentialBatch*> all;

@@ -86,6 +86,14 @@ struct ModelQuadrature {
   QuadratureBatch batch;
 };
 
+/// A part of what a model was made of and a hash of it: "mesh of cloth 'towel'". Models with the same parts
+/// and settings go on from a state with the same bits.
+struct ModelPart {
+  std::string name;
+  bool is_structure = false;  ///< a state does not fit a model in which it differs
+  uint64_t hash = 0;
+};
+
 class Model {
  public:
   Model(const Scene& scene, const Settings& settings);
@@ -114,7 +122,8 @@ class Model {
   const State& initial_state() const { return initial_state_; }
   ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
   ContactPotentials contact_potentials() const { return contact_potentials_; }
-  uint64_t fingerprint() const { return fingerprint_; }
+  /// Of the scene as it was given; states, live values and settings are not among them.
+  const std::vector<ModelPart>& parts() const { return parts_; }
 
   /// Pose of a rigid body's mesh frame from the state's body frame.
   void mesh_pose(int32_t body, const State& state, Vec3& out_position, Mat3& out_rotation) const;
@@ -140,7 +149,7 @@ class Model {
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;
   ContactPotentials contact_potentials_;
-  uint64_t fingerprint_ = 0;
+  std::vector<ModelPart> parts_;
 };
 
 }  // namespace stark

@@ -2,12 +2,14 @@
 // Internal to sim.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <stark/base/hash.h>
 #include <stark/mechanics/field_values.h>
 #include <stark/sim/layers.h>
 #include <stark/sim/material_fields.h>
@@ -104,6 +106,15 @@ struct Model::Builder {
   /// Places points on their patches as they are at x, the positions at time 0.
   void set_initial_attachments(std::span<const Vec3> x);
 
+  // What the model was made of (model_parts.cpp)
+  void list_parts();
+  void list_bodies();
+  void list_energies();
+  void list_contact();
+  void add_part(const std::string& name, bool is_structure, const Hash64& hash);
+  void append_places(Hash64& hash, std::span<const int32_t> stencils) const;
+  void list_batch(const std::string& name, const PotentialBatch& batch);
+
   // Everything else (model.cpp)
   symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }
   std::shared_ptr<const Potential> compile(const PotentialDefinition& definition,
@@ -142,6 +153,7 @@ struct Model::Builder {
   std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
   /// By pair: the point, then the point or the three vertices of the patch that carry it.
   std::vector<std::vector<int32_t>> attachment_sites;
+  std::map<std::string, size_t> part_places;  ///< in model.parts_, by name
 };
 
 }  // namespace stark

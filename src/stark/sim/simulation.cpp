@@ -36,14 +36,6 @@ std::string point_text(const Vec3& p) {
   return out.str();
 }
 
-std::string count_text(const State& state) {
-  return std::to_string(state.point_position.size()) + " points, " +
-         std::to_string(state.body_position.size()) + " rigid bodies, " +
-         std::to_string(state.joint_enabled.size()) + " joints, " +
-         std::to_string(state.actuator_enabled.size()) + " actuators and " +
-         std::to_string(state.attachment_held.size()) + " attached points";
-}
-
 }  // namespace
 
 std::string StepReport::brief() const {
@@ -114,34 +106,6 @@ void Simulation::check_initial_state() const {
                               point_text(x[first.vertex]) +
                               "; move it out, make the outer surface open, or disable contact between them");
   }
-}
-
-void Simulation::set_state(const State& state) {
-  const State& mine = state_;
-  if (state.point_position.size() != mine.point_position.size() ||
-      state.point_velocity.size() != mine.point_velocity.size() ||
-      state.body_position.size() != mine.body_position.size() ||
-      state.body_rotation.size() != mine.body_rotation.size() ||
-      state.previous_point_position.size() != mine.previous_point_position.size() ||
-      state.previous_body_position.size() != mine.previous_body_position.size() ||
-      state.pin_target.size() != mine.pin_target.size() ||
-      state.script_remaining.size() != mine.script_remaining.size() ||
-      state.joint_multiplier.size() != mine.joint_multiplier.size() ||
-      state.joint_coordinate.size() != mine.joint_coordinate.size() ||
-      state.joint_enabled.size() != mine.joint_enabled.size() ||
-      state.joint_rate.size() != mine.joint_rate.size() ||
-      state.previous_joint_rate.size() != mine.previous_joint_rate.size() ||
-      state.actuator_value.size() != mine.actuator_value.size() ||
-      state.actuator_memory.size() != mine.actuator_memory.size() ||
-      state.actuator_effort.size() != mine.actuator_effort.size() ||
-      state.actuator_enabled.size() != mine.actuator_enabled.size() ||
-      state.attachment_held.size() != mine.attachment_held.size())
-    throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(mine) +
-                          "; use a state of the same scene");
-  state_ = state;
-  step_start_.clear();
-  model_->constraints().set_forces(state_.joint_multiplier);
-  for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
 }
 
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
@@ -239,6 +203,14 @@ void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotatio
   state_.script_position[b.rigid_index] = position;
   state_.script_rotation[b.rigid_index] = orthonormalized(rotation);
   state_.script_remaining[b.rigid_index] = remaining;
+}
+
+void Simulation::target_pose(BodyId body, Vec3& out_position, Mat3& out_rotation) const {
+  const ModelBody& b = rigid(body, "target_pose");
+  if (state_.script_remaining[b.rigid_index] == 0.0)
+    return model_->mesh_pose(body.index, state_, out_position, out_rotation);
+  out_position = state_.script_position[b.rigid_index];
+  out_rotation = state_.script_rotation[b.rigid_index];
 }
 
 void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity) {

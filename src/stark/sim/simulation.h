@@ -29,8 +29,14 @@ class Simulation {
 
   double time() const { return state_.time; }
   const State& state() const { return state_; }
-  /// Rewinds or resumes; throws InvalidArgument for a state of another model.
+  /// Rewinds or resumes; throws InvalidArgument for a state of another model and for numbers that no state
+  /// can have.
   void set_state(const State& state);
+  /// Goes on where another simulation of the same scene was, sensors included: takes the step of at most
+  /// `max_time_step` [s] that led from `before` to `state` again, so that contacts, reactions and the report
+  /// are those of that step. Returns false when it does not come to the same places bit for bit; the state is
+  /// then set as by set_state().
+  bool resume(const State& before, double max_time_step, const State& state);
   const Model& model() const { return *model_; }
   const Scene& scene() const { return scene_; }
   const Settings& settings() const { return settings_; }
@@ -50,6 +56,8 @@ class Simulation {
   /// Pose of a scripted body at the end of the next full time step; afterwards it rests until told otherwise.
   /// With `duration` [s] the pose holds after that time.
   void set_pose(BodyId body, const Vec3& position, const Mat3& rotation, std::optional<double> duration = {});
+  /// Where a scripted body is moving to or resting; its pose while it moves at constant velocity.
+  void target_pose(BodyId body, Vec3& out_position, Mat3& out_rotation) const;
   /// Velocity of the origin [m/s] and angular velocity [rad/s] of a scripted body from now on.
   void set_velocity(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
   /// Positions [m] of the pinned vertices, in the order of pinning, at the end of the next full time step.

@@ -3,6 +3,7 @@
 #include <stark/symbolic/kernel.h>
 
 #include <stark/base/error.h>
+#include <stark/base/hash.h>
 #include <stark/symbolic/backend/executable.h>
 #include <stark/symbolic/diff.h>
 #include <stark/symbolic/lower.h>
@@ -21,6 +22,7 @@ struct KernelState {
   NodeId energy = -1;
   std::vector<NodeId> stages;
   Backend backend = Backend::Interpreter;
+  uint64_t fingerprint = 0;  // of what follows the back end in the content key
   int count[3] = {0, 0, 0};  // inputs by kind
 
   std::mutex mutex;  // of the graph and of the statistics while building
@@ -123,8 +125,12 @@ Kernel compile(const Scalar& energy, Backend backend) {
   }
   for (int k = 0; k < 3; ++k) state->count[k] = state->graph.input_count(static_cast<InputKind>(k));
   state->statistics.backend = state->backend;
+  std::vector<uint64_t> key = content_key(*state);
+  Hash64 hash;
+  hash.append_bytes(key.data() + 1, (key.size() - 1) * sizeof(uint64_t));
+  state->fingerprint = hash.value();
   Kernel kernel;
-  kernel.state_ = kernel_cache().find_or_insert(content_key(*state), state);
+  kernel.state_ = kernel_cache().find_or_insert(std::move(key), state);
   return kernel;
 }
 
@@ -143,6 +149,8 @@ void Kernel::evaluate(Order order, const double* unknowns, const double* element
 }
 
 void Kernel::prepare(Order order) const { state_->get(static_cast<int>(order)); }
+
+uint64_t Kernel::fingerprint() const { return state_->fingerprint; }
 
 Backend Kernel::backend() const {
   prepare(Order::Energy);

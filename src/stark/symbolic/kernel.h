@@ -56,6 +56,8 @@ class Kernel {
   /// Builds the code of an order now instead of at its first use.
   void prepare(Order order) const;
   Backend backend() const;
+  /// Hash of the formula: equal for equal formulas, on every back end and in every process.
+  uint64_t fingerprint() const;
   /// Builds all three orders if needed.
   const KernelStatistics& statistics() const;
 

@@ -1,0 +1,102 @@
+"""Files of named arrays that others may have written, cut off or changed: NPZ, read with every size checked
+before memory is taken for it.
+
+``numpy.load`` trusts the shapes that a file claims and fails in many ways on others. Here a file gives its
+arrays or a ``DamageError``, and never takes more memory than a few times its own size."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.generic]
+
+#: Longest header of an array in bytes; those of the arrays that are written have 128.
+_LONGEST_HEADER = 4096
+#: Header of an array as NumPy writes it, version 1.0 [numpy.lib.format].
+_HEADER = re.compile(
+    rb"\{'descr': '(?P<type>[<|][biuf][1248])', 'fortran_order': (?P<fortran>True|False), "
+    rb"'shape': \((?P<shape>(?:\d{1,18}, ?)*(?:\d{1,18})?)\), \} *\n"
+)
+_MAGIC = b"\x93NUMPY\x01\x00"
+
+
+class DamageError(ValueError):
+    """What is wrong with a file, without its name."""
+
+
+def read_arrays(path: Path) -> dict[str, Array]:
+    """All arrays of an NPZ file by name. Raises FileNotFoundError, or DamageError for everything else."""
+    try:
+        with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
+            members = archive.infolist()
+            _check_sizes(members, os.fstat(file.fileno()).st_size)
+            return {member.filename.removesuffix(".npy"): _read(archive, member) for member in members}
+    except (FileNotFoundError, DamageError):
+        raise
+    except Exception as error:  # the decoder meets damage in ways that have no common base
+        raise DamageError(f"{type(error).__name__}: {error}") from error
+
+
+def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
+    """Writes an NPZ file, whole or not at all. Equal arrays make equal files."""
+    write_atomically(path, lambda file: np.savez(file, **arrays))
+
+
+def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
+    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with open(temporary, "wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Removes what write_atomically() left half-written in a folder when its process was killed."""
+    for path in folder.glob(".*.tmp"):
+        if re.fullmatch(r"\..+\.\d+\.tmp", path.name):
+            path.unlink(missing_ok=True)
+
+
+def _check_sizes(members: list[zipfile.ZipInfo], file_size: int) -> None:
+    names = [member.filename for member in members]
+    if len(set(names)) < len(names):
+        raise DamageError("an array occurs twice")
+    for member in members:
+        if not member.filename.endswith(".npy"):
+            raise DamageError(f"'{member.filename[:80]}' is not an array")
+        if member.compress_type != zipfile.ZIP_STORED or member.compress_size != member.file_size:
+            raise DamageError(f"array '{member.filename[:80]}' is compressed; arrays are stored as they are")
+    if sum(member.file_size for member in members) > file_size:
+        raise DamageError("arrays claim to be larger than the file")
+
+
+def _read(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Array:
+    data = archive.read(member)  # compares the CRC-32
+    name = member.filename[:80]
+    start = len(_MAGIC) + 2
+    if not data.startswith(_MAGIC) or len(data) < start:
+        raise DamageError(f"'{name}' is not an array of NumPy's format 1.0")
+    end = start + int.from_bytes(data[start - 2 : start], "little")
+    header = _HEADER.fullmatch(data[start:end]) if end - start <= _LONGEST_HEADER else None
+    if header is None:
+        raise DamageError(f"'{name}' has a header that is not one of plain numbers")
+    dtype = np.dtype(header["type"].decode())
+    shape = tuple(int(extent) for extent in header["shape"].replace(b" ", b"").split(b",") if extent)
+    if math.prod(shape) * dtype.itemsize != len(data) - end:
+        raise DamageError(f"'{name}' claims the shape {shape}, which is not what it holds")
+    flat = np.frombuffer(data, dtype=dtype, offset=end).copy()
+    return flat.reshape(shape[::-1]).T if header["fortran"] == b"True" else flat.reshape(shape)

@@ -1,0 +1,157 @@
+"""A checkpoint as a value: taken from a simulation, put into one."""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.simulation import LastStep
+
+from . import differences
+from .errors import CheckpointError
+
+if TYPE_CHECKING:
+    from stark._core import State
+    from stark.simulation import Simulation
+
+#: Values of the parameters of one energy by name.
+Values = dict[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a simulation is. ``Checkpoint.of(sim)``, ``Checkpoint.read(path)``; ``write(path)`` and
+    ``put_into(sim)`` are the ways back. ``Simulation.save`` and ``load`` are these in one."""
+
+    scene: str  #: name of the scene
+    stark_version: str  #: that wrote it
+    state: State
+    settings: dict[str, Any] = field(repr=False)
+    parts: list[differences.Part] = field(repr=False)
+    energies: list[str] = field(repr=False)  #: names
+    values: list[Values] = field(repr=False)  #: live values, by energy
+    last: LastStep | None = field(repr=False)
+    memory: dict[str, Any] = field(default_factory=dict)  #: what a controller remembers
+    run: dict[str, Any] | None = None  #: of ``stark run``: how to go on
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.state.time
+
+    @classmethod
+    def of(
+        cls, sim: Simulation, *, memory: dict[str, Any] | None = None, run: dict[str, Any] | None = None
+    ) -> Checkpoint:
+        """Takes a copy of everything, so that the simulation may go on."""
+        return cls(
+            scene=sim.scene.name,
+            stark_version=_core.__version__,
+            state=sim.state,
+            settings=sim.settings.to_dict(),
+            parts=sim._parts,
+            energies=[live.energy.name for live in sim._live_values],
+            values=[live.present() for live in sim._live_values],
+            last=sim._last_step,
+            memory=copy.deepcopy(memory or {}),
+            run=copy.deepcopy(run),
+        )
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Writes a file, whole or not at all."""
+        from .file import write
+
+        write(self, Path(path))
+
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> Checkpoint:
+        """Raises ``CheckpointError`` for files that are missing, damaged or of another format."""
+        from .file import read
+
+        return read(Path(path))
+
+    def put_into(self, sim: Simulation, *, exact: bool = True, owner: str = "checkpoint") -> None:
+        """Makes a simulation go on from here, bit for bit, with sensors that read what they read.
+
+        Raises ``CheckpointError`` and changes nothing when the scene or the settings are not the same; the
+        number of threads and the back end may differ. ``exact=False`` accepts other materials, values,
+        masses, rest shapes and settings, as long as bodies, joints and their numbers are the same."""
+        self._check_scene(sim, exact, owner)
+        self._check_values(sim, owner)
+        present, values = sim.state, [live.present() for live in sim._live_values]
+        try:
+            self._replay(sim) if exact and self.last is not None else self._set(sim)
+        except InvalidArgument as error:
+            sim.state = present
+            _assign(sim, values)
+            raise CheckpointError(f"{owner}: {error}") from None
+
+    def _check_scene(self, sim: Simulation, exact: bool, owner: str) -> None:
+        found = differences.of_parts(self.parts, sim._parts, structure_only=not exact)
+        if exact:
+            found += differences.of_settings(self.settings, sim.settings.to_dict())
+        if found:
+            remedy = (
+                "make the scene and the settings that it was written with, or load it with exact=False to go "
+                "on with these"
+                if exact
+                else "make a scene with the same bodies and joints"
+            )
+            raise CheckpointError(
+                f"{owner}: is of another scene: it differs in {differences.listed(found)}; {remedy}"
+            )
+
+    def _check_values(self, sim: Simulation, owner: str) -> None:
+        names = [live.energy.name for live in sim._live_values]
+        if names != self.energies:
+            raise CheckpointError(
+                f"{owner}: has values of the energies {self.energies}, the scene has {names}; make the scene "
+                f"that it was written with"
+            )
+        for values in [self.values] + ([self.last.values] if self.last else []):
+            for live, given in zip(sim._live_values, values, strict=True):
+                what = f"{owner}: energy '{live.energy.name}'"
+                mine = live.present()
+                if {n: v.shape for n, v in given.items()} != {n: v.shape for n, v in mine.items()}:
+                    raise CheckpointError(f"{what}: has values of other parameters or shapes")
+                try:
+                    live.check(what, given)
+                except InvalidArgument as error:
+                    raise CheckpointError(str(error)) from None
+
+    def _set(self, sim: Simulation) -> None:
+        sim.state = self.state
+        _assign(sim, self.values)
+
+    def _replay(self, sim: Simulation) -> None:
+        assert self.last is not None
+        _assign(sim, self.last.values)
+        for live in sim._live_values:
+            live.push(sim._core)
+        same = sim._core.resume(self.last.before, self.last.limit, self.state)
+        _assign(sim, self.values)
+        sim._last_step = self.last if same else None
+        if not same:
+            from stark.scene import StarkWarning
+
+            warnings.warn(
+                f"the last step before the checkpoint at {self.time:g} s, taken again, has other bits: this "
+                f"Stark ({_core.__version__}, written by {self.stark_version}) computes differently; the "
+                f"simulation goes on from the state of the checkpoint, but not as it would have",
+                StarkWarning,
+                stacklevel=4,
+            )
+
+
+def _assign(sim: Simulation, values: list[Values]) -> None:
+    for live, given in zip(sim._live_values, values, strict=True):
+        live.assign(given)

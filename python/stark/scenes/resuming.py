@@ -1,0 +1,122 @@
+"""Goes on with a run that was killed, stopped or failed, or lets one that is complete run longer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from ..checkpoint import Checkpoint, CheckpointError
+from ..recording import Recorder
+from ..recording.format import CHECKPOINT
+from .runner import COUNTS, Job, OnStep, Plan, RunResult, end_time, make_simulation, reached
+from .scene_file import SceneFile, load
+
+
+def resume(
+    folder: str | PathLike[str],
+    *,
+    scene: str | PathLike[str] | SceneFile | None = None,
+    until: float | None = None,
+    settings: Mapping[str, Any] | None = None,
+    replay: bool = True,
+    picture: bool = True,
+    check: bool = True,
+    on_step: OnStep | None = None,
+) -> RunResult:
+    """Goes on with the run in ``folder`` from its last checkpoint; frames and telemetry after it are dropped
+    and made again, so that the recording ends up as that of an uninterrupted run.
+
+    ``scene`` is needed when the scene file has been moved. ``until`` [s] replaces the end. ``settings`` are
+    changed from here on: with those that influence results the run is another one than without them. Raises
+    ``CheckpointError`` when there is no checkpoint, or one of another scene than the file now makes, and
+    ``RecordingError`` when the recording is damaged."""
+    folder = Path(folder)
+    checkpoint = read_checkpoint(folder)
+    owner = f"checkpoint '{folder / CHECKPOINT}'"
+    plan, frames, lines, counts, wall = _read_run(checkpoint, owner)
+    scene_file = scene if isinstance(scene, SceneFile) else load(scene or plan.scene, plan.options)
+    changed = dict(settings or {})
+    plan = replace(
+        plan,
+        scene=scene_file.source,
+        settings={**plan.settings, **changed},
+        until=end_time(scene_file, plan.until if until is None else until),
+    )
+    sim = make_simulation(scene_file, plan.settings)
+    checkpoint.put_into(sim, exact=not _matter(changed), owner=owner)
+    if reached(sim, plan.until) and until is not None and sim.time > until + sim.time_step:
+        raise CheckpointError(f"{owner}: is at {sim.time:g} s, after until = {until:g} s; give a later end")
+    scene_file.recall(checkpoint.memory)
+    recorder = Recorder.resume(folder, sim, frames=frames, lines=lines)
+    result = RunResult(scene_file.name, "complete", "", 0.0, wall, **counts)
+    job = Job(scene_file, plan, sim, recorder, result)
+    return job.finish(job.advance(on_step), replay, picture, check)
+
+
+def planned_end(folder: Path) -> float:
+    """Simulated time [s] at which the run in ``folder`` was to end."""
+    checkpoint = read_checkpoint(folder)
+    return _read_run(checkpoint, f"checkpoint '{folder / CHECKPOINT}'")[0].until
+
+
+def read_checkpoint(folder: Path) -> Checkpoint:
+    """The checkpoint of a run folder."""
+    path = folder / CHECKPOINT
+    if not path.exists():
+        what = "it has no checkpoint" if folder.is_dir() else "no such folder"
+        raise CheckpointError(f"'{folder}' cannot be resumed: {what}; run the scene anew")
+    return Checkpoint.read(path)
+
+
+def _matter(settings: Mapping[str, Any]) -> bool:
+    """Whether any of them influences results."""
+    return any(not name.startswith("execution.") and name != "threads" for name in settings)
+
+
+def _read_run(checkpoint: Checkpoint, owner: str) -> tuple[Plan, int, int, dict[str, int], float]:
+    if checkpoint.run is None:
+        raise CheckpointError(f"{owner}: was not written by 'stark run'; load it with Simulation.load()")
+    run = checkpoint.run
+    try:
+        plan = _plan(run["plan"])
+        frames, lines, wall = run["frames"], run["lines"], run["wall"]
+        counts = {name: run["counts"][name] for name in COUNTS}
+        for name, value, least in (
+            ("frames", frames, 1),
+            ("lines", lines, 0),
+            *((n, c, 0) for n, c in counts.items()),
+        ):
+            if type(value) is not int or value < least:
+                raise ValueError(f"{name} = {value!r}: must be an integer >= {least}")
+        _number("wall", wall, at_least=0.0)
+    except (KeyError, TypeError, ValueError) as error:
+        raise CheckpointError(f"{owner} is damaged (run: {error}); run the scene anew") from error
+    return plan, frames, lines, counts, wall
+
+
+def _plan(given: dict[str, Any]) -> Plan:
+    """Raises KeyError, TypeError or ValueError for what a run never writes."""
+    if not isinstance(given, dict):
+        raise TypeError(f"plan = {given!r}: must be an object")
+    plan = Plan(**{f.name: given[f.name] for f in fields(Plan)})
+    if not isinstance(plan.scene, str) or not isinstance(plan.options, dict):
+        raise TypeError("scene and options must be a text and an object")
+    if not all(isinstance(text, str) for text in plan.options.values()):
+        raise TypeError("options must be texts")
+    if not isinstance(plan.settings, dict):
+        raise TypeError("settings must be an object")
+    _number("until", plan.until, at_least=0.0)
+    if _number("fps", plan.fps, at_least=0.0) == 0.0:
+        raise ValueError("fps must be > 0")
+    if plan.checkpoint_every is not None:
+        _number("checkpoint_every", plan.checkpoint_every, at_least=0.0)
+    return plan
+
+
+def _number(name: str, value: Any, at_least: float) -> float:
+    if not isinstance(value, float) or not at_least <= value < float("inf"):
+        raise ValueError(f"{name} = {value!r}: must be a number >= {at_least:g}")
+    return value

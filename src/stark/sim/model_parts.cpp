@@ -1,0 +1,160 @@
+// What a model was made of, part by part: names and hashes that tell whether a checkpoint is of the same
+// scene, and if not, what differs. Phase: model building.
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <string>
+
+#include <stark/sim/model_builder.h>
+
+namespace stark {
+
+namespace {
+
+/// Eight bytes at a time: one at a time, as Hash64 does, is felt when models of large meshes are built. Each
+/// round is a bijection of the hash and of the word.
+uint64_t hash_words(const void* data, size_t size) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  uint64_t hash = size;
+  for (size_t i = 0; i < size; i += sizeof(uint64_t)) {
+    uint64_t word = 0;
+    std::memcpy(&word, bytes + i, std::min(sizeof(word), size - i));
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15ull;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+template <typename T>
+void append_all(Hash64& hash, std::span<const T> values) {
+  hash.append(hash_words(values.data(), values.size_bytes()));
+}
+template <typename T>
+void append_all(Hash64& hash, const std::vector<T>& values) {
+  append_all(hash, std::span<const T>(values));
+}
+
+void append_mass(Hash64& hash, const RigidMass& mass) {
+  hash.append(mass.mass);
+  hash.append(mass.moments);
+  hash.append(mass.second_moments);
+  hash.append(mass.linear_damping);
+  hash.append(mass.angular_damping);
+}
+
+}  // namespace
+
+void Model::Builder::add_part(const std::string& name, bool is_structure, const Hash64& hash) {
+  const auto [entry, is_new] = part_places.try_emplace(name, model.parts_.size());
+  if (is_new) return model.parts_.push_back({name, is_structure, hash.value()});
+  Hash64 both;  // joints of one kind between frames of several kinds are one part
+  both.append(model.parts_[entry->second].hash);
+  both.append(hash.value());
+  model.parts_[entry->second].hash = both.value();
+}
+
+void Model::Builder::append_places(Hash64& hash, std::span<const int32_t> stencils) const {
+  for (const int32_t id : stencils) {
+    const Site& site = model.map_.site(id);
+    hash.append(site.kind);
+    hash.append(site.index);
+    if (site.kind == SiteKind::Point) continue;
+    hash.append(site.local);
+    if (site.kind == SiteKind::Barycentric) hash.append(site.points), hash.append(site.weights);
+  }
+}
+
+void Model::Builder::list_bodies() {
+  for (int32_t i = 0; i < scene.body_count(); ++i) {
+    const BodyId id{i};
+    const ModelBody& body = model.bodies_[i];
+    const std::string name = to_string(body.kind) + " '" + scene.name(id) + "'";
+    Hash64 structure, shape, mass;
+    structure.append(body.kind);
+    structure.append(scene.motion(id));
+    structure.append(body.site_count);
+    append_all(structure, body.triangles);
+    append_all(structure, body.edges);
+    append_all(structure, body.pins);
+    append_all(structure, body.clamped);
+    const std::span<const Vec3> rest = model.rest_positions_;
+    append_all(shape, rest.subspan(body.first_site, body.site_count));
+    mass.append(body.centre);
+    mass.append(body.axes);
+    if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) {
+      const int32_t count = body.kind == BodyKind::Rod ? body.site_count : 1;
+      for (int32_t b = 0; b < count; ++b) append_mass(mass, model.rigid_masses_[body.rigid_index + b]);
+    } else {
+      const std::span<const double> masses = model.point_masses_;
+      append_all(mass, masses.subspan(body.first_site, body.site_count));
+    }
+    add_part("kind, motion, topology or pins of " + name, true, structure);
+    add_part("rest shape of " + name, false, shape);
+    add_part("mass of " + name, false, mass);
+  }
+}
+
+void Model::Builder::list_batch(const std::string& name, const PotentialBatch& batch) {
+  Hash64 formula, points, values;
+  formula.append(batch.potential().kernel().fingerprint());
+  append_places(points, batch.stencils());
+  append_all(values, batch.element_values());
+  append_all(values, batch.uniform_values());
+  add_part("formula of " + name, false, formula);
+  add_part("points of " + name, false, points);
+  add_part("values of " + name, false, values);
+}
+
+void Model::Builder::list_energies() {
+  const auto title = [](const std::string& law, const std::string& body) {
+    return "the energy '" + law + "'" + (body.empty() ? "" : " of '" + body + "'");
+  };
+  std::vector<std::string> names(model.batches_.size());
+  for (size_t b = 0; b < names.size(); ++b)
+    names[b] = title(model.batches_[b].batch.potential().name(), model.batches_[b].owner);
+  for (size_t e = 0; e < scene.energies().size(); ++e)
+    names[model.energy_batches_[e]] = "the energy '" + scene.energies()[e].name + "'";
+  for (size_t b = 0; b < names.size(); ++b) list_batch(names[b], model.batches_[b].batch);
+  for (const ModelQuadrature& elements : model.quadrature_batches_) {
+    const std::string name = title(elements.batch.law().potential().name(), elements.body);
+    list_batch(name, elements.batch.law());
+    Hash64 points;
+    append_places(points, elements.batch.stencils());
+    add_part("points of " + name, false, points);
+  }
+  for (const ConstraintGroup& group : model.constraints_.groups()) {
+    const std::string name = "joints, actuators and attachments of the kind '" + group.joint->name() + "'";
+    list_batch(name, group.batch);
+    Hash64 members;
+    append_all(members, group.joints);
+    add_part("order of " + name, true, members);
+  }
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    Hash64 force;
+    force.append(attachment.break_force);
+    add_part("breaking force of attachment '" + attachment.name + "'", false, force);
+  }
+}
+
+void Model::Builder::list_contact() {
+  Hash64 friction, pairs, distances;
+  for (int32_t a = 0; a < scene.body_count(); ++a) {
+    // Unset: the one of the settings, which are not a part of the model.
+    distances.append(scene.contact_distance(BodyId{a}).value_or(-1.0));
+    for (int32_t b = 0; b <= a; ++b) {
+      friction.append(scene.friction(BodyId{a}, BodyId{b}));
+      pairs.append(scene.contact_enabled(BodyId{a}, BodyId{b}));
+    }
+  }
+  add_part("coefficients of friction", false, friction);
+  add_part("pairs of bodies without contact", false, pairs);
+  add_part("contact distances of bodies", false, distances);
+}
+
+void Model::Builder::list_parts() {
+  list_bodies();
+  list_energies();
+  list_contact();
+}
+
+}  // namespace stark

@@ -1,0 +1,54 @@
+// Simulation: rewinding to a state, going on from that of another simulation.
+#include <stark/base/error.h>
+#include <stark/sim/simulation.h>
+
+namespace stark {
+
+namespace {
+
+std::string count_text(const State& state) {
+  return std::to_string(state.point_position.size()) + " points, " +
+         std::to_string(state.body_position.size()) + " rigid bodies, " +
+         std::to_string(state.joint_enabled.size()) + " joints, " +
+         std::to_string(state.actuator_enabled.size()) + " actuators and " +
+         std::to_string(state.attachment_held.size()) + " attached points";
+}
+
+/// Whether everything is at the same time and place, bit for bit.
+bool same_places(const State& a, const State& b) {
+  State c = a;
+  c.time = b.time;
+  c.step_count = b.step_count;
+  c.point_position = b.point_position;
+  c.body_position = b.body_position;
+  c.body_rotation = b.body_rotation;
+  return a == c;
+}
+
+}  // namespace
+
+void Simulation::set_state(const State& state) {
+  if (const std::string field = first_length_difference(state, state_); !field.empty())
+    throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(state_) +
+                          " ('" + field + "' is not as long); use a state of the same scene and integrator");
+  if (const std::string what = find_invalid_number(state); !what.empty())
+    throw InvalidArgument("state: " + what + "; use a state that a simulation has been in");
+  state_ = state;
+  step_start_.clear();
+  model_->constraints().set_forces(state_.joint_multiplier);
+  for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
+}
+
+bool Simulation::resume(const State& before, double max_time_step, const State& state) {
+  set_state(state);  // refuses it before anything else happens
+  set_state(before);
+  step(max_time_step);
+  if (report_.failed() || !same_places(state_, state)) {
+    set_state(state);
+    return false;
+  }
+  state_ = state;  // with what was set since that step
+  return true;
+}
+
+}  // namespace stark
