@@ -186,10 +186,10 @@ TEST_CASE("candidates equal brute force on boxes, at rest and under random motio
 
 TEST_CASE("points of all kinds meet edges without triangles, except those of the same rod nearby") {
   SceneBuilder scene;
-  scene.add_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});       // points 0 to 2, edges 0 to 2
-  scene.add_rod({{0, 0, 0.1}, {1, 0, 0.1}});                              // points 3, 4, edge 3
+  scene.add_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});         // points 0 to 2, edges 0 to 2
+  scene.add_rod({{0, 0, 0.1}, {1, 0, 0.1}});                                // points 3, 4, edge 3
   scene.add_rod({{0, 0, 0.2}, {0.3, 0, 0.2}, {0.6, 0, 0.2}, {1, 0, 0.2}});  // points 5 to 8, edges 4 to 6
-  scene.add_particles({{0.5, 0, 0.15}});                                  // point 9
+  scene.add_particles({{0.5, 0, 0.15}});                                    // point 9
   PairFilter filter(4);
   filter.set_neighbours(5, 6);
   filter.set_neighbours(5, 7);

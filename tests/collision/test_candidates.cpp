@@ -45,7 +45,8 @@ TEST_CASE("neighbours along a rod: a point is kept from the edges that end at th
   PairFilter filter(1);
   CHECK_FALSE(filter.are_neighbours(4, {5, 6}));
   filter.set_neighbours(4, 6);
-  CHECK(filter.has_exclusions());
+  CHECK(filter.has_neighbours());
+  CHECK_FALSE(filter.has_exclusions());
   CHECK(filter.are_neighbours(4, {5, 6}));
   CHECK(filter.are_neighbours(4, {6, 7}));
   CHECK(filter.are_neighbours(6, {3, 4}));

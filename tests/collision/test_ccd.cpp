@@ -163,7 +163,8 @@ TEST_CASE("edges that stay parallel and in one plane do not pass through each ot
   RandomPoints random(47);
   for (int round = 0; round < 4000; ++round) {
     // Edge B comes at edge A along n and slides along both; every other round it starts end on end instead.
-    const Vec3 u = normalized(random.point()), n = normalized(cross(u, random.point())), base = random.point();
+    const Vec3 u = normalized(random.point()), n = normalized(cross(u, random.point())),
+               base = random.point();
     const double gap = std::pow(10.0, random.uniform(-8.0, 0.0)), way = gap * random.uniform(1.5, 20.0);
     const Vec3 apart = round % 2 ? n : u, shift = apart * -way + (round % 2 ? u * (0.3 * gap) : Vec3{});
     const Vec3 first = base + (round % 2 ? n * gap + u * random.uniform(-0.4, 0.4) : u * (1.0 + gap));

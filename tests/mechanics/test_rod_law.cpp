@@ -95,11 +95,10 @@ TEST_CASE("shear grows with the angle up to half a turn: an edge that points bac
 
 TEST_CASE("half a turn between neighbouring frames takes energy without bound") {
   constexpr double kHalfTurn = 3.141592653589793;
-  const RodLaw bending =
-      define_rod_law("bending", "bending", [](PotentialBuilder&, const RodDeformation& d) {
-        const RodStrain s = d.strain();
-        return symbolic::square(s.curvature[0]) + symbolic::square(s.curvature[1]) + symbolic::square(s.twist);
-      });
+  const RodLaw bending = define_rod_law("bending", "bending", [](PotentialBuilder&, const RodDeformation& d) {
+    const RodStrain s = d.strain();
+    return symbolic::square(s.curvature[0]) + symbolic::square(s.curvature[1]) + symbolic::square(s.twist);
+  });
   const RodProbe probe(bending, {{"shear_stiffness", {0.0}}});
   for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 0, 1}, Vec3{0.6, 0, 0.8}})
     for (const double rest : {1e-2, 1e-3, 1e-4}) {

@@ -137,7 +137,7 @@ void merge_sorted(const std::vector<PairBuffer>& buffers, std::vector<Pair> Pair
   }
 }
 
-/// Drops the pairs that the filter excludes by vertex, and points of rods from edges of the neighbourhood.
+/// Drops the pairs that the filter excludes by vertex.
 void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, CandidateList& list) {
   const auto is_out = [&](std::span<const int32_t> a, std::span<const int32_t> b) {
     return filter.excluded(a, mesh.vertex_group[a[0]], b, mesh.vertex_group[b[0]]);
@@ -150,10 +150,7 @@ void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, Candidat
     return is_out(mesh.edges[c.edge_a], mesh.edges[c.edge_b]);
   });
   std::erase_if(list.point_edge,
-                [&](const PointEdgeCandidate& c) {
-                  return filter.are_neighbours(c.point, mesh.edges[c.edge]) ||
-                         is_out(one(c.point), mesh.edges[c.edge]);
-                });
+                [&](const PointEdgeCandidate& c) { return is_out(one(c.point), mesh.edges[c.edge]); });
   std::erase_if(list.point_point,
                 [&](const PointPointCandidate& c) { return is_out(one(c.point_a), one(c.point_b)); });
 }
@@ -244,6 +241,10 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
     merge_list(1, 0);
   }
   if (self.filter.has_exclusions()) remove_excluded(mesh, self.filter, out);
+  if (self.filter.has_neighbours())
+    std::erase_if(out.point_edge, [&](const PointEdgeCandidate& c) {
+      return self.filter.are_neighbours(c.point, mesh.edges[c.edge]);
+    });
 }
 
 }  // namespace stark

@@ -75,15 +75,16 @@ class PairFilter {
 
   /// Keeps all primitives with this vertex from those of the group.
   void exclude(int32_t vertex, int32_t group);
-  bool has_exclusions() const { return !excluded_.empty() || !neighbours_.empty(); }
+  bool has_exclusions() const { return !excluded_.empty(); }
   bool excluded(int32_t vertex, int32_t group) const;
   /// Whether some vertex of one primitive is kept from the group of the other.
   bool excluded(std::span<const int32_t> vertices_a, int32_t group_a, std::span<const int32_t> vertices_b,
                 int32_t group_b) const;
 
-  /// Keeps a point from the edges without triangles that end at another: parts of a rod that are so near along
-  /// it that they are within the contact distance whatever its shape.
+  /// Keeps a point from the edges without triangles that end at another: parts of a rod that are so near
+  /// along it that they are within the contact distance whatever its shape.
   void set_neighbours(int32_t vertex_a, int32_t vertex_b);
+  bool has_neighbours() const { return !neighbours_.empty(); }
   bool are_neighbours(int32_t point, const Index2& edge) const;
 
  private:

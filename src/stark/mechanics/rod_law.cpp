@@ -21,7 +21,8 @@ struct SegmentStrain {
 SegmentStrain segment_strain(PotentialBuilder& b, Point p) {
   const symbolic::Vec3 edge = (b.*p)(1) - (b.*p)(0);
   const auto axis = [&](int node, int k) { return (b.*p)(2 + 3 * node + k); };
-  // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi). c = cos(phi/2), w = sin(phi/2) n.
+  // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi);
+  // c = cos(phi/2) and w = sin(phi/2) n.
   const auto Q = [&](int i, int j) { return dot(axis(0, i), axis(1, j)); };
   const Scalar c = 0.5 * sqrt(1.0 + Q(0, 0) + Q(1, 1) + Q(2, 2));
   const symbolic::Vec3 axial(Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1));

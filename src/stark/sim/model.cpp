@@ -152,8 +152,8 @@ std::vector<PotentialBatch*> Model::all_batches() {
 
 namespace {
 
-/// Keeps the nodes of a rod from its edges that begin within half a turn of the tightest bend of a rod as thick
-/// as its contact distance (a length of pi/2 of that): they come within it in any such bend.
+/// Keeps the nodes of a rod from its edges that begin within half a turn of the tightest bend of a rod as
+/// thick as its contact distance (a length of pi/2 of that): they come within it in any such bend.
 void set_neighbours(const ModelBody& rod, std::span<const Vec3> rest, double contact_distance,
                     PairFilter& filter) {
   const double half_turn = 0.5 * std::numbers::pi * contact_distance;
