@@ -65,6 +65,23 @@ def test_a_cord_that_carries_a_load_in_its_middle_is_a_string(sideways: float) -
     assert length / 0.2 - 1.0 == pytest.approx(exact, rel=0.02)
 
 
+def test_a_cord_that_is_pulled_to_twice_its_length_stays_straight() -> None:
+    """Frames follow the edges, and all segments are stretched alike but for the weight."""
+    cord = stark.RodMaterial(density=1000.0, youngs_modulus=1e6, radius=1e-3, mass_damping=5.0)
+    scene = stark.Scene()
+    rod = scene.add_rod(stark.mesh.polyline((0, 0, 0), (0.2, 0, 0), 8), cord, pins=[0, 8])
+    simulation = stark.Simulation(scene, time_step=0.01, **{"contact.enabled": False})
+    for k in range(1, 41):
+        rod.pin_targets = [(0.0, 0.0, 0.0), (0.2 + 0.005 * k, 0.0, 0.0)]
+        report = simulation.step()
+        assert report.status == "accepted"
+        assert report.newton_iterations <= 10
+    edges = np.diff(rod.positions, axis=0)
+    lengths = np.linalg.norm(edges, axis=1)
+    assert lengths / 0.025 == pytest.approx(2.0, rel=1e-3)
+    assert np.einsum("ij,ij->i", rod.frames[:-1, :, 2], edges) == pytest.approx(lengths, rel=1e-3)
+
+
 def arc(length: float, segments: int) -> np.ndarray:
     """Points of equal distance on a parabola of this length [m] over a span of 1 m."""
     x = np.linspace(0.0, 1.0, 4001)
