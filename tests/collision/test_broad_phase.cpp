@@ -81,7 +81,6 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
         list.point_triangle.push_back({v, static_cast<int32_t>(t)});
       }
     }
-    if (with_edge.count(v)) continue;
     for (size_t e = 0; e < mesh.edges.size(); ++e) {
       if (triangle_edges.count(
               {std::min(mesh.edges[e][0], mesh.edges[e][1]), std::max(mesh.edges[e][0], mesh.edges[e][1])}))
@@ -89,6 +88,7 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
       if (near(point, group, mesh.edges[e], mesh.edge_group[e]))
         list.point_edge.push_back({v, static_cast<int32_t>(e)});
     }
+    if (with_edge.count(v)) continue;
     for (const int32_t w : used) {
       if (w > v && !with_edge.count(w) &&
           near(point, group, std::array<int32_t, 1>{w}, mesh.vertex_group[w])) {
@@ -174,7 +174,7 @@ TEST_CASE("candidates equal brute force on boxes, at rest and under random motio
     CHECK(includes(brute_force(scene, filter, x0, x1, inflation, -2e-6), list));
     CHECK(list.point_triangle.size() > 500);
     CHECK(list.edge_edge.size() > 1000);
-    CHECK(list.point_edge.size() > 0);
+    CHECK(list.point_edge.size() > 30);
     point_pairs += list.point_point.size();
     if (round % 2 == 0) {
       broad_phase.find(x0, inflation, one, again);
@@ -182,6 +182,33 @@ TEST_CASE("candidates equal brute force on boxes, at rest and under random motio
     }
   }
   CHECK(point_pairs > 0);
+}
+
+TEST_CASE("points of all kinds meet edges without triangles, except those of the same rod nearby") {
+  SceneBuilder scene;
+  scene.add_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});         // points 0 to 2, edges 0 to 2
+  scene.add_rod({{0, 0, 0.1}, {1, 0, 0.1}});                                // points 3, 4, edge 3
+  scene.add_rod({{0, 0, 0.2}, {0.3, 0, 0.2}, {0.6, 0, 0.2}, {1, 0, 0.2}});  // points 5 to 8, edges 4 to 6
+  scene.add_particles({{0.5, 0, 0.15}});                                    // point 9
+  PairFilter filter(4);
+  filter.set_neighbours(5, 6);
+  filter.set_neighbours(5, 7);
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, filter);
+  ThreadPool pool(1);
+  CandidateList list;
+  broad_phase.find(scene.x, std::vector<double>(4, 1.0), pool, list);
+  std::set<Index2> pairs;
+  for (const PointEdgeCandidate& c : list.point_edge) pairs.insert({c.point, c.edge});
+  std::set<Index2> expected;
+  for (const int32_t edge : {3, 4, 5, 6})
+    for (int32_t v = 0; v <= 9; ++v) {
+      const Index2& ends = scene.surface.edges[edge];
+      if (v != ends[0] && v != ends[1]) expected.insert({v, edge});
+    }
+  // 5 from the edges at 7 and 7 from the one at 5; those at 6 share a vertex with it or end at 7.
+  for (const Index2& pair : {Index2{5, 5}, Index2{5, 6}, Index2{7, 4}}) expected.erase(pair);
+  CHECK(pairs == expected);
 }
 
 TEST_CASE("a list built with a motion budget stays complete while vertices move within it, and not beyond") {

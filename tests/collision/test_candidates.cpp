@@ -41,6 +41,20 @@ TEST_CASE("pair filter: vertices are kept from a group with all that they are pa
   CHECK_THROWS_AS(filter.exclude(0, 3), InvalidArgument);
 }
 
+TEST_CASE("neighbours along a rod: a point is kept from the edges that end at them") {
+  PairFilter filter(1);
+  CHECK_FALSE(filter.are_neighbours(4, {5, 6}));
+  filter.set_neighbours(4, 6);
+  CHECK(filter.has_neighbours());
+  CHECK_FALSE(filter.has_exclusions());
+  CHECK(filter.are_neighbours(4, {5, 6}));
+  CHECK(filter.are_neighbours(4, {6, 7}));
+  CHECK(filter.are_neighbours(6, {3, 4}));
+  CHECK_FALSE(filter.are_neighbours(4, {7, 8}));
+  CHECK_FALSE(filter.are_neighbours(1000, {6, 7}));
+  CHECK_THROWS_AS(filter.set_neighbours(-1, 0), InvalidArgument);
+}
+
 TEST_CASE("candidate list: size and clear") {
   CandidateList list;
   list.point_triangle = {{0, 1}};

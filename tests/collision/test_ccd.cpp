@@ -159,6 +159,27 @@ TEST_CASE("touching and degenerate starts return zero or make progress, never a 
         doctest::Approx(0.45).epsilon(1e-9));
 }
 
+TEST_CASE("edges that stay parallel and in one plane do not pass through each other") {
+  RandomPoints random(47);
+  for (int round = 0; round < 4000; ++round) {
+    // Edge B comes at edge A along n and slides along both; every other round it starts end on end instead.
+    const Vec3 u = normalized(random.point()), n = normalized(cross(u, random.point())),
+               base = random.point();
+    const double gap = std::pow(10.0, random.uniform(-8.0, 0.0)), way = gap * random.uniform(1.5, 20.0);
+    const Vec3 apart = round % 2 ? n : u, shift = apart * -way + (round % 2 ? u * (0.3 * gap) : Vec3{});
+    const Vec3 first = base + (round % 2 ? n * gap + u * random.uniform(-0.4, 0.4) : u * (1.0 + gap));
+    const std::array<Vec3, 4> a = {base, base + u, first, first + u * random.uniform(0.5, 1.5)};
+    const std::array<Vec3, 4> b = {base, base + u, a[2] + shift, a[3] + shift};
+    const double t = edge_edge_ccd(a, b, 0.0);
+    REQUIRE(t < gap / way);
+    REQUIRE(t > 0.5 * gap / way);
+    // So do ends against edges.
+    const double end = std::min(point_edge_ccd({a[2], a[0], a[1]}, {b[2], b[0], b[1]}, 0.0),
+                                point_edge_ccd({a[0], a[2], a[3]}, {b[0], b[2], b[3]}, 0.0));
+    REQUIRE(end < gap / way);
+  }
+}
+
 TEST_CASE("nearly degenerate stencils at tiny gaps still make progress and stay apart") {
   RandomPoints random(46);
   for (int round = 0; round < 20000; ++round) {

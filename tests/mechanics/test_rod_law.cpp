@@ -51,28 +51,62 @@ TEST_CASE("frames that turn about an axis of the section give curvature or twist
       Vec3 turn;
       turn[axis] = angle;
       for (int k = 0; k < 3; ++k) {
-        const double expected = k == axis ? 4.0 * std::tan(0.25 * angle) / kSegmentLength : 0.0;
+        const double expected =
+            k == axis ? (std::tan(0.5 * angle) + std::sin(0.5 * angle)) / kSegmentLength : 0.0;
         CHECK(strain(1 + k, strained_segment(turn)) == doctest::Approx(expected).epsilon(1e-9));
       }
     }
 }
 
-TEST_CASE("the length of the edge along the middle frame is the stretch") {
+TEST_CASE("the length of the edge is the stretch, whatever the frames do") {
   CHECK(strain(0, strained_segment({}, {0, 0, 1.25})) == doctest::Approx(1.25).epsilon(1e-14));
   CHECK(strain(0, strained_segment({0, 0, 0.7}, {0, 0, 0.5})) == doctest::Approx(0.5).epsilon(1e-14));
   // Bent by a, the nodes on an arc of a circle: the chord is along the middle tangent.
   CHECK(strain(0, strained_segment({0.4, 0, 0}, {0, 0, 0.99})) == doctest::Approx(0.99).epsilon(1e-14));
+  for (const Vec3& turn : {Vec3{}, Vec3{3.1, 0, 0}, Vec3{1, -1, 2}})
+    CHECK(strain(0, strained_segment(turn, {1.5, 0, -2})) == doctest::Approx(2.5).epsilon(1e-14));
 }
 
 TEST_CASE("an edge across the middle frame stores the energy of shear") {
   const RodProbe probe(define_rod_law("nothing", "nothing",
                                       [](PotentialBuilder&, const RodDeformation&) { return Scalar(0.0); }),
                        {{"shear_stiffness", {50.0}}});
-  const double expected = 0.5 * 50.0 * (0.1 * 0.1 + 0.2 * 0.2) * kSegmentLength;
+  // k s^2 (1 - cos b) with the stretch s and the angle b: k/2 of the shear squared where that is small.
+  const double s = std::sqrt(1.0 + 0.1 * 0.1 + 0.2 * 0.2);
+  const double expected = 50.0 * s * (s - 1.0) * kSegmentLength;
   CHECK(probe.energy(strained_segment({}, {0.1, -0.2, 1})) == doctest::Approx(expected).epsilon(1e-13));
   // Nodes of an arc or a twisted line have none: the chord is along the middle frame.
-  for (const Vec3& turn : {Vec3{0.3, 0, 0}, Vec3{0, -0.9, 0}, Vec3{0, 0, 2.0}})
+  for (const Vec3& turn : {Vec3{0.3, 0, 0}, Vec3{0, -0.9, 0}, Vec3{0, 0, 2.0}, Vec3{1.0, -0.8, 2.0}})
     CHECK(std::fabs(probe.energy(strained_segment(turn))) < 1e-28);
+}
+
+TEST_CASE("shear grows with the angle up to half a turn: an edge that points backwards is not at rest") {
+  const RodProbe probe(define_rod_law("nothing", "nothing",
+                                      [](PotentialBuilder&, const RodDeformation&) { return Scalar(0.0); }),
+                       {{"shear_stiffness", {50.0}}});
+  double last = 0.0;
+  for (int k = 1; k <= 16; ++k) {
+    const double angle = k * 3.141592653589793 / 16;
+    const double energy = probe.energy(strained_segment({0.7, 0, 0}, {std::sin(angle), 0, std::cos(angle)}));
+    CHECK(energy > last);
+    last = energy;
+  }
+}
+
+TEST_CASE("half a turn between neighbouring frames takes energy without bound") {
+  constexpr double kHalfTurn = 3.141592653589793;
+  const RodLaw bending = define_rod_law("bending", "bending", [](PotentialBuilder&, const RodDeformation& d) {
+    const RodStrain s = d.strain();
+    return symbolic::square(s.curvature[0]) + symbolic::square(s.curvature[1]) + symbolic::square(s.twist);
+  });
+  const RodProbe probe(bending, {{"shear_stiffness", {0.0}}});
+  for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 0, 1}, Vec3{0.6, 0, 0.8}})
+    for (const double rest : {1e-2, 1e-3, 1e-4}) {
+      // tan(phi/2) = 2/rest to second order
+      const double expected = 4.0 / (rest * rest) / kSegmentLength;
+      CHECK(probe.energy(strained_segment(axis * (kHalfTurn - rest))) ==
+            doctest::Approx(expected).epsilon(2.0 * rest));
+    }
 }
 
 TEST_CASE("strains do not change when the segment is moved and turned") {

@@ -178,3 +178,39 @@ TEST_CASE("the same bits from any number of threads, and after going back to a s
   CHECK(end(2, false) == once);
   CHECK(end(1, true) == once);
 }
+
+TEST_CASE("nodes are kept from edges that start within half a turn of the tightest bend along the rod") {
+  Scene scene;
+  scene.add_rod(straight(100));  // segments of 10 mm; contact distance of a pair 20 mm, half a turn 31.4 mm
+  const Simulation sim(scene, quiet());
+  const PairFilter filter = sim.model().make_surfaces(scene, quiet()).filter;
+  const int32_t first = sim.model().bodies()[0].first_site;
+  const auto apart = [&](int32_t node, int32_t edge) {
+    return !filter.are_neighbours(first + node, {first + edge, first + edge + 1});
+  };
+  for (const int32_t edge : {51, 52, 53, 48, 47, 46}) CHECK_FALSE(apart(50, edge));
+  for (const int32_t edge : {54, 80, 45, 0}) CHECK(apart(50, edge));
+}
+
+TEST_CASE("parallel rods repel each other") {
+  Scene scene;
+  RodDescription rod = straight(3);
+  scene.add_rod(rod);
+  rod.position = {0.0, 1e-6, 0.025};
+  rod.velocity = {0.0, 0.0, -1.0};
+  const BodyId upper = scene.add_rod(rod);
+  Settings settings;
+  settings.gravity = {};
+  settings.time.step = 1e-3;
+  Simulation sim(scene, settings);
+  double nearest = 1.0;
+  for (int k = 0; k < 30; ++k) {
+    const StepReport& report = sim.step();
+    REQUIRE(report.status == StepStatus::Accepted);
+    for (int32_t v = 0; v <= 3; ++v)
+      nearest = std::min(nearest, norm(sim.positions(upper)[v] - sim.positions(BodyId{0})[v]));
+  }
+  CHECK(nearest < 0.02);
+  CHECK(nearest > 0.01);
+  CHECK(sim.velocities(upper)[1].z > -0.51);  // equal masses: at least half of the momentum is handed on
+}

@@ -56,6 +56,16 @@ void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pai
   }
 }
 
+// Owned points of `a` against the edge without triangles of `b`.
+void add_point_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pair>& out) {
+  if (a.point_count == 0) return;
+  const Box box = bvh.cell_box(b);
+  for (int k = 0; k < a.point_count; ++k) {
+    const int32_t v = a.points[k];
+    if (!has_vertex(b, v) && bvh.vertex_box(v).overlaps(box)) out.push_back({v, b.edges[0]});
+  }
+}
+
 // Pairs that involve a cell that is a lone point.
 void add_lone_point(const Bvh& bvh, const Cell& point, const Cell& other, PairBuffer& out) {
   const int32_t v = point.points[0];
@@ -63,8 +73,7 @@ void add_lone_point(const Bvh& bvh, const Cell& point, const Cell& other, PairBu
   if (other.triangle >= 0) {
     add_point_triangle(bvh, point, other, out.point_triangle);
   } else if (!other.is_point()) {
-    // The boxes of these cells are those of the primitives: the overlap is known.
-    out.point_edge.push_back({v, other.edges[0]});
+    add_point_edge(bvh, point, other, out.point_edge);
   } else {
     out.point_point.push_back({std::min(v, other.points[0]), std::max(v, other.points[0])});
   }
@@ -199,8 +208,14 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
       add_lone_point(bvh, b, a, buffer);
       return;
     }
-    if (b.triangle >= 0) add_point_triangle(bvh, a, b, buffer.point_triangle);
-    if (a.triangle >= 0) add_point_triangle(bvh, b, a, buffer.point_triangle);
+    if (b.triangle >= 0)
+      add_point_triangle(bvh, a, b, buffer.point_triangle);
+    else
+      add_point_edge(bvh, a, b, buffer.point_edge);
+    if (a.triangle >= 0)
+      add_point_triangle(bvh, b, a, buffer.point_triangle);
+    else
+      add_point_edge(bvh, b, a, buffer.point_edge);
     add_edge_edge(bvh, a, b, buffer.edge_edge);
   });
   const SurfaceMesh& mesh = bvh.mesh();
@@ -226,6 +241,10 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
     merge_list(1, 0);
   }
   if (self.filter.has_exclusions()) remove_excluded(mesh, self.filter, out);
+  if (self.filter.has_neighbours())
+    std::erase_if(out.point_edge, [&](const PointEdgeCandidate& c) {
+      return self.filter.are_neighbours(c.point, mesh.edges[c.edge]);
+    });
 }
 
 }  // namespace stark

@@ -110,6 +110,23 @@ bool PairFilter::excluded(int32_t vertex, int32_t group) const {
   return std::find(groups.begin(), groups.end(), group) != groups.end();
 }
 
+void PairFilter::set_neighbours(int32_t vertex_a, int32_t vertex_b) {
+  if (vertex_a < 0 || vertex_b < 0) {
+    throw InvalidArgument("PairFilter: neighbours " + std::to_string(vertex_a) + " and " +
+                          std::to_string(vertex_b) + " must be at least 0");
+  }
+  const size_t count = static_cast<size_t>(std::max(vertex_a, vertex_b)) + 1;
+  if (neighbours_.size() < count) neighbours_.resize(count);
+  neighbours_[vertex_a].push_back(vertex_b);
+  neighbours_[vertex_b].push_back(vertex_a);
+}
+
+bool PairFilter::are_neighbours(int32_t point, const Index2& edge) const {
+  if (static_cast<size_t>(point) >= neighbours_.size()) return false;
+  const std::vector<int32_t>& list = neighbours_[point];
+  return std::any_of(list.begin(), list.end(), [&](int32_t v) { return v == edge[0] || v == edge[1]; });
+}
+
 bool PairFilter::excluded(std::span<const int32_t> vertices_a, int32_t group_a,
                           std::span<const int32_t> vertices_b, int32_t group_b) const {
   const auto some = [&](std::span<const int32_t> vertices, int32_t group) {

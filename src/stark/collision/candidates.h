@@ -36,7 +36,7 @@ struct EdgeEdgeCandidate {
   bool operator==(const EdgeEdgeCandidate&) const = default;
 };
 
-/// A point without edges against an edge without triangles.
+/// A point against an edge without triangles.
 struct PointEdgeCandidate {
   int32_t point, edge;
   bool operator==(const PointEdgeCandidate&) const = default;
@@ -49,7 +49,8 @@ struct PointPointCandidate {
 };
 
 /// Pairs that share no vertex, each once, sorted by first and second id. The last two lists hold what the
-/// first two cannot see: particles against rods and particles against particles.
+/// first two cannot see: points against rods, because pairs of edges that are parallel have no barrier, and
+/// particles against particles.
 struct CandidateList {
   std::vector<PointTriangleCandidate> point_triangle;
   std::vector<EdgeEdgeCandidate> edge_edge;
@@ -80,6 +81,12 @@ class PairFilter {
   bool excluded(std::span<const int32_t> vertices_a, int32_t group_a, std::span<const int32_t> vertices_b,
                 int32_t group_b) const;
 
+  /// Keeps a point from the edges without triangles that end at another: parts of a rod that are so near
+  /// along it that they are within the contact distance whatever its shape.
+  void set_neighbours(int32_t vertex_a, int32_t vertex_b);
+  bool has_neighbours() const { return !neighbours_.empty(); }
+  bool are_neighbours(int32_t point, const Index2& edge) const;
+
  private:
   static size_t index(int32_t a, int32_t b) {
     const size_t low = static_cast<size_t>(a < b ? a : b), high = static_cast<size_t>(a < b ? b : a);
@@ -88,7 +95,8 @@ class PairFilter {
 
   int32_t group_count_ = 0;
   std::vector<bool> table_;
-  std::vector<std::vector<int32_t>> excluded_;  ///< groups, by vertex; as long as needed
+  std::vector<std::vector<int32_t>> excluded_;    ///< groups, by vertex; as long as needed
+  std::vector<std::vector<int32_t>> neighbours_;  ///< vertices, by vertex; as long as needed
 };
 
 }  // namespace stark

@@ -217,6 +217,11 @@ void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach
     return near(mesh.edge_group[c.edge_a], mesh.edge_group[c.edge_b],
                 edge_edge_squared_distance(x[a[0]], x[a[1]], x[b[0]], x[b[1]]));
   });
+  keep_near(candidates.point_edge, pool, [&](const PointEdgeCandidate& c) {
+    const Index2& e = mesh.edges[c.edge];
+    return near(mesh.vertex_group[c.point], mesh.edge_group[c.edge],
+                point_edge_squared_distance(x[c.point], x[e[0]], x[e[1]]));
+  });
 }
 
 ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers,

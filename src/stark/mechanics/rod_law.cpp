@@ -12,28 +12,24 @@ namespace {
 
 using Point = symbolic::Vec3 (PotentialBuilder::*)(int);
 
-/// Edge and material axes of a segment; differences of lengths and angles, not yet per rest length.
+/// Edge in the middle of a segment and turn of its frames; not yet per rest length.
 struct SegmentStrain {
   symbolic::Vec3 edge_in_frame;  ///< [m] along m1, m2, m3
-  symbolic::Vec3 rotation;       ///< 4 tan(phi/4) about d1, d2, d3
+  symbolic::Vec3 turn;           ///< (tan(phi/2) + sin(phi/2)) n along d1, d2, d3
 };
 
 SegmentStrain segment_strain(PotentialBuilder& b, Point p) {
   const symbolic::Vec3 edge = (b.*p)(1) - (b.*p)(0);
   const auto axis = [&](int node, int k) { return (b.*p)(2 + 3 * node + k); };
-  SegmentStrain strain;
-  // Sums of axes instead of the exact frame halfway: they differ by second order in phi where bending and
-  // twist meet, have half the instructions, and stay bounded up to half a turn.
-  for (int k = 0; k < 3; ++k) strain.edge_in_frame[k] = dot(edge, normalized(axis(0, k) + axis(1, k)));
-  // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi). With c = cos(phi/2),
-  // 4 tan(phi/4) = 2 sin(phi) / (c (1 + c)): close to phi, smooth, and without a kink below half a turn.
+  // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi);
+  // c = cos(phi/2) and w = sin(phi/2) n.
   const auto Q = [&](int i, int j) { return dot(axis(0, i), axis(1, j)); };
   const Scalar c = 0.5 * sqrt(1.0 + Q(0, 0) + Q(1, 1) + Q(2, 2));
-  const Scalar factor = 1.0 / (c * (1.0 + c));
-  strain.rotation[0] = factor * (Q(2, 1) - Q(1, 2));
-  strain.rotation[1] = factor * (Q(0, 2) - Q(2, 0));
-  strain.rotation[2] = factor * (Q(1, 0) - Q(0, 1));
-  return strain;
+  const symbolic::Vec3 axial(Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1));
+  const symbolic::Vec3 w = axial * (0.25 / c);
+  // Rodrigues: what is a in the first frame is turned back by phi/2 into the middle.
+  const symbolic::Vec3 a(dot(edge, axis(0, 0)), dot(edge, axis(0, 1)), dot(edge, axis(0, 2)));
+  return {.edge_in_frame = a * c - cross(w, a) + w * (dot(w, a) / (1.0 + c)), .turn = w * (1.0 / c + 1.0)};
 }
 
 Scalar rest_length(PotentialBuilder& b) { return norm(b.X(1) - b.X(0)); }
@@ -41,10 +37,10 @@ Scalar rest_length(PotentialBuilder& b) { return norm(b.X(1) - b.X(0)); }
 RodStrain strain_of(PotentialBuilder& b, Point p) {
   const SegmentStrain now = segment_strain(b, p), rest = segment_strain(b, &PotentialBuilder::X);
   const Scalar inverse_length = 1.0 / rest_length(b);
-  const auto shear = [&](int k) { return (now.edge_in_frame[k] - rest.edge_in_frame[k]) * inverse_length; };
-  const auto turn = [&](int k) { return (now.rotation[k] - rest.rotation[k]) * inverse_length; };
-  return {.stretch = now.edge_in_frame[2] / rest.edge_in_frame[2],
-          .shear = {shear(0), shear(1)},
+  const Scalar stretch = norm((b.*p)(1) - (b.*p)(0)) * inverse_length;
+  const auto turn = [&](int k) { return (now.turn[k] - rest.turn[k]) * inverse_length; };
+  return {.stretch = stretch,
+          .shear = (now.edge_in_frame - rest.edge_in_frame * stretch) * inverse_length,
           .curvature = {turn(0), turn(1)},
           .twist = turn(2)};
 }
@@ -115,7 +111,7 @@ PotentialDefinition rod_segment(const RodLaw& law) {
         const RodStrain strain = deformation.strain();
         const Scalar k =
             b.parameter("shear_stiffness", "N", "force for unit shear of the section", positive());
-        const Scalar shear = 0.5 * k * (square(strain.shear[0]) + square(strain.shear[1]));
+        const Scalar shear = 0.5 * k * squared_norm(strain.shear);
         return rest_length(b) * (density + shear);
       });
   definition.translation_invariant = false;  // six of the points are directions

@@ -4,12 +4,13 @@
 // A rod is a chain of nodes, each with a position x and a material frame of directors d1, d2 (axes of the
 // cross-section) and d3 (its normal): a geometrically exact rod [Simo 1985, Reissner 1981] in directors
 // [Romero 2004]. A segment has one quadrature point in its middle, which keeps slender rods free of shear
-// locking. With the rest length L, the edge t = (x1 - x0) / L and the axes m_k of the middle, d_k of the two
-// nodes added and normalised, the strains are [theory eq. 28, 29]
-//     v_k = t . m_k              shear (k = 1, 2) and stretch (k = 3),
-//     u = 4 tan(phi/4) n / L     curvature (1, 2) and twist (3): the rotation from one frame to the other is
-//                                by phi about n,
-// each compared with its value in the rest shape.
+// locking. With the rest length L, the edge t = (x1 - x0) / L, the rotation by phi about n from one frame to
+// the other and the frame M halfway, the strains are [theory eq. 28, 29]
+//     s = |t|                                  stretch,
+//     g = M^T t - s M0^T t0                    shear: how far the section has left the edge, 0: at rest,
+//     u = (tan(phi/2) + sin(phi/2)) n / L      curvature (1, 2) and twist (3), less those at rest.
+// M is a rotation and the stretch a length, so that stretching costs energy whatever the frames do; and half
+// a turn between neighbouring frames, where M has no meaning, takes energy without bound.
 #pragma once
 
 #include <functional>
@@ -26,7 +27,7 @@ namespace stark {
 /// Strains of a rod, zero in the rest shape, the stretch apart, which is 1 there.
 struct RodStrain {
   symbolic::Scalar stretch;                   ///< length over rest length
-  std::array<symbolic::Scalar, 2> shear;      ///< along the axes d1, d2 of the section
+  symbolic::Vec3 shear;                       ///< along d1, d2, d3 of the middle; d3 is of second order
   std::array<symbolic::Scalar, 2> curvature;  ///< change, about the axes d1, d2 [1/m]
   symbolic::Scalar twist;                     ///< change, about d3 [rad/m]
 };

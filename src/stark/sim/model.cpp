@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <stark/base/error.h>
 #include <stark/geometry/topology.h>
@@ -140,6 +141,25 @@ std::vector<PotentialBatch*> Model::all_batches() {
   return all;
 }
 
+namespace {
+
+/// Keeps the nodes of a rod from its edges that begin within half a turn of the tightest bend of a rod as
+/// thick as its contact distance (a length of pi/2 of that): they come within it in any such bend.
+void set_neighbours(const ModelBody& rod, std::span<const Vec3> rest, double contact_distance,
+                    PairFilter& filter) {
+  const double half_turn = 0.5 * std::numbers::pi * contact_distance;
+  for (int32_t a = rod.first_site; a < rod.first_site + rod.site_count; ++a) {
+    double length = 0.0;
+    for (int32_t b = a + 1; b < rod.first_site + rod.site_count; ++b) {
+      length += norm(rest[b] - rest[b - 1]);
+      if (!(length < half_turn)) break;
+      filter.set_neighbours(a, b);
+    }
+  }
+}
+
+}  // namespace
+
 ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& settings) const {
   ContactSurfaces surfaces;
   SurfaceMesh& mesh = surfaces.mesh;
@@ -169,6 +189,9 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
       surfaces.filter.set(
           a, b, scene.contact_enabled(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
   exclude_attached(scene, surfaces.filter);
+  for (size_t b = 0; b < bodies_.size(); ++b)
+    if (bodies_[b].kind == BodyKind::Rod)
+      set_neighbours(bodies_[b], rest_positions_, 2.0 * surfaces.group_distance[b], surfaces.filter);
   surfaces.rest_positions = rest_positions_;
   std::vector<FrictionCoefficient> friction(static_cast<size_t>(groups) * groups);
   for (int32_t a = 0; a < groups; ++a)

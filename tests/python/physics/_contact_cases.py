@@ -172,6 +172,8 @@ CORDS: dict[str, Meeting] = {
     "parallel": (Part("stick"), Part("stick")),
     "parallel_nodes": (Part("rod"), Part("rod")),
     "parallel_half": (Part("stick"), Part("stick", (HALF, 0, 0))),
+    "parallel_shifted": (Part("stick"), Part("stick", (0, 1e-6, 0))),
+    "parallel_beside": (Part("rod"), Part("rod", (0, 3e-4, 0))),
 }
 CORD_ON_CLOTH: dict[str, Meeting] = {
     "end_tip": (Part("triangle", turns=DOWN), Part("stick", turns=UP)),

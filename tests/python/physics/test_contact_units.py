@@ -3,7 +3,6 @@ keeps its momentum, what lies comes to rest. The cases are data, in _contact_cas
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -14,6 +13,7 @@ from _contact_cases import (
     BODIES,
     CLOTH,
     CLOTH_RESTS,
+    CORD,
     CORD_ON_CLOTH,
     CORD_RESTS,
     CORDS,
@@ -42,6 +42,12 @@ def softened(part: Part) -> Part:
 def speed(bodies: list[Any]) -> float:
     """Largest of a vertex or of a centre of mass [m/s]."""
     return max(float(np.abs(b.velocity if b.kind == "rigid" else b.velocities).max()) for b in bodies)
+
+
+@stark.energy
+def push(p: stark.Point, force: stark.Vec3):
+    """A force that keeps its direction [N]."""
+    return -stark.dot(force, p.x)
 
 
 @dataclass
@@ -97,20 +103,7 @@ def met(group: str, case: str) -> Run:
     return run
 
 
-# The barrier of parallel edges is taken to zero because points of the neighbourhood stand in for them, which
-# for two rods nobody does: there is no pair of a node of a rod and an edge of another.
-PARALLEL_CORDS = ("end_end", "parallel", "parallel_nodes", "parallel_half")
-
-
-def meetings() -> Iterator[Any]:
-    for group, cases in MEETINGS.items():
-        for case in cases:
-            is_known = group == "cords" and case in PARALLEL_CORDS
-            marks = pytest.mark.xfail(strict=True, reason="parallel rods do not repel each other")
-            yield pytest.param(group, case, marks=marks if is_known else ())
-
-
-@pytest.mark.parametrize(("group", "case"), list(meetings()))
+@pytest.mark.parametrize(("group", "case"), [(g, c) for g, cases in MEETINGS.items() for c in cases])
 def test_what_meets_does_not_pass_and_keeps_its_momentum(group: str, case: str) -> None:
     run = met(group, case)
     assert run.contacts > 0
@@ -124,7 +117,7 @@ def test_what_meets_does_not_pass_and_keeps_its_momentum(group: str, case: str) 
 
 @pytest.mark.parametrize("group", MEETINGS)
 def test_table_of_what_meets(group: str) -> None:
-    runs = [met(group, c) for c in MEETINGS[group] if not (group == "cords" and c in PARALLEL_CORDS)]
+    runs = [met(group, case) for case in MEETINGS[group]]
     validate(f"V24.meets_{group}", [max(r.momentum for r in runs), max(r.lever for r in runs)])
     validate(f"V24.iterations_{group}", max(r.work.most_iterations for r in runs))
 
@@ -182,6 +175,44 @@ def test_table_of_what_lies(group: str) -> None:
     runs = [lain(group, case) for case in LYING[group]]
     validate(f"V24.lies_{group}", max(r.speed for r in runs))
     validate(f"V24.lies_iterations_{group}", max(r.work.most_iterations for r in runs))
+
+
+# --- what a rod does to itself ---
+
+
+def test_the_legs_of_a_hairpin_touch_at_their_thickness() -> None:
+    """Two legs in one plane, 20 mm apart; one is held, the other, shorter, is pressed flat on it. Friction
+    keeps it from rolling off sideways."""
+    line, turn = np.linspace(0.0, 0.2, 21), np.linspace(-60.0, 60.0, 5) * stark.deg
+    held = np.column_stack([line, 0 * line, 0 * line])
+    bend = np.column_stack([0.2 + 0.01 * np.cos(turn), 0.01 + 0.01 * np.sin(turn), 0 * turn])
+    free = np.column_stack([line[:5:-1], 0 * line[:5:-1] + 0.02, 0 * line[:5:-1]])
+    points = np.concatenate([held, bend, free])
+    scene = stark.Scene()
+    cord = CORD.replace(mass_damping=20.0)
+    rod = scene.add_rod(points, cord, pins=list(range(len(held))), friction=0.5)
+    for vertex in range(len(points) - len(free), len(points)):
+        scene.add(push(rod.vertices[vertex], force=(0.0, -5e-3, 0.0)))
+    sim = stark.Simulation(scene, time_step=2e-3, gravity=(0, 0, 0))
+    judge = Judge(sim)
+    for report in sim.run(0.15):
+        assert report.status == "accepted", report.message
+        assert not judge.crossed()
+        assert report.newton_iterations <= 40
+    across = rod.positions[-len(free) :, 1]
+    assert across.min() > 0.7 * 2e-3
+    assert (across < 2e-3).sum() >= 5
+
+
+def test_a_rod_of_segments_shorter_than_its_thickness_does_not_push_itself_apart() -> None:
+    scene = stark.Scene()
+    rod = scene.add_rod(stark.mesh.polyline((0, 0, 0), (0.1, 0, 0), 100), CORD)
+    start = rod.positions
+    with pytest.warns(stark.StarkWarning, match="touches itself"):
+        sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+    for _ in range(3):
+        assert not sim.step().failed
+    assert np.abs(rod.positions - start).max() < 1e-12
 
 
 # --- what slides ---
