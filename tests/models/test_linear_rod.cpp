@@ -34,7 +34,7 @@ TEST_CASE("bending and twist store half the stiffness about their axis times the
     for (const double angle : {-0.9, 0.2}) {
       Vec3 turn;
       turn[axis] = angle;
-      const double u = 4.0 * std::tan(0.25 * angle) / kSegmentLength;
+      const double u = (std::tan(0.5 * angle) + std::sin(0.5 * angle)) / kSegmentLength;
       CHECK(probe().energy(strained_segment(turn)) ==
             doctest::Approx(0.5 * stiffness[axis] * u * u * kSegmentLength).epsilon(1e-9));
     }

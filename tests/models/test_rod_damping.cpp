@@ -24,7 +24,7 @@ RodProbe probe() {
            {"shear_stiffness", {0.0}}}};
 }
 
-double measure(double angle) { return 4.0 * std::tan(0.25 * angle) / kSegmentLength; }
+double measure(double angle) { return (std::tan(0.5 * angle) + std::sin(0.5 * angle)) / kSegmentLength; }
 
 }  // namespace
 

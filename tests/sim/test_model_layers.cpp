@@ -1,4 +1,6 @@
 // Layers of a model: unknowns, masses and damping of points, motion, bits, what contact sees.
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -159,12 +161,15 @@ TEST_CASE("contact sees the surface of the body and nothing of its layers") {
   CHECK(with.surface_mesh().triangles == without.surface_mesh().triangles);
 }
 
-TEST_CASE("a layer changes the fingerprint") {
+TEST_CASE("a layer is a part of the scene that a state belongs to") {
   Scene scene;
   add_block(scene);
-  const uint64_t plain = Simulation(scene, quiet()).model().fingerprint();
-  scene.add_skin({.body = {0}});
-  CHECK(Simulation(scene, quiet()).model().fingerprint() != plain);
+  const size_t plain = Simulation(scene, quiet()).model().parts().size();
+  scene.add_skin({.name = "coat", .body = {0}});
+  const auto parts = Simulation(scene, quiet()).model().parts();
+  CHECK(parts.size() > plain);
+  CHECK(std::ranges::any_of(
+      parts, [](const ModelPart& part) { return part.name.find("coat") != std::string::npos; }));
 }
 
 TEST_CASE("the same bits from any number of threads, and after going back to a state") {

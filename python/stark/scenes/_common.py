@@ -16,13 +16,15 @@ BENCH_STEP = 1.0 / 30.0
 def bench_settings(contact_distance: float | None = None, **more: Any) -> dict[str, Any]:
     """Settings of the comparison: implicit Euler at 1/30 s; a step ends as soon as the residual is below
     1e-6 N s (over the step: 3e-5 N) or the largest velocity correction is below 1e-3 m/s.
-    ``contact_distance`` per body [m]."""
+    Friction is lagged: refreshed once in a step, as by what it is compared with. ``contact_distance`` per
+    body [m]."""
     settings: dict[str, Any] = {
         "time_step": BENCH_STEP,
         "newton.termination": "any",
         "newton.acceleration_tolerance": 0.0,
         "newton.residual_tolerance": 1e-6 / BENCH_STEP,
         "newton.step_tolerance": 1e-3,
+        "contact.friction_updates": 1,
     }
     if contact_distance is not None:
         settings["contact_distance"] = contact_distance

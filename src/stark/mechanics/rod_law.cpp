@@ -125,7 +125,7 @@ PotentialDefinition rod_bar(const RodLaw& law) {
       define_potential(law.name, 2, law.doc + " of bars", [psi = law.psi](PotentialBuilder& b) {
         const auto stretch = [&](Point p) {
           return RodStrain{.stretch = norm((b.*p)(1) - (b.*p)(0)) / rest_length(b),
-                           .shear = {0.0, 0.0},
+                           .shear = symbolic::Vec3(0.0, 0.0, 0.0),
                            .curvature = {0.0, 0.0},
                            .twist = 0.0};
         };

@@ -47,7 +47,8 @@ State make_state(std::span<const StateArray> arrays);
 /// finite". Empty when nothing is.
 std::string find_invalid_number(const State& state);
 
-/// Name of the first array that is not as long in both states, empty when all are.
+/// Name of the first array that is not as long in both states, empty when all are. Arrays of pairs in contact
+/// may differ in length between states, but not within one.
 std::string first_length_difference(const State& a, const State& b);
 
 }  // namespace stark

@@ -1,5 +1,5 @@
-"""Coulomb friction on an inclined plane: sticking without creep, sliding at g (sin - mu cos), for rigid and soft
-bodies on coarse, fine and turned floor meshes; which coefficient holds."""
+"""Coulomb friction on an inclined plane: sticking without creep, sliding at g (sin - mu cos), for rigid and
+soft bodies on coarse, fine and turned floor meshes; which coefficient holds."""
 
 from __future__ import annotations
 

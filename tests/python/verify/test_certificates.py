@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from _runs import mechanism, record, rods, sheet_on_box
+from _recorded_runs import mechanism, record, rods, sheet_on_box
 
 import stark
 from stark.cli import main

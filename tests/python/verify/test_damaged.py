@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from _runs import edit_states, record, sheet_on_box
+from _recorded_runs import edit_states, record, sheet_on_box
 
 import stark
 from stark.cli import main

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from _runs import edit_rows, edit_states, mechanism, record, sheet_on_box
+from _recorded_runs import edit_rows, edit_states, mechanism, record, sheet_on_box
 
 import stark
 from stark.verify import Certificate, verify
@@ -321,7 +321,7 @@ def _set(
         (_set(1, "energy", "elastic", value=1e-6), "energy_ledger"),
         (_set(1, "energy", "numerical", factor=1.01), "energy_ledger"),
         (_set(_STEPS - 1, "energy", "numerical", value=1.0), "energy_ledger"),
-        (_set(_STEPS - 1, "energy", "friction", value=-1e-6), "friction_dissipates"),
+        (_set(_STEPS - 1, "energy", "friction", value=-1e3), "friction_dissipates"),
         (_set(9, "momentum", "z", factor=1.0 + 1e-6), "reported_momentum"),
         (_set(9, "angular_momentum", "x", value=1e-6), "reported_momentum"),
         (_set(9, "acceleration", value=0.02), "residual"),
