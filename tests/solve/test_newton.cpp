@@ -373,3 +373,59 @@ TEST_CASE("lagged quantities are refreshed until nothing changes, and never with
   endless.lag_rounds = 1000000;
   CHECK(solver.minimize(endless).status == SolveStatus::ConstraintViolated);
 }
+
+TEST_CASE("a singular matrix is shifted: directions without stiffness and load stay as they are") {
+  const auto trough = [](const Vec3& p) {
+    Analytic::Value v;
+    v.energy = 2.0 * (p.x - 1.0) * (p.x - 1.0);
+    v.gradient = {4.0 * (p.x - 1.0), 0, 0};
+    v.hessian = v.projected = Mat3::diagonal({4.0, 0.0, 0.0});
+    return v;
+  };
+  Analytic objective(trough, {7, 2, 3});
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(objective.x.x == doctest::Approx(1.0).epsilon(1e-9));
+  CHECK(objective.x.y == 2.0);
+  CHECK(objective.x.z == 3.0);
+}
+
+TEST_CASE("where a refreshed problem cannot be solved, the last settled solution stands") {
+  // The second refresh breaks the objective; until then it is a plain parabola.
+  struct Breaking final : Objective {
+    int32_t block_count() const override { return 1; }
+    void linearize(bool, std::span<double> g, BlockMatrix& H) override {
+      H.pattern = BlockPattern::from_pairs(1, {});
+      H.set_zero();
+      for (int c = 0; c < 3; ++c) {
+        g[c] = broken ? std::numeric_limits<double>::quiet_NaN() : x[c];
+        H.values[4 * c] = 1.0;
+      }
+    }
+    bool has_pending_motion() const override { return false; }
+    Residual residual(std::span<const double> g) const override {
+      return {norm(Vec3{g[0], g[1], g[2]}), 0.0};
+    }
+    double motion(std::span<const double>) const override { return 0.0; }
+    double bound_step(std::span<const double>, double) override { return 1.0; }
+    TrialEnergy try_step(std::span<const double> d, double alpha) override {
+      trial = x + Vec3{d[0], d[1], d[2]} * alpha;
+      return {true, 0.5 * (dot(trial, trial) - dot(x, x)), 1.0};
+    }
+    void accept_trial() override { x = trial; }
+    double refresh_lagged(int round) override {
+      if (round == 1) settled = x, has_settled = true, broken = true;
+      return 1.0;
+    }
+    bool restore_settled() override {
+      if (has_settled) x = settled;
+      return has_settled;
+    }
+    Vec3 x{1, 2, 3}, trial, settled;
+    bool broken = false, has_settled = false;
+  } objective;
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.lag_residual == 1.0);
+  CHECK(norm(objective.x) < 1e-9);
+}

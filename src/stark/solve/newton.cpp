@@ -129,12 +129,14 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
 bool NewtonSolver::solve_shifted(Objective& objective, SolveReport& report) {
   // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
   // multiple of the diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
+  const auto diagonal = [&](size_t i) -> double& {
+    return hessian_.values[9 * hessian_.pattern.row_start[i / 3] + 4 * (i % 3)];
+  };
+  double mean = 0.0;
+  for (size_t i = 0; i < gradient_.size(); ++i) mean += std::fabs(diagonal(i));
+  mean /= static_cast<double>(gradient_.size());
   for (double shift = kSmallestShift; shift <= 1.0; shift *= kShiftGrowth) {
-    for (size_t b = 0; b + 1 < hessian_.pattern.row_start.size(); ++b)
-      for (int k = 0; k < 3; ++k) {
-        double& diagonal = hessian_.values[9 * hessian_.pattern.row_start[b] + 4 * k];
-        diagonal += shift * std::fabs(diagonal);
-      }
+    for (size_t i = 0; i < gradient_.size(); ++i) diagonal(i) += shift * (std::fabs(diagonal(i)) + mean);
     const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_,
                                                           forcing_tolerance(), objective.block_positions());
     report.linear_iterations += solved.iterations;

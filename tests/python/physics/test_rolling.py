@@ -89,6 +89,7 @@ def test_plate_on_balls_of_different_heights(subdivisions: int) -> None:
 @pytest.mark.slow
 def test_plate_rolls_and_slips_as_hard_as_friction_allows() -> None:
     validate("V27.limit", accelerations(150.0, 0.0, 4, 0.2))
-    validate("V27.slips", accelerations(200.0, 0.0, 4, 0.1))
+    # Before the first edges of facets come down: from then on the plate hops, and its mean load is another.
+    validate("V27.slips", accelerations(200.0, 0.0, 4, 0.015))
     limit = MU_PLATE * PLATE * G * (1 + 20 * PLATE / (7 * SIDE**2 * BALL))
     assert 150.0 < limit < 200.0
