@@ -165,6 +165,7 @@ class Simulation {
   Configuration start_configuration() const;
   /// Diagonal blocks of inertia and elasticity at the start of a step: what barriers and joints are measured
   /// against.
+  bool moved_far(const ModelBody& body) const;
   bool leads_through_something(double h);
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;

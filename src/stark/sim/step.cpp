@@ -13,6 +13,9 @@ namespace {
 /// Scale that switches inertia and damping off in quasistatic steps [s].
 constexpr double kQuasistaticStep = 1e150;
 
+/// Motion in a step, over the diagonal of a body's box, from which it may go around something.
+constexpr double kFarMotion = 0.5;
+
 /// Part of the full time step down to which steps are refused that lead around something.
 constexpr double kShortestStraight = 1.0 / 16.0;
 
@@ -144,13 +147,28 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
   return is_success(solved.status);
 }
 
+bool Simulation::moved_far(const ModelBody& body) const {
+  const std::span<const Vec3> x = potential_->site_positions();
+  Vec3 low = step_start_[body.first_site], high = low;
+  double motion = 0.0;
+  for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i) {
+    const Vec3& p = step_start_[i];
+    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+    motion = std::fmax(motion, norm(x[i] - p));
+  }
+  return motion > kFarMotion * norm(high - low);
+}
+
 bool Simulation::leads_through_something(double h) {
   // The path through the iterates is certified, but at large steps it may lead around an obstacle that is
   // straight ahead. Shorter steps than this are taken as they are: violent impacts seldom look straight.
   if (!contact_ || 0.5 * h < std::max(settings_.time.min_step, kShortestStraight * settings_.time.step))
     return false;
   const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
-  return contact_->max_step(step_start_, potential_->site_positions()) < 1.0;
+  const bool is_fast =
+      std::ranges::any_of(model_->bodies(), [&](const ModelBody& b) { return moved_far(b); });
+  return is_fast && contact_->max_step(step_start_, potential_->site_positions()) < 1.0;
 }
 
 std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
