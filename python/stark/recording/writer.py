@@ -139,8 +139,8 @@ class Recorder:
         recording = Recording(folder)
         if "states" in recording.manifest:
             raise RecordingError(
-                f"'{folder}' was recorded for certification, which covers a run from its start to its end: such "
-                "a run cannot be resumed; run it again with --certify"
+                f"'{folder}' was recorded for certification, which covers a run from its start to its "
+                "end: such a run cannot be resumed; run it again with --certify"
             )
         if len(recording) < frames:
             raise RecordingError(f"'{folder}' holds {len(recording)} frames: must have {frames} to go on")
