@@ -41,6 +41,7 @@ if(stark_arch_flag)
 endif()
 
 if(STARK_SANITIZE)
-  target_compile_options(stark_options INTERFACE -fsanitize=${STARK_SANITIZE} -fno-omit-frame-pointer -g)
+  target_compile_options(stark_options INTERFACE -fsanitize=${STARK_SANITIZE} -fno-omit-frame-pointer -g
+    -D_GLIBCXX_ASSERTIONS)
   target_link_options(stark_options INTERFACE -fsanitize=${STARK_SANITIZE})
 endif()

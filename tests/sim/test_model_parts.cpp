@@ -102,3 +102,15 @@ TEST_CASE("a change is seen in its part") {
   REQUIRE_FALSE(stiffer.empty());
   for (const std::string& name : stiffer) CHECK(name.find("of 'cube'") != std::string::npos);
 }
+
+TEST_CASE("parts of quadratic solids are places in the model, the same each time") {
+  // Many elements: the rows of their deformation gradients outnumber the sites.
+  Ingredients quadratic;
+  quadratic.solid.mesh = to_quadratic(make_tet_box({0.1, 0.1, 0.1}, {4, 4, 4}));
+  const std::vector<ModelPart> first = parts_of(quadratic), second = parts_of(quadratic);
+  REQUIRE(first.size() == second.size());
+  for (size_t k = 0; k < first.size(); ++k) {
+    CAPTURE(first[k].name);
+    CHECK(first[k].hash == second[k].hash);
+  }
+}

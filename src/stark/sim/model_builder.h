@@ -113,7 +113,7 @@ struct Model::Builder {
   void list_contact();
   void add_part(const std::string& name, bool is_structure, const Hash64& hash);
   void append_places(Hash64& hash, std::span<const int32_t> stencils) const;
-  void list_batch(const std::string& name, const PotentialBatch& batch);
+  void list_batch(const std::string& name, const PotentialBatch& batch, std::span<const int32_t> stencils);
 
   // Everything else (model.cpp)
   symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }

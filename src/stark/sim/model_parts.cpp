@@ -94,10 +94,11 @@ void Model::Builder::list_bodies() {
   }
 }
 
-void Model::Builder::list_batch(const std::string& name, const PotentialBatch& batch) {
+void Model::Builder::list_batch(const std::string& name, const PotentialBatch& batch,
+                                std::span<const int32_t> stencils) {
   Hash64 formula, points, values;
   formula.append(batch.potential().kernel().fingerprint());
-  append_places(points, batch.stencils());
+  append_places(points, stencils);
   append_all(values, batch.element_values());
   append_all(values, batch.uniform_values());
   add_part("formula of " + name, false, formula);
@@ -114,17 +115,18 @@ void Model::Builder::list_energies() {
     names[b] = title(model.batches_[b].batch.potential().name(), model.batches_[b].owner);
   for (size_t e = 0; e < scene.energies().size(); ++e)
     names[model.energy_batches_[e]] = "the energy '" + scene.energies()[e].name + "'";
-  for (size_t b = 0; b < names.size(); ++b) list_batch(names[b], model.batches_[b].batch);
+  for (size_t b = 0; b < names.size(); ++b) {
+    const PotentialBatch& batch = model.batches_[b].batch;
+    list_batch(names[b], batch, batch.stencils());
+  }
   for (const ModelQuadrature& elements : model.quadrature_batches_) {
     const std::string name = title(elements.batch.law().potential().name(), elements.body);
-    list_batch(name, elements.batch.law());
-    Hash64 points;
-    append_places(points, elements.batch.stencils());
-    add_part("points of " + name, false, points);
+    // The stencils of the law are rows of deformation gradients, not sites.
+    list_batch(name, elements.batch.law(), elements.batch.stencils());
   }
   for (const ConstraintGroup& group : model.constraints_.groups()) {
     const std::string name = "joints, actuators and attachments of the kind '" + group.joint->name() + "'";
-    list_batch(name, group.batch);
+    list_batch(name, group.batch, group.batch.stencils());
     Hash64 members;
     append_all(members, group.joints);
     add_part("order of " + name, true, members);
