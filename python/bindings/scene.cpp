@@ -6,6 +6,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/materials.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
@@ -442,6 +443,12 @@ void bind_scene_class(nb::module_& m) {
           [](Scene& s, int32_t k, bool enabled) { s.set_actuator_enabled({k}, enabled); }, "actuator"_a,
           "enabled"_a)
       .def_prop_ro("warnings", &Scene::warnings)
+      .def(
+          "contact_distance_in",
+          [](const Scene& s, int32_t body, const Settings& settings) {
+            return contact_distance(s, {body}, settings);
+          },
+          "body"_a, "settings"_a)
       .def(
           "check_contact_distances",
           [](const Scene& s, const Settings& settings) { return check_contact_distances(s, settings); },

@@ -121,7 +121,7 @@ class Body(ContactSensors):
 
     @property
     def contact_distance(self) -> float | None:
-        """[m]; None: ``contact.distance`` of the settings."""
+        """[m]; None: ``contact.distance`` of the settings, which suits each body by default."""
         return self._scene._core.contact_distance(self._index)
 
     def _require_simulation(self, what: str) -> Simulation:

@@ -146,3 +146,46 @@ TEST_CASE("the stiffness of a pair is frozen within a step") {
   stiffness.assign(bench.x, contacts);
   CHECK(contacts[1].stiffness == doctest::Approx(2.0 * first));
 }
+
+namespace {
+
+/// A step under forces on contacts of a given gap; returns what is kept and leaves the stiffness in the
+/// contacts.
+LoadMemory press(const Bench& bench, std::vector<Contact>& contacts, const std::vector<Vec3>& forces,
+                 LoadMemory memory) {
+  PairStiffness stiffness(bench.map);
+  stiffness.begin_step(bench.configuration, bench.diagonal, 300.0, std::move(memory));
+  stiffness.assign(bench.x, contacts);
+  return stiffness.end_step(contacts, forces);
+}
+
+}  // namespace
+
+TEST_CASE("a load stiffens all contacts of two bodies until it is carried at a tenth of their distance") {
+  const Bench bench;
+  std::vector<Contact> contacts{bench.pair({0, 3}, {1, -1}), bench.pair({1, 3}, {1, -1}),
+                                bench.pair({2, 3}, {1, -1})};
+  contacts[0].group_b = contacts[1].group_b = 1;
+  contacts[2].group_b = 2;
+  press(bench, contacts, {{}, {}, {}}, {});
+  const double natural[] = {contacts[0].stiffness, contacts[1].stiffness, contacts[2].stiffness};
+  const double d_hat = 0.01, at_a_tenth = -natural[0] * barrier_slope(0.1 * d_hat, d_hat);
+  const std::vector<Vec3> light{{0, 0, 0.7 * at_a_tenth}, {}, {}}, heavy{{0, 0, 50.0 * at_a_tenth}, {}, {}};
+
+  CHECK(press(bench, contacts, light, {}).bodies.empty());
+  LoadMemory memory = press(bench, contacts, heavy, {});
+  CHECK(memory.factor == std::vector<double>{2.0});  // no more than twice in a step
+  for (int step = 0; step < 8; ++step) memory = press(bench, contacts, heavy, memory);
+  REQUIRE(memory.factor.size() == 1);
+  CHECK(memory.factor[0] == doctest::Approx(50.0));
+  for (const int c : {0, 1}) CHECK(contacts[c].stiffness == doctest::Approx(50.0 * natural[c]));
+  CHECK(contacts[2].stiffness == natural[2]);
+
+  // Gone, the load is forgotten slowly, and in the end altogether.
+  CHECK(press(bench, contacts, light, memory).factor[0] == doctest::Approx(45.0));
+  // What is about enough stays.
+  const std::vector<Vec3> a_little_less{{0, 0, 42.0 * at_a_tenth}, {}, {}};
+  CHECK(press(bench, contacts, a_little_less, memory).factor[0] == memory.factor[0]);
+  for (int step = 0; step < 60; ++step) memory = press(bench, contacts, light, memory);
+  CHECK(memory.bodies.empty());
+}

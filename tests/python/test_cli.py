@@ -340,7 +340,7 @@ def test_info_about_scenes_and_settings(fall: Path, capsys) -> None:
     assert "A patch falls freely." in out and "runs for 0.1 s" in out and "patch" in out
     assert _run("info", "--settings") == 0
     out = capsys.readouterr().out
-    assert "newton.max_iterations = " in out and "contact.distance = 0.001 m" in out
+    assert "newton.max_iterations = " in out and "contact.distance = 0.0 m" in out
 
 
 def test_doctor(capsys) -> None:

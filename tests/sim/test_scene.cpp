@@ -8,6 +8,7 @@
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
 #include <stark/geometry/shapes.h>
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/scene.h>
 
 using namespace stark;

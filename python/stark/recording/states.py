@@ -28,7 +28,9 @@ from .masses import point_masses, second_moments
 def describe(sim: Any) -> dict[str, Any]:
     """What the checker has to know about the scene of a simulation, as JSON."""
     scene, settings = sim.scene._core, sim.settings
-    bodies = [_body(scene, body, settings["contact.distance"]) for body in sim.bodies]
+    bodies = [
+        _body(scene, body, scene.contact_distance_in(body._index, settings._core)) for body in sim.bodies
+    ]
     return {
         "version": STATES_VERSION,
         "bodies": bodies,
@@ -49,14 +51,13 @@ def describe(sim: Any) -> dict[str, Any]:
     }
 
 
-def _body(scene: Any, body: Any, default_distance: float) -> dict[str, Any]:
-    distance = body.contact_distance
+def _body(scene: Any, body: Any, contact_distance: float) -> dict[str, Any]:
     entry = {
         "name": body.name,
         "kind": body.kind,
         "motion": body.motion,
         "vertex_count": len(body.positions),
-        "contact_distance": default_distance if distance is None else distance,
+        "contact_distance": contact_distance,
         "pins": [] if body.kind == "rigid" else body.pins,
         "clamped": body.clamped if body.kind == "rod" else [],
     }

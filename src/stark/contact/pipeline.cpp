@@ -49,24 +49,25 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
 
 void ContactPipeline::begin_step(const Configuration& configuration, std::span<const Vec3> x,
                                  std::span<const Mat3> diagonal, const VelocityReference& reference,
-                                 FrictionMemory memory) {
+                                 ContactMemory memory) {
   x_reference_.assign(reference.positions.begin(), reference.positions.end());
   duration_ = reference.duration;
-  friction_.begin_step(mesh(), std::move(memory), x, {x_reference_, reference.step / reference.duration});
+  friction_.begin_step(mesh(), std::move(memory.friction), x,
+                       {x_reference_, reference.step / reference.duration});
   {
     const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
-    stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor);
+    stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor, std::move(memory.load));
   }
   update(x);
   if (options_.friction) freeze_friction(x);
 }
 
-FrictionMemory ContactPipeline::end_step(std::span<const Vec3> x) {
+ContactMemory ContactPipeline::end_step(std::span<const Vec3> x) {
   if (!std::ranges::equal(x, x_active_)) update(x);
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
   friction_residual_ = friction_.residual(contacts(), forces, friction_coefficient_);
-  return friction_.end_step(x);
+  return {friction_.end_step(x), stiffness_.end_step(contacts(), forces)};
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {

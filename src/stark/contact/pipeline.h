@@ -46,6 +46,12 @@ struct ContactForce {
   Vec3 slip;              ///< tangential velocity of side A against side B [m/s]
 };
 
+/// What contact remembers from one step to the next.
+struct ContactMemory {
+  FrictionMemory friction;
+  LoadMemory load;
+};
+
 struct ContactCounters {
   int64_t candidate_builds = 0, swept_builds = 0, candidates = 0;
 };
@@ -65,9 +71,9 @@ class ContactPipeline final : public ActiveSet {
   };
   /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
   void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
-                  const VelocityReference& reference, FrictionMemory memory);
-  /// Takes the end of a step at site positions x: contacts are those there. Returns what friction remembers.
-  FrictionMemory end_step(std::span<const Vec3> x);
+                  const VelocityReference& reference, ContactMemory memory);
+  /// Takes the end of a step at site positions x: contacts are those there.
+  ContactMemory end_step(std::span<const Vec3> x);
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
   /// at its end [N].
   double friction_residual() const { return friction_residual_; }

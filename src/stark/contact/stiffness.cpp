@@ -12,15 +12,45 @@ namespace {
 /// b''(d_hat/2) of b = -(d - d_hat)^2 ln(d/d_hat): 2 ln 2 + 4 + 1.
 const double kMiddleCurvature = 2.0 * std::log(2.0) + 5.0;
 
+/// Part of the contact distance at which a load is carried that asks for more than inertia and elasticity do,
+/// and slope of the barrier there: -b'(r d_hat) / d_hat.
+constexpr double kLoadedGap = 0.1;
+const double kLoadedSlope =
+    2.0 * (kLoadedGap - 1.0) * std::log(kLoadedGap) + (1.0 - kLoadedGap) * (1.0 - kLoadedGap) / kLoadedGap;
+
+/// Growth and decay of a factor from one step to the next: an impact is not a load, and a load that moves
+/// from contact to contact must not pump.
+constexpr double kGrowth = 2.0, kDecay = 0.9;
+
+/// A factor stays while the load asks for no less than this part of it and no more than its inverse: a body
+/// at rest is to rest.
+constexpr double kEnough = 0.8;
+
+double next_factor(double factor, double wanted) {
+  if (wanted > factor / kEnough) return std::min(wanted, kGrowth * factor);
+  return wanted < kEnough * factor ? std::max(wanted, kDecay * factor) : factor;
+}
+
 /// Compliance that no pair falls below [m/N], so that kappa stays finite whatever the input.
 constexpr double kSmallestCompliance = 1e-30;
 
 }  // namespace
 
+int64_t LoadMemory::code(const Contact& contact) {
+  const auto [a, b] = std::minmax(contact.group_a, contact.group_b);
+  return (static_cast<int64_t>(a) << 32) | b;
+}
+
+double LoadMemory::find(int64_t code) const {
+  const auto found = std::ranges::lower_bound(bodies, code);
+  return found != bodies.end() && *found == code ? factor[found - bodies.begin()] : 1.0;
+}
+
 void PairStiffness::begin_step(const Configuration& configuration, std::span<const Mat3> diagonal,
-                               double factor) {
+                               double factor, LoadMemory memory) {
   configuration_ = configuration;
   factor_ = factor;
+  memory_ = std::move(memory);
   frozen_.clear();
   inverse_diagonal_.clear();
   for (const Mat3& block : diagonal) {
@@ -61,8 +91,26 @@ void PairStiffness::assign(std::span<const Vec3> x, std::vector<Contact>& contac
   for (Contact& contact : contacts) {
     const auto [entry, is_new] = frozen_.try_emplace(contact.key, 0.0);
     if (is_new) entry->second = factor_ / (kMiddleCurvature * compliance(contact, x));
-    contact.stiffness = entry->second;
+    contact.stiffness = entry->second * memory_.find(LoadMemory::code(contact));
   }
+}
+
+LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const {
+  std::map<int64_t, double> wanted;
+  for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    const double natural = contacts[c].stiffness / memory_.find(LoadMemory::code(contacts[c]));
+    double& largest = wanted[LoadMemory::code(contacts[c])];
+    largest = std::max(largest, norm(forces[c]) / (kLoadedSlope * contacts[c].contact_distance * natural));
+  }
+  LoadMemory memory;
+  for (const auto& [bodies, asked] : wanted) {
+    const double factor = next_factor(memory_.find(bodies), asked);
+    if (!(factor > 1.0)) continue;
+    memory.bodies.push_back(bodies);
+    memory.factor.push_back(factor);
+  }
+  return memory;
 }
 
 }  // namespace stark

@@ -6,6 +6,10 @@
 // block b. 1/s is the effective stiffness of the pair; prescribed sides add no compliance. kappa is such that
 // the barrier's curvature at half the contact distance, kappa b''(d_hat/2), is `factor` / s. [theory eq. 18;
 // Ando 2024, "elasticity-inclusive"]
+//
+// Masses say nothing of what is stacked on them: where the loads of the last step ask for more, kappa of all
+// contacts between two bodies grows until the largest load is carried at a tenth of the contact distance.
+// [theory eq. 18a]
 #pragma once
 
 #include <map>
@@ -17,15 +21,30 @@
 
 namespace stark {
 
+/// Pairs of bodies whose load asks for stiffer barriers, and by how much. One factor for all contacts of two
+/// bodies: were each to follow its own load, all would be carried at the same gap and nothing would hold the
+/// distribution of a load over many contacts. Part of the State; sorted, without doubles.
+struct LoadMemory {
+  std::vector<int64_t> bodies;  ///< code() of a contact
+  std::vector<double> factor;   ///< > 1
+
+  static int64_t code(const Contact& contact);
+  double find(int64_t code) const;  ///< 1 when nothing is known
+};
+
 class PairStiffness {
  public:
   explicit PairStiffness(const KinematicMap& map) : map_(map) {}
 
   /// Forgets all pairs. diagonal: [block_count] diagonal blocks of the Hessian without contact [N/m, N m].
-  void begin_step(const Configuration& configuration, std::span<const Mat3> diagonal, double factor);
+  void begin_step(const Configuration& configuration, std::span<const Mat3> diagonal, double factor,
+                  LoadMemory memory = {});
 
   /// Sets the stiffness of each contact: the frozen one, or a new one from the contact's normal at x.
   void assign(std::span<const Vec3> x, std::vector<Contact>& contacts);
+
+  /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N].
+  LoadMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
 
   /// Compliance of the pair along its normal [m/N].
   double compliance(const Contact& contact, std::span<const Vec3> x) const;
@@ -35,7 +54,8 @@ class PairStiffness {
   Configuration configuration_;
   std::vector<Mat3> inverse_diagonal_;
   double factor_ = 0.0;
-  std::map<PairKey, double> frozen_;
+  LoadMemory memory_;
+  std::map<PairKey, double> frozen_;  ///< by inertia and elasticity
 };
 
 }  // namespace stark

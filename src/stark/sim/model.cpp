@@ -6,6 +6,7 @@
 
 #include <stark/base/error.h>
 #include <stark/geometry/topology.h>
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -179,8 +180,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
       mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});
       mesh.edge_group.push_back(group);
     }
-    surfaces.group_distance.push_back(
-        scene.contact_distance(BodyId{group}).value_or(settings.contact.distance));
+    surfaces.group_distance.push_back(contact_distance(scene, BodyId{group}, settings));
   }
   const int32_t groups = static_cast<int32_t>(bodies_.size());
   surfaces.filter = PairFilter(groups);

@@ -334,46 +334,4 @@ std::vector<Vec3> Scene::initial_velocities(BodyId body) const {
   });
 }
 
-namespace {
-
-void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
-                            std::vector<std::string>& warnings) {
-  const std::vector<double> lengths = polyline_lengths(scene.rod(body).mesh.vertices);
-  const double shortest = *std::min_element(lengths.begin(), lengths.end());
-  if (2.0 * distance <= shortest || lengths.size() < 3) return;
-  warnings.push_back(owner_text(BodyKind::Rod, scene.name(body)) + ": contact_distance = " +
-                     quantity_text(distance, "m") + " is more than half of its shortest edge, " +
-                     quantity_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
-                     quantity_text(0.5 * shortest, "m") + ", longer edges, or self_contact = false");
-}
-
-}  // namespace
-
-std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings) {
-  std::vector<std::string> warnings;
-  if (!settings.contact.enabled || !settings.contact.self_contact) return warnings;
-  for (int32_t i = 0; i < scene.body_count(); ++i) {
-    const BodyId body{i};
-    if (!scene.contact_enabled(body, body)) continue;
-    const double distance = scene.contact_distance(body).value_or(settings.contact.distance);
-    if (scene.kind(body) == BodyKind::Rod) {
-      warn_about_short_edges(scene, body, distance, warnings);
-      continue;
-    }
-    const SmallestHeight smallest =
-        scene.kind(body) == BodyKind::Cloth
-            ? find_smallest_height(scene.cloth(body).mesh.vertices, scene.cloth(body).mesh.triangles)
-            : find_smallest_height(scene.solid(body).mesh.vertices,
-                                   find_boundary_triangles(scene.solid(body).mesh));
-    if (2.0 * distance <= smallest.height) continue;
-    warnings.push_back(
-        owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
-        quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
-        quantity_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
-        "), so the body touches itself at rest; use at most " + quantity_text(0.5 * smallest.height, "m") +
-        ", a coarser mesh, or self_contact = false");
-  }
-  return warnings;
-}
-
 }  // namespace stark

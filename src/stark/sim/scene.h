@@ -293,9 +293,4 @@ class Scene {
   std::vector<std::string> warnings_;
 };
 
-/// What a scene with these settings should be warned about: contact distances above half the smallest height
-/// of a triangle (the shortest edge of a rod) that can touch its own body, which makes a mesh press on itself
-/// at rest.
-std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings);
-
 }  // namespace stark

@@ -65,9 +65,11 @@ const FieldTable& ContactSettings::fields() {
       {field(&S::enabled, "enabled", "switch of all contact"),
        field(&S::self_contact, "self_contact", "switch of the contact of deformable bodies with themselves"),
        field(&S::friction, "friction", "switch of all friction"),
-       field(&S::distance, "distance", "m", positive(),
+       field(&S::distance, "distance", "m", at_least(0.0),
              "contact distance of bodies without their own; two bodies act on each other within the sum of "
-             "theirs"),
+             "theirs; 0: automatic, 1 mm but at most 1 % of the size of the body and half the smallest "
+             "height of "
+             "triangles that can touch their own body"),
        field(&S::stiffness_factor, "stiffness_factor", "1", positive(),
              "stiffness of the contact barrier over the natural scale of mass and time step"),
        field(&S::min_separation_factor, "min_separation_factor", "1", open_interval(0.0, 0.5),

@@ -52,7 +52,8 @@ struct ContactSettings {
   bool enabled = true;
   bool self_contact = true;  ///< false switches the self-contact of all bodies off
   bool friction = true;
-  double distance = 1e-3;  ///< [m] of bodies without their own; a pair acts within the sum of the two
+  double distance =
+      0.0;  ///< [m] of bodies without their own, 0: automatic; a pair acts within the sum of the two
   double stiffness_factor = 300.0;  ///< barrier stiffness over the natural scale m d_hat / h^2 of the pair
   double min_separation_factor =
       1e-3;  ///< distance kept by the collision detection, over the pair's contact distance

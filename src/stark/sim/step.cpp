@@ -135,7 +135,8 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
     if (contact_)
       contact_->begin_step(start, potential_->site_positions(), diagonal,
                            {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
-                           {state_.friction_pair, state_.friction_deflection, state_.friction_force});
+                           {{state_.friction_pair, state_.friction_deflection, state_.friction_force},
+                            {state_.contact_bodies, state_.contact_factor}});
     if (contact_) energies_before_.contact = contact_->energy();
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     predict(h, 1.0);
@@ -294,10 +295,12 @@ void Simulation::commit(double h) {
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   if (contact_) {
-    FrictionMemory memory = contact_->end_step(potential_->site_positions());
-    state_.friction_pair = std::move(memory.pair);
-    state_.friction_deflection = std::move(memory.deflection);
-    state_.friction_force = std::move(memory.force);
+    ContactMemory memory = contact_->end_step(potential_->site_positions());
+    state_.friction_pair = std::move(memory.friction.pair);
+    state_.friction_deflection = std::move(memory.friction.deflection);
+    state_.friction_force = std::move(memory.friction.force);
+    state_.contact_bodies = std::move(memory.load.bodies);
+    state_.contact_factor = std::move(memory.load.factor);
   }
   commit_joints();
   state_.time += h;

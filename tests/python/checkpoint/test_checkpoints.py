@@ -117,7 +117,7 @@ def test_formulas_are_compared_not_only_their_names(saved: Path) -> None:
 
 def test_other_settings_are_refused_with_both_values(saved: Path) -> None:
     with pytest.raises(
-        CheckpointError, match=r"setting contact.distance \(0.001 in the checkpoint, 0.002 here\)"
+        CheckpointError, match=r"setting contact.distance \(0.0 in the checkpoint, 0.002 here\)"
     ):
         simulate(build(), contact_distance=0.002).load(saved)
     with pytest.raises(CheckpointError, match=r"time.integrator \(implicit_euler in the checkpoint, bdf2 h"):

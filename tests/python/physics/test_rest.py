@@ -70,6 +70,20 @@ def test_gap_of_a_light_and_a_heavy_body() -> None:
     assert gaps == pytest.approx([gaps[1]] * 3, rel=0.01)
 
 
+def test_a_light_body_keeps_its_distance_under_a_load_of_any_weight() -> None:
+    """A tonne on a cube of 10 g: the barrier grows with the load until it is carried at a tenth of the distance
+    of contact, or between a twelfth and an eighth, where it stays. The light cube does not tip or slide."""
+    scene = stark.Scene()
+    floor_of(scene, 1, 20.0)
+    light = scene.add_box(0.1, mass=0.01, name="light", position=(0.03, 0.17, 0.05 + 0.9 * _GAP))
+    scene.add_box(0.1, mass=1000.0, name="heavy", position=(0.03, 0.17, 0.15 + 1.8 * _GAP))
+    sim = stark.Simulation(scene, time_step=0.01, contact_distance=0.5 * _GAP)
+    report = advance(sim, 1.0)[-1]
+    assert 0.08 * _GAP < report.min_distance < 0.13 * _GAP
+    assert np.abs(sim[light].position[:2] - (0.03, 0.17)).max() < 0.1 * _GAP  # it may slip while both land
+    assert np.abs(sim[light].velocity).max() < 1e-5
+
+
 @pytest.mark.parametrize("cells", [1, 9])
 def test_soft_box_rests_on_contact_forces_of_its_weight(cells: int) -> None:
     size, modulus, density = 0.1, 1e5, 1000.0

@@ -1,0 +1,94 @@
+#include <stark/sim/contact_distance.h>
+
+#include <algorithm>
+
+#include <stark/base/error.h>
+#include <stark/geometry/polyline.h>
+#include <stark/geometry/topology.h>
+#include <stark/sim/body_checks.h>
+#include <stark/sim/validation.h>
+
+namespace stark {
+
+namespace {
+
+constexpr double kLargest = 1e-3;     ///< [m] automatic contact distance of large bodies
+constexpr double kPartOfSize = 0.01;  ///< most of the diagonal of a body
+constexpr double kPartOfHeight =
+    0.5;  ///< most of the smallest height of a triangle: farther ones touch at rest
+constexpr double kSmallestForHeight = 0.1;  ///< of the distance without regard to heights
+
+double diagonal(std::span<const Vec3> vertices) {
+  Vec3 low = vertices[0], high = vertices[0];
+  for (const Vec3& v : vertices)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], v[a]);
+      high[a] = std::max(high[a], v[a]);
+    }
+  return norm(high - low);
+}
+
+bool can_touch_itself(const Scene& scene, BodyId body, const Settings& settings) {
+  return settings.contact.self_contact && scene.contact_enabled(body, body);
+}
+
+/// Of the surface of a cloth or a solid.
+SmallestHeight smallest_height(const Scene& scene, BodyId body) {
+  if (scene.kind(body) == BodyKind::Cloth)
+    return find_smallest_height(scene.cloth(body).mesh.vertices, scene.cloth(body).mesh.triangles);
+  return find_smallest_height(scene.solid(body).mesh.vertices,
+                              find_boundary_triangles(scene.solid(body).mesh));
+}
+
+double automatic_distance(const Scene& scene, BodyId body, const Settings& settings) {
+  const bool is_rigid = scene.kind(body) == BodyKind::Rigid;
+  const std::vector<Vec3>& vertices = is_rigid ? scene.rigid(body).mesh.vertices : scene.rest_vertices(body);
+  const double by_size = std::min(kLargest, kPartOfSize * diagonal(vertices));
+  if (is_rigid || !can_touch_itself(scene, body, settings)) return by_size;
+  const double by_height = kPartOfHeight * smallest_height(scene, body).height;
+  return std::clamp(by_height, kSmallestForHeight * by_size, by_size);
+}
+
+void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
+                            std::vector<std::string>& warnings) {
+  const std::vector<double> lengths = polyline_lengths(scene.rod(body).mesh.vertices);
+  const double shortest = *std::min_element(lengths.begin(), lengths.end());
+  if (2.0 * distance <= shortest || lengths.size() < 3) return;
+  warnings.push_back(owner_text(BodyKind::Rod, scene.name(body)) + ": contact_distance = " +
+                     quantity_text(distance, "m") + " is more than half of its shortest edge, " +
+                     quantity_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
+                     quantity_text(0.5 * shortest, "m") + ", longer edges, or self_contact = false");
+}
+
+}  // namespace
+
+double contact_distance(const Scene& scene, BodyId body, const Settings& settings) {
+  if (const std::optional<double> own = scene.contact_distance(body)) return *own;
+  return settings.contact.distance > 0.0 ? settings.contact.distance
+                                         : automatic_distance(scene, body, settings);
+}
+
+std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings) {
+  std::vector<std::string> warnings;
+  if (!settings.contact.enabled) return warnings;
+  for (int32_t i = 0; i < scene.body_count(); ++i) {
+    const BodyId body{i};
+    if (!can_touch_itself(scene, body, settings)) continue;
+    const double distance = contact_distance(scene, body, settings);
+    if (scene.kind(body) == BodyKind::Rod) {
+      warn_about_short_edges(scene, body, distance, warnings);
+      continue;
+    }
+    const SmallestHeight smallest = smallest_height(scene, body);
+    if (2.0 * distance <= smallest.height) continue;
+    warnings.push_back(
+        owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
+        quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
+        quantity_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
+        "), so the body touches itself at rest; use at most " + quantity_text(0.5 * smallest.height, "m") +
+        ", a coarser mesh, or self_contact = false");
+  }
+  return warnings;
+}
+
+}  // namespace stark

@@ -1,0 +1,35 @@
+#!/bin/sh
+# Runs the fast suites, C++ and Python, under a sanitizer:  tools/sanitize.sh address|thread [pytest arguments...]
+# "address" is AddressSanitizer and UndefinedBehaviorSanitizer with the assertions of the standard library. Uses the
+# .venv of tools/dev.sh; everything it builds goes into build/sanitize-*. Any finding ends the run with an error.
+set -eu
+root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
+cd "$root"
+case ${1:-} in
+  address) flags=address,undefined library=libasan.so ;;
+  thread) flags=thread library=libtsan.so ;;
+  *) sed -n '2,4s/^# //p' "$0" >&2; exit 2 ;;
+esac
+build=build/sanitize-$1
+shift
+[ -x .venv/bin/python ] || sh tools/dev.sh
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSTARK_SANITIZE="$flags" -DSTARK_BUILD_TESTS=ON \
+  -DSTARK_BUILD_PYTHON=ON -DPython_EXECUTABLE="$root/.venv/bin/python" >"$build-configure.log"
+# Not the stub of the extension: making it loads the extension, which needs the library of the sanitizer first.
+targets=$(cmake --build "$build" --target help | sed -n 's/^\(test_[a-z_]*\): phony$/\1/p')
+cmake --build "$build" -j2 --target _core $targets
+
+# The package: the sources with the sanitized extension.
+mkdir -p "$build/package/stark"
+for item in python/stark/*; do
+  case $item in *_core*.so) ;; *) ln -sfn "$root/$item" "$build/package/stark/" ;; esac
+done
+cp "$build"/python/_core*.so "$build/package/stark/"
+
+# Python itself keeps memory until the end; the extension does not unload.
+export ASAN_OPTIONS=detect_leaks=0:halt_on_error=1:allocator_may_return_null=1
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+ctest --test-dir "$build" --output-on-failure -E package
+LD_PRELOAD="$(gcc -print-file-name=$library) $(gcc -print-file-name=libstdc++.so)" PYTHONPATH="$build/package" \
+  .venv/bin/python -m pytest tests/python -m "not slow" -q -p no:cacheprovider "$@"
