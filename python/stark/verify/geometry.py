@@ -247,9 +247,9 @@ class GeometryCheck:
         )
 
     def _reported_distance(self) -> Claim:
-        """The solver's own figure against the measured one, two formulas for the same positions. In recordings
-        of older versions, which lack the last motion, reported distances are those before the last Newton
-        iteration, in which points move by less than newton.step_tolerance times the time step."""
+        """The solver's own figure against the measured one, two formulas for the same positions. In
+        recordings of older versions, which lack the last motion, reported distances are those before the last
+        Newton iteration, in which points move by less than newton.step_tolerance times the time step."""
         settings = self.run.settings
         current = all("last_motion" in row for row in self.run.rows)
         speed = 0.0 if current else float(settings.get("newton.step_tolerance", 0.0))

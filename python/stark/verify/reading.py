@@ -204,6 +204,9 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
         for index in range(chunk_count):
             times.append(run._checked_chunk(index)["times"])
             progress((index + 1) / chunk_count, "reading")
+        if manifest.get("status") == "running" and times:
+            # The last chunk grows; states that the manifest does not count yet are not there.
+            times[-1] = times[-1][: max(0, _count(states, "count", folder) - sum(map(len, times[:-1])))]
         run._starts = np.cumsum([0, *(len(t) for t in times)])
         run.times = np.concatenate([np.zeros(0), *times])
         count = _count(states, "count", folder)

@@ -88,7 +88,9 @@ def residual_claim(run: Run) -> Claim:
     has_motion = all("last_motion" in row for row in run.rows)
     by_motion = tolerances["last_motion"] > 0.0
     active = {
-        key: value for key, value in tolerances.items() if value > 0.0 and (key != "last_motion" or has_motion)
+        key: value
+        for key, value in tolerances.items()
+        if value > 0.0 and (key != "last_motion" or has_motion)
     }
     every = settings.get("newton.termination", "all") == "all"
     combine = max if every else min
@@ -136,9 +138,7 @@ def _left(row: Row, key: str) -> float:
 def ledger_claim(run: Run) -> Claim:
     """The energies of successive steps close their balance."""
     name = "energy_ledger"
-    statement = (
-        "what is stored changes by what a step reports as supplied and dissipated, and by new contact stiffness"
-    )
+    statement = "stored energy changes by what is supplied and dissipated, and by new contact stiffness"
     if not all(_has_energies(row) for row in run.rows) or len(run.rows) < 2:
         return Claim(name, statement, NOT_RECORDED, _BASIS, detail="a step lacks energies")
     worst, bound, where, largest_growth = -math.inf, 0.0, None, 0.0
