@@ -7,7 +7,8 @@ Layout, beside the frames::
     states/mesh.npz            triangles_0000 (m, 3) and edges_0000 (k, 2) int32, masses_0000 (n,) [kg]
     states/chunk_000000.npz    times (k,), positions_0000 (k, n, 3) float64 [m]; poses_0000 (k, 4, 3) of rigid
                                bodies (position, then the rows of the rotation); frames_0000 (k, n, 3, 3) of
-                               rods; joints (k, j) and attachments (k, p): what was enabled
+                               rods; joints (k, j), attachments (k, p) and actuators (k, m): what was
+                               enabled; actuator_values (k, v): those of all actuators in a row
 
 A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
 """
@@ -23,6 +24,7 @@ import numpy as np
 
 from ..array_file import DamageError, read_arrays, write_arrays, write_atomically
 from .format import STATES, STATES_VERSION, RecordingError
+from .formulas import described_formula
 from .masses import point_masses, second_moments
 
 
@@ -40,13 +42,26 @@ def describe(sim: Any) -> dict[str, Any]:
                 "name": joint.name,
                 "kind": joint.kind,
                 "built_in": joint.formula.residuals is None,
+                "coordinates": joint.formula.coordinates,
+                "formula": described_formula(joint.formula),
                 **joint._given,
             }
             for joint in sim.joints
         ],
         "attachments": [{**attachment._given, "name": attachment.name} for attachment in sim.attachments],
         "energies": [energy.name for energy in sim.energies],
-        "actuators": [actuator.name for actuator in sim.actuators],
+        "actuators": [_actuator(actuator) for actuator in sim.actuators],
+    }
+
+
+def _actuator(actuator: Any) -> dict[str, Any]:
+    return {
+        "name": actuator.name,
+        "kind": actuator.kind,
+        "built_in": actuator.formula.outputs is None,
+        "rows": actuator.formula.row_count,
+        "on": [(joint._index, coordinate) for joint, coordinate in actuator.coordinates],
+        "values": list(actuator.units),
     }
 
 
@@ -153,6 +168,9 @@ class StateWriter:
         state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
         status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
         state["attachments"] = np.concatenate([*status, np.zeros(0)]).astype(np.int8)
+        state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
+        values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
+        state["actuator_values"] = np.array(values, dtype=np.float64)
         self._pending.append(state)
         if len(self._pending) < self._chunk_states:
             return False
