@@ -78,10 +78,13 @@ nb::dict report_dict(const StepReport& r) {
   d["solve_status"] = solve_status_name(r.solve.status);
   d["residual"] = r.solve.residual;
   d["acceleration"] = r.solve.acceleration;
+  d["last_motion"] = r.solve.last_motion;
   d["contact_count"] = r.contact_count;
   d["min_distance"] = r.min_distance;
   d["friction_residual"] = r.friction_residual;
   d["energy"] = energy_dict(r);
+  d["contact_energy_at_start"] = r.contact_energy_at_start;
+  d["bristle_energy_at_start"] = r.bristle_energy_at_start;
   d["momentum"] = components(r.momentum.linear);
   d["angular_momentum"] = components(r.momentum.angular);
   d["phases"] = phases_dict(r);
@@ -269,6 +272,15 @@ void bind_report(nb::module_& m) {
       .def_prop_ro(
           "acceleration", [](const StepReport& r) { return r.solve.acceleration; },
           "Largest M^-1 residual [m/s^2].")
+      .def_prop_ro(
+          "last_motion", [](const StepReport& r) { return r.solve.last_motion; },
+          "Largest motion of a vertex in the last Newton step, taken in full [m]; over the time step it is "
+          "what newton.step_tolerance bounds.")
+      .def_ro("contact_energy_at_start", &StepReport::contact_energy_at_start,
+              "Of the barriers at the start of the step, with the stiffness of this step [J].")
+      .def_ro("bristle_energy_at_start", &StepReport::bristle_energy_at_start,
+              "Stored by sticking friction at the start of the step, with the limits of this step [J]: what "
+              "friction can give back in it.")
       .def_prop_ro(
           "energy", energy_dict,
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "

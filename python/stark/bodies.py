@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import as_array, real_array
 from stark.layers import LayeredBody
 from stark.mesh import Indices, Points, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, vector
@@ -184,7 +185,7 @@ class _Deformable(Body):
         from stark.formulas.points import embedded_points
 
         rows = self._elements()
-        numbers = np.atleast_1d(np.asarray(elements))
+        numbers = np.atleast_1d(as_array(elements, f"'{self.name}': elements"))
         if numbers.ndim != 1 or numbers.dtype.kind not in "iu":
             raise InvalidArgument(f"'{self.name}': elements = {elements!r}: must be numbers of elements")
         wrong = numbers[(numbers < 0) | (numbers >= len(rows))]
@@ -208,7 +209,7 @@ class _Deformable(Body):
     def pin(self, vertices: ArrayLike) -> None:
         """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the
         simulation is made."""
-        indices = np.asarray(vertices)
+        indices = as_array(vertices, f"'{self.name}': pin")
         if indices.dtype == bool:
             if indices.shape != (len(self._mesh.vertices),):
                 raise InvalidArgument(
@@ -226,7 +227,7 @@ class _Deformable(Body):
 
     @pin_targets.setter
     def pin_targets(self, targets: ArrayLike) -> None:
-        array = np.asarray(targets, dtype=np.float64)
+        array = real_array(targets, f"'{self.name}': pin_targets")
         count = len(self.pins)
         if array.shape != (count, 3):
             raise InvalidArgument(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import as_array
 from stark.mesh import Indices
 
 
@@ -47,7 +48,7 @@ def paths_from(edges: ArrayLike | None, paths: Any, owner: str) -> FibrePaths:
         segments = [np.column_stack([path[:-1], path[1:]]) for path in rows]
         all_edges = np.concatenate([*segments, np.empty((0, 2), dtype=np.int32)])
         return _fibre_paths(rows, all_edges, np.arange(len(all_edges)))
-    array = np.asarray(edges)
+    array = as_array(edges, f"{owner}: edges")
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu" or not len(array):
         raise InvalidArgument(
             f"{owner}: edges of shape {array.shape} and type {array.dtype}: must be vertex indices of shape "

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import as_array
 from stark.motion import Motion, as_motion
 from stark.rotations import as_matrix, vector
 
@@ -173,7 +174,7 @@ def _pin_rows(body: Body, vertices: ArrayLike | None) -> NDArray[np.intp]:
         )
     if vertices is None:
         return np.arange(len(pins))
-    chosen = np.atleast_1d(np.asarray(vertices))
+    chosen = np.atleast_1d(as_array(vertices, f"'{body.name}': follow: vertices"))
     place = {int(v): k for k, v in enumerate(pins)}
     for v in chosen.tolist():
         if v not in place:

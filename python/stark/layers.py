@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import as_array, given_choice, given_flag, given_name
 from stark.fibre_paths import FibrePaths, paths_from
 from stark.materials import RodMaterial, ShellMaterial, steel_wire
 from stark.mesh import Indices, Points
@@ -225,12 +226,12 @@ class LayeredBody:
         mesh are at rest) or "flat". Pictures show it if it has a ``color``. The surface for contact stays
         that of the body."""
         owner = _owner("skin", self, name, material, ShellMaterial, "stark.materials.pet")
-        given = {"name": name or "", "body": self._index, "color": color}
+        given = {"name": given_name(name), "body": self._index, "color": color}
         chosen = None if triangles is None else _integers(triangles, 3, f"{owner}: triangles", "(m, 3)")
         shown = self.triangles if chosen is None else chosen  # type: ignore[attr-defined]
         if mass is not None:
             material = material._with_mass(mass, _area(self, shown), owner)
-        _require_choice(rest_angles, ("flat", "mesh"), f"{owner}: rest_angles")
+        given_choice(rest_angles, ("flat", "mesh"), f"{owner}: rest_angles")
         given |= {"triangles": chosen, "rest_angles": rest_angles, **material._description()}
         skin = Skin(self, self._scene._core.add_skin(given, material._core), material, color)  # type: ignore[arg-type]
         skin._triangles = np.array(shown, dtype=np.int32)
@@ -263,8 +264,8 @@ class LayeredBody:
         density of the material. Values by edge are in the order of ``edges``, or path by path. Fibres do not
         touch anything: contact stays that of the body."""
         owner = _owner("fibres", self, name, material, RodMaterial, "stark.materials.steel_wire")
-        given = {"name": name or "", "body": self._index, "color": color}
-        _require_choice(rest_shape, ("mesh", "straight"), f"{owner}: rest_shape")
+        given = {"name": given_name(name), "body": self._index, "color": color}
+        given_choice(rest_shape, ("mesh", "straight"), f"{owner}: rest_shape")
         if (edges is None) == (paths is None):
             raise InvalidArgument(
                 f"{owner}: {'none' if edges is None else 'both'} of edges and paths given: give one of them"
@@ -277,7 +278,7 @@ class LayeredBody:
         given |= {
             "vertices": np.concatenate([*lines.paths, np.empty(0, dtype=np.int32)]).astype(np.int32),
             "counts": [len(path) for path in lines.paths],
-            "bending": bool(bending),
+            "bending": given_flag(bending, f"{owner}: bending"),
             "rest_shape": rest_shape,
             "normal": normal,
             "law": described["law"],
@@ -295,8 +296,7 @@ class LayeredBody:
 
 
 def _owner(kind: str, body: Any, name: Any, material: Any, wanted: type[Any], example: str) -> str:
-    if name is not None and (not isinstance(name, str) or not name):
-        raise InvalidArgument(f"name = {name!r}: must be a non-empty text, or None to have one chosen")
+    given_name(name)
     owner = f"{kind} of '{body.name}'" if name is None else f"{kind} '{name}' of '{body.name}'"
     if not isinstance(material, wanted):
         raise InvalidArgument(
@@ -305,13 +305,8 @@ def _owner(kind: str, body: Any, name: Any, material: Any, wanted: type[Any], ex
     return owner
 
 
-def _require_choice(value: Any, known: tuple[str, ...], what: str) -> None:
-    if value not in known:
-        raise InvalidArgument(f"{what} = {value!r}: must be {' or '.join(map(repr, known))}")
-
-
 def _integers(values: ArrayLike, columns: int, what: str, shape: str) -> Indices:
-    array = np.asarray(values)
+    array = as_array(values, what)
     if array.ndim != 2 or array.shape[1] != columns or array.dtype.kind not in "iu" or not len(array):
         raise InvalidArgument(
             f"{what} of shape {array.shape} and type {array.dtype}: must be vertex indices of shape {shape}, "

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark import _core
 from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
 
+_LARGEST = float(np.finfo(np.float64).max)
 _CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)
 _Law: TypeAlias = SolidLaw | ShellLaw | RodLaw
 _Fields: TypeAlias = dict[str, NDArray[np.float64]]
@@ -67,7 +68,7 @@ class _Material(Generic[_CoreMaterial]):
         of_law = {row["name"] for row in self.law.parameters} if self.law else set()
         plain: dict[str, Any] = {}
         for parameter, value in parameters.items():
-            is_array = isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0
+            is_array = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
             if (parameter in known and not is_array) or parameter not in known | of_law:
                 plain[parameter] = value  # of an unknown name: refused by the core, with a hint
                 fields.pop(parameter, None)
@@ -113,7 +114,8 @@ class _Material(Generic[_CoreMaterial]):
         Sizes that are not positive are left to the checks of meshes."""
         if not size > 0.0:
             return self
-        if isinstance(mass, bool) or not isinstance(mass, (int, float, np.number)) or not 0.0 < mass < np.inf:
+        real = isinstance(mass, (int, float, np.number)) and not isinstance(mass, (bool, np.complexfloating))
+        if not real or not 0.0 < mass <= _LARGEST:
             raise InvalidArgument(f"{owner}: mass = {mass!r} kg: must be a number > 0 and finite")
         if "density" in self._fields:
             raise InvalidArgument(
@@ -313,11 +315,25 @@ def plate(
     """Thin plate of an elastic material: ``youngs_modulus`` [Pa], ``thickness`` [m], ``density`` of volume
     [kg/m^3]: flexural rigidity E t^3 / (12 (1 - nu^2)), mass rho t per area. Further parameters are those of
     ShellMaterial."""
-    given = {
+    numbers = {
         "youngs_modulus": youngs_modulus, "poissons_ratio": poissons_ratio, "thickness": thickness,
-        "density": density * thickness,
+        "density": density,
     }  # fmt: skip
-    rigidity = youngs_modulus * thickness**3 / (12.0 * (1.0 - poissons_ratio**2))
+    given = {name: _numbers(value, f"materials.plate: {name}") for name, value in numbers.items()}
+    E, nu, t, rho = given.values()
+    try:
+        with np.errstate(all="ignore"):
+            given["density"], rigidity = rho * t, E * t**3 / (12.0 * (1.0 - nu**2))
+    except ValueError:
+        shapes = ", ".join(str(value.shape) for value in given.values())
+        raise InvalidArgument(
+            f"materials.plate: arrays of the shapes {shapes}: must be numbers, or a value for each element"
+        ) from None
+    if not np.isfinite(rigidity).all():
+        raise InvalidArgument(
+            f"materials.plate: poissons_ratio = {poissons_ratio!r}, youngs_modulus = {youngs_modulus!r} Pa, "
+            f"thickness = {thickness!r} m: must give a finite rigidity"
+        )
     return ShellMaterial(**{"flexural_rigidity": rigidity, "mass_damping": 0.1, **given, **parameters})
 
 

@@ -5,9 +5,8 @@ Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra
 
 from __future__ import annotations
 
-import contextlib
+import math
 import os
-import tempfile
 from collections.abc import Sequence
 from typing import Any, TypeAlias, TypeVar
 
@@ -62,6 +61,26 @@ def _indices(values: ArrayLike, columns: int, name: str) -> Indices:
     return np.ascontiguousarray(array, dtype=np.int32)
 
 
+def _corners(vertices: Points, elements: Indices, name: str) -> list[Points]:
+    """Positions of the first, second, ... vertex of all elements."""
+    if elements.size and not (elements.min() >= 0 and elements.max() < len(vertices)):
+        wrong = elements[(elements < 0) | (elements >= len(vertices))]
+        raise InvalidMesh(
+            f"{name}: one of them refers to vertex {wrong[0]}, need indices in [0, {len(vertices)}), which "
+            f"start at 0"
+        )
+    return [vertices[column] for column in elements.T]
+
+
+def _numbers(value: Any) -> NDArray[np.float64]:
+    """As an array of real numbers, an empty one if it is none."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        return np.empty(0)
+    return array.astype(np.float64) if array.dtype.kind in "iuf" else np.empty(0)
+
+
 class _MeshBase:
     vertices: Points
 
@@ -74,12 +93,14 @@ class _MeshBase:
     @property
     def bounds(self) -> Points:
         """Lowest and highest corner, shape (2, 3) [m]."""
+        if len(self.vertices) == 0:
+            raise InvalidMesh(f"{type(self).__name__}: 0 vertices: must have at least one to have bounds")
         return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
     def scaled(self: _Mesh, factor: float | ArrayLike) -> _Mesh:
         """Copy with all coordinates times a factor, or times one for each axis: ``scaled(1e-3)`` for
         millimetres."""
-        factors = np.asarray(factor, dtype=np.float64)
+        factors = _numbers(factor)
         if factors.shape not in ((), (3,)) or not (np.isfinite(factors) & (factors > 0)).all():
             raise InvalidArgument(f"scaled: factor = {factor!r}: must be one positive number or three")
         return self._with(self.vertices * factors)
@@ -124,12 +145,12 @@ class TriangleMesh(_MeshBase):
     @property
     def volume(self) -> float:
         """Signed volume [m^3], positive when the triangles are oriented outwards; only of closed meshes."""
-        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        a, b, c = _corners(self.vertices, self.triangles, "TriangleMesh: triangles")
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
     @property
     def area(self) -> float:
-        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        a, b, c = _corners(self.vertices, self.triangles, "TriangleMesh: triangles")
         return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
     def flipped(self) -> TriangleMesh:
@@ -155,7 +176,7 @@ class TetMesh(_MeshBase):
     @property
     def volumes(self) -> NDArray[np.float64]:
         """Signed volume of each tetrahedron [m^3], shape (m,)."""
-        a, b, c, d = (self.vertices[self.tets[:, i]] for i in range(4))
+        a, b, c, d = _corners(self.vertices, self.tets, "TetMesh: tets")
         return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
 
     @property
@@ -322,7 +343,11 @@ def _edge_counts(triangles: Indices) -> NDArray[np.int64]:
 
 def compact(mesh: Any) -> Any:
     """Copy without the vertices that no element uses."""
-    elements = next(getattr(mesh, n) for n in ("tets", "elements", "triangles") if hasattr(mesh, n))
+    name = next((n for n in ("tets", "elements", "triangles") if hasattr(mesh, n)), None)
+    if not isinstance(mesh, _MeshBase) or name is None:
+        raise InvalidMesh(f"compact: got {type(mesh).__name__}, need a TriangleMesh, TetMesh or SolidMesh")
+    elements = getattr(mesh, name)
+    _corners(mesh.vertices, elements, f"compact: {name}")
     used, renumbered = np.unique(elements, return_inverse=True)
     return type(mesh)(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))
 
@@ -330,7 +355,13 @@ def compact(mesh: Any) -> Any:
 def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
     """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed
     triangles go."""
-    keys = mesh.vertices if tolerance <= 0.0 else np.round(mesh.vertices / tolerance)
+    if not isinstance(mesh, TriangleMesh):
+        raise InvalidMesh(f"merged: got {type(mesh).__name__}, need a TriangleMesh")
+    grid = _numbers(tolerance)
+    if grid.shape != () or not 0.0 <= grid < np.inf:
+        raise InvalidArgument(f"merged: tolerance = {tolerance!r} m: must be a number >= 0")
+    _corners(mesh.vertices, mesh.triangles, "merged: triangles")
+    keys = mesh.vertices if grid == 0.0 else np.round(mesh.vertices / grid)
     _, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)  # keeps the order of the file
     rank = np.empty_like(order)
@@ -349,6 +380,9 @@ def oriented(mesh: Any) -> Any:
         negative = mesh.volumes < 0.0
         tets[negative] = tets[negative][:, [0, 1, 3, 2]]
         return TetMesh(mesh.vertices, tets)
+    if not isinstance(mesh, TriangleMesh):
+        raise InvalidMesh(f"oriented: got {type(mesh).__name__}, need a TriangleMesh or a TetMesh")
+    _corners(mesh.vertices, mesh.triangles, "oriented: triangles")
     return _oriented_triangles(mesh)
 
 
@@ -387,7 +421,7 @@ def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
 
 
 def _sizes(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
-    values = np.asarray(size, dtype=np.float64)
+    values = _numbers(size)
     if values.shape == ():
         values = np.full(3, float(values))
     if values.shape != (3,) or not (np.isfinite(values) & (values > 0.0)).all():
@@ -395,8 +429,10 @@ def _sizes(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
     return values
 
 
-def _positive(value: float, name: str) -> float:
-    if not (isinstance(value, (int, float, np.number)) and np.isfinite(value) and value > 0.0):
+def positive(value: float, name: str) -> float:
+    """A length [m], or InvalidArgument."""
+    number = _numbers(value)
+    if number.shape != () or not 0.0 < number < np.inf:
         raise InvalidArgument(f"{name} = {value!r} m: must be a number > 0")
     return float(value)
 
@@ -407,23 +443,42 @@ def _count(value: int, name: str, least: int = 1) -> int:
     return int(value)
 
 
+def _cells(cells: Any, dimensions: int, name: str) -> list[int]:
+    """Cells along each axis, as many as indices of 32 bits can tell apart."""
+    counts = [cells] * dimensions if isinstance(cells, (int, np.integer)) else cells
+    if not isinstance(counts, (list, tuple, np.ndarray)) or len(counts) != dimensions:
+        raise InvalidArgument(f"{name} = {cells!r}: must be one whole number or {dimensions}")
+    counts = [_count(count, name) for count in counts]
+    _require_few(math.prod(count + 1 for count in counts), f"{name} = {cells!r}")
+    return counts
+
+
+def _require_few(vertex_count: int, what: str) -> None:
+    if vertex_count > 2**28:
+        raise InvalidArgument(f"{what}: makes {vertex_count} vertices: must be at most 2^28, choose fewer")
+
+
+def _around(shape: str, **counts: tuple[int, int]) -> list[int]:
+    """Two counts, given with the least that makes sense, whose product is the number of vertices."""
+    checked = [_count(value, f"{shape}: {name}", least) for name, (value, least) in counts.items()]
+    _require_few(math.prod(checked), f"{shape}: {' and '.join(counts)} = {checked}")
+    return checked
+
+
 def grid(width: float, depth: float, cells: int | tuple[int, int]) -> TriangleMesh:
     """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m], two triangles
     a cell."""
-    nx, ny = (cells, cells) if isinstance(cells, (int, np.integer)) else cells
+    nx, ny = _cells(cells, 2, "grid: cells")
     return TriangleMesh(
-        *_core.make_grid(
-            _positive(width, "grid: width"),
-            _positive(depth, "grid: depth"),
-            _count(nx, "grid: cells"),
-            _count(ny, "grid: cells"),
-        )
+        *_core.make_grid(positive(width, "grid: width"), positive(depth, "grid: depth"), nx, ny)
     )
 
 
 def box(size: float | ArrayLike, subdivisions: int = 1) -> TriangleMesh:
     """Closed box about the origin; ``size`` is one edge length or three [m]."""
-    return TriangleMesh(*_core.make_box(_sizes(size, "box: size"), _count(subdivisions, "box: subdivisions")))
+    count = _count(subdivisions, "box: subdivisions")
+    _require_few(6 * count**2, f"box: subdivisions = {count}")
+    return TriangleMesh(*_core.make_box(_sizes(size, "box: size"), count))
 
 
 def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
@@ -433,17 +488,16 @@ def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
         raise InvalidArgument(
             f"sphere: subdivisions = {count}: must be at most 8, which is 1,310,720 triangles"
         )
-    return TriangleMesh(*_core.make_icosphere(_positive(radius, "sphere: radius"), count))
+    return TriangleMesh(*_core.make_icosphere(positive(radius, "sphere: radius"), count))
 
 
 def cylinder(radius: float, height: float, segments: int = 32, stacks: int = 1) -> TriangleMesh:
     """Closed cylinder about the z axis, ``height`` from cap to cap."""
     return TriangleMesh(
         *_core.make_cylinder(
-            _positive(radius, "cylinder: radius"),
-            _positive(height, "cylinder: height"),
-            _count(segments, "cylinder: segments", 3),
-            _count(stacks, "cylinder: stacks"),
+            positive(radius, "cylinder: radius"),
+            positive(height, "cylinder: height"),
+            *_around("cylinder", segments=(segments, 3), stacks=(stacks, 1)),
         )
     )
 
@@ -452,10 +506,9 @@ def capsule(radius: float, height: float, segments: int = 32, rings: int = 8) ->
     """Capsule about the z axis; ``height`` between the centres of the half spheres."""
     return TriangleMesh(
         *_core.make_capsule(
-            _positive(radius, "capsule: radius"),
-            _positive(height, "capsule: height"),
-            _count(segments, "capsule: segments", 3),
-            _count(rings, "capsule: rings", 1),
+            positive(radius, "capsule: radius"),
+            positive(height, "capsule: height"),
+            *_around("capsule", segments=(segments, 3), rings=(rings, 1)),
         )
     )
 
@@ -464,7 +517,7 @@ def torus(
     major_radius: float, minor_radius: float, major_segments: int = 48, minor_segments: int = 24
 ) -> TriangleMesh:
     """Torus about the z axis: a tube of ``minor_radius`` around a circle of ``major_radius``."""
-    if _positive(minor_radius, "torus: minor_radius") >= _positive(major_radius, "torus: major_radius"):
+    if positive(minor_radius, "torus: minor_radius") >= positive(major_radius, "torus: major_radius"):
         raise InvalidArgument(
             f"torus: minor_radius = {minor_radius} m: must be below major_radius = {major_radius} m"
         )
@@ -472,8 +525,7 @@ def torus(
         *_core.make_torus(
             float(major_radius),
             float(minor_radius),
-            _count(major_segments, "torus: major_segments", 3),
-            _count(minor_segments, "torus: minor_segments", 3),
+            *_around("torus", major_segments=(major_segments, 3), minor_segments=(minor_segments, 3)),
         )
     )
 
@@ -487,32 +539,24 @@ def polyline(start: ArrayLike, end: ArrayLike, segments: int) -> Polyline:
 
 def helix(radius: float, pitch: float, turns: float, segments: int) -> Polyline:
     """Helix about z that starts at (radius, 0, 0) and rises by ``pitch`` [m] a turn; ``segments`` in all."""
-    r, rise = _positive(radius, "helix: radius"), float(pitch)
+    r, rise = positive(radius, "helix: radius"), _numbers(pitch)
+    if rise.shape != () or not np.isfinite(rise):
+        raise InvalidArgument(f"helix: pitch = {pitch!r} m: must be a finite number")
     angle = np.linspace(
-        0.0, 2.0 * np.pi * _positive(turns, "helix: turns"), _count(segments, "helix: segments") + 1
+        0.0, 2.0 * np.pi * positive(turns, "helix: turns"), _count(segments, "helix: segments") + 1
     )
     return Polyline(np.column_stack([r * np.cos(angle), r * np.sin(angle), rise * angle / (2.0 * np.pi)]))
 
 
 def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMesh:
     """Solid box about the origin: cuboid cells with a node at each centre, twelve tetrahedra a cell."""
-    counts = (cells,) * 3 if isinstance(cells, (int, np.integer)) else tuple(cells)
-    if len(counts) != 3:
-        raise InvalidArgument(f"tet_box: cells = {cells!r}: must be one whole number or three")
-    return TetMesh(
-        *_core.make_tet_box(_sizes(size, "tet_box: size"), [_count(n, "tet_box: cells") for n in counts])
-    )
+    return TetMesh(*_core.make_tet_box(_sizes(size, "tet_box: size"), _cells(cells, 3, "tet_box: cells")))
 
 
 def box_hexahedra(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> SolidMesh:
     """Solid box about the origin of cuboid elements with 8 nodes."""
-    counts = (cells,) * 3 if isinstance(cells, (int, np.integer)) else tuple(cells)
-    if len(counts) != 3:
-        raise InvalidArgument(f"box_hexahedra: cells = {cells!r}: must be one whole number or three")
     return SolidMesh(
-        *_core.make_hex_box(
-            _sizes(size, "box_hexahedra: size"), [_count(n, "box_hexahedra: cells") for n in counts]
-        )
+        *_core.make_hex_box(_sizes(size, "box_hexahedra: size"), _cells(cells, 3, "box_hexahedra: cells"))
     )
 
 
@@ -544,22 +588,6 @@ def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: fl
     ``tolerance``: largest distance between the given surface and the result, over that diagonal. fTetWild is
     randomised: meshes of two calls differ a little; keep one with ``mesh.save("cup.npz")`` to repeat a
     simulation bit by bit."""
-    surface = as_triangle_mesh(mesh, "tetrahedralise")
-    if len(surface.triangles) == 0:
-        raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
-    diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
-    fraction = (
-        0.05 if edge_length is None else _positive(edge_length, "tetrahedralise: edge_length") / diagonal
-    )
-    try:
-        import pytetwild
-    except ImportError as error:
-        raise ImportError(
-            "stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'"
-        ) from error
-    # fTetWild leaves a file in the current folder.
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        vertices, tets = pytetwild.tetrahedralize(
-            surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
-        )
-    return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))
+    from stark import mesh_files
+
+    return mesh_files.tetrahedralise(as_triangle_mesh(mesh, "tetrahedralise"), edge_length, tolerance)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
+import tempfile
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,8 +15,20 @@ from typing import Any
 import numpy as np
 
 from stark._core import InvalidMesh
-from stark.mesh import Mesh, SolidMesh, TetMesh, TriangleMesh, merged, oriented
+from stark.mesh import Mesh, SolidMesh, TetMesh, TriangleMesh, compact, merged, oriented, positive
 
+#: What readers stumble over in files that are not what they say.
+_DAMAGE = (
+    ValueError,
+    LookupError,
+    TypeError,
+    EOFError,
+    OverflowError,
+    MemoryError,
+    NotImplementedError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
 
@@ -33,7 +48,7 @@ def load(path: str | os.PathLike[str]) -> Mesh:
             mesh = readers[suffix](data)
         except InvalidMesh as error:
             raise InvalidMesh(f"'{file}': {error}") from None
-        except (ValueError, IndexError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except _DAMAGE as error:
             raise InvalidMesh(f"'{file}' is not a valid {suffix[1:].upper()} file: {error}") from None
     elif suffix in _VOLUME_FORMATS:
         return _load_by_meshio(file)
@@ -212,3 +227,25 @@ def _load_by_meshio(file: Path) -> Mesh:
         f"'{file}' has cells of type {', '.join(cells) or 'none'}: "
         f"must have cells of type {', '.join(solids)}, tetra or triangle"
     )
+
+
+def tetrahedralise(surface: TriangleMesh, edge_length: float | None, tolerance: float) -> TetMesh:
+    """See ``stark.mesh.tetrahedralise``."""
+    if len(surface.triangles) == 0:
+        raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
+    diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
+    fraction = (
+        0.05 if edge_length is None else positive(edge_length, "tetrahedralise: edge_length") / diagonal
+    )
+    try:
+        import pytetwild
+    except ImportError as error:
+        raise ImportError(
+            "stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'"
+        ) from error
+    # fTetWild leaves a file in the current folder.
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        vertices, tets = pytetwild.tetrahedralize(
+            surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
+        )
+    return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import real_array
 from stark.rotations import as_matrix, to_quaternion
 
 Floats = NDArray[np.float64]
@@ -31,7 +32,7 @@ class Motion:
         """Time of the last knot [s], None for functions of time."""
 
     def __call__(self, time: float) -> Floats:
-        return np.asarray(self._value(float(time)), dtype=np.float64)
+        return real_array(self._value(float(time)), f"{self!r} at {time:g} s")
 
     def __repr__(self) -> str:
         return f"<stark.motion {self._text}>"
@@ -118,8 +119,8 @@ def as_motion(value: Any, owner: str) -> Motion:
 
 def _knots(owner: str, times: ArrayLike, values: ArrayLike, fewest: int) -> tuple[Floats, Floats]:
     try:
-        t, v = np.array(times, dtype=np.float64), np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
+        t, v = real_array(times, owner), real_array(values, owner)
+    except InvalidArgument:
         raise InvalidArgument(
             f"{owner}: times and values must be numbers, a row of values for each time"
         ) from None

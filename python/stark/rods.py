@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import as_array, real_array
 from stark.bodies import _Deformable
 from stark.mesh import Indices, Points, Polyline
 from stark.tubes import outline, tube
@@ -47,7 +48,7 @@ class Rod(_Deformable):
     def clamp(self, nodes: ArrayLike) -> None:
         """Prescribes positions and frames of nodes, by index: they stay, or follow ``pin_targets`` and
         ``clamp_targets``. Before the simulation is made."""
-        self._scene._core.clamp(self._index, np.atleast_1d(np.asarray(nodes)))
+        self._scene._core.clamp(self._index, np.atleast_1d(as_array(nodes, f"'{self.name}': clamp")))
 
     @property
     def clamp_targets(self) -> NDArray[np.float64]:
@@ -58,7 +59,7 @@ class Rod(_Deformable):
 
     @clamp_targets.setter
     def clamp_targets(self, targets: ArrayLike) -> None:
-        array = np.asarray(targets, dtype=np.float64)
+        array = real_array(targets, f"'{self.name}': clamp_targets")
         count = len(self.clamped)
         if array.shape != (count, 3, 3):
             raise InvalidArgument(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import real_array, real_number
 
 Vec3Like: TypeAlias = Sequence[float] | NDArray[np.floating]
 
@@ -22,8 +23,8 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Three finite numbers as an array of shape (3,), or InvalidArgument that calls them ``name``."""
     try:
-        result = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        result = real_array(value, name)
+    except InvalidArgument:
         raise InvalidArgument(f"{name} = {value!r}: must be three numbers") from None
     if result.shape != (3,):
         raise InvalidArgument(f"{name} = {value!r}: must be three numbers, got the shape {result.shape}")
@@ -67,7 +68,7 @@ def rotation(
             raise InvalidArgument(
                 "rotation: axis = (0, 0, 0): must have a direction; give 'x', 'y', 'z' or a vector"
             )
-    angle = float(angle)
+    angle = real_number(angle, "rotation: angle")
     if not math.isfinite(angle):
         raise InvalidArgument(f"rotation: angle = {angle} rad: must be finite; check where it is computed")
     return _from_axis(direction, angle)
@@ -78,8 +79,8 @@ def as_matrix(value: ArrayLike | None, name: str) -> NDArray[np.float64]:
     if value is None:
         return np.eye(3)
     try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        array = real_array(value, name)
+    except InvalidArgument:
         array = np.empty(0)
     if array.shape == (4,):
         return _from_quaternion(array, name)
@@ -111,8 +112,8 @@ def _from_axis(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
 
 def _from_quaternion(value: ArrayLike, name: str) -> NDArray[np.float64]:
     try:
-        q = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        q = real_array(value, name)
+    except InvalidArgument:
         q = np.empty(0)
     norm = float(np.linalg.norm(q)) if q.shape == (4,) else math.nan
     if not (math.isfinite(norm) and norm > 0.0):

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stark import _core, materials
 from stark import mesh as meshes
-from stark._core import InvalidArgument
+from stark._core import InvalidArgument, InvalidMesh
 from stark.actuators.scene_actuators import SceneActuators
+from stark.arguments import as_array, given_flag, given_name, given_word, real_array, refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.joints.scene_joints import SceneJoints
@@ -64,8 +65,8 @@ class FrictionTable:
     ) -> None:
         a, b = self._scene._pair(pair)
         try:
-            values = np.broadcast_to(np.asarray(coefficient, dtype=float), (2,))
-        except (TypeError, ValueError):
+            values = np.broadcast_to(real_array(coefficient, "friction"), (2,))
+        except ValueError:
             raise InvalidArgument(
                 f"friction of {pair!r} = {coefficient!r}: must be a number >= 0, or two: static, kinetic"
             ) from None
@@ -136,8 +137,8 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         given |= {
             "triangles": surface.triangles,
             "initial_positions": initial_positions,
-            "self_contact": bool(self_contact),
-            "rest_angles": rest_angles,
+            "self_contact": given_flag(self_contact, f"{_title('cloth', name)}: self_contact"),
+            "rest_angles": given_word(rest_angles, f"{_title('cloth', name)}: rest_angles"),
             **material._description(),
         }
         _check_pins(pins, len(surface.vertices), _title("cloth", name))
@@ -189,7 +190,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         given |= {
             "elements": volume.tets if isinstance(volume, meshes.TetMesh) else volume.elements,
             "initial_positions": initial_positions,
-            "self_contact": bool(self_contact),
+            "self_contact": given_flag(self_contact, f"{_title('solid', name)}: self_contact"),
             **material._description(),
         }
         _check_pins(pins, len(volume.vertices), _title("solid", name))
@@ -250,8 +251,8 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         given |= {
             "initial_positions": initial_positions,
             "normal": normal,
-            "rest_shape": rest_shape,
-            "self_contact": bool(self_contact),
+            "rest_shape": given_word(rest_shape, f"{_title('rod', name)}: rest_shape"),
+            "self_contact": given_flag(self_contact, f"{_title('rod', name)}: self_contact"),
             **material._description(),
         }
         _check_pins(pins, len(chain.vertices), _title("rod", name))
@@ -426,6 +427,12 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         """What was warned about so far."""
         return self._core.warnings
 
+    def __reduce_ex__(self, protocol: object) -> NoReturn:
+        refuse_copy(
+            f"scene '{self.name}'",
+            "its bodies and joints are handles; build it again by a function, each time and in each process",
+        )
+
     def __repr__(self) -> str:
         bodies = ", ".join(f"{body.name} ({body.kind})" for body in self._bodies)
         return f"<stark.Scene '{self.name}': {bodies or 'empty'}>"
@@ -444,10 +451,8 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         friction: float | None,
         color: ArrayLike | None,
     ) -> dict[str, Any]:
-        if name is not None and (not isinstance(name, str) or not name):
-            raise InvalidArgument(f"name = {name!r}: must be a non-empty text, or None to have one chosen")
         return {
-            "name": name or "",
+            "name": given_name(name),
             "vertices": vertices,
             "position": position,
             "rotation": as_matrix(rotation, f"{'body' if name is None else repr(name)}: rotation"),
@@ -504,7 +509,7 @@ def _size(mesh: Any, measure: str) -> float:
     """Area or volume of a mesh, 0 for one whose indices are wrong: the core refuses it, and says which."""
     try:
         return float(getattr(mesh, measure))
-    except IndexError:
+    except InvalidMesh:
         return 0.0
 
 
@@ -519,10 +524,12 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
     """Before the body exists, so that a refused pin leaves the scene as it was."""
     if pins is None:
         return
-    array = np.asarray(pins)
+    array = as_array(pins, f"{owner}: pins")
     if array.dtype == bool and array.shape == (vertex_count,):
         return
-    if array.size and array.dtype.kind not in "iu":
+    if array.ndim > 1:
+        raise InvalidArgument(f"{owner}: pins of shape {array.shape}: must be a row of vertex indices")
+    if (array.size or array.dtype == bool) and array.dtype.kind not in "iu":
         raise InvalidArgument(
             f"{owner}: pins of type {array.dtype}: must be vertex indices or a mask of ({vertex_count},)"
         )

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import copyreg
 import warnings
 import weakref
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from stark import _core
 from stark._core import Error, InvalidArgument
+from stark.arguments import real_number, refuse_copy
 from stark.bodies import Body
 from stark.scene import Scene, StarkWarning
 from stark.sensors import Contacts, contacts_of
@@ -24,6 +26,14 @@ if TYPE_CHECKING:
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
     from stark.layers import Layer
+
+
+def _state_of(arrays: dict[str, Any]) -> _core.State:
+    return _core.State.of_arrays(arrays)
+
+
+# States are values: they can be copied, pickled and sent to other processes.
+copyreg.pickle(_core.State, lambda state: (_state_of, (state.arrays(),)))  # type: ignore[arg-type]
 
 
 class LastStep(NamedTuple):
@@ -83,9 +93,10 @@ class Simulation:
         time."""
         if max_time_step is None:
             return self._step()
-        if not max_time_step > 0.0:
+        limit = real_number(max_time_step, "step: max_time_step")
+        if not limit > 0.0:
             raise InvalidArgument(f"step: max_time_step = {max_time_step} s: must be > 0")
-        return self._step(float(max_time_step))
+        return self._step(limit)
 
     def run(self, until: float) -> Iterator[StepReport]:
         """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end
@@ -93,10 +104,10 @@ class Simulation:
 
         A failed step is yielded as well; going on after it raises StepFailed.
         """
-        until = float(until)
-        if not until >= 0.0:  # also NaN
+        end = real_number(until, "run: until")
+        if not end >= 0.0:  # also NaN
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
-        return self._run(until)
+        return self._run(end)
 
     def _run(self, until: float) -> Iterator[StepReport]:
         # Times are sums of steps: what is left below a millionth of a step is rounding, not a step to take.
@@ -155,6 +166,10 @@ class Simulation:
 
     @state.setter
     def state(self, state: State) -> None:
+        if not isinstance(state, _core.State):
+            raise InvalidArgument(
+                f"state = {state!r}: must be one that the state of a simulation of this scene gave"
+            )
         self._core.state = state
         self._last_step = None
 
@@ -236,6 +251,13 @@ class Simulation:
         """All contacts of the last step: points, forces, slip. ``sim.contacts.of("cup", "finger")`` are those
         of two bodies; ``sim["cup"].contact_force`` and its siblings sum them up."""
         return contacts_of(self)
+
+    def __reduce_ex__(self, protocol: object) -> NoReturn:
+        refuse_copy(
+            "a simulation",
+            "make another one of the same scene and assign its state (sim.state), or use sim.save(path) and "
+            "sim.load(path)",
+        )
 
     def __repr__(self) -> str:
         return f"<stark.Simulation of '{self._scene.name}' at {self.time:g} s>"

@@ -165,6 +165,39 @@ TEST_CASE("a bent bristle holds its load without moving, and gives way at the li
   CHECK(slid.deflection[0].y > 0.999 * kStick);
 }
 
+TEST_CASE("friction gives back what bristles stored at the start of the step, and no more") {
+  RandomPoints random(6);
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Contact> contacts{contact_of(4)};
+  const std::vector<Vec3> force{{0, 0, 10}};
+  const double limit = 10.0 * kMu;
+  for (const double y : {0.0, 0.3, 1.0}) {
+    FrictionMemory memory;
+    memory.append(contacts[0].key, Vec3{y * kStick, 0, 0}, 10.0);
+    FrictionSet set = make_set();
+    begin(set, start, memory);
+    set.reset(contacts, force, coefficient, start);
+    // f0(y) - f0(0) of [Li et al. 2020, eq. 17].
+    const double stored = limit * kStick * (y * y - y * y * y / 3.0);
+    CHECK(set.energy_at_start() == doctest::Approx(stored).epsilon(1e-12));
+    for (int k = 0; k < 200; ++k) {
+      std::vector<Vec3> x = start;
+      x[0] += random.point() * (2.0 * kStick);
+      const double work = dot(gradients(set, x)[0], x[0] - start[0]);
+      CHECK(work >= -stored);
+    }
+  }
+  // Displacements that are measured as 1.5 times the motion: the energy is that of the batches.
+  FrictionMemory memory;
+  memory.append(contacts[0].key, Vec3{0.4 * kStick, 0, 0}, 10.0);
+  FrictionSet set = make_set();
+  set.begin_step(mesh(), memory, start, {start, 1.5});
+  set.reset(contacts, force, coefficient, start);
+  AlignedVector<double> energy(kLanes);
+  set.batches()[0]->evaluate(symbolic::Order::Energy, start, 0, 1, energy.data());
+  CHECK(energy[0] - limit * kStick / 4.5 == doctest::Approx(set.energy_at_start()).epsilon(1e-9));
+}
+
 TEST_CASE("deflections turn with the surface") {
   const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::vector<Contact> contacts{contact_of(4)};

@@ -74,6 +74,30 @@ TEST_CASE("a sliding block loses its kinetic energy to friction: mu m g over the
   CHECK(friction == doctest::Approx(0.3 * 0.5 * 9.81 * x).epsilon(1e-3));
 }
 
+TEST_CASE("contact energy at the start of a step closes the balance with the one before") {
+  Scene scene;
+  scene.add_rigid(
+      {.name = "floor", .mesh = make_box({4, 1, 0.1}), .motion = Motion::Fixed, .position = {0, 0, -0.05}});
+  scene.add_cloth({.name = "cloth", .mesh = make_grid(0.2, 0.2, 3, 3), .position = {0, 0, 0.0025}});
+  Simulation sim(scene, tight_settings(0.005));
+  StepReport before = sim.step();
+  CHECK(before.contact_energy_at_start == 0.0);  // not in touch yet
+  CHECK(before.bristle_energy_at_start == 0.0);
+  int touching = 0;
+  for (int k = 0; k < 30; ++k) {
+    const StepReport report = sim.step();
+    REQUIRE(!report.failed());
+    const EnergyLedger &a = before.energy, &b = report.energy;
+    const double start = a.kinetic + a.elastic + a.gravity + report.contact_energy_at_start;
+    const double turned_over = b.external + b.actuation - b.damping - b.friction - b.numerical;
+    CHECK(std::fabs(b.stored() - start - turned_over) < 1e-12);
+    CHECK((report.contact_energy_at_start > 0.0) == (a.contact > 0.0));
+    touching += a.contact > 0.0 ? 1 : 0;
+    before = report;
+  }
+  CHECK(touching > 10);
+}
+
 TEST_CASE("pulling a strip: the work of the pins is what the strip stores and its damping takes") {
   for (const double damping : {0.0, 5.0}) {
     Scene scene;

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
 from stark.actuators.handle import Actuator, number_of
+from stark.arguments import given_flag, given_name
 from stark.joints.handle import Joint
 
 if TYPE_CHECKING:
@@ -29,11 +30,11 @@ def add_actuator(
     targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
     index = scene._core.add_actuator(
         {
-            "name": name or "",
+            "name": given_name(name),
             "definition": formula.core,
             "on": [(joint._index, coordinate) for joint, coordinate in targets],
             "values": {key: number_of(owner, key, "", value) for key, value in values.items()},
-            "enabled": bool(enabled),
+            "enabled": given_flag(enabled, f"{owner}: enabled"),
         }
     )
     return Actuator(scene, index, formula, tuple(_located(*target) for target in targets))

@@ -119,6 +119,8 @@ class ActuatorFormula:
     core: _core.ActuatorDefinition
     outputs: ExpressionGraph | None = field(default=None, compare=False)
     location: str = field(default="", compare=False)
+    row_count: int = 0
+    """Values that it holds or limits; not of built-in actuators."""
 
     @property
     def coordinate_count(self) -> int:
@@ -164,7 +166,8 @@ def actuator(function: Callable[..., Any]) -> ActuatorFormula:
         {a.name: a.declaration.default for a in arguments if isinstance(a, Parameter)},
     )
     title = f"{name}({', '.join(argument.name for argument in arguments)})"
-    return ActuatorFormula(name, core.doc, core, ExpressionGraph(title, outputs), definition_of(function))
+    graph = ExpressionGraph(title, outputs)
+    return ActuatorFormula(name, core.doc, core, graph, definition_of(function), len(rows))
 
 
 @functools.cache

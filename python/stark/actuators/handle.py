@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stark._core import InvalidArgument
+from stark.arguments import real_number
 
 if TYPE_CHECKING:
     from stark.actuators.definition import ActuatorFormula
@@ -174,10 +175,7 @@ class Actuator:
 
 def number_of(owner: str, name: str, unit: str, value: Any) -> float:
     """A real number, or InvalidArgument that names it; its range is for the core to check."""
-    array = np.asarray(value)
-    if array.ndim != 0 or array.dtype.kind not in "iuf":
-        raise InvalidArgument(f"{owner}: {name} [{unit}] = {value!r}: must be a number")
-    return float(array)
+    return real_number(value, f"{owner}: {name} [{unit}]")
 
 
 RESERVED = frozenset(name for name in vars(Actuator) if not name.startswith("_"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stark._core import InvalidArgument
+from stark.arguments import real_number
 
 if TYPE_CHECKING:
     from stark.actuators.definition import ActuatorFormula
@@ -91,10 +92,11 @@ class JointActuators:
     def add_limit(self, lower: float | None = None, upper: float | None = None, **options: Any) -> Actuator:
         """Stops at ``lower`` and ``upper`` [rad, m], or at one of them; held within the tolerances of joints,
         whatever pushes."""
-        given = {key: value for key, value in (("lower", lower), ("upper", upper)) if value is not None}
+        bounds = (("lower", lower), ("upper", upper))
+        given = {k: real_number(value, f"add_limit: {k}") for k, value in bounds if value is not None}
         if not given:
             raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
-        if lower is not None and upper is not None and not lower < upper:
+        if len(given) == 2 and not given["lower"] < given["upper"]:
             raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
         kind = "limit" if len(given) == 2 else f"{next(iter(given))}_limit"
         return self.add_actuator(kind, **given, **options)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import as_array, given_flag, given_name
 from stark.attachments.handle import Attachment
 from stark.bodies import Body, RigidBody, Solid
 from stark.formulas.points import Points, Stencils, local_points, node_frame, vertex_points, world_points
@@ -38,6 +39,7 @@ def attach(
 ) -> Attachment:
     """Adds an attachment to a scene; InvalidArgument says what is wrong with it."""
     owner = "attachment" if name is None else f"attachment '{name}'"
+    contact = given_flag(contact, f"{owner}: contact")
     side_a, side_b = _side(scene, owner, "a", a), _side(scene, owner, "b", b)
     if pairs is not None:
         if distance is not None:
@@ -50,10 +52,10 @@ def attach(
         raise InvalidArgument(f"{owner}: distance = {distance!r} m: must be a finite number >= 0")
     points, description = _carried(owner, points, carriers, distance)
     given = {
-        "name": name or "",
+        "name": given_name(name),
         "a": points._description(),
         "break_force": _break_force(owner, break_force),
-        "enabled": bool(enabled),
+        "enabled": given_flag(enabled, f"{owner}: enabled"),
         **description,
     }
     index = scene._core.add_attachment(given)
@@ -125,7 +127,7 @@ def _indexed(
     """Vertices of two bodies by index."""
     if not isinstance(a, Body) or not isinstance(b, Body):
         raise InvalidArgument(f"{owner}: pairs are indices of vertices: both sides must be bodies")
-    rows = np.asarray(pairs)
+    rows = as_array(pairs, f"{owner}: pairs")
     if rows.ndim != 2 or rows.shape[1] != 2 or rows.dtype.kind not in "iu":
         raise InvalidArgument(
             f"{owner}: pairs of shape {rows.shape} and type {rows.dtype}: must be integers of shape (n, 2)"
@@ -276,4 +278,4 @@ def _break_force(owner: str, force: float | None) -> float:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    return np.ndim(value) == 0 and np.asarray(value).dtype.kind in "iuf"

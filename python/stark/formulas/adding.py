@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stark._core import InvalidArgument
+from stark.arguments import given_name
 from stark.formulas.diagnosis import culprit
 from stark.formulas.energy import Binding, EnergyFormula
 from stark.formulas.handle import Energy
@@ -40,7 +41,7 @@ def add_energy(scene: Scene, binding: Any, name: str | None) -> Energy:
     check_start(binding)
     index = scene._core.add_energy(
         {
-            "name": "" if name is None else str(name),
+            "name": given_name(name),
             "formula_name": binding.name,
             "doc": binding.energy.doc,
             "formula": binding.trace.formula,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import as_array, real_array
 from stark.rotations import as_matrix, vector
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def vertex_points(body: Body, vertices: Integers) -> Points:
 
 def stencils(body: Body, indices: ArrayLike, noun: str = "stencils") -> Stencils:
     """Stencils of vertices of one body from an index array (n, k)."""
-    given = np.asarray(indices)
+    given = as_array(indices, f"'{body.name}': stencils")
     if given.ndim != 2 or given.dtype.kind not in "iu" or given.shape[1] < 1:
         raise InvalidArgument(
             f"'{body.name}': stencils of shape {given.shape} and type {given.dtype}: must be integers of "
@@ -177,7 +178,7 @@ def embedded_points(body: Body, supports: Integers, weights: ArrayLike) -> Point
     """Points of elements of a cloth or a solid: vertices (n, k) of the elements, k <= 4, and barycentric
     coordinates (n, k) or (k,) that sum to 1."""
     count, k = supports.shape
-    given = np.asarray(weights, dtype=np.float64)
+    given = real_array(weights, f"'{body.name}': barycentric weights")
     try:
         given = np.broadcast_to(given, (count, k))
     except ValueError:
@@ -255,7 +256,7 @@ def patch_frame(
     in the world at time 0; without them, the centre of the triangle and the axes (along its first edge,
     across, normal)."""
     owner = f"'{body.name}': frame"
-    corners = np.asarray(vertices)
+    corners = as_array(vertices, f"{owner}: vertices")
     if corners.shape != (3,) or corners.dtype.kind not in "iu" or len(set(corners.tolist())) < 3:
         raise InvalidArgument(
             f"{owner}: vertices = {corners.tolist()}: must be three different vertex indices"
@@ -292,8 +293,8 @@ def _vertices_at_start(body: Body) -> Floats:
 
 def _point_rows(given: ArrayLike, owner: str) -> Floats:
     try:
-        rows = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
+        rows = real_array(given, owner)
+    except InvalidArgument:
         raise InvalidArgument(f"{owner}: {given!r}: must be numbers of shape (n, 3) or (3,)") from None
     if rows.shape == (3,):
         rows = rows[None]
@@ -313,7 +314,7 @@ def _rows(key: Any, count: int, owner: str) -> NDArray[np.intp]:
     """Row numbers that an index, slice, list or mask selects, at least one."""
     try:
         rows = np.atleast_1d(np.arange(count)[np.asarray(key) if isinstance(key, (list, tuple)) else key])
-    except IndexError as error:
+    except (IndexError, TypeError, ValueError, OverflowError) as error:
         raise InvalidArgument(f"{owner}[{key!r}]: {error}") from None
     if rows.ndim != 1:
         raise InvalidArgument(f"{owner}: the index has {rows.ndim} dimensions: must have one")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import given_flag, given_name
 from stark.bodies import Body, RigidBody
 from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.formulas.points import FrameHandle, rigid_frame, world_frame
@@ -40,6 +41,7 @@ def add_joint(
     """Adds a joint to a scene; InvalidArgument says what is wrong with it."""
     formula = kind if isinstance(kind, JointFormula) else built_in(_text(kind))
     owner = f"joint '{name or formula.name}'"
+    contact, enabled = given_flag(contact, f"{owner}: contact"), given_flag(enabled, f"{owner}: enabled")
     place = None
     if anchor is not None or axis is not None or rotation is not None:
         place = _placement(owner, anchor, axis, rotation)
@@ -48,12 +50,12 @@ def add_joint(
     frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
     given = {"a": frames[0], "b": frames[1], "values": _values(owner, formula, values)}
     index = scene._core.add_joint(
-        {"name": name or "", "definition": formula.core, "enabled": bool(enabled), **given}
+        {"name": given_name(name), "definition": formula.core, "enabled": enabled, **given}
     )
     bodies = {frame["body"] for frame in frames if "body" in frame}
     if not contact and len(bodies) == 2:
         scene._core.disable_contact(*sorted(bodies))
-    return Joint(scene, index, formula, bool(enabled), given)
+    return Joint(scene, index, formula, enabled, given)
 
 
 def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:

@@ -102,6 +102,10 @@ class JointFormula:
     parameters: tuple[Parameter, ...]
     core: _core.JointDefinition
     residuals: ExpressionGraph | None = field(default=None, compare=False)
+    sources: Mapping[int, tuple[str, int, int]] = field(default_factory=dict, compare=False)
+    """What the inputs of the graph are, by number: of what, which point, which component."""
+    groups: tuple[tuple[str, int], ...] = ()
+    """Unit and number of residuals of each group; not of built-in joints."""
     location: str = field(default="", compare=False)
 
     @property
@@ -161,7 +165,9 @@ def _record(name: str, function: Callable[..., Any], arguments: Sequence[Argumen
     parameters = tuple(a for a in arguments if isinstance(a, Parameter))
     title = f"{name}({', '.join(argument.name for argument in arguments)})"
     graph = ExpressionGraph(title, outputs)
-    return JointFormula(name, core.doc, parameters, core, graph, definition_of(function))
+    groups = tuple((unit, len(group)) for unit, group in held.groups)
+    place = definition_of(function)
+    return JointFormula(name, core.doc, parameters, core, graph, inputs.sources, groups, place)
 
 
 def _require_two_frames(name: str, function: Callable[..., Any], arguments: Sequence[Argument]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,7 +31,9 @@ class SceneJoints:
     connects do
     not touch each other unless ``contact=True``."""
 
+    _core: Any
     _joints: list[Joint]
+    _actuators: list[Actuator]
 
     def add_joint(
         self,
@@ -90,10 +94,10 @@ class SceneJoints:
     ) -> Joint:
         """Hinge (revolute joint) at ``anchor`` [m] about ``axis``; coordinate ``angle`` [rad],
         kept within ``limits``."""
-        bounds = _bounds("hinge", limits)
-        joint = self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
-        if bounds is not None:
-            joint.add_limit(*bounds)
+        with self._all_or_nothing():
+            joint = self.add_joint("hinge", a, b, anchor=anchor, axis=axis, **options)
+            if limits is not None:
+                joint.add_limit(*_bounds("hinge", limits))
         return joint
 
     def add_slider(
@@ -108,10 +112,10 @@ class SceneJoints:
     ) -> Joint:
         """Slider (prismatic joint) along ``axis`` of a; coordinate ``displacement`` [m],
         kept within ``limits``."""
-        bounds = _bounds("slider", limits)
-        joint = self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
-        if bounds is not None:
-            joint.add_limit(*bounds)
+        with self._all_or_nothing():
+            joint = self.add_joint("slider", a, b, anchor=anchor, axis=axis, **options)
+            if limits is not None:
+                joint.add_limit(*_bounds("slider", limits))
         return joint
 
     def add_cylindrical(
@@ -197,8 +201,9 @@ class SceneJoints:
         """Spring and damper between two points (arguments as in ``add_distance``): ``stiffness`` [N/m],
         ``damping`` [N s/m], ``rest_length`` [m], that at time 0 if left out. Its ``joint`` is a span."""
         length = _length("spring", anchor_a, anchor_b) if rest_length is None else rest_length
-        span = self.add_span(a, b, anchor_a, anchor_b, contact=contact)
-        return span.add_spring(stiffness, damping=damping, rest=length, name=name)
+        with self._all_or_nothing():
+            span = self.add_span(a, b, anchor_a, anchor_b, contact=contact)
+            return span.add_spring(stiffness, damping=damping, rest=length, name=name)
 
     def add_tilt(
         self,
@@ -213,10 +218,22 @@ class SceneJoints:
     ) -> Joint:
         """Holds nothing and measures the ``angle`` [rad] between ``axis`` of a and of b; ``limit`` keeps it
         in a cone, next to a ball joint for instance."""
-        joint = self.add_joint("tilt", a, b, anchor=anchor, axis=axis, contact=contact, **options)
-        if limit is not None:
-            joint.add_limit(upper=limit)
+        with self._all_or_nothing():
+            joint = self.add_joint("tilt", a, b, anchor=anchor, axis=axis, contact=contact, **options)
+            if limit is not None:
+                joint.add_limit(upper=limit)
         return joint
+
+    @contextlib.contextmanager
+    def _all_or_nothing(self) -> Iterator[None]:
+        """What is added in several calls is not there at all if one of them is refused."""
+        core, counts = self._core.copy(), (len(self._joints), len(self._actuators))
+        try:
+            yield
+        except BaseException:
+            self._core = core
+            del self._joints[counts[0] :], self._actuators[counts[1] :]
+            raise
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -243,10 +260,11 @@ def _length(kind: str, anchor_a: Vec3Like, anchor_b: Vec3Like) -> float:
     )
 
 
-def _bounds(kind: str, limits: tuple[float, float] | None) -> tuple[float, float] | None:
-    if limits is None:
-        return None
-    pair = np.asarray(limits)
+def _bounds(kind: str, limits: tuple[float, float]) -> tuple[float, float]:
+    try:
+        pair = np.asarray(limits)
+    except ValueError:
+        pair = np.empty(0)
     if pair.shape != (2,) or pair.dtype.kind not in "iuf" or not pair[0] < pair[1]:
         raise InvalidArgument(
             f"{kind}: limits = {limits!r}: must be two numbers (lower, upper), lower < upper"

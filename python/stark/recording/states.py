@@ -7,7 +7,8 @@ Layout, beside the frames::
     states/mesh.npz            triangles_0000 (m, 3) and edges_0000 (k, 2) int32, masses_0000 (n,) [kg]
     states/chunk_000000.npz    times (k,), positions_0000 (k, n, 3) float64 [m]; poses_0000 (k, 4, 3) of rigid
                                bodies (position, then the rows of the rotation); frames_0000 (k, n, 3, 3) of
-                               rods; joints (k, j) and attachments (k, p): what was enabled
+                               rods; joints (k, j), attachments (k, p) and actuators (k, m): what was
+                               enabled; actuator_values (k, v): those of all actuators in a row
 
 A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
 """
@@ -15,13 +16,15 @@ A state takes 24 bytes a vertex; a body that rests through a chunk is stored onc
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..array_file import write_atomically
-from .format import STATES, STATES_VERSION
+from ..array_file import DamageError, read_arrays, write_arrays, write_atomically
+from .format import STATES, STATES_VERSION, RecordingError
+from .formulas import described_formula
 from .masses import point_masses, second_moments
 
 
@@ -41,13 +44,26 @@ def describe(sim: Any) -> dict[str, Any]:
                 "name": joint.name,
                 "kind": joint.kind,
                 "built_in": joint.formula.residuals is None,
+                "coordinates": joint.formula.coordinates,
+                "formula": described_formula(joint.formula),
                 **joint._given,
             }
             for joint in sim.joints
         ],
         "attachments": [{**attachment._given, "name": attachment.name} for attachment in sim.attachments],
         "energies": [energy.name for energy in sim.energies],
-        "actuators": [actuator.name for actuator in sim.actuators],
+        "actuators": [_actuator(actuator) for actuator in sim.actuators],
+    }
+
+
+def _actuator(actuator: Any) -> dict[str, Any]:
+    return {
+        "name": actuator.name,
+        "kind": actuator.kind,
+        "built_in": actuator.formula.outputs is None,
+        "rows": actuator.formula.row_count,
+        "on": [(joint._index, coordinate) for joint, coordinate in actuator.coordinates],
+        "values": list(actuator.units),
     }
 
 
@@ -88,22 +104,60 @@ def _plain(value: Any) -> Any:
 
 
 class StateWriter:
-    """Writes ``folder/states``. ``write(sim)`` adds the state of a simulation as it is."""
+    """Writes ``folder/states``. ``write(sim)`` adds the state of a simulation as it is. All chunks but the
+    last hold ``chunk_states`` states, whenever they are written."""
 
     def __init__(self, folder: Path, sim: Any, chunk_states: int) -> None:
-        self._folder = folder / STATES
+        self._begin(folder, chunk_states)
         self._folder.mkdir(parents=True, exist_ok=True)
+        text = _description_text(sim)
+        write_atomically(self._folder / "scene.json", lambda file: file.write(text) and None)
+        write_arrays(self._folder / "mesh.npz", _mesh(sim))
+
+    def _begin(self, folder: Path, chunk_states: int) -> None:
+        self._folder = folder / STATES
         self._chunk_states = chunk_states
         self._pending: list[dict[str, np.ndarray]] = []
-        #: States and chunks that are on disk.
-        self.count, self.chunk_count = 0, 0
-        text = json.dumps(_plain(describe(sim)), separators=(",", ":"), allow_nan=False) + "\n"
-        write_atomically(self._folder / "scene.json", lambda file: file.write(text.encode()) and None)
-        arrays = _mesh(sim)
-        write_atomically(self._folder / "mesh.npz", lambda file: np.savez(file, **arrays))
+        self._written, self._full_chunks, self._synced = 0, 0, 0
+
+    @classmethod
+    def resume(cls, folder: Path, sim: Any, chunk_states: int, states: int) -> StateWriter:
+        """Goes on after so many states of a recording of the same scene; what follows them is dropped."""
+        writer = cls.__new__(cls)
+        writer._begin(folder, chunk_states)
+        try:
+            same = (writer._folder / "scene.json").read_bytes() == _description_text(sim)
+            mesh = read_arrays(writer._folder / "mesh.npz")
+        except (OSError, DamageError) as error:
+            raise RecordingError(f"'{writer._folder}' is damaged ({error}); run the scene anew") from error
+        if not same or not _equal(mesh, _mesh(sim)):
+            raise RecordingError(
+                f"'{writer._folder}' describes another scene, or other contact distances: a run with "
+                f"--certify goes on with what it began with"
+            )
+        writer._full_chunks, rest = divmod(states, chunk_states)
+        writer._written = states - rest
+        if rest:
+            writer._pending = _rows(writer._path(), rest)
+        writer._synced = states
+        return writer
+
+    @property
+    def count(self) -> int:
+        """States so far, on disk or not."""
+        return self._written + len(self._pending)
+
+    @property
+    def manifest(self) -> dict[str, int]:
+        """What is on disk."""
+        with_last = self._synced > self._written
+        return {
+            "count": max(self._synced, self._written),
+            "chunk_count": self._full_chunks + (1 if with_last else 0),
+        }
 
     def write(self, sim: Any) -> bool:
-        """Adds a state; returns whether a chunk is full and should be flushed."""
+        """Adds a state; returns whether that wrote a chunk."""
         state: dict[str, np.ndarray] = {"times": np.float64(sim.time)}
         for i, body in enumerate(sim.bodies):
             state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
@@ -115,23 +169,53 @@ class StateWriter:
         state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
         status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
         state["attachments"] = np.concatenate([*status, np.zeros(0)]).astype(np.int8)
+        state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
+        values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
+        state["actuator_values"] = np.array(values, dtype=np.float64)
         self._pending.append(state)
-        return len(self._pending) >= self._chunk_states
+        if len(self._pending) < self._chunk_states:
+            return False
+        self.sync()
+        self._written += len(self._pending)
+        self._full_chunks += 1
+        self._pending = []
+        return True
 
-    def flush(self) -> None:
-        """Writes the states held in memory as one chunk."""
-        if not self._pending:
+    def sync(self) -> None:
+        """Writes the states held in memory as the last chunk, which may be written again with more."""
+        if self.count == self._synced:
             return
         arrays = {}
         for name in self._pending[0]:
             track = [state[name] for state in self._pending]
             still = name != "times" and all(np.array_equal(track[0], other) for other in track[1:])
             arrays[name] = np.stack(track[:1] if still else track)
-        path = self._folder / f"chunk_{self.chunk_count:06d}.npz"
-        write_atomically(path, lambda file: np.savez(file, **arrays))
-        self.chunk_count += 1
-        self.count += len(self._pending)
-        self._pending = []
+        write_arrays(self._path(), arrays)
+        self._synced = self.count
+
+    def _path(self) -> Path:
+        """Of the chunk that is not full yet."""
+        return self._folder / f"chunk_{self._full_chunks:06d}.npz"
+
+
+def _rows(path: Path, count: int) -> list[dict[str, np.ndarray]]:
+    """The first states of a chunk."""
+    try:
+        arrays = read_arrays(path)
+        length = len(arrays["times"])
+        if length < count or any(len(array) not in (1, length) for array in arrays.values()):
+            raise DamageError(f"it must hold {count} states")
+    except (OSError, DamageError, KeyError, TypeError) as error:
+        raise RecordingError(f"'{path}' is missing or damaged ({error}); run the scene anew") from error
+    return [{name: a[0 if len(a) == 1 else k] for name, a in arrays.items()} for k in range(count)]
+
+
+def _equal(a: Mapping[str, np.ndarray], b: Mapping[str, np.ndarray]) -> bool:
+    return a.keys() == b.keys() and all(np.array_equal(a[name], b[name]) for name in a)
+
+
+def _description_text(sim: Any) -> bytes:
+    return json.dumps(_plain(describe(sim)), separators=(",", ":"), allow_nan=False).encode() + b"\n"
 
 
 def _mesh(sim: Any) -> dict[str, np.ndarray]:

@@ -49,6 +49,21 @@ def _word(value: Any) -> str:
     return str(getattr(value, "name", value)).lower()
 
 
+def _require_same_settings(
+    folder: str | PathLike[str], before: Mapping[str, Any], now: Mapping[str, Any]
+) -> None:
+    """Claims of a certificate are about one set of settings."""
+    plain = _plain(dict(now))
+    changed = [
+        name for name in plain if before.get(name) != plain[name] and not name.startswith("execution.")
+    ]
+    if changed:
+        raise RecordingError(
+            f"'{folder}' was recorded for certification: settings must stay as they were, {changed[0]} = "
+            f"{before.get(changed[0])}; resume it without changes, or run the scene anew"
+        )
+
+
 class Recorder:
     """Records the surfaces of all bodies of ``sim``, and its layers, into ``folder``.
 
@@ -132,21 +147,25 @@ class Recorder:
         (self.folder / "frames").mkdir(parents=True, exist_ok=True)
 
     @classmethod
-    def resume(cls, folder: str | PathLike[str], sim: Any, *, frames: int, lines: int) -> Recorder:
-        """Goes on with the recording in ``folder`` after its first ``frames`` frames and ``lines`` lines of
-        telemetry; what follows them is dropped. The folder ends up as if it had been recorded at once, the
-        times of resuming in its manifest apart."""
+    def resume(
+        cls, folder: str | PathLike[str], sim: Any, *, frames: int, lines: int, states: int = 0
+    ) -> Recorder:
+        """Goes on with the recording in ``folder`` after its first ``frames`` frames, ``lines`` lines of
+        telemetry and ``states`` states, if it is one for certification; what follows them is dropped. The
+        folder ends up as if it had been recorded at once, the times of resuming in its manifest apart."""
         recording = Recording(folder)
-        if "states" in recording.manifest:
+        certified = "states" in recording.manifest
+        if certified != (states > 0):
             raise RecordingError(
-                f"'{folder}' was recorded for certification, which covers a run from its start to its "
-                "end: such a run cannot be resumed; run it again with --certify"
+                f"'{folder}' and its checkpoint disagree about --certify; run the scene anew"
             )
+        if certified:
+            _require_same_settings(folder, recording.settings, sim.settings.to_dict())
         if len(recording) < frames:
             raise RecordingError(f"'{folder}' holds {len(recording)} frames: must have {frames} to go on")
         recorder = cls.__new__(cls)
         recorder.folder = Path(folder)
-        for place in (recorder.folder, recorder.folder / "frames"):
+        for place in (recorder.folder, recorder.folder / "frames", recorder.folder / STATES):
             remove_leftovers(place)
         recorder._manifest = {
             **recording.manifest,
@@ -155,13 +174,18 @@ class Recorder:
             "resumed": [*recording.manifest.get("resumed", []), float(sim.time)],
             "summary": {},
         }
-        recorder._states = None
         recorder._entries = [cls._entry(body) for body in drawn(sim)]
         if recorder._entries != recording.bodies:
             raise RecordingError(
                 f"'{folder}' is a recording of other bodies; give the scene it was made with"
             )
         recorder._chunk_frames = int(recording.manifest.get("chunk_frames", CHUNK_FRAMES))
+        recorder._states = None
+        if certified:
+            from .states import StateWriter
+
+            size = recorder._chunk_frames
+            recorder._states = StateWriter.resume(recorder.folder, sim, size, states)
         recorder._chunk_index, rest = divmod(frames, recorder._chunk_frames)
         recorder._written = recorder._synced = frames - rest
         recorder._pending = [
@@ -220,35 +244,41 @@ class Recorder:
         self._pending.append((at, frame))  # one operation: an interrupt cannot leave half a frame
         self.last_time = at
         if len(self._pending) >= self._chunk_frames:
-            self.flush()
+            self._flush_frames()
+            self._write_manifest()
 
     def record_state(self, sim: Any) -> None:
         """Adds the state of ``sim`` in double precision, if the recording is one for certification."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; states can no longer be added")
         if self._states is not None and self._states.write(sim):
-            self.flush()
+            self._write_manifest()
 
     def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
         self._telemetry.write(step_report, **extra)
 
     def flush(self) -> None:
-        """Writes the frames held in memory as one chunk, and the states, too, and begins the next one."""
+        """Writes the frames held in memory as one chunk and begins the next one; writes the states."""
         if self._states is not None:
-            self._states.flush()
+            self._states.sync()
+        self._flush_frames()
+        self._write_manifest()
+
+    def _flush_frames(self) -> None:
         if self._pending:
             self._write_chunk()
             self._chunk_index += 1
             self._written += len(self._pending)
             self._pending = []
-        self._write_manifest()
 
     def sync(self) -> None:
         """Writes all that was recorded, so that a killed run has it. The last chunk is written again when it
         has grown: where frames are stored does not depend on when this is called."""
         if self.frame_count > self._synced and self._pending:
             self._write_chunk()
+        if self._states is not None:
+            self._states.sync()
         self._synced = self.frame_count
         self._telemetry.sync()
         self._write_manifest(with_pending=True)
@@ -269,6 +299,11 @@ class Recorder:
         return self._written + len(self._pending)
 
     @property
+    def state_count(self) -> int:
+        """States recorded so far, 0 in a recording that is not for certification."""
+        return 0 if self._states is None else self._states.count
+
+    @property
     def line_count(self) -> int:
         """Lines of telemetry so far."""
         return self._telemetry.line_count
@@ -278,7 +313,7 @@ class Recorder:
         self._manifest["frame_count"] = self._written + pending
         self._manifest["chunk_count"] = self._chunk_index + (1 if pending else 0)
         if self._states is not None:
-            self._manifest["states"] = {"count": self._states.count, "chunk_count": self._states.chunk_count}
+            self._manifest["states"] = self._states.manifest
         text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"
         write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()) and None)
 

@@ -36,7 +36,7 @@ def resume(
     folder = Path(folder)
     checkpoint = read_checkpoint(folder)
     owner = f"checkpoint '{folder / CHECKPOINT}'"
-    plan, frames, lines, counts, wall = _read_run(checkpoint, owner)
+    plan, recorded, counts, wall = _read_run(checkpoint, owner)
     scene_file = scene if isinstance(scene, SceneFile) else load(scene or plan.scene, plan.options)
     changed = dict(settings or {})
     plan = replace(
@@ -50,7 +50,7 @@ def resume(
     if reached(sim, plan.until) and until is not None and sim.time > until + sim.time_step:
         raise CheckpointError(f"{owner}: is at {sim.time:g} s, after until = {until:g} s; give a later end")
     scene_file.recall(checkpoint.memory)
-    recorder = Recorder.resume(folder, sim, frames=frames, lines=lines)
+    recorder = Recorder.resume(folder, sim, **recorded)
     result = RunResult(scene_file.name, "complete", "", 0.0, wall, **counts)
     job = Job(scene_file, plan, sim, recorder, result)
     return job.finish(job.advance(on_step), replay, picture, check)
@@ -76,17 +76,18 @@ def _matter(settings: Mapping[str, Any]) -> bool:
     return any(not name.startswith("execution.") and name != "threads" for name in settings)
 
 
-def _read_run(checkpoint: Checkpoint, owner: str) -> tuple[Plan, int, int, dict[str, int], float]:
+def _read_run(checkpoint: Checkpoint, owner: str) -> tuple[Plan, dict[str, int], dict[str, int], float]:
+    """The plan, how many frames, lines and states are recorded, what a result counts, seconds so far."""
     if checkpoint.run is None:
         raise CheckpointError(f"{owner}: was not written by 'stark run'; load it with Simulation.load()")
     run = checkpoint.run
     try:
         plan = _plan(run["plan"])
-        frames, lines, wall = run["frames"], run["lines"], run["wall"]
+        recorded = {"frames": run["frames"], "lines": run["lines"], "states": run.get("states", 0)}
+        wall = run["wall"]
         counts = {name: run["counts"][name] for name in COUNTS}
         for name, value, least in (
-            ("frames", frames, 1),
-            ("lines", lines, 0),
+            *((n, c, 1 if n == "frames" else 0) for n, c in recorded.items()),
             *((n, c, 0) for n, c in counts.items()),
         ):
             if type(value) is not int or value < least:
@@ -94,7 +95,7 @@ def _read_run(checkpoint: Checkpoint, owner: str) -> tuple[Plan, int, int, dict[
         _number("wall", wall, at_least=0.0)
     except (KeyError, TypeError, ValueError) as error:
         raise CheckpointError(f"{owner} is damaged (run: {error}); run the scene anew") from error
-    return plan, frames, lines, counts, wall
+    return plan, recorded, counts, wall
 
 
 def _plan(given: dict[str, Any]) -> Plan:

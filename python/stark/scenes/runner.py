@@ -98,7 +98,7 @@ def run(
     number of recorded frames per simulated second; the last state is always recorded. ``checkpoint_every``
     [s] by the clock on the wall: how often ``checkpoint.stark`` is written, 0 after each step, None never;
     ``resume`` goes on from it. ``certify`` records every accepted step in double precision, too, for
-    ``stark.verify``; such a run is not resumed. ``on_step(sim, report)`` is called after each step. The run
+    ``stark.verify``. ``on_step(sim, report)`` is called after each step. The run
     stops cleanly on KeyboardInterrupt: the recording is complete up to the last accepted step. A check is
     made only when the run went to the file's own end.
     """
@@ -220,6 +220,7 @@ class Job:
             "plan": asdict(self.plan),
             "frames": self.recorder.frame_count,
             "lines": self.recorder.line_count,
+            "states": self.recorder.state_count,
             "counts": {name: getattr(self.result, name) for name in COUNTS},
             "wall": self._wall(),
         }

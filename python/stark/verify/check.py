@@ -47,6 +47,7 @@ def verify(
         "scene": str(run.manifest.get("scene", "")),
         "status": str(run.manifest.get("status", "")),
         "created": str(run.manifest.get("created", "")),
+        "resumed": [float(time) for time in run.manifest.get("resumed", [])],
         "stark_version": str(run.manifest.get("stark_version", "")),
         "steps": len(run.rows),
         "states": len(run.times),

@@ -247,18 +247,20 @@ class GeometryCheck:
         )
 
     def _reported_distance(self) -> Claim:
-        """The solver's own figure against the measured one, for steps that converged: it reports distances
-        before its last Newton iteration, in which points move by less than newton.step_tolerance times the
-        time step."""
+        """The solver's own figure against the measured one, two formulas for the same positions. In
+        recordings of older versions, which lack the last motion, reported distances are those before the last
+        Newton iteration, in which points move by less than newton.step_tolerance times the time step."""
         settings = self.run.settings
-        speed = float(settings.get("newton.step_tolerance", 0.0))
-        bounded = speed > 0.0 and settings.get("newton.termination", "all") == "all"
+        current = all("last_motion" in row for row in self.run.rows)
+        speed = 0.0 if current else float(settings.get("newton.step_tolerance", 0.0))
+        bounded = current or (speed > 0.0 and settings.get("newton.termination", "all") == "all")
         rim = np.unique(self.surface.distance[:, None] + self.surface.distance)
         share, worst, allowed, where = 0.0, 0.0, 0.0, None
         for row, measured in zip(self.run.rows, self.least[1:], strict=False):
             given = row.get("min_distance")
             reported = math.inf if given is None else float(given)
-            if reported == measured or math.isnan(measured) or row.get("solve_status") != "converged":
+            settled = current or row.get("solve_status") == "converged"
+            if reported == measured or math.isnan(measured) or not settled:
                 continue
             least = min(reported, measured)
             # A pair at the very rim of its contact distance may be in contact for one and not for the other.

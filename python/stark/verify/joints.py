@@ -4,6 +4,7 @@ The residuals are those of docs/joints.md, written down here once more."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .formulas import COORDINATES, Frames, UnknownFormula, evaluate
 from .reading import Run, State, pair_count
+from .stops import StopCheck
 
 Floats = NDArray[np.float64]
 
@@ -122,14 +125,30 @@ class JointCheck:
         settings = self.run.settings
         self.length = float(settings.get("joints.length_tolerance", 1e-6))
         self.angle = float(settings.get("joints.angle_tolerance", 1e-5))
-        known = [joint["built_in"] and joint["kind"] in KINDS for joint in self.run.scene["joints"]]
-        self.unknown = [j["name"] for j, k in zip(self.run.scene["joints"], known, strict=True) if not k]
+        #: Joints that cannot be looked at, and why.
+        self.unknown: dict[str, str] = {}
+        self.stops = StopCheck(self.run)
+        self.previous: State | None = None
+        # With bdf2, what formulas take for the start of a step is not a state.
+        self._has_start = settings.get("time.integrator") in ("implicit_euler", "quasistatic")
+        for joint in self.run.scene["joints"]:
+            if not (joint["kind"] in KINDS if joint["built_in"] else joint.get("formula")):
+                self.unknown[joint["name"]] = "has a formula of its own, which is not recorded"
 
     def add(self, state: State) -> None:
         self.start = self.start or state
+        coordinates: dict[tuple[int, str], tuple[float, str]] = {}
         for k, joint in enumerate(self.run.scene["joints"]):
-            if joint["name"] not in self.unknown and state.joints[k]:
-                self._add_joint(state, joint)
+            if joint["name"] in self.unknown:
+                continue
+            try:
+                found = self._add_joint(state, joint, bool(state.joints[k]))
+            except UnknownFormula as error:
+                self.unknown[joint["name"]] = f"has a formula of its own: {error}"
+                continue
+            coordinates |= {(k, name): value for name, value in found.items()}
+        self.stops.add(state, coordinates)
+        self.previous = state
         first = 0
         for attachment in self.run.scene["attachments"]:
             count = pair_count(attachment)
@@ -141,9 +160,43 @@ class JointCheck:
                 pair = int(np.flatnonzero(held)[apart.argmax()])
                 self.attachments.keep(float(apart.max()), self.length, "m", where | {"pair": pair})
 
-    def _add_joint(self, state: State, joint: dict[str, Any]) -> None:
-        frames = [*self._frame(state, joint["a"]), *self._frame(state, joint["b"])]
-        lengths, angles = KINDS[joint["kind"]](*frames, joint["values"])
+    def _add_joint(self, state: State, joint: dict[str, Any], is_held: bool) -> dict[str, tuple[float, str]]:
+        """Looks at what a joint holds; returns its coordinates with their units."""
+        units = {name: unit for name, unit in joint.get("coordinates", [])}
+        if joint["built_in"]:
+            frames = self._frames(state, joint)
+            lengths, angles = KINDS[joint["kind"]](*frames, joint["values"])
+            values = {name: float(f(*frames)) for name, f in COORDINATES.get(joint["kind"], {}).items()}
+        elif state.index == 0 and joint["formula"]["uses_motion"]:
+            return {}  # there is no step before
+        else:
+            outputs = self._evaluated(state, joint)
+            lengths, angles = [], []
+            for unit, size in joint["formula"]["groups"]:
+                (lengths if unit == "m" else angles).append(np.array(outputs[:size]))
+                outputs = outputs[size:]
+            values = dict(zip(units, outputs, strict=True))
+        if is_held:
+            self._keep(state, joint, lengths, angles)
+        return {name: (value, units[name]) for name, value in values.items() if name in units}
+
+    def _frames(self, state: State, joint: dict[str, Any]) -> Frames:
+        return (*self._frame(state, joint["a"]), *self._frame(state, joint["b"]))
+
+    def _evaluated(self, state: State, joint: dict[str, Any]) -> list[float]:
+        """Outputs of a recorded formula."""
+        start = self.previous if self._has_start else None
+        assert self.start is not None
+        frames = {
+            "x": self._frames(state, joint),
+            "x_prev": None if start is None else self._frames(start, joint),
+            "x_initial": self._frames(self.start, joint),
+        }
+        row = self.run.rows[state.index - 1] if 0 < state.index <= len(self.run.rows) else {}
+        clocks = {"time": state.time, "time_step": float(row.get("time_step") or math.nan)}
+        return evaluate(joint["formula"], frames, joint["values"], clocks)
+
+    def _keep(self, state: State, joint: dict[str, Any], lengths: list[Floats], angles: list[Floats]) -> None:
         where = {"time": state.time, "joint": joint["name"]}
         for rows, tolerance, unit in ((lengths, self.length, "m"), (angles, self.angle, "rad")):
             for row in rows:
@@ -205,12 +258,8 @@ class JointCheck:
     # --- claims ---
 
     def claims(self) -> list[Claim]:
-        basis = "states, formulas of the built-in joints"
-        unknown = (
-            f"joint '{self.unknown[0]}' has a formula of its own, which is not recorded"
-            if self.unknown
-            else ""
-        )
+        basis = "states, formulas of joints"
+        unknown = next((f"joint '{name}' {why}" for name, why in self.unknown.items()), "")
         joints = _claim("joints", "joints are held within the tolerances of the settings", basis, self.joints)
         if self.unknown and joints.status != VIOLATED:
             joints = Claim("joints", joints.statement, NOT_RECORDED, basis, detail=unknown)
@@ -219,6 +268,7 @@ class JointCheck:
             _claim(
                 "attachments", "attached points stay within joints.length_tolerance", basis, self.attachments
             ),
+            *self.stops.claims(),
         ]
 
 

@@ -55,6 +55,8 @@ class State:
     frames: list[Floats | None]  # (n, 3, 3)
     joints: NDArray[np.int8]  # enabled
     attachments: NDArray[np.int8]  # 1 held, 0 released, -1 broken; pairs of all attachments in a row
+    actuators: NDArray[np.int8] | None = None  # enabled; None in recordings of older versions
+    actuator_values: Floats | None = None  # of all actuators in a row
 
     def points(self) -> Floats:
         """All vertices of all bodies (N, 3) [m]."""
@@ -109,6 +111,8 @@ class Run:
             [at(f"frames_{i:04d}") for i in count],
             at("joints"),
             at("attachments"),
+            at("actuators"),
+            at("actuator_values"),
         )
 
     def _chunk(self, index: int) -> dict[str, np.ndarray]:
@@ -134,7 +138,11 @@ class Run:
                     fits and rows is not None and rows.dtype == np.float64,
                     f"'{path}': {name} of body '{body.name}' are missing or have a wrong shape",
                 )
-        for name, count in (("joints", len(self.scene["joints"])), ("attachments", self.pair_count)):
+        counts = [("joints", len(self.scene["joints"])), ("attachments", self.pair_count)]
+        if all(isinstance(actuator, dict) for actuator in self.scene["actuators"]):
+            values = sum(len(actuator["values"]) for actuator in self.scene["actuators"])
+            counts += [("actuators", len(self.scene["actuators"])), ("actuator_values", values)]
+        for name, count in counts:
             rows = arrays.get(name)
             need(
                 rows is not None and rows.shape[1:] == (count,) and len(rows) in (1, len(times)),
@@ -204,6 +212,9 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
         for index in range(chunk_count):
             times.append(run._checked_chunk(index)["times"])
             progress((index + 1) / chunk_count, "reading")
+        if manifest.get("status") == "running" and times:
+            # The last chunk grows; states that the manifest does not count yet are not there.
+            times[-1] = times[-1][: max(0, _count(states, "count", folder) - sum(map(len, times[:-1])))]
         run._starts = np.cumsum([0, *(len(t) for t in times)])
         run.times = np.concatenate([np.zeros(0), *times])
         count = _count(states, "count", folder)

@@ -34,8 +34,9 @@ class ShapeCheck:
             x0, x = self.start.positions[i], state.positions[i]
             turn = pose[1:] @ first[1:].T
             expected = x0 if body.motion == "fixed" else pose[0] + (x0 - first[0]) @ turn.T
-            # A matrix that is no rotation would carry a deformed shape along.
+            # A matrix that is no rotation would carry a deformed shape along, or its mirror image.
             skew = float(np.abs(turn @ turn.T - np.eye(3)).max())
+            skew = max(skew, 1.0 - float(np.linalg.det(turn)))
             size = float(np.abs(x0).max() + np.abs(x).max()) + 1e-300
             error = float(np.abs(x - expected).max()) + skew * size
             if error / (_ROUNDING * size) > self.share:

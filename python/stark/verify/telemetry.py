@@ -13,11 +13,14 @@ _BASIS = "telemetry, as the solver reported it"
 _TIME_ROUNDING = 1e-9  # of a time step
 #: Rounding of a balance over the sum of its terms.
 _BALANCE_ROUNDING = 1e-10
-#: Contact stiffness is chosen anew in each step, and grows with the elasticity of what is deformed. A balance
-#: may be off by this many times the contact energy; beyond the second factor no stiffness explains it.
-_STIFFNESS_GROWTH, _IMPOSSIBLE_GROWTH = 99.0, 1e4
-#: Reported contact energies are those before the last Newton iteration: how far they may be off.
+#: Contact stiffness is chosen anew in each step, and grows with the elasticity of what is deformed. At the
+#: start of a step contact may store this many times what it did at the end of the one before; beyond the
+#: second factor no stiffness explains it.
+_GROWTH, _IMPOSSIBLE_GROWTH = 100.0, 1e4
+#: In recordings without the contact energy at the start of steps, those at their ends were taken before the
+#: last Newton iteration: how far they may be off.
 _CONTACT_ERROR = 0.01
+_CONTACT_AT_START, _BRISTLES_AT_START = "contact_energy_at_start", "bristle_energy_at_start"
 _STORED = ("kinetic", "elastic", "gravity", "contact")
 _TURNED_OVER = ("external", "actuation", "damping", "friction", "numerical")
 
@@ -69,75 +72,102 @@ def _state_times(run: Run) -> list[str]:
     return problems
 
 
+#: What ends the minimisation of a step: setting of its tolerance, by the number of the telemetry.
+_TOLERANCES = {
+    "residual": "newton.residual_tolerance",
+    "acceleration": "newton.acceleration_tolerance",
+    "last_motion": "newton.step_tolerance",
+}
+
+
 def residual_claim(run: Run) -> Claim:
-    """Unbalanced forces below the tolerances of the settings."""
+    """Unbalanced forces, and the last motion of Newton's method over the time step, below the tolerances of
+    the settings."""
     settings = run.settings
-    tolerances = {
-        "residual": float(settings.get("newton.residual_tolerance", 0.0)),
-        "acceleration": float(settings.get("newton.acceleration_tolerance", 0.0)),
+    tolerances = {key: float(settings.get(name, 0.0)) for key, name in _TOLERANCES.items()}
+    has_motion = all("last_motion" in row for row in run.rows)
+    by_motion = tolerances["last_motion"] > 0.0
+    active = {
+        key: value
+        for key, value in tolerances.items()
+        if value > 0.0 and (key != "last_motion" or has_motion)
     }
-    active = {name: value for name, value in tolerances.items() if value > 0.0}
-    combine = max if settings.get("newton.termination", "all") == "all" else min
-    by_motion = float(settings.get("newton.step_tolerance", 0.0)) > 0.0
+    every = settings.get("newton.termination", "all") == "all"
+    combine = max if every else min
+    lacks_motion = by_motion and not has_motion
     name = "residual"
-    statement = "unbalanced forces at the end of each step are below " + " and ".join(
-        f"newton.{key}_tolerance" for key in active
-    )
     if not active or not run.rows:
         return Claim(
             name,
             "unbalanced forces are below the tolerances of the settings",
             NOT_RECORDED,
             _BASIS,
-            detail="telemetry lacks the motion that newton.step_tolerance bounds" if by_motion else "",
+            detail="telemetry lacks the motion that newton.step_tolerance bounds" if lacks_motion else "",
         )
+    bounds = (" and " if every else " or ").join(_TOLERANCES[key] for key in active)
+    statement = f"what is left to solve at the end of each step is below {bounds}"
     worst, where, failed, rounded = -1.0, None, 0, 0
     for row in run.rows:
-        share = combine(number(row, key) / value for key, value in active.items())
-        if not share < 1.0:  # also NaN
-            stopped_otherwise = row.get("solve_status") == "round_off" or (combine is min and by_motion)
+        share = combine(_left(row, key) / value for key, value in active.items())
+        if not share < 1.0:
+            stopped_otherwise = row.get("solve_status") == "round_off" or (lacks_motion and not every)
             rounded, failed = rounded + stopped_otherwise, failed + (not stopped_otherwise)
-        if not share <= worst:
+        if share > worst:
             worst, where = share, {"time": row.get("time"), "step": row.get("step")}
     detail = ""
     if failed:
         detail = f"not so in {failed} steps"
-    elif rounded:
+    elif rounded and lacks_motion and not every:
         detail = f"{rounded} steps ended at rounding or by newton.step_tolerance, which is not recorded"
+    elif rounded:
+        detail = f"{rounded} steps ended at rounding"
+    elif lacks_motion:
+        detail = "telemetry lacks the motion that newton.step_tolerance bounds"
     status = VIOLATED if failed else INCONCLUSIVE if rounded else VERIFIED
     return Claim(name, statement, status, _BASIS, worst, 1.0, "of the tolerance", where, detail)
+
+
+def _left(row: Row, key: str) -> float:
+    """Residual [N], acceleration [m/s^2] or speed of the last motion [m/s]; infinite where there is none."""
+    value = number(row, key)
+    if key == "last_motion":
+        value /= number(row, "time_step") or math.nan
+    return math.inf if math.isnan(value) else value
 
 
 def ledger_claim(run: Run) -> Claim:
     """The energies of successive steps close their balance."""
     name = "energy_ledger"
-    statement = (
-        "what is stored changes by what a step reports as supplied and dissipated, but for contact stiffness"
-    )
+    statement = "stored energy changes by what is supplied and dissipated, and by new contact stiffness"
     if not all(_has_energies(row) for row in run.rows) or len(run.rows) < 2:
         return Claim(name, statement, NOT_RECORDED, _BASIS, detail="a step lacks energies")
     worst, bound, where, largest_growth = -math.inf, 0.0, None, 0.0
     violated, unexplained = 0, 0
+    recorded = any(_CONTACT_AT_START in row for row in run.rows)
     for before, row in zip(run.rows, run.rows[1:], strict=False):
-        imbalance, rounding = _imbalance(before, row)
         contact = number(before["energy"], "contact")
-        rounding += _CONTACT_ERROR * max(contact, number(row["energy"], "contact"))
-        # Of the contact energy at the start of the step only its stiffness differs from that at the end of
-        # the one before: the imbalance is at least minus that energy, and nothing where there is none.
-        off = max(-contact - imbalance, imbalance - _STIFFNESS_GROWTH * contact)
-        if off > rounding:
-            surely = imbalance < -contact - rounding or imbalance > _IMPOSSIBLE_GROWTH * contact + rounding
-            violated, unexplained = violated + surely, unexplained + (not surely)
-        elif contact > 0.0:
-            largest_growth = max(largest_growth, abs(imbalance) / contact)
-        if off - rounding > worst:
+        at_start = number(row, _CONTACT_AT_START) if recorded else contact
+        imbalance, rounding = _imbalance(before, row, at_start)
+        off = abs(imbalance)
+        if not recorded:
+            # Recordings of older versions lack it. Of the contact energy at the start of the step only its
+            # stiffness differs from that at the end of the one before: the imbalance is at least minus that
+            # energy, and nothing where there is none.
+            rounding += _CONTACT_ERROR * max(contact, number(row["energy"], "contact"))
+            at_start = contact + imbalance
+            off = max(-at_start, 0.0)
+        # Stiffness may grow, but not out of nothing.
+        limits = [max(0.0, at_start - factor * contact) for factor in (_GROWTH, _IMPOSSIBLE_GROWTH)]
+        allowed = rounding + _BALANCE_ROUNDING * abs(at_start)
+        surely = not (max(off, -at_start) <= rounding and limits[1] <= allowed)
+        violated, unexplained = violated + surely, unexplained + (not surely and limits[0] > allowed)
+        if contact > 0.0 and not surely:
+            largest_growth = max(largest_growth, abs(at_start - contact) / contact)
+        off = max(off, limits[0])
+        if not off - rounding <= worst:
             worst, bound = off - rounding, rounding
-            where = {
-                "time": row.get("time"),
-                "step": row.get("step"),
-                "imbalance": imbalance,
-                "contact": contact,
-            }
+            where = {"time": row.get("time"), "step": row.get("step")}
+            where |= {"imbalance": imbalance, "contact": contact, "contact_at_start": at_start}
     own = bool(run.scene.get("energies"))
     status = VERIFIED
     if violated or unexplained:
@@ -156,9 +186,10 @@ def _has_energies(row: Row) -> bool:
     )
 
 
-def _imbalance(before: Row, row: Row) -> tuple[float, float]:
-    """Stored energy that appears out of nowhere in a step [J], and what rounding explains of it."""
-    old, new = before["energy"], row["energy"]
+def _imbalance(before: Row, row: Row, contact: float) -> tuple[float, float]:
+    """Stored energy that appears out of nowhere in a step which starts with this contact energy [J], and what
+    rounding explains of it."""
+    old, new = {**before["energy"], "contact": contact}, row["energy"]
     stored = [(new[key], 1.0) for key in _STORED] + [(old[key], -1.0) for key in _STORED]
     supplied = [(new[key], -1.0 if key in ("external", "actuation") else 1.0) for key in _TURNED_OVER]
     terms = [value * sign for value, sign in stored + supplied]
@@ -168,24 +199,27 @@ def _imbalance(before: Row, row: Row) -> tuple[float, float]:
 def friction_claim(run: Run) -> Claim:
     """Friction takes energy out of the motion: it gives back in a step what bristles stored before, never
     more."""
-    name, statement = "friction_dissipates", "from the start to any step, friction does not add energy"
+    name, statement = "friction_dissipates", "friction gives back no more than its bristles stored before"
     integrator = run.settings.get("time.integrator")
     if integrator not in ("implicit_euler", "quasistatic"):
         return Claim(
             name, statement, NOT_APPLICABLE, _BASIS, detail=f"not implied by {integrator}", required=False
         )
-    if not all(_has_energies(row) for row in run.rows) or not run.rows:
+    recorded = all(_has_energies(row) and _BRISTLES_AT_START in row for row in run.rows)
+    if not recorded or not run.rows:
         return Claim(name, statement, NOT_RECORDED, _BASIS, required=False)
-    least, where, bound = math.inf, None, 0.0
-    dissipated, rounding = 0.0, 0.0
+    worst, where, bound, broken = math.inf, None, 0.0, 0
     for row in run.rows:
-        rounding += _BALANCE_ROUNDING * sum(abs(value) for value in row["energy"].values())
-        dissipated += row["energy"]["friction"]
-        if dissipated + rounding < least:
-            least, bound = dissipated + rounding, rounding
-            where = {"time": row.get("time"), "step": row.get("step")}
-    status = VERIFIED if least >= 0.0 else VIOLATED
-    return Claim(name, statement, status, _BASIS, least - bound, -bound, "J", where, required=False)
+        # The potential of the bristles is convex: grad(u) . (u - a) >= E(u) - E(a) >= -E(a).
+        friction, stored = row["energy"]["friction"], number(row, _BRISTLES_AT_START)
+        rounding = _BALANCE_ROUNDING * sum(abs(value) for value in row["energy"].values())
+        broken += not (friction + stored + rounding >= 0.0 and stored >= 0.0)
+        if not friction + stored >= worst:
+            worst, bound = friction + stored, -rounding
+            where = {"time": row.get("time"), "step": row.get("step"), "friction": friction, "stored": stored}
+    status = VIOLATED if broken else VERIFIED
+    detail = f"not so in {broken} steps" if broken else ""
+    return Claim(name, statement, status, _BASIS, worst, bound, "J", where, detail, required=False)
 
 
 def number(row: Row, key: str) -> float:

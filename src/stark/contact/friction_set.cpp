@@ -203,6 +203,17 @@ std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
   return forces;
 }
 
+double FrictionSet::energy_at_start() const {
+  const double eps = stick_displacement_;
+  double total = 0.0;
+  for (const Pair& pair : pairs_) {
+    const Vec3& a = pair.deflection;
+    const double y = std::min(norm(a - pair.normal * dot(pair.normal, a)), eps);
+    total += pair.limit * (y * y / eps) * (1.0 - y / (3.0 * eps));
+  }
+  return total / reference_.scale;
+}
+
 std::vector<double> FrictionSet::energies(std::span<const Vec3> x) const {
   std::vector<double> energies;
   AlignedVector<double> out;

@@ -52,6 +52,9 @@ class FrictionSet {
   /// Forces on the sides A of the pairs at site positions x [N].
   std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
   bool empty() const { return pairs_.empty(); }
+  /// Energy in the bristles as they were bent at the start of the step, with the limits of now, above that of
+  /// straight ones [J]. By convexity the work that friction gives back in the step is no more.
+  double energy_at_start() const;
 
   /// Energies at x are compared with those at the last remember(), element by element.
   void remember(std::span<const Vec3> x);

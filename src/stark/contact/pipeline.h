@@ -93,6 +93,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<ContactForce> contact_forces(std::span<const Vec3> x) const;
   /// Barrier energy of the active contacts [J].
   double energy() const;
+  /// See FrictionSet.
+  double bristle_energy_at_start() const { return friction_.energy_at_start(); }
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Smallest distance of an active contact [m], infinity when there is none.
   double min_distance() const;

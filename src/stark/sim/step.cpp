@@ -79,6 +79,8 @@ const StepReport& Simulation::step(double max_time_step) {
       {
         const PhaseTimer::Scope scope(*timer_, Phase::Commit);
         report_.energy = balance(energies_before_, h);
+        report_.contact_energy_at_start = energies_before_.contact;
+        report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
       }
       report_.time_step = h;
       // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink

@@ -50,6 +50,12 @@ struct StepReport {
   /// Largest difference of a friction limit in this step from mu times the normal force at its end [N].
   double friction_residual = 0.0;
   EnergyLedger energy;
+  /// Of the barriers at the start of the step, with the stiffness of this step [J]: what EnergyLedger takes
+  /// for stored(start), where the step before reported the same contacts with its own stiffness.
+  double contact_energy_at_start = 0.0;
+  /// In the bristles of friction at the start of the step, with the limits of this step [J]. Friction gives
+  /// back no more: energy.friction >= -bristle_energy_at_start with implicit Euler.
+  double bristle_energy_at_start = 0.0;
   Momentum momentum;
   std::array<double, static_cast<size_t>(Phase::kCount)> phases{};  ///< seconds by Phase
 

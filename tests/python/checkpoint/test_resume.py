@@ -79,6 +79,73 @@ def test_a_complete_run_can_go_on_to_a_later_end(tmp_path: Path, whole: Path) ->
         scenes.resume(tmp_path / "run", until=0.1, **QUIET)
 
 
+@pytest.fixture(scope="module")
+def certified(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run for certification that was never stopped: 41 states, more than a chunk."""
+    folder = tmp_path_factory.mktemp("certified")
+    scenes.run(write_scene(folder), out=folder / "run", fps=70.0, certify=True, **QUIET)
+    assert stark.verify.verify(folder / "run").verdict == "certified"
+    return folder / "run"
+
+
+@pytest.mark.parametrize("after", [1, 15, 31, 32, 36])
+def test_a_run_for_certification(after: int, tmp_path: Path, certified: Path) -> None:
+    """States come out the same, chunk by chunk, and the certificate is that of one run."""
+    stopped(tmp_path, after, certify=True, checkpoint_every=0.0)
+    scenes.resume(tmp_path / "run", **QUIET)
+    assert content(tmp_path / "run") == content(certified)
+    certificate = stark.verify.verify(tmp_path / "run")
+    assert certificate.verdict == "certified"
+    assert certificate.recording["states"] == 41
+    assert certificate.recording["resumed"] == [pytest.approx(0.01 * after)]
+
+
+def test_a_killed_run_for_certification(tmp_path: Path, certified: Path) -> None:
+    """What was synced with the checkpoint is there; what came after it is made again. The part can be checked
+    as it is."""
+    written: list[dict[str, bytes]] = []
+
+    def copy(sim: stark.Simulation, report: stark._core.StepReport) -> None:
+        if report.step == 36:
+            run = tmp_path / "run"
+            written.append({str(p.relative_to(run)): p.read_bytes() for p in run.rglob("*") if p.is_file()})
+
+    scenes.run(
+        write_scene(tmp_path),
+        out=tmp_path / "run",
+        fps=70.0,
+        certify=True,
+        checkpoint_every=0.0,
+        on_step=copy,
+        **QUIET,
+    )
+    for name, data in written[0].items():
+        (tmp_path / "killed" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "killed" / name).write_bytes(data)
+    part = stark.verify.verify(tmp_path / "killed")
+    assert part.recording["status"] == "running"
+    assert part["steps"].status == "verified" and 30 < part.recording["states"] < 41
+    scenes.resume(tmp_path / "killed", **QUIET)
+    assert content(tmp_path / "killed") == content(certified)
+
+
+def test_runs_for_certification_keep_their_settings_and_files(tmp_path: Path) -> None:
+    stopped(tmp_path, 20, certify=True)
+    with pytest.raises(RecordingError, match=r"settings must stay as they were, newton.max_iterations = "):
+        scenes.resume(tmp_path / "run", settings={"newton.max_iterations": 7}, **QUIET)
+    chunk = tmp_path / "run/states/chunk_000000.npz"
+    data = chunk.read_bytes()
+    for damage in (data[:-100], b""):
+        chunk.write_bytes(damage)
+        with pytest.raises(RecordingError, match=r"chunk_000000.npz' is missing or damaged"):
+            scenes.resume(tmp_path / "run", **QUIET)
+    chunk.write_bytes(data)
+    scene = tmp_path / "run/states/scene.json"
+    scene.write_text(scene.read_text().replace('"motion":"dynamic"', '"motion":"fixed"'))
+    with pytest.raises(RecordingError, match=r"describes another scene"):
+        scenes.resume(tmp_path / "run", **QUIET)
+
+
 def test_other_threads_and_a_scene_that_was_moved(tmp_path: Path, whole: Path) -> None:
     stopped(tmp_path, 11)
     (tmp_path / "swing.py").rename(tmp_path / "elsewhere.py")

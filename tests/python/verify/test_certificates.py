@@ -36,13 +36,6 @@ def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
 )
 def test_packaged_scenes_are_certified(tmp_path: Path, name: str, until: float) -> None:
     words = ["run", name, "--until", str(until), "--out", str(tmp_path / "run"), "--certify", "--quiet"]
-    # The comparison scene ends its steps by the motion of the next one, which telemetry does not hold.
-    tolerances = [
-        "newton.termination=all",
-        "newton.residual_tolerance=0",
-        "newton.acceleration_tolerance=0.01",
-    ]
-    words += [word for text in tolerances for word in ("--set", text)]
     assert main([*words, "--no-replay", "--no-picture"]) == 0
     assert main(["verify", str(tmp_path / "run"), "--quiet"]) == 0
     certificate = json.loads((tmp_path / "run/certificate.json").read_text())

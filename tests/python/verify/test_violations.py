@@ -15,6 +15,7 @@ from _recorded_runs import edit_rows, edit_states, mechanism, record, sheet_on_b
 
 import stark
 from stark.verify import Certificate, verify
+from stark.verify.joints import JointCheck
 from stark.verify.reading import read
 
 _BOX, _SHEET, _PLATE, _CUBE = range(4)
@@ -285,16 +286,122 @@ def test_an_attached_point_that_comes_off(joined: Path, tmp_path: Path) -> None:
     assert claim.worst == pytest.approx(1e-4, rel=0.01)
 
 
-def test_a_joint_with_its_own_formula_is_not_certified(tmp_path: Path) -> None:
-    @stark.joint
-    def tied(a: stark.Frame, b: stark.Frame) -> Any:
-        return stark.hold(length=a.origin - b.origin)
+@stark.joint
+def screw(a: stark.Frame, b: stark.Frame, pitch: float = stark.parameter(0.01, unit="m/rad")) -> Any:
+    """Turns in proportion to its displacement."""
+    d = b.origin - a.origin
+    turn = stark.atan2(b.x @ a.y, b.x @ a.x)
+    return stark.hold(
+        length=[a.x @ d, a.y @ d, a.z @ d - pitch * turn],
+        direction=a.z - b.z,
+        displacement={"displacement": a.z @ d},
+    )
 
-    scene = stark.Scene()
-    box = scene.add_box(0.1, density=100.0)
-    scene.add_joint(tied, None, box, anchor=(0.0, 0.0, 0.1))
-    certificate = verify(record(tmp_path / "run", scene, 3, time_step=0.01))
-    assert certificate["joints"].status == "not recorded"
+
+def stops() -> stark.Scene:
+    """A pendulum that falls onto a stop, a slider that is pulled by a gear, a screw of one's own with a lower
+    stop, a wheel that turns more than once up to a stop."""
+    scene = stark.Scene("stops")
+    boxes = [
+        scene.add_box(0.1, name=f"box_{k}", density=500.0, position=(0.5 * k, 0.0, 0.0)) for k in range(4)
+    ]
+    hinge = scene.add_hinge(None, boxes[0], (-0.2, 0.0, 0.0), (0, 1, 0), limits=(-1.0, 0.02), name="pendulum")
+    slider = scene.add_slider(None, boxes[1], (0.5, 0.0, 0.0), (1, 0, 0), name="slider")
+    slider.add_gear(hinge, 0.3)
+    bolt = scene.add_joint(
+        screw, None, boxes[2], anchor=(1.0, 0.0, 0.0), axis=(0, 0, 1), pitch=0.05, name="screw"
+    )
+    bolt.add_limit(lower=-0.01)
+    wheel = scene.add_hinge(None, boxes[3], (1.5, 0.0, 0.0), (1, 0, 0), name="wheel")
+    wheel.add_effort(-4.0)
+    wheel.add_limit(lower=-7.0)
+    return scene
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("stops") / "run"
+    record(folder, stops(), 50, time_step=0.01)
+    return folder
+
+
+def test_stops_gears_and_formulas_of_ones_own_are_certified(stopped: Path) -> None:
+    certificate = verify(stopped)
+    assert certificate.verdict == "certified", certificate.text()
+    assert certificate["joints"].status == certificate["stops"].status == "verified"
+    check = JointCheck(read(stopped))
+    for state in check.run.states():
+        check.add(state)
+    turned = {name: q for (joint, name), q in check.stops._turned.items() if joint == 3}
+    assert turned == {"angle": pytest.approx(-7.0, abs=1e-4)}  # it arrived, after more than a turn
+    assert check.stops._turned[2, "displacement"] == pytest.approx(-0.01, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("value", "change", "where"),
+    [
+        (1, -0.01, "limit"),  # the upper stop lies lower
+        (2, 0.001, "gear"),  # another ratio
+        (4, 0.005, "lower_limit"),
+    ],
+)
+def test_a_stop_that_does_not_hold(
+    stopped: Path, tmp_path: Path, value: int, change: float, where: str
+) -> None:
+    run = Path(shutil.copytree(stopped, tmp_path / "run"))
+    for chunk in (0, 1):
+        edit_states(run, "actuator_values", lambda array, times: _add(array, value, change), chunk)
+    certificate = verify(run)
+    claim = certificate["stops"]
+    assert claim.status == "violated", certificate.text()
+    assert certificate["joints"].status == "verified"
+    assert claim.where is not None
+    assert claim.where["actuator"].startswith(where)
+
+
+def _add(array: np.ndarray, column: int, change: float) -> None:
+    array[:, column] += change
+
+
+def test_a_joint_of_ones_own_that_is_off(stopped: Path, tmp_path: Path) -> None:
+    run = Path(shutil.copytree(stopped, tmp_path / "run"))
+    for name, change in _move(2, slice(5, 6), (0.0, 0.0, 1e-4)):
+        edit_states(run, name, change)
+    claim = verify(run)["joints"]
+    assert claim.status == "violated"
+    assert claim.where is not None
+    assert (claim.where["joint"], claim.where["time"]) == ("screw", pytest.approx(0.05))
+    assert claim.worst == pytest.approx(1e-4, rel=0.01)
+
+
+def test_formulas_that_need_more_than_states_are_not_certified(tmp_path: Path) -> None:
+    """With bdf2, the start of the step that a formula sees is no state; with implicit Euler it is."""
+
+    @stark.joint
+    def led(a: stark.Frame, b: stark.Frame) -> Any:
+        return stark.hold(length=b.origin - a.origin + 0.5 * (b.origin_prev - a.origin_prev))
+
+    for integrator, status in (("bdf2", "not recorded"), ("implicit_euler", "verified")):
+        scene = stark.Scene()
+        box = scene.add_box(0.1, density=100.0)
+        scene.add_joint(led, None, box, anchor=(0.0, 0.0, 0.1))
+        settings = {"time_step": 0.01, "time.integrator": integrator}
+        certificate = verify(record(tmp_path / integrator, scene, 3, **settings))
+        assert certificate["joints"].status == status, certificate.text()
+        assert certificate.exit_code == (3 if status == "not recorded" else 0)
+
+
+def test_recordings_of_older_versions_say_less(stopped: Path, tmp_path: Path) -> None:
+    """They have the names of actuators and no formulas."""
+    run = Path(shutil.copytree(stopped, tmp_path / "run"))
+    path = run / "states/scene.json"
+    scene = json.loads(path.read_text())
+    scene["actuators"] = [actuator["name"] for actuator in scene["actuators"]]
+    for joint in scene["joints"]:
+        del joint["formula"], joint["coordinates"]
+    path.write_text(json.dumps(scene))
+    certificate = verify(run)
+    assert {certificate["stops"].status, certificate["joints"].status} == {"not recorded"}
     assert certificate.exit_code == 3
 
 
@@ -321,11 +428,17 @@ def _set(
         (_set(1, "energy", "elastic", value=1e-6), "energy_ledger"),
         (_set(1, "energy", "numerical", factor=1.01), "energy_ledger"),
         (_set(_STEPS - 1, "energy", "numerical", value=1.0), "energy_ledger"),
-        (_set(_STEPS - 1, "energy", "friction", value=-1e3), "friction_dissipates"),
+        (_set(_STEPS - 1, "energy", "contact", factor=1.0 + 1e-6), "energy_ledger"),
+        (_set(_STEPS - 1, "contact_energy_at_start", factor=1.0 + 1e-6), "energy_ledger"),
+        (_set(_STEPS - 1, "contact_energy_at_start", value=-1e-9), "energy_ledger"),
+        (_set(_STEPS - 1, "contact_energy_at_start", value=None, factor=float("nan")), "energy_ledger"),
+        (_set(_STEPS - 1, "energy", "friction", value=-1e-7), "friction_dissipates"),
+        (_set(_STEPS - 1, "bristle_energy_at_start", value=-1e-12), "friction_dissipates"),
         (_set(9, "momentum", "z", factor=1.0 + 1e-6), "reported_momentum"),
         (_set(9, "angular_momentum", "x", value=1e-6), "reported_momentum"),
         (_set(9, "acceleration", value=0.02), "residual"),
         (_set(9, "acceleration", value=None, factor=float("nan")), "residual"),
+        (_set(9, "last_motion", value=1.0), "residual"),
         (_set(9, "time", factor=1.0 + 1e-6), "steps"),
         (_set(9, "time_step", factor=1.01), "steps"),
         (_set(-1, "min_distance", factor=0.9), "reported_distance"),

@@ -1,0 +1,82 @@
+"""Names and numbers that users give."""
+
+from __future__ import annotations
+
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark._core import InvalidArgument
+
+
+def given_name(name: Any) -> str:
+    """A name for the core: "" for None, which has one chosen. Raises InvalidArgument for what is no text, or
+    holds characters that no message, file or terminal shows."""
+    if name is None:
+        return ""
+    if not isinstance(name, str) or not name:
+        raise InvalidArgument(f"name = {name!r}: must be a non-empty text, or None to have one chosen")
+    if any(character < " " or "\ud800" <= character <= "\udfff" for character in name):
+        raise InvalidArgument(f"name = {name!r}: must be of characters that can be shown, on one line")
+    return name
+
+
+def real_number(value: Any, what: str) -> float:
+    """A real number, NaN and infinities included; InvalidArgument calls anything else ``what``."""
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 0 or array.dtype.kind not in "iuf":
+        raise InvalidArgument(f"{what} = {value!r}: must be a number")
+    return float(array)
+
+
+def as_array(value: Any, what: str) -> NDArray[Any]:
+    """An array of any type and shape; InvalidArgument for rows of different lengths."""
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError):
+        raise InvalidArgument(f"{what} = {value!r}: must be an array, with rows of one length") from None
+
+
+def real_array(value: Any, what: str) -> NDArray[np.float64]:
+    """An array of float64 of any shape; InvalidArgument for what is not made of real numbers."""
+    array = as_array(value, what)
+    try:
+        if array.dtype.kind not in "biufO":
+            raise TypeError
+        return array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidArgument(f"{what} = {value!r}: must be of real numbers") from None
+
+
+def given_flag(value: Any, what: str) -> bool:
+    """True or False, also as 1 or 0."""
+    if isinstance(value, (bool, np.bool_)) or (isinstance(value, (int, np.integer)) and value in (0, 1)):
+        return bool(value)
+    raise InvalidArgument(f"{what} = {value!r}: must be True or False")
+
+
+def given_word(value: Any, what: str) -> str:
+    """A text; which ones there are is for the core to say."""
+    if not isinstance(value, str):
+        raise InvalidArgument(f"{what} = {value!r}: must be a text")
+    return value
+
+
+def given_choice(value: Any, known: tuple[str, ...], what: str) -> str:
+    """One of some words."""
+    if not isinstance(value, str) or value not in known:
+        raise InvalidArgument(f"{what} = {value!r}: must be {' or '.join(map(repr, known))}")
+    return value
+
+
+class NotCopyable(InvalidArgument, TypeError):  # noqa: N818 (says what it is)
+    """What holds handles of the core was copied or pickled. Also a TypeError, as Python has it."""
+
+
+def refuse_copy(what: str, instead: str) -> NoReturn:
+    """For ``__reduce_ex__``, which copy, deepcopy and pickle call."""
+    raise NotCopyable(f"{what} cannot be copied or pickled: {instead}")

@@ -1,0 +1,92 @@
+"""Actuators that hold a coordinate: stops and gears. Coordinates come from the states; bounds and ratios are
+those that were recorded with them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .reading import Run, State
+
+_SLACK = 1e-6  # of a tolerance, for the rounding of rotations
+_ROUNDING = 1e-10  # of a coordinate
+
+_KINDS = ("limit", "lower_limit", "upper_limit", "gear")
+_BASIS = "states; bounds and ratios as recorded"
+
+
+@dataclass
+class StopCheck:
+    """``add(state, coordinates)`` for each state, the first one first, then ``claims()``."""
+
+    run: Run
+    share: float = -1.0
+    worst: tuple[float, float, str, dict[str, Any]] | None = None
+    lacking: str = ""
+    _turned: dict[tuple[int, str], float] = field(default_factory=dict)  # angles over full turns
+
+    def __post_init__(self) -> None:
+        settings = self.run.settings
+        self.length = float(settings.get("joints.length_tolerance", 1e-6))
+        self.angle = float(settings.get("joints.angle_tolerance", 1e-5))
+        self.actuators = [a for a in self.run.scene["actuators"] if isinstance(a, dict)]
+        if len(self.actuators) < len(self.run.scene["actuators"]):
+            self.lacking = "actuators are recorded by name only"
+        for actuator in self.actuators:
+            if not actuator["built_in"] and actuator["rows"]:
+                self.lacking = (
+                    f"actuator '{actuator['name']}' has a formula of its own, which is not recorded"
+                )
+
+    def add(self, state: State, coordinates: dict[tuple[int, str], tuple[float, str]]) -> None:
+        """``coordinates``: value and unit by number of the joint and name."""
+        for key, (value, unit) in coordinates.items():
+            before = self._turned.get(key, value)
+            turns = round((before - value) / (2.0 * math.pi)) if unit == "rad" else 0
+            self._turned[key] = value + 2.0 * math.pi * turns
+        if state.actuators is None or state.index == 0 or self.lacking:
+            return
+        first = 0
+        for k, actuator in enumerate(self.actuators):
+            count = len(actuator["values"])
+            values = dict(zip(actuator["values"], state.actuator_values[first : first + count], strict=True))
+            first += count
+            held = all(state.joints[joint] for joint, _ in actuator["on"])
+            if actuator["kind"] in _KINDS and actuator["built_in"] and state.actuators[k] and held:
+                self._add(state, actuator, values, coordinates)
+
+    def _add(
+        self,
+        state: State,
+        actuator: dict[str, Any],
+        values: dict[str, float],
+        coordinates: dict[tuple[int, str], tuple[float, str]],
+    ) -> None:
+        keys = [(joint, name) for joint, name in actuator["on"]]
+        if any(key not in coordinates for key in keys):
+            self.lacking = f"a coordinate of actuator '{actuator['name']}' is not recorded"
+            return
+        q, unit = [self._turned[key] for key in keys], coordinates[keys[0]][1]
+        if actuator["kind"] == "gear":
+            off = abs(q[0] - values["ratio"] * q[1] - values["offset"])
+        else:
+            off = max(values.get("lower", -math.inf) - q[0], q[0] - values.get("upper", math.inf))
+        size = max(abs(value) for value in (*q, *values.values()))
+        tolerance = (self.angle if unit == "rad" else self.length) * (1.0 + _SLACK) + _ROUNDING * size
+        where = {"time": state.time, "actuator": actuator["name"], "coordinate": q[0]}
+        if not off / tolerance <= self.share:
+            self.share, self.worst = off / tolerance, (off, tolerance, unit, where)
+
+    def claims(self) -> list[Claim]:
+        name, statement = "stops", "stops and gears are held within the tolerances of joints"
+        if self.worst is not None and not self.share <= 1.0:
+            return [Claim(name, statement, VIOLATED, _BASIS, *self.worst)]
+        if self.lacking:
+            return [Claim(name, statement, NOT_RECORDED, _BASIS, detail=self.lacking)]
+        if not any(a["kind"] in _KINDS for a in self.actuators):
+            return [Claim(name, statement, NOT_APPLICABLE, _BASIS, detail="there are none")]
+        if self.worst is None:
+            return [Claim(name, statement, VERIFIED, _BASIS, detail="none was ever enabled")]
+        return [Claim(name, statement, VERIFIED, _BASIS, *self.worst)]
