@@ -71,8 +71,8 @@ def test_gap_of_a_light_and_a_heavy_body() -> None:
 
 
 def test_a_light_body_keeps_its_distance_under_a_load_of_any_weight() -> None:
-    """A tonne on a cube of 10 g: the barrier grows with the load until it is carried at a tenth of the distance
-    of contact, or between a twelfth and an eighth, where it stays. The light cube does not tip or slide."""
+    """A tonne on a cube of 10 g: the barrier grows with the load until it is carried at a tenth of
+    the contact distance, or a twelfth to an eighth, where it stays. The light cube does not tip or slide."""
     scene = stark.Scene()
     floor_of(scene, 1, 20.0)
     light = scene.add_box(0.1, mass=0.01, name="light", position=(0.03, 0.17, 0.05 + 0.9 * _GAP))
