@@ -3,6 +3,7 @@
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstdio>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "arrays.h"
 #include "attachments.h"
+#include "diagnosis.h"
 #include "formulas.h"
 #include "joints.h"
 #include "layers.h"
@@ -24,13 +26,6 @@ using namespace stark::bindings;
 
 const char* status_name(StepStatus status) {
   constexpr const char* kNames[] = {"accepted", "retried", "failed", "interrupted"};
-  return kNames[static_cast<int>(status)];
-}
-
-const char* solve_status_name(SolveStatus status) {
-  constexpr const char* kNames[] = {"converged",  "round_off",          "max_iterations",
-                                    "not_finite", "line_search_failed", "linear_solve_failed",
-                                    "blocked",    "interrupted",        "constraint_violated"};
   return kNames[static_cast<int>(status)];
 }
 
@@ -62,6 +57,12 @@ nb::dict phases_dict(const StepReport& r) {
   return phases;
 }
 
+std::vector<std::string> caveat_names(const StepReport& r) {
+  std::vector<std::string> names;
+  for (const Caveat caveat : r.caveats) names.push_back(to_string(caveat));
+  return names;
+}
+
 nb::dict report_dict(const StepReport& r) {
   nb::dict d;
   d["status"] = status_name(r.status);
@@ -75,7 +76,7 @@ nb::dict report_dict(const StepReport& r) {
   d["line_search_backtracks"] = r.solve.backtracks;
   d["projected_iterations"] = r.solve.projected_iterations;
   d["rejected_steps"] = r.rejected_steps;
-  d["solve_status"] = solve_status_name(r.solve.status);
+  d["solve_status"] = to_string(r.solve.status);
   d["residual"] = r.solve.residual;
   d["acceleration"] = r.solve.acceleration;
   d["contact_count"] = r.contact_count;
@@ -85,6 +86,8 @@ nb::dict report_dict(const StepReport& r) {
   d["momentum"] = components(r.momentum.linear);
   d["angular_momentum"] = components(r.momentum.angular);
   d["phases"] = phases_dict(r);
+  d["caveats"] = caveat_names(r);
+  if (r.diagnosis) d["diagnosis"] = diagnosis_dict(r.diagnosis);
   return d;
 }
 
@@ -250,6 +253,16 @@ void bind_report(nb::module_& m) {
           "'accepted', 'retried' (after halvings of the step), 'failed' (state unchanged) or 'interrupted'.")
       .def_prop_ro("failed", [](const StepReport& r) { return r.failed(); })
       .def_ro("message", &StepReport::message)
+      .def_prop_ro(
+          "solve_status", [](const StepReport& r) { return to_string(r.solve.status); },
+          "How the last attempt ended: 'converged', 'round_off', 'max_iterations', 'blocked', ...")
+      .def_prop_ro("caveats", caveat_names,
+                   "What is not quite as asked of a step that was accepted: 'round_off' (the tolerances are "
+                   "not met, forces are rounding), 'old_friction' (friction or joints are a refresh behind), "
+                   "'detour' (the straight way from start to end leads through something).")
+      .def_prop_ro(
+          "diagnosis", [](const StepReport& r) { return r.diagnosis ? nb::cast(r.diagnosis) : nb::none(); },
+          nb::sig("def diagnosis(self) -> Diagnosis | None"), "Why the step failed; None when it did not.")
       .def_ro("step", &StepReport::step, "Number of the step, from 1.")
       .def_ro("time", &StepReport::time, "Time at its end [s].")
       .def_ro("time_step", &StepReport::time_step, "[s]")
@@ -317,6 +330,7 @@ nb::list kernel_list(const Simulation& sim) {
 
 void bind_simulation(nb::module_& m) {
   bind_state(m);
+  bind_diagnosis(m);
   bind_report(m);
   nb::class_<Simulation>(m, "Simulation", "Model, state and solver of a scene; bodies are indices.")
       .def(nb::init<const Scene&, const Settings&>(), "scene"_a, "settings"_a)
