@@ -202,6 +202,18 @@ State state_of_arrays(const nb::dict& given) {
   return make_state(arrays);
 }
 
+nb::list place_list(const Simulation& sim) {
+  nb::list places;
+  for (const ModelBody& body : sim.model().bodies()) {
+    const bool is_rod = body.kind == BodyKind::Rod;
+    const bool has_points = body.kind == BodyKind::Cloth || body.kind == BodyKind::Solid;
+    places.append(nb::make_tuple(has_points ? body.first_site : 0, has_points ? body.site_count : 0,
+                                 has_points ? 0 : body.rigid_index,
+                                 is_rod ? body.site_count : (has_points ? 0 : 1)));
+  }
+  return places;
+}
+
 nb::list part_list(const Simulation& sim) {
   nb::list parts;
   for (const ModelPart& part : sim.model().parts())
@@ -341,6 +353,7 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("time_step", [](const Simulation& s) { return s.state().time_step; })
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")
       .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
@@ -456,6 +469,8 @@ void bind_simulation(nb::module_& m) {
           "actuator_power", [](const Simulation& s, int32_t k) { return s.actuator_power({k}); },
           "actuator"_a, "Fed into the motion in the last step [W].")
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
+      .def("places", place_list,
+           "Where each body is in the arrays of the state: first row and count of points, then of bodies.")
       .def("parts", part_list, "What the model was made of: name, whether a state depends on it, hash.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
   bind_attachments_of_simulation(m.attr("Simulation"));

@@ -78,6 +78,8 @@ class Simulation:
         for message in scene._core.check_contact_distances(self._settings._core):
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)
+        for message in self._core.check_state():
+            warnings.warn(message, StarkWarning, stacklevel=2)
         for body in scene.bodies:
             body._bind(self)
         scene._latest_simulation = weakref.ref(self)
@@ -192,14 +194,15 @@ class Simulation:
         checkpoint.put_into(self, exact=exact, owner=f"checkpoint '{path}'")
         return checkpoint.memory
 
-    def write_reproducer(self, folder: str | PathLike[str]) -> Path:
+    def write_reproducer(self, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
         """Writes the step that was taken last, failed or not, as a folder that takes it again anywhere: the
         scene as data, the settings, the state before the step, and a script; returns the script. Formulas of
-        the user's own are code and not in it; the script says which. Raises ``stark.ReproducerError`` when no
-        step was taken since the simulation was made, loaded or rewound."""
+        the user's own are code and not in it; the script says which. ``reduce`` leaves out bodies that have
+        no part in a failure, if the rest is found to fail for the same cause. Raises
+        ``stark.ReproducerError`` when no step was taken since the simulation was made, loaded or rewound."""
         from stark import reproducer
 
-        return reproducer.write(self, folder)
+        return reproducer.write(self, folder, reduce=reduce)
 
     @cached_property
     def _parts(self) -> list[tuple[str, bool, str]]:

@@ -126,6 +126,30 @@ def test_scenes_of_all_kinds_of_parts_go_on_with_the_same_bits(tmp_path: Path) -
     assert again._parts == sim._parts
 
 
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_bodies_without_a_part_in_it_are_left_out(tmp_path: Path, integrator: str) -> None:
+    scene = stark.Scene()
+    scene.add_solid(stark.mesh.tet_box(0.1, 2), position=(3, 0, 0), name="far")
+    scene.add_box((1.0, 1.0, 0.1), motion="fixed", name="table")
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), position=(0, 0, 0.06), pins=[0, 1, 2])
+    scene.add_rod(stark.mesh.polyline((0, 0, 0), (0.3, 0, 0), 6), position=(-3, 0, 0), name="away")
+    scene.add_box(0.1, mass=1.0, position=(0, 3, 0), name="aside")
+    settings = {"time.min_step": 0.006, "time.integrator": integrator}
+    sim = stark.Simulation(scene, time_step=0.01, **settings)
+    for _ in range(2):
+        assert not sim.step().failed
+    sheet.pin_targets = sheet.pin_targets - (0, 0, 0.2)
+    report = sim.step()
+    assert report.diagnosis.cause == "blocked_motion"
+    script = sim.write_reproducer(tmp_path, reduce=True)
+    assert "Without 3 bodies, which have no part in it: far, away, aside" in script.read_text()
+    again = reproducer.load(tmp_path)
+    assert [body.name for body in again.bodies] == ["table", "cloth"]
+    for name in ("table", "cloth"):
+        np.testing.assert_array_equal(again[name].positions, sim[name].positions)
+    assert again.step().diagnosis.cause == "blocked_motion"
+
+
 def test_later_changes_of_the_scene_are_not_in_it(tmp_path: Path) -> None:
     sim = pressed()
     sim.scene.add_box(0.1, mass=1.0, position=(5, 5, 5), name="late")

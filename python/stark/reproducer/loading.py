@@ -38,7 +38,7 @@ def load(path: str | PathLike[str]) -> Simulation:
     owner = f"reproducer '{path}'"
     header, arrays = _read(path, owner)
     try:
-        sim = _simulation(header, arrays, owner)
+        sim = simulation_of(header, arrays, owner)
     except ReproducerError:
         raise
     except (InvalidArgument, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
@@ -67,7 +67,8 @@ def _read(path: Path, owner: str) -> tuple[dict[str, Any], dict[str, Any]]:
     return header, arrays
 
 
-def _simulation(header: dict[str, Any], arrays: dict[str, Any], owner: str) -> Simulation:
+def simulation_of(header: dict[str, Any], arrays: dict[str, Any], owner: str) -> Simulation:
+    """The simulation of what a file holds."""
     from stark.simulation import Simulation
 
     needed = [row["what"] for row in header["missing"] if row["call"] != "add_energy"]
@@ -77,10 +78,10 @@ def _simulation(header: dict[str, Any], arrays: dict[str, Any], owner: str) -> S
             f"does not fit a scene without; make the scene with its own script and load a checkpoint"
         )
     scene = Scene(str(header["scene"]))
-    for name, arguments in header["calls"]:
-        _repeat(scene, name, from_data(memory.decode(arguments, arrays)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StarkWarning)  # given when the scene was made
+        for name, arguments in header["calls"]:
+            _repeat(scene, name, from_data(memory.decode(arguments, arrays)))
         sim = Simulation(scene, **header["settings"])
     state = _core.State.of_arrays(
         {n.removeprefix("state/"): a for n, a in arrays.items() if n[:6] == "state/"}

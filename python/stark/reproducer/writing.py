@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stark import _core
+from stark._core import InvalidArgument
 from stark.array_file import write_arrays
 from stark.checkpoint import CheckpointError, memory
 
+from . import reduction
 from .errors import ReproducerError
 from .parts import NotDataError, as_data
 
@@ -51,8 +53,10 @@ if __name__ == "__main__":
 '''
 
 
-def write(sim: Simulation, folder: str | PathLike[str]) -> Path:
-    """Writes the step that ``sim`` took last, failed or not, into ``folder``; returns the script.
+def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
+    """Writes the step that ``sim`` took last, failed or not, into ``folder``; returns the script. ``reduce``
+    leaves out the bodies that have no part in it, where the step of what is left fails for the same cause: it
+    is taken, which may last as long as the step itself.
 
     Raises ReproducerError when no step was taken since the simulation was made, loaded or rewound, and when
     the folder cannot be written. Files of an earlier reproducer there are replaced."""
@@ -61,9 +65,35 @@ def write(sim: Simulation, folder: str | PathLike[str]) -> Path:
         raise ReproducerError(
             "no step to reproduce: must be written after a step, before the state is set; call sim.step()"
         )
-    arrays: dict[str, Any] = {f"state/{name}": a for name, a in taken.before.arrays().items()}
+    state = taken.before.arrays()
+    header, arrays = _described(sim, taken, sim._calls, state)
+    left_out: list[str] = []
+    if reduce and taken.report.diagnosis:
+        for keep in reduction.candidates(sim, taken.report.diagnosis):
+            smaller = _described(sim, taken, *reduction.reduced(sim, state, keep))
+            if _fails_alike(taken, *smaller):
+                header, arrays = smaller
+                left_out = [body.name for k, body in enumerate(sim.bodies) if k not in keep]
+                break
+    place = Path(folder)
+    text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     try:
-        calls, missing = _encoded(sim._calls, arrays)
+        place.mkdir(parents=True, exist_ok=True)
+        write_arrays(place / DATA, {"header": text, **arrays})
+        script = _script(sim, taken, left_out, header["missing"])
+        (place / SCRIPT).write_text(script, encoding="utf-8")
+    except OSError as error:
+        raise ReproducerError(f"reproducer '{place}' cannot be written: {error}") from error
+    return place / SCRIPT
+
+
+def _described(
+    sim: Simulation, taken: TakenStep, calls: list[Call], state: dict[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and arrays of the file."""
+    arrays: dict[str, Any] = {f"state/{name}": array for name, array in state.items()}
+    try:
+        encoded, missing = _encoded(calls, arrays)
     except CheckpointError as error:
         raise ReproducerError(f"reproducer: {error}") from None
     report = taken.report
@@ -74,23 +104,31 @@ def write(sim: Simulation, folder: str | PathLike[str]) -> Path:
         "scene": sim.scene.name,
         "step": report.step,
         "settings": sim.settings.to_dict(),
-        "calls": calls,
+        "calls": encoded,
         "missing": missing,
-        "state_hash": taken.before.hash,
+        "state_hash": _core.State.of_arrays(state).hash,
         "status": report.status,
         "solve_status": report.solve_status,
         "cause": report.diagnosis.cause if report.diagnosis else None,
         "message": report.message,
     }
-    place = Path(folder)
-    text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+    return header, arrays
+
+
+def _fails_alike(taken: TakenStep, header: dict[str, Any], arrays: dict[str, Any]) -> bool:
+    from .loading import simulation_of
+
     try:
-        place.mkdir(parents=True, exist_ok=True)
-        write_arrays(place / DATA, {"header": text, **arrays})
-        (place / SCRIPT).write_text(_script(sim, taken, missing), encoding="utf-8")
-    except OSError as error:
-        raise ReproducerError(f"reproducer '{place}' cannot be written: {error}") from error
-    return place / SCRIPT
+        sim = simulation_of(json.loads(json.dumps(header)), arrays, "reproducer")
+        report = sim.step() if taken.limit is None else sim.step(max_time_step=taken.limit)
+    except InvalidArgument:
+        return False
+    expected = taken.report
+    return (
+        report.failed
+        and report.solve_status == expected.solve_status
+        and report.diagnosis.cause == expected.diagnosis.cause
+    )
 
 
 def _encoded(calls: list[Call], arrays: dict[str, Any]) -> tuple[list[Any], list[dict[str, Any]]]:
@@ -107,13 +145,17 @@ def _encoded(calls: list[Call], arrays: dict[str, Any]) -> tuple[list[Any], list
     return encoded, missing
 
 
-def _script(sim: Simulation, taken: TakenStep, missing: list[dict[str, Any]]) -> str:
+def _script(sim: Simulation, taken: TakenStep, left_out: list[str], missing: list[dict[str, Any]]) -> str:
     report = taken.report
     failed = f"which {report.status}" if not report.failed else "which failed"
     title = f"Step {report.step} of the scene '{sim.scene.name}' at t = {taken.before.time:.6g} s, {failed}."
     bodies = "\n".join(
-        f"    {body.kind} '{body.name}' ({len(body.mesh.vertices)} vertices)" for body in sim.bodies
+        f"    {body.kind} '{body.name}' ({len(body.mesh.vertices)} vertices)"
+        for body in sim.bodies
+        if body.name not in left_out
     )
+    if left_out:
+        bodies += f"\nWithout {len(left_out)} bodies, which have no part in it: {', '.join(left_out)}"
     lost = ""
     if missing:
         rows = "\n".join(f"    {row['what']}" for row in missing)

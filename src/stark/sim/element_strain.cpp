@@ -109,24 +109,26 @@ std::vector<StrainedElement> find_strained_elements(const Scene& scene, BodyId b
   const SolidMesh* rest = kind == BodyKind::Solid ? &scene.solid(body).mesh : nullptr;
   SolidMesh deformed;
   if (rest) deformed = {std::vector<Vec3>(x.begin(), x.end()), rest->type, rest->elements};
+  const std::string owner = owner_text(kind, scene.name(body));
   std::vector<char> pinned(X.size(), 0);
   for (const int32_t v : scene.pins(body).vertices) pinned[v] = 1;
 
   std::vector<StrainedElement> found;
   for (size_t e = 0; e < elements.count(); ++e) {
     const auto nodes = elements.at(e);
-    StrainedElement element{.at = {owner_text(kind, scene.name(body)), {nodes.begin(), nodes.end()}},
-                            .element = static_cast<int64_t>(e)};
+    const auto id = static_cast<int64_t>(e);
+    StrainedElement element{.element = id};
     for (const auto& [i, j] : elements.edges) {
       const double stretch = norm(x[nodes[j]] - x[nodes[i]]) / norm(X[nodes[j]] - X[nodes[i]]);
       if (!(std::fabs(std::log(stretch)) <= std::fabs(std::log(element.stretch)))) element.stretch = stretch;
     }
-    const auto id = static_cast<int64_t>(e);
     element.size = rest                      ? smallest_jacobian(deformed, id) / smallest_jacobian(*rest, id)
                    : kind == BodyKind::Cloth ? area(x, nodes) / area(X, nodes)
                                              : element.stretch;
-    element.is_prescribed = std::ranges::all_of(nodes, [&](int32_t v) { return pinned[v] != 0; });
     if (severity(element) < kOrdinaryStrain) continue;
+    if (found.size() == count && severity(element) <= severity(found.back())) continue;
+    element.at = {owner, {nodes.begin(), nodes.end()}};
+    element.is_prescribed = std::ranges::all_of(nodes, [&](int32_t v) { return pinned[v] != 0; });
     // Kept sorted, the worst first; of equal ones the first.
     const auto place = std::ranges::upper_bound(found, severity(element), std::greater<>{}, severity);
     found.insert(place, std::move(element));

@@ -29,6 +29,9 @@ class Simulation {
 
   double time() const { return state_.time; }
   const State& state() const { return state_; }
+  /// Findings about the state that do not prevent a step: bodies within a tenth of the distance at which
+  /// contact starts to push them apart, elements that are inverted.
+  std::vector<std::string> check_state() const;
   /// Rewinds or resumes; throws InvalidArgument for a state of another model and for numbers that no state
   /// can have.
   void set_state(const State& state);

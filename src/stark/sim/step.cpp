@@ -384,6 +384,7 @@ void Simulation::commit(double h) {
 void Simulation::finish_report(StepStatus status) {
   report_.status = status;
   report_.time = state_.time;
+  if (report_.failed()) step_start_.clear();  // sensors have nothing to tell of it
   if (!report_.failed()) {
     report_.min_distance = contact_ ? contact_->min_distance() : std::numeric_limits<double>::infinity();
     report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;

@@ -29,11 +29,11 @@ int32_t body_of_site(const Model& model, int32_t site) {
 }
 
 /// Vertices of one body.
-BodyVertices place_of(const FailedStep& step, std::span<const int32_t> sites) {
-  const int32_t body = body_of_site(step.model, sites[0]);
+BodyVertices place_of(const Scene& scene, const Model& model, std::span<const int32_t> sites) {
+  const int32_t body = body_of_site(model, sites[0]);
   if (body < 0) return {"a point of an energy"};
-  BodyVertices place{owner_of(step.scene, body)};
-  for (const int32_t site : sites) place.vertices.push_back(site - step.model.bodies()[body].first_site);
+  BodyVertices place{owner_of(scene, body)};
+  for (const int32_t site : sites) place.vertices.push_back(site - model.bodies()[body].first_site);
   return place;
 }
 
@@ -58,19 +58,7 @@ void add_forces(const FailedStep& step, std::span<const double> gradient, StepEv
 std::vector<NarrowGap> find_gaps(const FailedStep& step, std::span<const Vec3> x) {
   if (!step.contact) return {};
   step.contact->update(x);
-  std::vector<const Contact*> contacts;
-  for (const Contact& contact : step.contact->contacts()) contacts.push_back(&contact);
-  const auto ratio = [](const Contact* c) { return c->distance / c->contact_distance; };
-  std::ranges::stable_sort(contacts, {}, ratio);
-  std::vector<NarrowGap> gaps;
-  for (size_t k = 0; k < std::min(kListed, contacts.size()); ++k) {
-    const Contact& contact = *contacts[k];
-    const std::span<const int32_t> sites(contact.sites.data(), contact.point_count);
-    gaps.push_back({place_of(step, sites.first(contact.side_a_count)),
-                    place_of(step, sites.subspan(contact.side_a_count)), contact.distance,
-                    contact.contact_distance});
-  }
-  return gaps;
+  return find_narrow_gaps(step.scene, step.model, step.contact->contacts(), kListed);
 }
 
 std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double max_rotation) {
@@ -83,11 +71,12 @@ std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double ma
   const CcdReport& limit = step.contact->limiting_pair();
   if (fraction >= 1.0 || limit.kind == CandidateKind::None) return {};
   const SurfaceMesh& mesh = step.contact->mesh();
-  const auto edge = [&](int32_t e) { return place_of(step, mesh.edges[e]); };
-  const auto point = [&](int32_t p) { return place_of(step, {&p, 1}); };
+  const auto edge = [&](int32_t e) { return place_of(step.scene, step.model, mesh.edges[e]); };
+  const auto point = [&](int32_t p) { return place_of(step.scene, step.model, {&p, 1}); };
   switch (limit.kind) {
     case CandidateKind::PointTriangle:
-      return BlockingPair{point(limit.first), place_of(step, mesh.triangles[limit.second]), fraction};
+      return BlockingPair{point(limit.first), place_of(step.scene, step.model, mesh.triangles[limit.second]),
+                          fraction};
     case CandidateKind::EdgeEdge:
       return BlockingPair{edge(limit.first), edge(limit.second), fraction};
     case CandidateKind::PointEdge:
@@ -194,6 +183,23 @@ void add_motion(const FailedStep& step, StepEvidence& out) {
 }
 
 }  // namespace
+
+std::vector<NarrowGap> find_narrow_gaps(const Scene& scene, const Model& model, std::span<const Contact> all,
+                                        size_t count) {
+  std::vector<const Contact*> contacts;
+  for (const Contact& contact : all) contacts.push_back(&contact);
+  const auto ratio = [](const Contact* c) { return c->distance / c->contact_distance; };
+  std::ranges::stable_sort(contacts, {}, ratio);
+  std::vector<NarrowGap> gaps;
+  for (size_t k = 0; k < std::min(count, contacts.size()); ++k) {
+    const Contact& c = *contacts[k];
+    const std::span<const int32_t> sites(c.sites.data(), static_cast<size_t>(c.point_count));
+    const auto side_a = static_cast<size_t>(c.side_a_count);
+    gaps.push_back({place_of(scene, model, sites.first(side_a)),
+                    place_of(scene, model, sites.subspan(side_a)), c.distance, c.contact_distance});
+  }
+  return gaps;
+}
 
 std::vector<BodyVertices> block_owners(const Scene& scene, const Model& model) {
   const DofLayout& layout = model.map().layout();

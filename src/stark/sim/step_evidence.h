@@ -27,6 +27,10 @@ struct FailedStep {
 /// All of it but what an attempt reports itself. Linearises the potential where it stands.
 StepEvidence collect_evidence(const FailedStep& step);
 
+/// At most `count` of some contacts, the narrowest over their contact distance first.
+std::vector<NarrowGap> find_narrow_gaps(const Scene& scene, const Model& model,
+                                        std::span<const Contact> contacts, size_t count);
+
 /// What owns each block of unknowns, with its vertex; bodies are named as owner_text() does.
 std::vector<BodyVertices> block_owners(const Scene& scene, const Model& model);
 
