@@ -3,6 +3,7 @@
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstdio>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "arrays.h"
 #include "attachments.h"
+#include "diagnosis.h"
 #include "formulas.h"
 #include "joints.h"
 #include "layers.h"
@@ -24,13 +26,6 @@ using namespace stark::bindings;
 
 const char* status_name(StepStatus status) {
   constexpr const char* kNames[] = {"accepted", "retried", "failed", "interrupted"};
-  return kNames[static_cast<int>(status)];
-}
-
-const char* solve_status_name(SolveStatus status) {
-  constexpr const char* kNames[] = {"converged",  "round_off",          "max_iterations",
-                                    "not_finite", "line_search_failed", "linear_solve_failed",
-                                    "blocked",    "interrupted",        "constraint_violated"};
   return kNames[static_cast<int>(status)];
 }
 
@@ -62,6 +57,12 @@ nb::dict phases_dict(const StepReport& r) {
   return phases;
 }
 
+std::vector<std::string> caveat_names(const StepReport& r) {
+  std::vector<std::string> names;
+  for (const Caveat caveat : r.caveats) names.push_back(to_string(caveat));
+  return names;
+}
+
 nb::dict report_dict(const StepReport& r) {
   nb::dict d;
   d["status"] = status_name(r.status);
@@ -75,7 +76,7 @@ nb::dict report_dict(const StepReport& r) {
   d["line_search_backtracks"] = r.solve.backtracks;
   d["projected_iterations"] = r.solve.projected_iterations;
   d["rejected_steps"] = r.rejected_steps;
-  d["solve_status"] = solve_status_name(r.solve.status);
+  d["solve_status"] = to_string(r.solve.status);
   d["residual"] = r.solve.residual;
   d["acceleration"] = r.solve.acceleration;
   d["last_motion"] = r.solve.last_motion;
@@ -88,6 +89,8 @@ nb::dict report_dict(const StepReport& r) {
   d["momentum"] = components(r.momentum.linear);
   d["angular_momentum"] = components(r.momentum.angular);
   d["phases"] = phases_dict(r);
+  d["caveats"] = caveat_names(r);
+  if (r.diagnosis) d["diagnosis"] = diagnosis_dict(r.diagnosis);
   return d;
 }
 
@@ -202,6 +205,18 @@ State state_of_arrays(const nb::dict& given) {
   return make_state(arrays);
 }
 
+nb::list place_list(const Simulation& sim) {
+  nb::list places;
+  for (const ModelBody& body : sim.model().bodies()) {
+    const bool is_rod = body.kind == BodyKind::Rod;
+    const bool has_points = body.kind == BodyKind::Cloth || body.kind == BodyKind::Solid;
+    places.append(nb::make_tuple(has_points ? body.first_site : 0, has_points ? body.site_count : 0,
+                                 has_points ? 0 : body.rigid_index,
+                                 is_rod ? body.site_count : (has_points ? 0 : 1)));
+  }
+  return places;
+}
+
 nb::list part_list(const Simulation& sim) {
   nb::list parts;
   for (const ModelPart& part : sim.model().parts())
@@ -253,6 +268,16 @@ void bind_report(nb::module_& m) {
           "'accepted', 'retried' (after halvings of the step), 'failed' (state unchanged) or 'interrupted'.")
       .def_prop_ro("failed", [](const StepReport& r) { return r.failed(); })
       .def_ro("message", &StepReport::message)
+      .def_prop_ro(
+          "solve_status", [](const StepReport& r) { return to_string(r.solve.status); },
+          "How the last attempt ended: 'converged', 'round_off', 'max_iterations', 'blocked', ...")
+      .def_prop_ro("caveats", caveat_names,
+                   "What is not quite as asked of a step that was accepted: 'round_off' (the tolerances are "
+                   "not met, forces are rounding), 'old_friction' (friction or joints are a refresh behind), "
+                   "'detour' (the straight way from start to end leads through something).")
+      .def_prop_ro(
+          "diagnosis", [](const StepReport& r) { return r.diagnosis ? nb::cast(r.diagnosis) : nb::none(); },
+          nb::sig("def diagnosis(self) -> Diagnosis | None"), "Why the step failed; None when it did not.")
       .def_ro("step", &StepReport::step, "Number of the step, from 1.")
       .def_ro("time", &StepReport::time, "Time at its end [s].")
       .def_ro("time_step", &StepReport::time_step, "[s]")
@@ -329,6 +354,7 @@ nb::list kernel_list(const Simulation& sim) {
 
 void bind_simulation(nb::module_& m) {
   bind_state(m);
+  bind_diagnosis(m);
   bind_report(m);
   nb::class_<Simulation>(m, "Simulation", "Model, state and solver of a scene; bodies are indices.")
       .def(nb::init<const Scene&, const Settings&>(), "scene"_a, "settings"_a)
@@ -339,6 +365,7 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("time_step", [](const Simulation& s) { return s.state().time_step; })
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")
       .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
@@ -454,6 +481,8 @@ void bind_simulation(nb::module_& m) {
           "actuator_power", [](const Simulation& s, int32_t k) { return s.actuator_power({k}); },
           "actuator"_a, "Fed into the motion in the last step [W].")
       .def("surface", surface_dict, "All collision primitives: positions, edges, triangles, vertex_groups.")
+      .def("places", place_list,
+           "Where each body is in the arrays of the state: first row and count of points, then of bodies.")
       .def("parts", part_list, "What the model was made of: name, whether a state depends on it, hash.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
   bind_attachments_of_simulation(m.attr("Simulation"));

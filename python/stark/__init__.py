@@ -61,6 +61,7 @@ _ON_DEMAND = (
     "recording",
     "render",
     "replay",
+    "reproducer",
     "scenes",
     "symbolic",
     "telemetry",
@@ -75,6 +76,7 @@ _NAMES_ON_DEMAND = {
     "stark.joints": "Joint Wrench hold joint",
     "stark.attachments": "Attachment",
     "stark.checkpoint": "Checkpoint CheckpointError",
+    "stark.reproducer": "ReproducerError",
     "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stark import _core, materials
+from stark import materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument, InvalidMesh
 from stark.actuators.scene_actuators import SceneActuators
@@ -21,6 +21,7 @@ from stark.loads.scene_loads import SceneLoads
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
+from stark.scene_record import RecordedScene
 
 if TYPE_CHECKING:
     from stark.actuators.handle import Actuator
@@ -78,7 +79,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
 
     def __init__(self, name: str = "scene") -> None:
         self.name = name
-        self._core = _core.Scene()
+        self._core = RecordedScene()
         self._bodies: list[Body] = []
         self._energies: list[Energy] = []
         self._joints: list[Joint] = []

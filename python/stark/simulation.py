@@ -8,6 +8,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from stark import _core
@@ -42,6 +43,14 @@ class LastStep(NamedTuple):
     before: State
     limit: float | None  #: [s], of a step that was cut short
     values: list[dict[str, Any]]  #: live values of the energies, arrays by name
+
+
+class TakenStep(NamedTuple):
+    """The step that was taken last, failed or not: what a reproducer holds."""
+
+    before: State
+    limit: float | None  #: [s]
+    report: StepReport
 
 
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
@@ -79,11 +88,16 @@ class Simulation:
         for message in scene._core.check_contact_distances(self._settings._core):
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)
+        for message in self._core.check_state():
+            warnings.warn(message, StarkWarning, stacklevel=2)
         for body in scene.bodies:
             body._bind(self)
         scene._latest_simulation = weakref.ref(self)
         self._live_values = [energy._live_values() for energy in scene.energies]
         self._last_step: LastStep | None = None
+        self._taken: TakenStep | None = None
+        # The scene may grow after this: the simulation is of what it is now.
+        self._calls = [*scene._core.calls, ("default_friction", (scene.default_friction,))]
 
     # --- stepping ---
 
@@ -125,8 +139,9 @@ class Simulation:
             duration = min((self._core.time_step, *limit))
             for follower in self._followers():
                 follower.apply(self, self._core.time + duration, duration)
-        before, self._last_step = self._core.state, None
+        before, self._last_step, self._taken = self._core.state, None, None
         report = self._core.step(*limit)
+        self._taken = TakenStep(before, limit[0] if limit else None, report)
         if not report.failed:
             pushed = [values.pushed() for values in self._live_values]
             self._last_step = LastStep(before, limit[0] if limit else None, pushed)
@@ -171,7 +186,7 @@ class Simulation:
                 f"state = {state!r}: must be one that the state of a simulation of this scene gave"
             )
         self._core.state = state
-        self._last_step = None
+        self._last_step = self._taken = None
 
     def save(self, path: str | PathLike[str], *, memory: dict[str, Any] | None = None) -> None:
         """Writes where it is to a file, to go on from bit for bit: the state, the live values of energies,
@@ -193,6 +208,16 @@ class Simulation:
         checkpoint = Checkpoint.read(path)
         checkpoint.put_into(self, exact=exact, owner=f"checkpoint '{path}'")
         return checkpoint.memory
+
+    def write_reproducer(self, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
+        """Writes the step that was taken last, failed or not, as a folder that takes it again anywhere: the
+        scene as data, the settings, the state before the step, and a script; returns the script. Formulas of
+        the user's own are code and not in it; the script says which. ``reduce`` leaves out bodies that have
+        no part in a failure, if the rest is found to fail for the same cause. Raises
+        ``stark.ReproducerError`` when no step was taken since the simulation was made, loaded or rewound."""
+        from stark import reproducer
+
+        return reproducer.write(self, folder, reduce=reduce)
 
     @cached_property
     def _parts(self) -> list[tuple[str, bool, str]]:

@@ -249,3 +249,43 @@ TEST_CASE("an energy that is not finite makes a trial infeasible") {
   for (int k = 0; k < 3 * MixedScene::kFreePoints; ++k) direction[k] = 1e200 * (1 + k);
   CHECK_FALSE(bench.potential.try_step(direction, 1.0).feasible);
 }
+
+TEST_CASE("positions along a step are those of its trial point, with turns cut to the limit") {
+  const MixedScene scene(7);
+  Bench bench(scene);
+  bench.potential.begin(scene.configuration, scene.configuration);
+  std::vector<double> direction(scene.dof_count(), 0.0);
+  direction[0] = 0.5;
+  const std::vector<Vec3> start(bench.potential.site_positions().begin(),
+                                bench.potential.site_positions().end());
+  std::vector<Vec3> end = bench.potential.positions_along(direction, 1.0);
+  double longest = 0.0;
+  for (size_t i = 0; i < end.size(); ++i) longest = std::fmax(longest, norm(end[i] - start[i]));
+  CHECK(longest == doctest::Approx(0.5));
+  direction[3 * (MixedScene::kFreePoints + 1)] = 4.0;  // [rad]: a quarter of the step is left
+  end = bench.potential.positions_along(direction, 1.0);
+  CHECK(norm(end[0] - start[0]) == doctest::Approx(0.125));
+  // The iterate stays where it is.
+  for (size_t i = 0; i < start.size(); ++i) CHECK(bench.potential.site_positions()[i] == start[i]);
+}
+
+TEST_CASE("an iterate has run away where a site is beyond the limit of motion") {
+  const MixedScene scene(8);
+  Bench bench(scene);
+  std::vector<double> direction(scene.dof_count(), 0.0);
+  direction[1] = 3.0;
+  std::vector<double> gradient(scene.dof_count());
+  BlockMatrix hessian;
+  const auto go = [&] {
+    bench.potential.begin(scene.configuration, scene.configuration);
+    bench.potential.linearize(false, gradient, hessian);
+    bench.potential.try_step(direction, 1.0);
+    bench.potential.accept_trial();
+    return bench.potential.has_run_away();
+  };
+  CHECK_FALSE(go());  // no limit
+  bench.potential.set_motion_limit(3.1);
+  CHECK_FALSE(go());
+  bench.potential.set_motion_limit(2.9);
+  CHECK(go());
+}

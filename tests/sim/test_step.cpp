@@ -131,6 +131,46 @@ TEST_CASE("a step that does not converge is halved, and the step size grows back
   CHECK(retried > 0);
 }
 
+TEST_CASE("a step that is out of time fails at once and leaves the state as it was") {
+  Settings settings;
+  settings.newton.max_seconds = 1e-9;
+  Simulation sim(drop_scene(), settings);
+  const State before = sim.state();
+  const StepReport& report = sim.step();
+  CHECK(report.status == StepStatus::Failed);
+  CHECK(report.rejected_steps == 1);
+  CHECK(report.solve.status == SolveStatus::TimeBudget);
+  CHECK(report.diagnosis.cause == FailureCause::TimeBudget);
+  CHECK(report.message.find("newton.max_seconds") != std::string::npos);
+  CHECK(report.message.find("time.min_step") == std::string::npos);
+  CHECK(first_difference(sim.state(), before) == "");
+}
+
+TEST_CASE("a step that is accepted around an obstacle says so") {
+  // A ball that is a step away from a wall and fast enough to be behind it: with steps of a sixteenth of the
+  // full one there is nothing left to halve.
+  Scene scene;
+  scene.add_rigid({.mesh = make_box({0.01, 0.4, 0.4}), .motion = Motion::Fixed});
+  scene.add_rigid({.mesh = make_icosphere(0.05, 1),
+                   .mass = 1.0,
+                   .position = {-0.1, 0.23, 0.0},
+                   .velocity = {300.0, 0.0, 0.0}});
+  Settings settings;
+  settings.time.step = 1.0 / 60.0;
+  Simulation sim(scene, settings);
+  bool has_caveat = false;
+  for (int n = 0; n < 4 && !has_caveat; ++n) {
+    const StepReport& report = sim.step(settings.time.step / 32.0);
+    REQUIRE_FALSE(report.failed());
+    for (const Caveat caveat : report.caveats)
+      if (caveat == Caveat::Detour) {
+        has_caveat = true;
+        CHECK(report.message.find("lower time.step") != std::string::npos);
+      }
+  }
+  CHECK(has_caveat);
+}
+
 TEST_CASE("interrupted steps leave the state as it was") {
   Simulation sim(drop_scene());
   const State before = sim.state();

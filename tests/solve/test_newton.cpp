@@ -1,6 +1,7 @@
 // Newton's method on analytic objectives: convergence, projection, line search, and every way to end.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -291,6 +292,57 @@ TEST_CASE("interrupts are asked for between iterations") {
   CHECK(objective.linearizations == 3);
 }
 
+TEST_CASE("a deadline ends a minimisation between iterations, and only then") {
+  using Clock = std::chrono::steady_clock;
+  Analytic objective(rosenbrock, {-1.2, 1.0, 0.5});
+  Solver solver(tight());
+  solver.newton.set_deadline(Clock::now());
+  const SolveReport late = solver.minimize(objective);
+  CHECK(late.status == SolveStatus::TimeBudget);
+  CHECK(late.iterations == 0);
+  CHECK(objective.x == Vec3{-1.2, 1.0, 0.5});
+  solver.newton.set_deadline(Clock::now() + std::chrono::hours(1));
+  CHECK(solver.minimize(objective).status == SolveStatus::Converged);
+  Analytic again(rosenbrock, {-1.2, 1.0, 0.5});
+  solver.newton.set_deadline({});
+  solver.minimize(again);
+  CHECK(again.x == objective.x);
+}
+
+TEST_CASE("an iterate beyond any scale ends the minimisation") {
+  struct Slope final : Objective {
+    int32_t block_count() const override { return 1; }
+    void linearize(bool, std::span<double> g, BlockMatrix& H) override {
+      H.pattern = BlockPattern::from_pairs(1, {});
+      H.set_zero();
+      g[0] = 1.0;
+      g[1] = g[2] = 0.0;
+      for (int c = 0; c < 3; ++c) H.values[4 * c] = 1e-3;
+    }
+    bool has_pending_motion() const override { return false; }
+    Residual residual(std::span<const double>) const override { return {1.0, 1.0}; }
+    double motion(std::span<const double> d) const override { return std::fabs(d[0]); }
+    double bound_step(std::span<const double>, double) override { return 1.0; }
+    TrialEnergy try_step(std::span<const double> d, double alpha) override {
+      trial = x + d[0] * alpha;
+      return {true, d[0] * alpha, 1.0};
+    }
+    void accept_trial() override { x = trial; }
+    bool has_run_away() const override { return std::fabs(x) > 5500.0; }
+    double x = 0.0, trial = 0.0;
+  } slope;
+  const SolveReport report = Solver(tight()).minimize(slope);
+  CHECK(report.status == SolveStatus::RunAway);
+  CHECK(report.iterations == 6);  // of 1000 each
+}
+
+TEST_CASE("every way to end has a name") {
+  CHECK(to_string(SolveStatus::Converged) == "converged");
+  CHECK(to_string(SolveStatus::Detour) == "detour");
+  CHECK(to_string(SolveStatus::ConstraintViolated) == "constraint_violated");
+  CHECK(to_string(SolveStatus::RunAway) == "run_away");
+}
+
 TEST_CASE("the iteration limit is kept") {
   NewtonSettings settings = tight();
   settings.max_iterations = 4;
@@ -426,6 +478,7 @@ TEST_CASE("where a refreshed problem cannot be solved, the last settled solution
   } objective;
   const SolveReport report = Solver(tight()).minimize(objective);
   CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.is_settled);
   CHECK(report.lag_residual == 1.0);
   CHECK(norm(objective.x) < 1e-9);
 }

@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from .._core import InvalidArgument
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
 from .scene_file import SceneFile, SceneFileError, load
@@ -18,6 +19,9 @@ _QUICK_PAGE_BYTES = 20e6
 
 #: Time from one checkpoint of a run to the next [s], by the clock on the wall.
 CHECKPOINT_PERIOD = 60.0
+
+#: Folder within a run that holds the step that failed (stark.reproducer).
+FAILURE = "failure"
 
 #: What a result counts, kept when a run is resumed.
 COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
@@ -198,11 +202,19 @@ class Job:
         self._count(report)
         if failed:
             self.result.status, self.result.message = "failed", str(report.message)
+            self._keep_failure()
             return None
         self.recorder.record_state(self.sim)
         if self.sim.time - self.recorder.last_time >= 1.0 / self.plan.fps - 1e-9:
             self.recorder.record(self.sim)
         return report
+
+    def _keep_failure(self) -> None:
+        """The failed step as a folder of its own."""
+        try:
+            self.result.files.append(self.sim.write_reproducer(self.recorder.folder / FAILURE))
+        except InvalidArgument as error:
+            self.result.message += f"; no reproducer was written: {error}"
 
     def _count(self, report: Any) -> None:
         self.result.steps += 1

@@ -57,6 +57,7 @@ void IncrementalPotential::begin(const Configuration& start, const Configuration
   settled_.reset();
   target_ = target;
   map_.positions(start, x_);
+  if (std::isfinite(motion_limit_)) x_start_ = x_;
   std::vector<Vec3> x_target(map_.site_count());
   map_.positions(target, x_target);
   prescribed_start_.clear();
@@ -144,12 +145,23 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
   place_prescribed(trial_progress_, x_trial_);
 }
 
-double IncrementalPotential::bound_step(std::span<const double> direction, double max_rotation) {
+double IncrementalPotential::bound_rotation(std::span<const double> direction, double max_rotation) const {
   double alpha = 1.0;
   for (const int32_t block : rotation_blocks_) {
     const double angle = norm(block_of(direction, block));
     if (angle * alpha > max_rotation) alpha = max_rotation / angle;
   }
+  return alpha;
+}
+
+std::vector<Vec3> IncrementalPotential::positions_along(std::span<const double> direction,
+                                                        double max_rotation) {
+  set_trial(direction, bound_rotation(direction, max_rotation));
+  return x_trial_;
+}
+
+double IncrementalPotential::bound_step(std::span<const double> direction, double max_rotation) {
+  double alpha = bound_rotation(direction, max_rotation);
   certified_alpha_ = alpha;
   if (!active_set_) return alpha;
   // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to
@@ -216,6 +228,13 @@ bool IncrementalPotential::restore_settled() {
   place_prescribed(1.0, x_);
   if (active_set_) active_set_->update(x_);
   return true;
+}
+
+bool IncrementalPotential::has_run_away() const {
+  if (!std::isfinite(motion_limit_)) return false;
+  for (size_t i = 0; i < x_.size(); ++i)
+    if (squared_norm(x_[i] - x_start_[i]) > motion_limit_ * motion_limit_) return true;
+  return false;
 }
 
 }  // namespace stark

@@ -7,9 +7,9 @@
 // certifies.
 #pragma once
 
-#include <optional>
-
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include <stark/base/timer.h>
 #include <stark/mechanics/active_set.h>
@@ -35,6 +35,8 @@ class IncrementalPotential final : public Objective {
 
   /// How often the lagged quantities of the active set (friction) are refreshed in a minimisation.
   void set_active_set_updates(int updates) { active_set_updates_ = updates; }
+  /// How far a site may move within a minimisation before that counts as running away [m].
+  void set_motion_limit(double limit) { motion_limit_ = limit; }
 
   /// Starts a minimisation from `start` towards the prescribed poses and points of `target` (free parts of
   /// `target` are ignored).
@@ -42,6 +44,9 @@ class IncrementalPotential final : public Objective {
 
   const Configuration& configuration() const { return iterate_; }
   std::span<const Vec3> site_positions() const { return x_; }
+  /// Sites [m] at the end of a Newton step, which is shortened where it turns a body by more than
+  /// `max_rotation` [rad]. The trial point moves there.
+  std::vector<Vec3> positions_along(std::span<const double> direction, double max_rotation);
 
   int32_t block_count() const override { return map_.layout().block_count; }
   void set_cautious(bool cautious) override {
@@ -56,10 +61,12 @@ class IncrementalPotential final : public Objective {
   void accept_trial() override;
   double refresh_lagged(int round) override;
   bool restore_settled() override;
+  bool has_run_away() const override;
   std::span<const Vec3> block_positions() const override { return block_positions_; }
 
  private:
   void set_trial(std::span<const double> direction, double alpha);
+  double bound_rotation(std::span<const double> direction, double max_rotation) const;
   void place_prescribed(double progress, std::span<Vec3> x) const;
 
   const KinematicMap& map_;
@@ -73,6 +80,8 @@ class IncrementalPotential final : public Objective {
   Configuration start_, iterate_, trial_, target_;
   std::optional<Configuration> settled_;  ///< converged but for lagged quantities of the active set
   std::vector<Vec3> x_, x_trial_;         ///< by site [m]
+  std::vector<Vec3> x_start_;             ///< of the minimisation, where motion is limited
+  double motion_limit_ = std::numeric_limits<double>::infinity();
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
   std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;
   std::vector<int32_t> pinned_bodies_;  ///< prescribed translation, free rotation

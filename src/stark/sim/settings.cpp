@@ -35,6 +35,9 @@ const FieldTable& NewtonSettings::fields() {
        field(&S::termination, "termination", "number of active tolerances that must hold"),
        field(&S::max_iterations, "max_iterations", "1", at_least(1),
              "number of Newton iterations after which the step is retried with half the length"),
+       field(&S::max_seconds, "max_seconds", "s", positive_or_infinity(),
+             "time by the clock on the wall after which a step fails, looked at between iterations, infinity "
+             "for no limit; whether a step fails then depends on the machine"),
        field(&S::projection, "projection", "choice of when element Hessians are made positive semidefinite"),
        field(&S::armijo, "armijo", "1", open_interval(0.0, 0.5),
              "share of the predicted decrease of the energy that the line search demands"),

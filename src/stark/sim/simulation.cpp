@@ -26,6 +26,9 @@ ContactOptions to_options(const ContactSettings& contact, const TimeSettings& ti
           .friction = contact.friction};
 }
 
+/// Motion in a quasistatic step, over the diagonal of all bodies, beyond which there is no equilibrium.
+constexpr double kFarthestMotion = 100.0;
+
 Vec3 axial(const Mat3& W) {
   return {0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)), 0.5 * (W(1, 0) - W(0, 1))};
 }
@@ -78,6 +81,8 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &model_->constraints(), model_->block_scales(), *timer_);
   potential_->set_active_set_updates(settings_.contact.friction_updates);
+  if (settings_.time.integrator == Integrator::Quasistatic)
+    potential_->set_motion_limit(kFarthestMotion * scene_size());
   linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
   linear_solver_->prepare(assembler_->static_pattern());
   newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
@@ -227,6 +232,15 @@ void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& ang
 
 void Simulation::set_interrupt(std::function<bool()> interrupted) {
   newton_->set_interrupt(std::move(interrupted));
+}
+
+double Simulation::scene_size() const {
+  const std::vector<Vec3> x = site_positions();
+  Vec3 low{1e300, 1e300, 1e300}, high = -low;
+  for (const ModelBody& body : model_->bodies())
+    for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
+      for (int k = 0; k < 3; ++k) low[k] = std::fmin(low[k], x[i][k]), high[k] = std::fmax(high[k], x[i][k]);
+  return norm(high - low);
 }
 
 const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }

@@ -29,6 +29,9 @@ class Simulation {
 
   double time() const { return state_.time; }
   const State& state() const { return state_; }
+  /// Findings about the state that do not prevent a step: bodies within a tenth of the distance at which
+  /// contact starts to push them apart, elements that are inverted.
+  std::vector<std::string> check_state() const;
   /// Rewinds or resumes; throws InvalidArgument for a state of another model and for numbers that no state
   /// can have.
   void set_state(const State& state);
@@ -157,6 +160,7 @@ class Simulation {
   /// released joints rest.
   std::vector<double> acting() const;
   std::string violation_text() const;
+  double scene_size() const;  ///< [m] diagonal of a box around all bodies
   double checked_duration(const std::string& owner, std::optional<double> duration) const;
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
@@ -166,7 +170,8 @@ class Simulation {
   /// Diagonal blocks of inertia and elasticity at the start of a step: what barriers and joints are measured
   /// against.
   bool moved_far(const ModelBody& body) const;
-  bool leads_through_something(double h);
+  bool leads_through_something();
+  bool may_refuse_detours(double h) const;
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
   /// Sets what the velocities of a step of length h are measured from.
@@ -176,6 +181,13 @@ class Simulation {
   /// Keeps the state for the next step, where the integrator asks for it.
   void remember_state(double h);
   bool attempt(double h, bool straight, SolveReport& total);
+  void set_deadline();
+  /// Ends the step with the last attempt, of length h.
+  void accept(double h);
+  void add_caveats(double h);
+  void fail();
+  /// Of the last attempt.
+  Diagnosis diagnose();
   void commit(double h);
   /// Stored energies of the current state with sites at x; contact is left at zero.
   EnergyLedger stored_energies(std::span<const Vec3> x) const;
@@ -209,8 +221,10 @@ class Simulation {
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
   };
   Reference reference_;
-  EnergyLedger energies_before_;  ///< stored at the start of the last attempt
-  std::vector<Vec3> step_start_;  ///< site positions that the last step started from [m]
+  std::vector<Attempt> attempts_;  ///< of the step under way
+  bool may_refuse_ = true;         ///< whether it may be tried again shorter for being a detour
+  EnergyLedger energies_before_;   ///< stored at the start of the last attempt
+  std::vector<Vec3> step_start_;   ///< site positions that the last step started from [m]
   BlockMatrix diagonal_hessian_;
   std::vector<double> scratch_gradient_;
 };

@@ -1,10 +1,12 @@
 // The journey of a time step (ARCHITECTURE.md): predict, freeze, minimise, accept or halve, commit, report.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include <stark/base/rotation.h>
 #include <stark/sim/simulation.h>
+#include <stark/sim/step_evidence.h>
 
 namespace stark {
 
@@ -56,6 +58,10 @@ const char* failure_text(SolveStatus status) {
       return "bodies would change places within the step; lower time.step";
     case SolveStatus::Interrupted:
       return "interrupted";
+    case SolveStatus::TimeBudget:
+      return "newton.max_seconds is used up; raise it, make the scene smaller, or loosen the tolerances";
+    case SolveStatus::RunAway:
+      return "the bodies moved beyond any scale of the scene; hold them, or use an integrator with inertia";
     case SolveStatus::ConstraintViolated:  // violation_text() says which joint
     case SolveStatus::Converged:
     case SolveStatus::RoundOff:
@@ -70,36 +76,24 @@ const StepReport& Simulation::step(double max_time_step) {
   report_ = {};
   report_.step = state_.step_count + 1;
   timer_->reset();
+  attempts_.clear();
   linear_solver_->begin_step();
+  set_deadline();
   double h = std::min(state_.time_step, max_time_step);
   double detour = 0.0;  // length of the longest step refused as one [s]
   while (true) {
     if (attempt(h, detour >= 0.0, report_.solve)) {
-      commit(h);
-      {
-        const PhaseTimer::Scope scope(*timer_, Phase::Commit);
-        report_.energy = balance(energies_before_, h);
-        report_.contact_energy_at_start = energies_before_.contact;
-        report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
-      }
-      report_.time_step = h;
-      // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink
-      // the next.
-      if (report_.rejected_steps > 0)
-        state_.time_step = h;
-      else if (h >= state_.time_step)
-        state_.time_step = std::min(settings_.time.step, h * settings_.time.growth);
-      finish_report(report_.rejected_steps > 0 ? StepStatus::Retried : StepStatus::Accepted);
+      accept(h);
       return report_;
     }
-    report_.message = failure_text(report_.solve.status);
-    if (report_.solve.status == SolveStatus::ConstraintViolated) report_.message = violation_text();
-    if (report_.solve.status == SolveStatus::Interrupted) {
+    const SolveStatus status = report_.solve.status;
+    report_.message = status == SolveStatus::ConstraintViolated ? violation_text() : failure_text(status);
+    if (status == SolveStatus::Interrupted) {
       finish_report(StepStatus::Interrupted);
       return report_;
     }
     ++report_.rejected_steps;
-    if (report_.solve.status == SolveStatus::Detour) {
+    if (status == SolveStatus::Detour) {
       detour = std::max(detour, h);
     } else if (detour > 0.0) {
       // A violent impact: shorter steps do not converge where the long one did.
@@ -107,14 +101,73 @@ const StepReport& Simulation::step(double max_time_step) {
       detour = -1.0;
     }
     h *= 0.5;
-    if (h < settings_.time.min_step) {
-      report_.message += "; the time step was halved down to time.min_step = " +
-                         quantity_text(settings_.time.min_step, "s") + " without success";
+    if (h < settings_.time.min_step || status == SolveStatus::TimeBudget) {
       report_.time_step = 2.0 * h;
-      finish_report(StepStatus::Failed);
+      fail();
       return report_;
     }
   }
+}
+
+void Simulation::set_deadline() {
+  using Clock = std::chrono::steady_clock;
+  // Longer budgets than a clock can count are none.
+  constexpr double kLongest = 1e8;  // [s]
+  std::optional<Clock::time_point> deadline;
+  if (settings_.newton.max_seconds < kLongest)
+    deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                  std::chrono::duration<double>(settings_.newton.max_seconds));
+  newton_->set_deadline(deadline);
+}
+
+void Simulation::accept(double h) {
+  add_caveats(h);
+  commit(h);
+  {
+    const PhaseTimer::Scope scope(*timer_, Phase::Commit);
+    report_.energy = balance(energies_before_, h);
+    report_.contact_energy_at_start = energies_before_.contact;
+    report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
+  }
+  report_.time_step = h;
+  // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink
+  // the next.
+  if (report_.rejected_steps > 0)
+    state_.time_step = h;
+  else if (h >= state_.time_step)
+    state_.time_step = std::min(settings_.time.step, h * settings_.time.growth);
+  finish_report(report_.rejected_steps > 0 ? StepStatus::Retried : StepStatus::Accepted);
+}
+
+void Simulation::add_caveats(double h) {
+  const auto add = [&](Caveat caveat, const std::string& text) {
+    report_.caveats.push_back(caveat);
+    report_.message += (report_.message.empty() ? "" : "; ") + text;
+  };
+  const SolveReport& solve = report_.solve;
+  if (solve.status == SolveStatus::RoundOff)
+    add(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
+                              quantity_text(solve.residual, "N") + ", acceleration " +
+                              quantity_text(solve.acceleration, "m/s^2"));
+  if (solve.is_settled)
+    add(Caveat::OldFriction,
+        "accepted with friction or joints one refresh behind: after it, Newton's method did not converge");
+  if (!may_refuse_detours(h) && leads_through_something())
+    add(Caveat::Detour,
+        "accepted although the straight way from start to end of the step leads through "
+        "something: bodies may have changed places; lower time.step");
+}
+
+void Simulation::fail() {
+  report_.diagnosis = diagnose();
+  const std::string what = failure_text(report_.solve.status);
+  report_.message = (what.empty() ? "" : what.substr(0, what.find("; ")) + ": ") + report_.diagnosis.finding +
+                    "; " + report_.diagnosis.remedy;
+  if (report_.solve.status != SolveStatus::TimeBudget)
+    report_.message +=
+        "; the time step was halved down to time.min_step = " + quantity_text(settings_.time.min_step, "s") +
+        " without success";
+  finish_report(StepStatus::Failed);
 }
 
 bool Simulation::attempt(double h, bool straight, SolveReport& total) {
@@ -144,8 +197,10 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
     predict(h, 1.0);
   }
   SolveReport solved = newton_->minimize(*potential_, h);
-  if (straight && is_success(solved.status) && leads_through_something(h))
+  may_refuse_ = straight;
+  if (may_refuse_detours(h) && is_success(solved.status) && leads_through_something())
     solved.status = SolveStatus::Detour;
+  attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);
   return is_success(solved.status);
 }
@@ -163,15 +218,37 @@ bool Simulation::moved_far(const ModelBody& body) const {
   return motion > kFarMotion * norm(high - low);
 }
 
-bool Simulation::leads_through_something(double h) {
+bool Simulation::may_refuse_detours(double h) const {
+  // Shorter steps than this are taken as they are: violent impacts seldom look straight.
+  return may_refuse_ && 0.5 * h >= std::max(settings_.time.min_step, kShortestStraight * settings_.time.step);
+}
+
+bool Simulation::leads_through_something() {
   // The path through the iterates is certified, but at large steps it may lead around an obstacle that is
-  // straight ahead. Shorter steps than this are taken as they are: violent impacts seldom look straight.
-  if (!contact_ || 0.5 * h < std::max(settings_.time.min_step, kShortestStraight * settings_.time.step))
-    return false;
+  // straight ahead.
+  if (!contact_) return false;
   const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
   const bool is_fast =
       std::ranges::any_of(model_->bodies(), [&](const ModelBody& b) { return moved_far(b); });
   return is_fast && contact_->max_step(step_start_, potential_->site_positions()) < 1.0;
+}
+
+Diagnosis Simulation::diagnose() {
+  const double h = attempts_.back().time_step;
+  StepEvidence evidence = collect_evidence({.scene = scene_,
+                                            .settings = settings_,
+                                            .model = *model_,
+                                            .potential = *potential_,
+                                            .contact = contact_.get(),
+                                            .start = step_start_,
+                                            .target = target_configuration(h),
+                                            .direction = newton_->direction(),
+                                            .is_first_step = state_.step_count == 0});
+  evidence.solve = report_.solve;
+  evidence.time_step = h;
+  evidence.attempts = attempts_;
+  if (report_.solve.status == SolveStatus::ConstraintViolated) evidence.joint_violation = violation_text();
+  return judge(std::move(evidence), settings_);
 }
 
 std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
@@ -312,6 +389,7 @@ void Simulation::commit(double h) {
 void Simulation::finish_report(StepStatus status) {
   report_.status = status;
   report_.time = state_.time;
+  if (report_.failed()) step_start_.clear();  // sensors have nothing to tell of it
   if (!report_.failed()) {
     report_.min_distance = contact_ ? contact_->min_distance() : std::numeric_limits<double>::infinity();
     report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;

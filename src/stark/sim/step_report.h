@@ -4,9 +4,11 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include <stark/base/math.h>
 #include <stark/base/timer.h>
+#include <stark/sim/diagnosis.h>
 #include <stark/solve/report.h>
 
 namespace stark {
@@ -14,6 +16,17 @@ namespace stark {
 /// Accepted: at the first attempt. Retried: after at least one halving of the time step. Failed: the state is
 /// unchanged.
 enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
+
+/// What is not quite as asked of a step that was accepted all the same.
+enum class Caveat : uint8_t {
+  RoundOff,     ///< the tolerances are not met: energies could not be told apart any more
+  OldFriction,  ///< limits of friction are a refresh behind, or joints: the last refresh did not converge
+  Detour,  ///< the straight way from start to end leads through something, at 1/16 of time.step and below
+};
+template <>
+struct EnumNames<Caveat> {
+  static constexpr std::array<std::string_view, 3> kNames{"round_off", "old_friction", "detour"};
+};
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step
 ///   stored(end) - stored(start) = external + actuation - damping - friction - numerical.
@@ -39,12 +52,14 @@ struct Momentum {
 
 struct StepReport {
   StepStatus status = StepStatus::Accepted;
-  std::string message;     ///< empty, or why the step was retried or failed, with the remedy
-  int64_t step = 0;        ///< number of this step, from 1
-  double time = 0.0;       ///< at its end [s]
-  double time_step = 0.0;  ///< [s]
-  int rejected_steps = 0;  ///< attempts thrown away before this one
-  SolveReport solve;       ///< of the accepted attempt; counters include the rejected ones
+  std::string message;  ///< empty, or why the step was retried, failed or has caveats, with the remedy
+  Diagnosis diagnosis;  ///< of a step that failed
+  std::vector<Caveat> caveats;  ///< of a step that was accepted
+  int64_t step = 0;             ///< number of this step, from 1
+  double time = 0.0;            ///< at its end [s]
+  double time_step = 0.0;       ///< [s]
+  int rejected_steps = 0;       ///< attempts thrown away before this one
+  SolveReport solve;            ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;
   double min_distance = 0.0;  ///< of the active contacts [m], infinity without any
   /// Largest difference of a friction limit in this step from mu times the normal force at its end [N].

@@ -44,12 +44,13 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   const auto finish = [&](SolveStatus status) {
     // A solution whose friction is a round behind is better than none.
     const bool given_up = !is_success(status) && status != SolveStatus::Interrupted;
-    report.status = given_up && objective.restore_settled() ? SolveStatus::Converged : status;
+    report.is_settled = given_up && objective.restore_settled();
+    report.status = report.is_settled ? SolveStatus::Converged : status;
     return report;
   };
 
   while (true) {
-    if (interrupted_ && interrupted_()) return finish(SolveStatus::Interrupted);
+    if (const auto reason = reason_to_stop(objective)) return finish(*reason);
     const bool pending = objective.has_pending_motion();
     switch (find_direction(objective, report)) {
       case Direction::Found:
@@ -94,19 +95,28 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   }
 }
 
+std::optional<SolveStatus> NewtonSolver::reason_to_stop(const Objective& objective) const {
+  if (interrupted_ && interrupted_()) return SolveStatus::Interrupted;
+  if (deadline_ && std::chrono::steady_clock::now() >= *deadline_) return SolveStatus::TimeBudget;
+  if (objective.has_run_away()) return SolveStatus::RunAway;
+  return {};
+}
+
 NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, SolveReport& report) {
   bool project = settings_.projection == Projection::Always || projection_countdown_ > 0;
   if (projection_countdown_ > 0) --projection_countdown_;
   objective.set_cautious(report.last_step_length < kShortStep);
+  std::optional<double> tolerance;  // one for all matrices of a direction: they have the same gradient
   while (true) {
     objective.linearize(project, gradient_, hessian_);
     if (!all_finite(gradient_)) return Direction::NotFinite;
+    if (!tolerance) tolerance = forcing_tolerance();
     if (project) ++report.projected_iterations;
     right_hand_side_.resize(gradient_.size());
     for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
     const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
-    const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_,
-                                                          forcing_tolerance(), objective.block_positions());
+    const LinearSolveReport solved =
+        linear_solver_.solve(hessian_, right_hand_side_, direction_, *tolerance, objective.block_positions());
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
     const bool usable =
@@ -114,7 +124,7 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     if (usable) break;
     if (settings_.projection == Projection::Never) return Direction::Failed;
     if (project) {
-      if (solve_shifted(objective, report)) break;
+      if (solve_shifted(objective, *tolerance, report)) break;
       return Direction::Failed;
     }
     project = true;
@@ -126,7 +136,7 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
   return Direction::Found;
 }
 
-bool NewtonSolver::solve_shifted(Objective& objective, SolveReport& report) {
+bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveReport& report) {
   // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
   // multiple of the diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
   const auto diagonal = [&](size_t i) -> double& {
@@ -137,8 +147,8 @@ bool NewtonSolver::solve_shifted(Objective& objective, SolveReport& report) {
   mean /= static_cast<double>(gradient_.size());
   for (double shift = kSmallestShift; shift <= 1.0; shift *= kShiftGrowth) {
     for (size_t i = 0; i < gradient_.size(); ++i) diagonal(i) += shift * (std::fabs(diagonal(i)) + mean);
-    const LinearSolveReport solved = linear_solver_.solve(hessian_, right_hand_side_, direction_,
-                                                          forcing_tolerance(), objective.block_positions());
+    const LinearSolveReport solved =
+        linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions());
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
     if (solved.ok && all_finite(direction_) && slope() < 0.0) return true;

@@ -2,7 +2,10 @@
 // turns out indefinite; steps bounded by continuous collision detection; Armijo's rule on energy differences.
 #pragma once
 
+#include <chrono>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include <stark/base/timer.h>
 #include <stark/linalg/linear_solver.h>
@@ -19,9 +22,14 @@ class NewtonSolver {
   /// Asked between iterations; returning true ends the minimisation with status Interrupted.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
+  /// From this time on, looked at between iterations, minimisations end with status TimeBudget.
+  void set_deadline(std::optional<std::chrono::steady_clock::time_point> deadline) { deadline_ = deadline; }
+
   /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step`
   /// [s] turns the motion of a Newton step into a velocity.
   SolveReport minimize(Objective& objective, double time_step);
+  /// Last direction of the last minimisation.
+  std::span<const double> direction() const { return direction_; }
 
  private:
   enum class Direction : uint8_t { Found, NotFinite, Failed };
@@ -29,7 +37,8 @@ class NewtonSolver {
   bool is_converged(const SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
   bool take_full_step(Objective& objective, SolveReport& report);
-  bool solve_shifted(Objective& objective, SolveReport& report);
+  bool solve_shifted(Objective& objective, double tolerance, SolveReport& report);
+  std::optional<SolveStatus> reason_to_stop(const Objective& objective) const;
   double slope() const;
   double forcing_tolerance();
 
@@ -37,6 +46,7 @@ class NewtonSolver {
   LinearSolver& linear_solver_;
   PhaseTimer& timer_;
   std::function<bool()> interrupted_;
+  std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
   int projection_countdown_ = 0;  ///< iterations for which Hessians stay projected after a failure

@@ -1,6 +1,8 @@
 // Settings of the nonlinear solve. Their descriptor table is with all others in sim/settings.cpp.
 #pragma once
 
+#include <limits>
+
 #include <stark/base/settings.h>
 
 namespace stark {
@@ -26,6 +28,9 @@ struct NewtonSettings {
       1e-3;  ///< [m/s] largest site motion of the next full Newton step, over the time step
   Termination termination = Termination::All;
   int max_iterations = 200;  ///< then the step is retried with half the length
+  /// [s] by the clock on the wall, of a step with all its attempts; then it fails. Infinity: no limit. Not
+  /// deterministic.
+  double max_seconds = std::numeric_limits<double>::infinity();
   Projection projection = Projection::OnDemand;
   double armijo = 1e-4;       ///< demanded share of the predicted decrease of the energy
   int max_backtracks = 40;    ///< halvings of one line search

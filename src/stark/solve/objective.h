@@ -63,6 +63,9 @@ class Objective {
   /// quantities once more. Returns false when there is none.
   virtual bool restore_settled() { return false; }
 
+  /// True when the iterate has moved beyond any scale that a minimum could have.
+  virtual bool has_run_away() const { return false; }
+
   /// Positions of the blocks, for fill-reducing orderings; may be empty.
   virtual std::span<const Vec3> block_positions() const { return {}; }
 };

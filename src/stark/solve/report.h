@@ -1,8 +1,12 @@
 // What a minimisation did and how it ended.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
+
+#include <stark/base/settings.h>
 
 namespace stark {
 
@@ -17,6 +21,16 @@ enum class SolveStatus : uint8_t {
   Interrupted,
   Detour,              ///< the straight way from start to end of the step leads through something
   ConstraintViolated,  ///< joints that contradict each other, or are beyond the reach of their bodies
+  TimeBudget,          ///< max_seconds is used up
+  RunAway,             ///< the iterate is beyond any scale of the objective: there is no minimum
+};
+
+template <>
+struct EnumNames<SolveStatus> {
+  static constexpr std::array<std::string_view, 12> kNames{
+      "converged",           "round_off", "max_iterations", "not_finite", "line_search_failed",
+      "linear_solve_failed", "blocked",   "interrupted",    "detour",     "constraint_violated",
+      "time_budget",         "run_away"};
 };
 
 constexpr bool is_success(SolveStatus status) {
@@ -36,6 +50,7 @@ struct SolveReport {
   double lag_residual = 0.0;  ///< change of the lagged forces at their last update [N]
   double last_motion = 0.0;   ///< of the last full Newton step [m]
   double last_step_length = 1.0;
+  bool is_settled = false;  ///< the last refresh of lagged quantities did not converge; the one before counts
 };
 
 }  // namespace stark

@@ -1,0 +1,180 @@
+"""Writes a time step of a simulation as data and a script that takes it again."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.array_file import write_arrays
+from stark.checkpoint import CheckpointError, memory
+
+from . import reduction
+from .errors import ReproducerError
+from .parts import NotDataError, as_data
+
+if TYPE_CHECKING:
+    from stark.scene_record import Call
+    from stark.simulation import Simulation, TakenStep
+
+FORMAT_NAME = "stark-reproducer"
+FORMAT_VERSION = 1
+DATA, SCRIPT = "step.npz", "reproduce.py"
+
+_SCRIPT = '''"""{title}
+
+{message}
+
+Takes the step again: python {script}. {data} beside it holds the scene, the settings, the state
+before the step.
+
+{bodies}
+{missing}"""
+
+from pathlib import Path
+
+from stark import reproducer
+
+sim = reproducer.load(Path(__file__).with_name("{data}"))
+
+if __name__ == "__main__":
+    report = sim.step({limit})
+    print(report.brief())
+    if report.diagnosis:
+        print(report.diagnosis.cause)
+        print(report.diagnosis.finding)
+        print(report.diagnosis.remedy)
+'''
+
+
+def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
+    """Writes the step that ``sim`` took last, failed or not, into ``folder``; returns the script. ``reduce``
+    leaves out the bodies that have no part in it, where the step of what is left fails for the same cause: it
+    is taken, which may last as long as the step itself.
+
+    Raises ReproducerError when no step was taken since the simulation was made, loaded or rewound, and when
+    the folder cannot be written. Files of an earlier reproducer there are replaced."""
+    taken = sim._taken
+    if taken is None:
+        raise ReproducerError(
+            "no step to reproduce: must be written after a step, before the state is set; call sim.step()"
+        )
+    state = taken.before.arrays()
+    header, arrays = _described(sim, taken, sim._calls, state)
+    left_out: list[str] = []
+    if reduce and taken.report.diagnosis:
+        for keep in reduction.candidates(sim, taken.report.diagnosis):
+            smaller = _described(sim, taken, *reduction.reduced(sim, state, keep))
+            if _fails_alike(taken, *smaller):
+                header, arrays = smaller
+                left_out = [body.name for k, body in enumerate(sim.bodies) if k not in keep]
+                break
+    place = Path(folder)
+    text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        write_arrays(place / DATA, {"header": text, **arrays})
+        script = _script(sim, taken, left_out, header["missing"])
+        (place / SCRIPT).write_text(script, encoding="utf-8")
+    except OSError as error:
+        raise ReproducerError(f"reproducer '{place}' cannot be written: {error}") from error
+    return place / SCRIPT
+
+
+def _described(
+    sim: Simulation, taken: TakenStep, calls: list[Call], state: dict[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and arrays of the file."""
+    arrays: dict[str, Any] = {f"state/{name}": array for name, array in state.items()}
+    try:
+        encoded, missing = _encoded(calls, arrays)
+    except CheckpointError as error:
+        raise ReproducerError(f"reproducer: {error}") from None
+    report = taken.report
+    header = {
+        "format": FORMAT_NAME,
+        "version": FORMAT_VERSION,
+        "stark_version": _core.__version__,
+        "scene": sim.scene.name,
+        "step": report.step,
+        "settings": sim.settings.to_dict(),
+        "calls": encoded,
+        "missing": missing,
+        "state_hash": _core.State.of_arrays(state).hash,
+        "status": report.status,
+        "solve_status": report.solve_status,
+        "cause": report.diagnosis.cause if report.diagnosis else None,
+        "message": report.message,
+    }
+    return header, arrays
+
+
+def _fails_alike(taken: TakenStep, header: dict[str, Any], arrays: dict[str, Any]) -> bool:
+    from .loading import simulation_of
+
+    try:
+        sim = simulation_of(json.loads(json.dumps(header)), arrays, "reproducer")
+        report = sim.step() if taken.limit is None else sim.step(max_time_step=taken.limit)
+    except InvalidArgument:
+        return False
+    expected = taken.report
+    return (
+        report.failed
+        and report.solve_status == expected.solve_status
+        and report.diagnosis.cause == expected.diagnosis.cause
+    )
+
+
+def _encoded(calls: list[Call], arrays: dict[str, Any]) -> tuple[list[Any], list[dict[str, Any]]]:
+    """Calls as JSON, and what cannot be: formulas of the user's own."""
+    encoded, missing = [], []
+    for name, arguments in calls:
+        try:
+            encoded.append([name, memory.encode(as_data(list(arguments)), arrays, place=name)])
+        except NotDataError as error:
+            what = name.removeprefix("add_")
+            given = arguments[0].get("name") or arguments[0].get("formula_name", "")
+            title = f"{what} '{given}'"
+            missing.append({"call": name, "what": title if str(error) == "formula" else f"{title}: {error}"})
+    return encoded, missing
+
+
+def _script(sim: Simulation, taken: TakenStep, left_out: list[str], missing: list[dict[str, Any]]) -> str:
+    report = taken.report
+    failed = f"which {report.status}" if not report.failed else "which failed"
+    title = f"Step {report.step} of the scene '{sim.scene.name}' at t = {taken.before.time:.6g} s, {failed}."
+    bodies = "\n".join(
+        f"    {body.kind} '{body.name}' ({len(body.mesh.vertices)} vertices)"
+        for body in sim.bodies
+        if body.name not in left_out
+    )
+    if left_out:
+        bodies += f"\nWithout {len(left_out)} bodies, which have no part in it: {', '.join(left_out)}"
+    lost = ""
+    if missing:
+        rows = "\n".join(f"    {row['what']}" for row in missing)
+        lost = (
+            "\nNot in here, because formulas of the user's own are code. The step goes without energies;\n"
+            f"other parts must be added to the scene by hand:\n{rows}\n"
+        )
+    return _SCRIPT.format(
+        title=_quoted(title),
+        message=_quoted(report.message or "It has nothing to say."),
+        script=SCRIPT,
+        data=DATA,
+        limit="" if taken.limit is None else f"max_time_step={taken.limit!r}",
+        bodies=_quoted(f"Bodies:\n{bodies}", width=0),
+        missing=_quoted(lost, width=0),
+    )
+
+
+def _quoted(text: str, width: int = 100) -> str:
+    """For a docstring."""
+    safe = text.replace("\\", "\\\\").replace('"""', "'''")
+    return textwrap.fill(safe, width) if width else safe

@@ -1,0 +1,92 @@
+"""Remembers what a scene was given, so that a step that fails can be written to a file with all that it
+depends on."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+from stark import _core
+
+#: A call on the scene of the core: name and arguments.
+Call = tuple[str, tuple[Any, ...]]
+
+
+class RecordedScene(_core.Scene):
+    """A scene of the core that keeps the calls which made it what it is, in order, with copies of their
+    arrays. Calls that were refused are not among them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.calls: list[Call] = []
+
+    def _do(self, name: str, *arguments: Any) -> Any:
+        kept = tuple(_copied(argument) for argument in arguments)
+        result = getattr(super(), name)(*arguments)
+        self.calls.append((name, kept))
+        return result
+
+    def add_cloth(self, description: dict[str, Any], material: _core.ShellMaterial) -> int:
+        return self._do("add_cloth", description, material)
+
+    def add_solid(self, description: dict[str, Any], material: _core.SolidMaterial) -> int:
+        return self._do("add_solid", description, material)
+
+    def add_rod(self, description: dict[str, Any], material: _core.RodMaterial) -> int:
+        return self._do("add_rod", description, material)
+
+    def add_rigid(self, description: dict[str, Any]) -> int:
+        return self._do("add_rigid", description)
+
+    def add_skin(self, description: dict[str, Any], material: _core.ShellMaterial) -> int:
+        return self._do("add_skin", description, material)
+
+    def add_fibres(self, description: dict[str, Any], material: _core.RodMaterial) -> int:
+        return self._do("add_fibres", description, material)
+
+    def add_energy(self, description: dict[str, Any]) -> int:
+        return self._do("add_energy", description)
+
+    def add_joint(self, description: dict[str, Any]) -> int:
+        return self._do("add_joint", description)
+
+    def add_actuator(self, description: dict[str, Any]) -> int:
+        return self._do("add_actuator", description)
+
+    def add_attachment(self, description: dict[str, Any]) -> int:
+        return self._do("add_attachment", description)
+
+    def set_actuator_value(self, actuator: int, name: str, value: float) -> None:
+        self._do("set_actuator_value", actuator, name, value)
+
+    def set_actuator_enabled(self, actuator: int, enabled: bool) -> None:
+        self._do("set_actuator_enabled", actuator, enabled)
+
+    def pin(self, body: int, vertices: Any) -> None:
+        self._do("pin", body, vertices)
+
+    def clamp(self, body: int, nodes: Any) -> None:
+        self._do("clamp", body, nodes)
+
+    def set_friction(self, a: int, b: int, sticking: float, sliding: float) -> None:
+        self._do("set_friction", a, b, sticking, sliding)
+
+    def disable_contact(self, a: int, b: int) -> None:
+        self._do("disable_contact", a, b)
+
+    def enable_contact(self, a: int, b: int) -> None:
+        self._do("enable_contact", a, b)
+
+
+def _copied(value: Any) -> Any:
+    """With arrays and containers of its own; objects of the core do not change once they are handed over,
+    but for materials."""
+    if isinstance(value, dict):
+        return {key: _copied(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return type(value)(_copied(item) for item in value)
+    if hasattr(value, "__array__"):
+        return copy.deepcopy(value)
+    if isinstance(value, (_core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)):
+        return value.copy()
+    return value

@@ -1,0 +1,271 @@
+#include <stark/sim/diagnosis.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace stark {
+
+namespace {
+
+/// Stretch of a body between two of its pins that nobody means.
+constexpr double kPinStretch = 1.5;
+/// Distance over contact distance below which bodies that start like that overlap in thickness.
+constexpr double kOverlap = 0.1;
+/// Motion in a quasistatic step over the size of the scene from which nothing holds the bodies.
+constexpr double kRunaway = 10.0;
+/// Ratio of stiffnesses at which the softest is rounding of the stiffest.
+constexpr double kContrast = 1e14, kContrastOfSolve = 1e11;
+/// Multiple of the estimated rounding up to which a residual counts as rounding.
+constexpr double kRoundingRange = 100.0;
+constexpr size_t kNamedVertices = 4;
+
+struct Verdict {
+  FailureCause cause = FailureCause::None;
+  std::string finding, remedy;
+  std::vector<std::string> bodies{};
+};
+
+std::string percent(double fraction) { return to_text(std::round(1e4 * fraction) / 100.0) + " %"; }
+
+/// Three digits are enough to read.
+std::string rough(double value, const char* unit) {
+  const double scale = value == 0.0 ? 1.0 : std::pow(10.0, 2.0 - std::floor(std::log10(std::fabs(value))));
+  return quantity_text(std::isfinite(scale) ? std::round(value * scale) / scale : value, unit);
+}
+
+std::string point_text(const Vec3& p) {
+  return "(" + rough(p.x, "1") + ", " + rough(p.y, "1") + ", " + rough(p.z, "1") + ") m";
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t k = 0; k < names.size(); ++k)
+    text += (k == 0 ? "" : (k + 1 == names.size() ? " and " : ", ")) + names[k];
+  return text;
+}
+
+std::string force_text(const StepEvidence& e) {
+  if (e.forces.empty()) return "";
+  const UnbalancedForce& worst = e.forces.front();
+  return "the largest unbalanced force is " + rough(worst.force, "N") + " (" +
+         rough(worst.acceleration, "m/s^2") + ") on " + place_text(worst.at) + " near " +
+         point_text(worst.position);
+}
+
+std::string pair_text(const BlockingPair& pair) {
+  return place_text(pair.a) + " and " + place_text(pair.b) + " allow " + percent(pair.fraction) +
+         " of the last Newton step before they touch";
+}
+
+std::string gap_text(const NarrowGap& gap) {
+  return place_text(gap.a) + " is " + rough(gap.distance, "m") + " from " + place_text(gap.b) +
+         ", within their contact distance of " + rough(gap.contact_distance, "m");
+}
+
+std::string element_text(const StrainedElement& element) {
+  return "element " + std::to_string(element.element) + " of " + place_text(element.at) +
+         (element.size <= 0.0 ? " is inverted, at " : " has ") + rough(element.size, "1") +
+         " times its size at rest, with edges stretched by up to " + rough(element.stretch, "1");
+}
+
+const StrainedElement* find_inverted(const StepEvidence& e, bool prescribed_only) {
+  for (const StrainedElement& element : e.elements)
+    if (!(element.size > 0.0) && (element.is_prescribed || !prescribed_only)) return &element;
+  return nullptr;
+}
+
+Verdict judge_pins(const StepEvidence& e) {
+  if (const StrainedElement* element = find_inverted(e, true))
+    return {FailureCause::OverconstrainedPins,
+            "prescribed vertices contradict each other: " + element_text(*element) +
+                ", and all its vertices are pinned",
+            "check the targets of these pins, or pin fewer vertices",
+            {element->at.body}};
+  if (e.pins && e.pins->stretch() > kPinStretch)
+    return {FailureCause::OverconstrainedPins,
+            "prescribed vertices pull " + place_text(e.pins->pins) + " to a distance of " +
+                rough(e.pins->distance, "m") + ", " + rough(e.pins->stretch(), "1") +
+                " times the length of what is between them, " + rough(e.pins->length, "m"),
+            "check the targets of these pins, move them in smaller steps, or pin fewer vertices",
+            {e.pins->pins.body}};
+  return {};
+}
+
+Verdict judge_prescribed(const StepEvidence& e) {
+  if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived) return {};
+  if (Verdict pins = judge_pins(e); pins.cause != FailureCause::None && find_inverted(e, true)) return pins;
+  if (!e.blocking && e.gaps.empty()) return judge_pins(e);
+  std::vector<std::string> bodies = e.pushing;
+  std::string what = listed(e.pushing) + " cannot get where prescribed: ";
+  if (e.blocking) {
+    what += pair_text(*e.blocking);
+    bodies.insert(bodies.end(), {e.blocking->a.body, e.blocking->b.body});
+  } else {
+    what += gap_text(e.gaps.front());
+    bodies.insert(bodies.end(), {e.gaps.front().a.body, e.gaps.front().b.body});
+  }
+  return {
+      FailureCause::BlockedMotion, what,
+      "end the prescribed motion before the obstacle, leave room for what is in between and for the "
+      "contact distances, move the obstacle, or drive the body by an actuator with a force that has a cap",
+      bodies};
+}
+
+Verdict judge_not_finite(const StepEvidence& e) {
+  if (e.solve.status != SolveStatus::NotFinite) return {};
+  if (const StrainedElement* element = find_inverted(e, false))
+    return {FailureCause::InvertedElement,
+            element_text(*element) + ", where its law has no finite energy",
+            "start from a shape without inverted elements (initial_positions, pins), or use a law that "
+            "stands inversion, such as stable_neo_hookean",
+            {element->at.body}};
+  std::string what = "an energy or its derivatives are not finite";
+  std::vector<std::string> bodies;
+  if (!e.not_finite.empty()) {
+    what += ": that of " + place_text(e.not_finite.front());
+    bodies.push_back(e.not_finite.front().body);
+  }
+  return {
+      FailureCause::NotFinite, what,
+      "look for the norm of a zero vector, divisions by zero, roots and logarithms of negative numbers in "
+      "its formula, for collapsed elements, and for numbers too large to square",
+      bodies};
+}
+
+/// Whether a value that misses its tolerance does so because of rounding alone.
+bool is_rounding(double tolerance, double value, double rounding) {
+  return tolerance < rounding && value < kRoundingRange * rounding;
+}
+
+Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
+  if (e.solve.status != SolveStatus::MaxIterations && e.solve.status != SolveStatus::LineSearchFailed)
+    return {};
+  struct Test {
+    const char *name, *unit;
+    double tolerance, value, rounding;
+  };
+  const double speed = e.solve.last_motion / e.time_step;
+  std::string missed;
+  for (const Test& t :
+       {Test{"newton.acceleration_tolerance", "m/s^2", newton.acceleration_tolerance, e.solve.acceleration,
+             e.acceleration_rounding},
+        Test{"newton.residual_tolerance", "N", newton.residual_tolerance, e.solve.residual, e.force_rounding},
+        Test{"newton.step_tolerance", "m/s", newton.step_tolerance, speed, e.speed_rounding / e.time_step}}) {
+    if (t.tolerance <= 0.0 || t.value < t.tolerance) continue;
+    if (!is_rounding(t.tolerance, t.value, t.rounding)) return {};
+    missed += (missed.empty() ? "" : ", ") + std::string(t.name) + " = " +
+              quantity_text(t.tolerance, t.unit) + " (rounding: about " + rough(t.rounding, t.unit) +
+              ", reached: " + rough(t.value, t.unit) + ")";
+  }
+  if (missed.empty()) return {};
+  return {FailureCause::ToleranceBelowRoundOff, "tolerances are below what rounding allows: " + missed,
+          "raise them above the rounding; what is far from the origin or very stiff rounds more",
+          e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
+}
+
+Verdict judge_equilibrium(const StepEvidence& e, const Settings& settings) {
+  const bool runs_away =
+      e.solve.status == SolveStatus::RunAway ||
+      (settings.time.integrator == Integrator::Quasistatic && e.motion > kRunaway * e.scene_size);
+  if (!runs_away) return {};
+  return {FailureCause::NoEquilibrium,
+          "nothing holds " + (e.forces.empty() ? std::string("the bodies") : e.forces.front().at.body) +
+              ": it moved by " + rough(e.motion, "m") + " in a quasistatic step of a scene of " +
+              rough(e.scene_size, "m"),
+          "pin it, put it on something, or use an integrator with inertia such as implicit_euler",
+          e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
+}
+
+Verdict judge_overlap(const StepEvidence& e) {
+  if (!e.is_first_step || e.start_gaps.empty() || e.start_gaps.front().ratio() > kOverlap) return {};
+  const NarrowGap& gap = e.start_gaps.front();
+  return {FailureCause::ThicknessOverlap,
+          "bodies overlap in thickness at the start: " + gap_text(gap),
+          "move them at least " + rough(gap.contact_distance, "m") +
+              " apart, or give them a smaller contact_distance",
+          {gap.a.body, gap.b.body}};
+}
+
+Verdict judge_status(const StepEvidence& e) {
+  switch (e.solve.status) {
+    case SolveStatus::Detour:
+      return {FailureCause::Detour, "bodies would change places within the step", "lower time.step"};
+    case SolveStatus::LinearSolveFailed:
+      if (e.stiffness_ratio > kContrastOfSolve) break;
+      return {FailureCause::SingularSystem, "the linear system could not be solved; " + force_text(e),
+              "look for free bodies without inertia or support, and use linear.solver = 'cholesky'"};
+    default:
+      break;
+  }
+  if (e.stiffness_ratio > (e.solve.status == SolveStatus::LinearSolveFailed ? kContrastOfSolve : kContrast))
+    return {FailureCause::StiffnessContrast,
+            e.stiffest + " is " + rough(e.stiffness_ratio, "1") + " times as stiff as " + e.softest +
+                ", too much for double precision",
+            "make stiff parts softer or rigid bodies, soft and light parts stiffer or heavier",
+            {e.stiffest, e.softest}};
+  if (e.solve.status == SolveStatus::MaxIterations)
+    return {FailureCause::IterationBudget,
+            "Newton's method was still on its way after newton.max_iterations; " + force_text(e),
+            "raise newton.max_iterations, lower time.step, or loosen the tolerances"};
+  return {FailureCause::Unknown, force_text(e),
+          "look at the bodies named here, for over-constrained parts and for extreme stiffness; "
+          "write_reproducer(path) keeps the step for study"};
+}
+
+Verdict find_cause(const StepEvidence& e, const Settings& settings) {
+  switch (e.solve.status) {
+    case SolveStatus::Interrupted:
+      return {FailureCause::Interrupted, "interrupted", "go on with another step"};
+    case SolveStatus::TimeBudget:
+      return {FailureCause::TimeBudget,
+              std::to_string(e.solve.iterations) + " iterations in " + std::to_string(e.attempts.size()) +
+                  " attempts took longer than " + quantity_text(settings.newton.max_seconds, "s") + "; " +
+                  force_text(e),
+              "raise newton.max_seconds, make the scene smaller, or lower time.step"};
+    case SolveStatus::ConstraintViolated: {
+      const size_t end = e.joint_violation.find("; ");
+      return {FailureCause::ContradictingJoints, e.joint_violation.substr(0, end),
+              end == std::string::npos ? "look for joints that contradict each other"
+                                       : e.joint_violation.substr(end + 2)};
+    }
+    default:
+      break;
+  }
+  for (Verdict verdict : {judge_prescribed(e), judge_not_finite(e), judge_tolerance(e, settings.newton),
+                          judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
+    if (verdict.cause != FailureCause::None) return verdict;
+  if (!e.unit_suspicions.empty())
+    return {FailureCause::UnitMistake, "numbers look as if in other units: " + e.unit_suspicions.front(),
+            "check the units of all that is named here; lengths are in m, masses in kg, times in s"};
+  return judge_status(e);
+}
+
+}  // namespace
+
+std::string place_text(const BodyVertices& place) {
+  if (place.vertices.empty()) return place.body;
+  std::string text = place.body + (place.vertices.size() == 1 ? " (vertex " : " (vertices ");
+  for (size_t k = 0; k < std::min(kNamedVertices, place.vertices.size()); ++k)
+    text += (k > 0 ? ", " : "") + std::to_string(place.vertices[k]);
+  return text + (place.vertices.size() > kNamedVertices ? ", ...)" : ")");
+}
+
+Diagnosis judge(StepEvidence evidence, const Settings& settings) {
+  Verdict verdict = find_cause(evidence, settings);
+  Diagnosis diagnosis{
+      .cause = verdict.cause, .finding = std::move(verdict.finding), .remedy = std::move(verdict.remedy)};
+  const auto add = [&](const std::string& body) {
+    if (!body.empty() && std::ranges::find(diagnosis.bodies, body) == diagnosis.bodies.end())
+      diagnosis.bodies.push_back(body);
+  };
+  for (const std::string& body : verdict.bodies) add(body);
+  if (verdict.bodies.empty()) {
+    for (const UnbalancedForce& force : evidence.forces) add(force.at.body);
+    if (evidence.blocking) add(evidence.blocking->a.body), add(evidence.blocking->b.body);
+  }
+  diagnosis.evidence = std::move(evidence);
+  return diagnosis;
+}
+
+}  // namespace stark

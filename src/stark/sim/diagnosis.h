@@ -1,0 +1,153 @@
+// Why a time step failed: a named cause, the bodies and vertices that it is about, the numbers behind it and
+// what to change. judge() reads the evidence that step_evidence.h collects; nothing here looks at a solver.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <stark/base/math.h>
+#include <stark/base/settings.h>
+#include <stark/sim/settings.h>
+#include <stark/solve/report.h>
+
+namespace stark {
+
+/// In the order in which they are looked for: what is certain first, what is merely likely later.
+enum class FailureCause : uint8_t {
+  None,                    ///< nothing failed
+  Interrupted,             ///< by the user
+  TimeBudget,              ///< newton.max_seconds is used up
+  ContradictingJoints,     ///< joints or attachments that cannot hold all at once
+  BlockedMotion,           ///< scripted bodies or pins press something against an obstacle
+  OverconstrainedPins,     ///< prescribed vertices invert or overstretch what is between them
+  InvertedElement,         ///< an element turned inside out, whose law has no energy there
+  NotFinite,               ///< an energy or its derivatives are not finite
+  ToleranceBelowRoundOff,  ///< the tolerances ask for more than rounding of the forces allows
+  NoEquilibrium,           ///< a quasistatic step without anything that holds the bodies
+  ThicknessOverlap,        ///< bodies that start well within their contact distances
+  UnitMistake,             ///< numbers that look as if given in other units
+  Detour,                  ///< bodies would change places within the step
+  SingularSystem,          ///< the linear system could not be solved
+  StiffnessContrast,       ///< stiffnesses too far apart for double precision
+  IterationBudget,         ///< newton.max_iterations is used up, with nothing wrong in sight
+  Unknown,
+};
+template <>
+struct EnumNames<FailureCause> {
+  static constexpr std::array<std::string_view, 17> kNames{"none",
+                                                           "interrupted",
+                                                           "time_budget",
+                                                           "contradicting_joints",
+                                                           "blocked_motion",
+                                                           "overconstrained_pins",
+                                                           "inverted_element",
+                                                           "not_finite",
+                                                           "tolerance_below_round_off",
+                                                           "no_equilibrium",
+                                                           "thickness_overlap",
+                                                           "unit_mistake",
+                                                           "detour",
+                                                           "singular_system",
+                                                           "stiffness_contrast",
+                                                           "iteration_budget",
+                                                           "unknown"};
+};
+
+/// Vertices of one body; none for a rigid body as a whole.
+struct BodyVertices {
+  std::string body;
+  std::vector<int32_t> vertices{};
+};
+
+/// "cloth 'towel' (vertices 3, 4)".
+std::string place_text(const BodyVertices& place);
+
+/// A force that nothing balances, on a vertex or a rigid body.
+struct UnbalancedForce {
+  BodyVertices at;
+  Vec3 position;              ///< [m]
+  double force = 0.0;         ///< [N], torques over the radius of the body
+  double acceleration = 0.0;  ///< [m/s^2]
+};
+
+/// Two parts that are near each other.
+struct NarrowGap {
+  BodyVertices a, b;
+  double distance = 0.0;          ///< [m]
+  double contact_distance = 0.0;  ///< [m] within which they push each other away
+  double ratio() const { return distance / contact_distance; }
+};
+
+/// The two parts that allow a fraction of the last Newton step only, before they would touch.
+struct BlockingPair {
+  BodyVertices a, b;
+  double fraction = 1.0;
+};
+
+/// An element far from its rest shape.
+struct StrainedElement {
+  BodyVertices at;
+  int64_t element = 0;
+  double stretch = 1.0;        ///< the edge length over that at rest that is farthest from 1
+  double size = 1.0;           ///< volume, area or length over that at rest, below 0 where inverted
+  bool is_prescribed = false;  ///< all its vertices are pinned
+};
+
+/// Two pins of a body that are farther apart than what is between them is long.
+struct PinPair {
+  BodyVertices pins;
+  double distance = 0.0;  ///< [m] at the end of the step
+  double length = 0.0;    ///< [m] at rest, along edges
+  double stretch() const { return distance / length; }
+};
+
+/// What one attempt at a step came to.
+struct Attempt {
+  double time_step = 0.0;  ///< [s]
+  SolveStatus status = SolveStatus::Converged;
+  int iterations = 0;
+};
+
+/// What can be seen where the last attempt ended. Lists are sorted, the worst first, and short.
+struct StepEvidence {
+  SolveReport solve;
+  double time_step = 0.0;  ///< [s] of the last attempt
+  bool is_first_step = false;
+  bool prescribed_arrived = true;    ///< prescribed parts have got where they were to go
+  std::vector<std::string> pushing;  ///< prescribed bodies and pinned ones that still had to move
+  std::vector<UnbalancedForce> forces;
+  std::vector<NarrowGap> gaps;        ///< where the attempt ended
+  std::vector<NarrowGap> start_gaps;  ///< where the step started
+  std::optional<BlockingPair> blocking;
+  std::vector<StrainedElement> elements;
+  std::optional<PinPair> pins;           ///< the pair that stretches its body most
+  std::vector<BodyVertices> not_finite;  ///< where energies are not finite, and their owners
+  /// Smallest unbalanced force and acceleration that rounding of the positions lets forces tell apart.
+  double force_rounding = 0.0;         ///< [N]
+  double acceleration_rounding = 0.0;  ///< [m/s^2]
+  double speed_rounding = 0.0;         ///< [m/s] of Newton steps
+  double stiffness_ratio = 1.0;        ///< of the stiffest to the softest translation
+  std::string stiffest, softest;
+  double motion = 0.0, scene_size = 0.0;  ///< [m] largest motion in the step; diagonal of all bodies
+  std::string joint_violation;
+  std::vector<std::string> unit_suspicions;
+  std::vector<Attempt> attempts;
+};
+
+struct Diagnosis {
+  FailureCause cause = FailureCause::None;
+  std::string finding;              ///< what was found, with names, numbers and units
+  std::string remedy;               ///< what to change
+  std::vector<std::string> bodies;  ///< those involved, without repetition
+  StepEvidence evidence;
+
+  explicit operator bool() const { return cause != FailureCause::None; }
+};
+
+/// Names the cause of a failed step.
+Diagnosis judge(StepEvidence evidence, const Settings& settings);
+
+}  // namespace stark

@@ -1,0 +1,74 @@
+// Simulation: what is suspicious about a state before a step is taken.
+#include <map>
+#include <utility>
+
+#include <stark/sim/element_strain.h>
+#include <stark/sim/simulation.h>
+#include <stark/sim/step_evidence.h>
+
+namespace stark {
+
+namespace {
+
+/// Distance over contact distance below which bodies overlap in thickness.
+constexpr double kOverlap = 0.1;
+constexpr size_t kMostGaps = 10000, kMostElements = 1000;
+
+/// All contacts with sites at x, without their stiffness.
+std::vector<Contact> find_all_contacts(ContactSurfaces surfaces, std::span<const Vec3> x, ThreadPool& pool) {
+  ContactGeometry geometry{.mesh = nullptr, .group_distance = surfaces.group_distance};
+  for (const Index2& edge : surfaces.mesh.edges)
+    geometry.edge_squared_length.push_back(
+        squared_norm(surfaces.rest_positions[edge[1]] - surfaces.rest_positions[edge[0]]));
+  BroadPhase broad_phase;
+  broad_phase.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
+  geometry.mesh = &broad_phase.mesh();
+  CandidateList candidates;
+  broad_phase.find(x, geometry.group_distance, pool, candidates);
+  std::vector<Contact> contacts;
+  find_contacts(geometry, candidates, x, pool, contacts);
+  return contacts;
+}
+
+/// One sentence for each pair of bodies, about the narrowest gap.
+void warn_about_overlap(const std::vector<NarrowGap>& gaps, std::vector<std::string>& out) {
+  std::map<std::pair<std::string, std::string>, std::pair<const NarrowGap*, int>> pairs;
+  for (const NarrowGap& gap : gaps) {
+    if (gap.ratio() > kOverlap || gap.a.body == gap.b.body) continue;
+    auto [entry, is_new] = pairs.try_emplace(std::minmax(gap.a.body, gap.b.body), &gap, 0);
+    ++entry->second.second;
+  }
+  for (const auto& [bodies, found] : pairs) {
+    const auto& [gap, count] = found;
+    out.push_back(place_text(gap->a) + " starts " + quantity_text(gap->distance, "m") + " from " +
+                  place_text(gap->b) + (count > 1 ? ", " + std::to_string(count) + " places in all" : "") +
+                  ": within a tenth of their contact distance of " +
+                  quantity_text(gap->contact_distance, "m") +
+                  ", so contact throws them apart; move them apart, or give them a smaller contact_distance");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> Simulation::check_state() const {
+  std::vector<std::string> warnings;
+  const std::vector<Vec3> x = site_positions();
+  if (contact_) {
+    const std::vector<Contact> contacts =
+        find_all_contacts(model_->make_surfaces(scene_, settings_), x, *pool_);
+    warn_about_overlap(find_narrow_gaps(scene_, *model_, contacts, kMostGaps), warnings);
+  }
+  for (int32_t b = 0; b < scene_.body_count(); ++b) {
+    if (scene_.kind(BodyId{b}) != BodyKind::Solid || scene_.solid(BodyId{b}).initial_positions.empty())
+      continue;  // at rest: checked when it was added
+    const std::vector<StrainedElement> elements =
+        find_strained_elements(scene_, BodyId{b}, positions(BodyId{b}), kMostElements);
+    if (elements.empty() || elements.front().size > 0.0) continue;
+    warnings.push_back("element " + std::to_string(elements.front().element) + " of " +
+                       place_text(elements.front().at) +
+                       " starts inverted; check initial_positions and the order of its vertices");
+  }
+  return warnings;
+}
+
+}  // namespace stark

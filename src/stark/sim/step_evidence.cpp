@@ -1,0 +1,270 @@
+#include <stark/sim/step_evidence.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <stark/sim/body_checks.h>
+#include <stark/sim/element_strain.h>
+#include <stark/sim/unit_checks.h>
+
+namespace stark {
+
+namespace {
+
+constexpr size_t kListed = 5;  ///< entries that lists are cut to
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+std::string owner_of(const Scene& scene, int32_t body) {
+  return owner_text(scene.kind(BodyId{body}), scene.name(BodyId{body}));
+}
+
+/// The body that a site is a vertex of, -1 for points that energies and joints made.
+int32_t body_of_site(const Model& model, int32_t site) {
+  for (int32_t b = 0; b < static_cast<int32_t>(model.bodies().size()); ++b) {
+    const ModelBody& body = model.bodies()[b];
+    if (site >= body.first_site && site < body.first_site + body.site_count) return b;
+  }
+  return -1;
+}
+
+/// Vertices of one body.
+BodyVertices place_of(const Scene& scene, const Model& model, std::span<const int32_t> sites) {
+  const int32_t body = body_of_site(model, sites[0]);
+  if (body < 0) return {"a point of an energy"};
+  BodyVertices place{owner_of(scene, body)};
+  for (const int32_t site : sites) place.vertices.push_back(site - model.bodies()[body].first_site);
+  return place;
+}
+
+void add_forces(const FailedStep& step, std::span<const double> gradient, StepEvidence& out) {
+  const std::vector<BodyVertices> owners = block_owners(step.scene, step.model);
+  const std::vector<BlockScale>& scales = step.model.block_scales();
+  const std::span<const Vec3> x = step.potential.block_positions();
+  std::vector<UnbalancedForce> all;
+  for (size_t b = 0; b < owners.size(); ++b) {
+    const double force = norm({gradient[3 * b], gradient[3 * b + 1], gradient[3 * b + 2]});
+    all.push_back({owners[b], x[b], force * scales[b].inverse_length, force * scales[b].inverse_inertia});
+  }
+  const auto larger = [](const UnbalancedForce& a, const UnbalancedForce& b) {
+    return std::isnan(a.force) ? !std::isnan(b.force) : a.force > b.force;
+  };
+  const size_t count = std::min(kListed, all.size());
+  std::partial_sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), all.end(), larger);
+  all.resize(count);
+  out.forces = std::move(all);
+}
+
+std::vector<NarrowGap> find_gaps(const FailedStep& step, std::span<const Vec3> x) {
+  if (!step.contact) return {};
+  step.contact->update(x);
+  return find_narrow_gaps(step.scene, step.model, step.contact->contacts(), kListed);
+}
+
+std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double max_rotation) {
+  if (!step.contact || step.direction.empty() ||
+      !std::ranges::all_of(step.direction, [](double v) { return std::isfinite(v); }))
+    return {};
+  const std::vector<Vec3> end = step.potential.positions_along(step.direction, max_rotation);
+  if (!std::ranges::all_of(end, [](const Vec3& p) { return is_finite(p); })) return {};
+  const double fraction = step.contact->max_step(step.potential.site_positions(), end);
+  const CcdReport& limit = step.contact->limiting_pair();
+  if (fraction >= 1.0 || limit.kind == CandidateKind::None) return {};
+  const SurfaceMesh& mesh = step.contact->mesh();
+  const auto edge = [&](int32_t e) { return place_of(step.scene, step.model, mesh.edges[e]); };
+  const auto point = [&](int32_t p) { return place_of(step.scene, step.model, {&p, 1}); };
+  switch (limit.kind) {
+    case CandidateKind::PointTriangle:
+      return BlockingPair{point(limit.first), place_of(step.scene, step.model, mesh.triangles[limit.second]),
+                          fraction};
+    case CandidateKind::EdgeEdge:
+      return BlockingPair{edge(limit.first), edge(limit.second), fraction};
+    case CandidateKind::PointEdge:
+      return BlockingPair{point(limit.first), edge(limit.second), fraction};
+    default:
+      return BlockingPair{point(limit.first), point(limit.second), fraction};
+  }
+}
+
+void add_strains(const FailedStep& step, StepEvidence& out) {
+  // Prescribed parts count where they were to go, not where they got stuck.
+  std::vector<Vec3> target(step.start.size());
+  step.model.map().positions(step.target, target);
+  const std::span<const Vec3> x = step.potential.site_positions();
+  for (int32_t b = 0; b < step.scene.body_count(); ++b) {
+    const ModelBody& body = step.model.bodies()[b];
+    if (body.kind == BodyKind::Rigid) continue;
+    std::vector<Vec3> places(x.begin() + body.first_site, x.begin() + body.first_site + body.site_count);
+    for (const int32_t v : body.pins) places[v] = target[body.first_site + v];
+    for (StrainedElement& element : find_strained_elements(step.scene, BodyId{b}, places, kListed))
+      out.elements.push_back(std::move(element));
+    std::optional<PinPair> pins = find_stretched_pins(step.scene, BodyId{b}, places);
+    if (pins && (!out.pins || pins->stretch() > out.pins->stretch())) out.pins = std::move(pins);
+  }
+  std::ranges::stable_sort(out.elements, std::greater<>{}, severity);
+  out.elements.resize(std::min(kListed, out.elements.size()));
+}
+
+/// Bodies whose prescribed parts move in this step.
+void add_prescribed(const FailedStep& step, StepEvidence& out) {
+  std::vector<Vec3> target(step.start.size());
+  step.model.map().positions(step.target, target);
+  for (int32_t b = 0; b < step.scene.body_count(); ++b) {
+    const ModelBody& body = step.model.bodies()[b];
+    for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
+      if (step.model.map().is_prescribed(i) && !(target[i] == step.start[i])) {
+        out.pushing.push_back(owner_of(step.scene, b));
+        break;
+      }
+  }
+  out.prescribed_arrived = !step.potential.has_pending_motion();
+}
+
+void add_not_finite(const FailedStep& step, StepEvidence& out) {
+  const std::span<const Vec3> x = step.potential.site_positions();
+  for (const ModelBatch& batch : step.model.batches()) {
+    if (out.not_finite.size() >= kListed || batch.batch.size() == 0) continue;
+    const std::vector<double> values = batch.batch.evaluate(symbolic::Order::Gradient, x);
+    const size_t outputs = values.size() / static_cast<size_t>(batch.batch.size());
+    const auto bad = std::ranges::find_if(values, [](double v) { return !std::isfinite(v); });
+    if (bad == values.end()) continue;
+    const auto element = static_cast<int64_t>(static_cast<size_t>(bad - values.begin()) / outputs);
+    BodyVertices place{batch.owner.empty() ? batch.batch.potential().name() : "'" + batch.owner + "'"};
+    for (const int32_t site : batch.batch.stencil(element)) {
+      const int32_t body = body_of_site(step.model, site);
+      if (body < 0) continue;
+      if (batch.owner == step.scene.name(BodyId{body})) place.body = owner_of(step.scene, body);
+      place.vertices.push_back(site - step.model.bodies()[body].first_site);
+    }
+    out.not_finite.push_back(std::move(place));
+  }
+}
+
+void add_rounding(const FailedStep& step, const BlockMatrix& hessian, StepEvidence& out) {
+  const DofLayout& layout = step.model.map().layout();
+  const std::span<const Vec3> x = step.potential.block_positions();
+  const std::vector<double> noise = force_rounding(hessian, x, layout);
+  const std::vector<BlockScale>& scales = step.model.block_scales();
+  for (size_t b = 0; b < noise.size(); ++b) {
+    out.force_rounding = std::max(out.force_rounding, noise[b] * scales[b].inverse_length);
+    out.acceleration_rounding = std::max(out.acceleration_rounding, noise[b] * scales[b].inverse_inertia);
+    out.speed_rounding = std::max(out.speed_rounding, kEpsilon * norm(x[b]));
+  }
+}
+
+void add_stiffness_ratio(const FailedStep& step, const BlockMatrix& hessian, StepEvidence& out) {
+  const std::vector<BodyVertices> owners = block_owners(step.scene, step.model);
+  std::vector<char> turns(owners.size(), 0);
+  for (const int32_t block : step.model.map().layout().rotation_block)
+    if (block != kNoBlock) turns[block] = 1;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (size_t b = 0; b < owners.size(); ++b) {
+    if (turns[b]) continue;
+    const double* d = hessian.values.data() + 9 * hessian.pattern.row_start[b];
+    const double stiffness = (std::fabs(d[0]) + std::fabs(d[4]) + std::fabs(d[8])) / 3.0;
+    if (stiffness < smallest) smallest = stiffness, out.softest = owners[b].body;
+    if (stiffness > largest) largest = stiffness, out.stiffest = owners[b].body;
+  }
+  if (largest > 0.0 && smallest > 0.0) out.stiffness_ratio = largest / smallest;
+}
+
+void add_motion(const FailedStep& step, StepEvidence& out) {
+  const std::span<const Vec3> x = step.potential.site_positions();
+  Vec3 low{1e300, 1e300, 1e300}, high = -low;
+  for (const ModelBody& body : step.model.bodies())
+    for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], step.start[i][k]);
+        high[k] = std::max(high[k], step.start[i][k]);
+      }
+      out.motion = std::max(out.motion, norm(x[i] - step.start[i]));
+    }
+  out.scene_size = norm(high - low);
+}
+
+}  // namespace
+
+std::vector<NarrowGap> find_narrow_gaps(const Scene& scene, const Model& model, std::span<const Contact> all,
+                                        size_t count) {
+  std::vector<const Contact*> contacts;
+  for (const Contact& contact : all) contacts.push_back(&contact);
+  const auto ratio = [](const Contact* c) { return c->distance / c->contact_distance; };
+  std::ranges::stable_sort(contacts, {}, ratio);
+  std::vector<NarrowGap> gaps;
+  for (size_t k = 0; k < std::min(count, contacts.size()); ++k) {
+    const Contact& c = *contacts[k];
+    const std::span<const int32_t> sites(c.sites.data(), static_cast<size_t>(c.point_count));
+    const auto side_a = static_cast<size_t>(c.side_a_count);
+    gaps.push_back({place_of(scene, model, sites.first(side_a)),
+                    place_of(scene, model, sites.subspan(side_a)), c.distance, c.contact_distance});
+  }
+  return gaps;
+}
+
+std::vector<BodyVertices> block_owners(const Scene& scene, const Model& model) {
+  const DofLayout& layout = model.map().layout();
+  std::vector<BodyVertices> owners(layout.block_count, {"a part of the model"});
+  for (int32_t b = 0; b < scene.body_count(); ++b) {
+    const ModelBody& body = model.bodies()[b];
+    const std::string owner = owner_of(scene, b);
+    if (body.kind == BodyKind::Cloth || body.kind == BodyKind::Solid) {
+      for (int32_t v = 0; v < body.site_count; ++v)
+        if (const int32_t block = layout.point_block[body.first_site + v]; block != kNoBlock)
+          owners[block] = {owner, {v}};
+      continue;
+    }
+    const bool is_rod = body.kind == BodyKind::Rod;
+    for (int32_t v = 0; v < (is_rod ? body.site_count : 1); ++v)
+      for (const int32_t block :
+           {layout.body_block[body.rigid_index + v], layout.rotation_block[body.rigid_index + v]})
+        if (block != kNoBlock) owners[block] = {owner, is_rod ? std::vector{v} : std::vector<int32_t>{}};
+  }
+  for (size_t k = 0; k < model.fibres().size(); ++k)
+    for (int32_t f = 0; f < model.fibres()[k].frame_count; ++f) {
+      const int32_t frame = model.fibres()[k].first_frame + f;
+      if (const int32_t block = layout.rotation_block[frame]; block != kNoBlock)
+        owners[block] = {"fibres '" + scene.fibres()[k].name + "'"};
+    }
+  return owners;
+}
+
+std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
+                                   const DofLayout& layout) {
+  std::vector<double> known(block_positions.size());
+  for (size_t b = 0; b < known.size(); ++b) known[b] = kEpsilon * norm(block_positions[b]);
+  for (const int32_t block : layout.rotation_block)
+    if (block != kNoBlock) known[block] = kEpsilon;
+  std::vector<double> noise(known.size(), 0.0);
+  const BlockPattern& pattern = hessian.pattern;
+  for (int32_t i = 0; i < pattern.block_count; ++i)
+    for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot) {
+      double squared = 0.0;
+      for (int k = 0; k < 9; ++k) squared += hessian.values[9 * slot + k] * hessian.values[9 * slot + k];
+      const int32_t j = pattern.column[slot];
+      noise[i] += std::sqrt(squared) * known[j];
+      if (j != i) noise[j] += std::sqrt(squared) * known[i];
+    }
+  return noise;
+}
+
+StepEvidence collect_evidence(const FailedStep& step) {
+  StepEvidence evidence;
+  evidence.is_first_step = step.is_first_step;
+  add_prescribed(step, evidence);
+  evidence.start_gaps = find_gaps(step, step.start);
+  evidence.gaps = find_gaps(step, step.potential.site_positions());
+  evidence.blocking = find_blocking_pair(step, step.settings.newton.max_rotation);
+  std::vector<double> gradient(3 * static_cast<size_t>(step.potential.block_count()), 0.0);
+  BlockMatrix hessian;
+  step.potential.linearize(false, gradient, hessian);
+  add_forces(step, gradient, evidence);
+  add_not_finite(step, evidence);
+  add_strains(step, evidence);
+  add_rounding(step, hessian, evidence);
+  add_stiffness_ratio(step, hessian, evidence);
+  add_motion(step, evidence);
+  evidence.unit_suspicions = check_units(step.scene, step.settings);
+  return evidence;
+}
+
+}  // namespace stark

@@ -1,0 +1,114 @@
+#include <stark/sim/unit_checks.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <stark/sim/body_checks.h>
+#include <stark/sim/material_fields.h>
+
+namespace stark {
+
+namespace {
+
+struct Range {
+  double low, high;
+  bool contains(double value) const { return low <= value && value <= high; }
+};
+
+/// From light foams to osmium [kg/m^3]; from tissue to armour plate [kg/m^2]; from weak gels to diamond [Pa].
+constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-3, 100.0}, kModulus{10.0, 2e12};
+/// Extent of what is simulated as moving [m].
+constexpr Range kExtent{1e-4, 50.0};
+constexpr double kThickestContact = 0.2;  ///< contact distance over the extent of a body
+constexpr double kHeaviest = 10.0;        ///< pressure of a body's own weight over its Young's modulus
+constexpr double kStrongestGravity = 300.0, kLongestStep = 0.5;  ///< [m/s^2], the Sun's; [s]
+
+class Suspicions {
+ public:
+  void check(const std::string& owner, const char* name, double value, const char* unit, const Range& range,
+             const char* hint) {
+    if (range.contains(value)) return;
+    add(owner + ": " + name + " = " + quantity_text(value, unit) + " (ordinary: " + to_text(range.low) +
+        " to " + quantity_text(range.high, unit) + "); " + hint);
+  }
+  void add(std::string text) { list_.push_back(std::move(text)); }
+  std::vector<std::string> take() { return std::move(list_); }
+
+ private:
+  std::vector<std::string> list_;
+};
+
+/// Young's modulus of the elements of a body [Pa], the smallest; infinity for laws without.
+template <typename Description>
+double smallest_modulus(const Description& body) {
+  const ParameterValues values = elastic_energy(body).values;
+  const auto found = values.find("youngs_modulus");
+  if (found == values.end() || found->second.values.empty()) return std::numeric_limits<double>::infinity();
+  return *std::ranges::min_element(found->second.values);
+}
+
+Vec3 box_size(std::span<const Vec3> points) {
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points)
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+  return high - low;
+}
+
+void check_modulus(const std::string& owner, double modulus, Suspicions& out) {
+  if (std::isfinite(modulus))
+    out.check(owner, "youngs_modulus", modulus, "Pa", kModulus, "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
+}
+
+void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec3& gravity, Suspicions& out) {
+  const std::string owner = owner_text(scene.kind(body), scene.name(body));
+  if (scene.kind(body) == BodyKind::Cloth) {
+    const ClothDescription& cloth = scene.cloth(body);
+    out.check(owner, "density", element_density(cloth, 0), "kg/m^2", kAreaDensity,
+              "of cloth it is the mass of a unit of area: 1 g/m^2 is 1e-3 kg/m^2");
+  } else if (scene.kind(body) == BodyKind::Solid) {
+    const SolidDescription& solid = scene.solid(body);
+    const double density = element_density(solid, 0), modulus = smallest_modulus(solid);
+    out.check(owner, "density", density, "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
+    check_modulus(owner, modulus, out);
+    const double weight = density * std::fabs(dot(gravity, size));
+    if (weight > kHeaviest * modulus)
+      out.add(owner + ": its weight presses with " + quantity_text(weight, "Pa") + ", " +
+              to_text(std::round(weight / modulus)) + " times its youngs_modulus of " +
+              quantity_text(modulus, "Pa") + ", and flattens it; 1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
+  } else if (scene.kind(body) == BodyKind::Rod) {
+    const RodDescription& rod = scene.rod(body);
+    out.check(owner, "density", element_density(rod, 0), "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
+    check_modulus(owner, smallest_modulus(rod), out);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> check_units(const Scene& scene, const Settings& settings) {
+  Suspicions suspicions;
+  if (norm(settings.gravity) > kStrongestGravity)
+    suspicions.add("the settings: gravity of " + quantity_text(norm(settings.gravity), "m/s^2") +
+                   " (ordinary: 9.81 m/s^2); in mm/s^2 it would be 9810");
+  if (settings.time.step > kLongestStep && settings.time.integrator != Integrator::Quasistatic)
+    suspicions.add("the settings: time.step = " + quantity_text(settings.time.step, "s") +
+                   " (ordinary: 0.001 to 0.05 s); 1 ms is 1e-3 s");
+  for (int32_t i = 0; i < scene.body_count(); ++i) {
+    const BodyId body{i};
+    if (scene.motion(body) != Motion::Dynamic) continue;
+    const std::string owner = owner_text(scene.kind(body), scene.name(body));
+    const Vec3 size = box_size(scene.initial_positions(body));
+    suspicions.check(owner, "extent of the mesh", max_abs(size), "m", kExtent,
+                     "if the mesh is not in metres, scale it with mesh.scaled(factor)");
+    const double distance = scene.contact_distance(body).value_or(settings.contact.distance);
+    if (settings.contact.enabled && distance > kThickestContact * max_abs(size))
+      suspicions.add(owner + ": contact distance of " + quantity_text(distance, "m") +
+                     " for an extent of the mesh of " + quantity_text(max_abs(size), "m") +
+                     "; if the mesh is in metres, give it a contact_distance below " +
+                     quantity_text(0.01 * max_abs(size), "m"));
+    check_material(scene, body, size, settings.gravity, suspicions);
+  }
+  return suspicions.take();
+}
+
+}  // namespace stark

@@ -1,0 +1,243 @@
+"""Steps that fail say why: each cause is provoked by a scene and named with bodies, vertices, a remedy."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stark
+
+UNTURNED = np.eye(3)
+#: One attempt, no halvings: what fails, fails at the step that was asked for.
+ONCE = {"time.min_step": 0.006}
+
+
+def failed(sim: stark.Simulation, cause: str) -> Any:
+    """The diagnosis of the next step, which fails for this cause and leaves the state alone."""
+    before = sim.state
+    report = sim.step()
+    assert report.status == "failed", report.message
+    diagnosis = report.diagnosis
+    assert diagnosis.cause == cause, diagnosis
+    assert sim.state == before or before.time == sim.time
+    assert diagnosis.finding in report.message
+    assert diagnosis.remedy in report.message
+    assert report.to_dict()["diagnosis"]["cause"] == cause
+    return diagnosis
+
+
+def test_a_press_that_meets_an_obstacle() -> None:
+    scene = stark.Scene()
+    scene.add_box((1.0, 1.0, 0.1), motion="fixed", name="table")
+    scene.add_box(0.1, mass=0.1, position=(0, 0, 0.105), name="block")
+    press = scene.add_box((0.2, 0.2, 0.1), motion="scripted", position=(0, 0, 0.21), name="press")
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE)
+    press.pose = (0, 0, 0.1), UNTURNED
+    diagnosis = failed(sim, "blocked_motion")
+    assert diagnosis.pushing == ["rigid body 'press'"]
+    assert "rigid body 'press' cannot get where prescribed" in diagnosis.finding
+    assert "rigid body 'block'" in diagnosis.bodies
+    assert diagnosis.blocking is not None or diagnosis.gaps
+    (attempt,) = diagnosis.attempts
+    assert attempt["time_step"] == 0.01
+    assert attempt["status"] == sim._core.report.solve_status
+
+
+def test_pins_that_are_pulled_through_a_table() -> None:
+    scene = stark.Scene()
+    scene.add_box((1.0, 1.0, 0.1), motion="fixed", name="table")
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), position=(0, 0, 0.06), name="sheet", pins=[0, 1, 2])
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE)
+    sheet.pin_targets = sheet.pin_targets - (0, 0, 0.2)
+    diagnosis = failed(sim, "blocked_motion")
+    assert diagnosis.pushing == ["cloth 'sheet'"]
+    assert set(diagnosis.bodies) == {"cloth 'sheet'", "rigid body 'table'"}
+
+
+def test_pins_that_turn_an_element_inside_out() -> None:
+    scene = stark.Scene()
+    material = stark.materials.neo_hookean(density=1000.0, youngs_modulus=1e5, poissons_ratio=0.3)
+    cube = scene.add_solid(stark.mesh.tet_box(0.1, 1), material, name="cube")
+    cube.pin(np.arange(len(cube.mesh.vertices)))
+    loose = scene.add_box(0.1, mass=1.0, position=(1, 0, 0), name="box")
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE)
+    sim["cube"].pin_targets = cube.mesh.vertices * (1, 1, -0.5)
+    diagnosis = failed(sim, "overconstrained_pins")
+    assert diagnosis.bodies == ["solid 'cube'"]
+    assert diagnosis.elements[0]["size"] < 0.0
+    assert loose.name not in diagnosis.finding
+
+
+def test_pins_that_pull_a_cloth_apart() -> None:
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), name="sheet")
+    x = sheet.positions[:, 0]
+    left, right = np.flatnonzero(x < x.min() + 1e-9), np.flatnonzero(x > x.max() - 1e-9)
+    sheet.pin(np.r_[left, right])
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE, **{"newton.max_iterations": 2})
+    targets = sheet.pin_targets
+    targets[len(left) :, 0] += 0.6
+    sheet.pin_targets = targets
+    diagnosis = failed(sim, "overconstrained_pins")
+    assert "3 times the length" in diagnosis.finding
+    assert diagnosis.bodies == ["cloth 'sheet'"]
+
+
+def test_a_start_that_is_inverted() -> None:
+    scene = stark.Scene()
+    material = stark.materials.neo_hookean(density=1000.0, youngs_modulus=1e5, poissons_ratio=0.3)
+    mesh = stark.mesh.tet_box(0.1, 2)
+    scene.add_solid(mesh, material, name="cube", initial_positions=mesh.vertices * (1, 1, -1))
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE)
+    diagnosis = failed(sim, "inverted_element")
+    assert "stable_neo_hookean" in diagnosis.remedy
+    assert diagnosis.elements[0]["body"] == "solid 'cube'"
+    assert diagnosis.elements[0]["size"] == pytest.approx(-1.0)
+
+
+def test_an_energy_that_is_not_finite_later() -> None:
+    @stark.energy
+    def wall(p: stark.Point, t: stark.Time):
+        return stark.sqrt(0.035 - t) * p.x[0]
+
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 3), name="sheet")
+    scene.add(wall(sheet.vertices[[4]]), name="countdown")
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE)
+    for _ in range(3):
+        assert not sim.step().failed
+    diagnosis = failed(sim, "not_finite")
+    assert "countdown" in diagnosis.finding
+    assert "vertex 4" in diagnosis.finding
+
+
+def test_tolerances_below_round_off() -> None:
+    scene = stark.Scene()
+    cube = scene.add_solid(
+        stark.mesh.tet_box(0.1, 3), stark.materials.steel, position=(1e3, 0, 0), name="beam"
+    )
+    cube.pin([0, 1, 2, 3])
+    sim = stark.Simulation(
+        scene,
+        time_step=0.01,
+        **ONCE,
+        **{"newton.acceleration_tolerance": 1e-12, "newton.step_tolerance": 0.0, "newton.max_iterations": 10},
+    )
+    diagnosis = failed(sim, "tolerance_below_round_off")
+    assert diagnosis.acceleration_rounding > 1e-12
+    assert "newton.acceleration_tolerance = 1e-12 m/s^2" in diagnosis.finding
+
+
+def test_a_cloth_that_nothing_holds_has_no_equilibrium() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), name="sheet")
+    sim = stark.Simulation(
+        scene, time_step=0.01, **ONCE, **{"time.integrator": "quasistatic", "newton.residual_tolerance": 1e-6}
+    )
+    diagnosis = failed(sim, "no_equilibrium")
+    assert "cloth 'sheet'" in diagnosis.finding
+    assert sim._core.report.newton_iterations < 20  # it ends early, not by newton.max_iterations
+
+
+def test_cloths_that_start_in_each_other() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), name="lining", contact_distance=5e-3)
+    scene.add_cloth(stark.mesh.grid(0.3, 0.3, 5), name="coat", contact_distance=5e-3, position=(0, 0, 1e-6))
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE, **{"newton.max_iterations": 1})
+    diagnosis = failed(sim, "thickness_overlap")
+    assert set(diagnosis.bodies) == {"cloth 'lining'", "cloth 'coat'"}
+    assert diagnosis.start_gaps[0]["distance"] == pytest.approx(1e-6, rel=1e-3)
+    assert "0.01 m" in diagnosis.remedy
+
+
+def test_units() -> None:
+    scene = stark.Scene()
+    mesh = stark.mesh.tet_box(80.0, 3)  # a cube of 80 mm
+    scene.add_solid(mesh, stark.materials.silicone, position=(0, 0, 40.01), name="cube", velocity=(0, 0, -9))
+    scene.add_floor(200.0)
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE, **{"newton.max_iterations": 1})
+    diagnosis = failed(sim, "unit_mistake")
+    assert "extent of the mesh = 80 m" in diagnosis.finding
+    assert "mesh.scaled" in diagnosis.finding
+
+
+def test_joints_that_contradict_each_other() -> None:
+    scene = stark.Scene()
+    hand = scene.add_box(0.1, motion="scripted", name="hand")
+    box = scene.add_box(0.1, mass=1.0, position=(0.2, 0, 0), name="box")
+    scene.add_joint("fixed", hand, box, anchor=(0.1, 0, 0), name="grip")
+    scene.add_joint("fixed", None, box, anchor=(0.3, 0, 0), name="anchor")
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE)
+    sim["hand"].pose = (-0.5, 0, 0), UNTURNED
+    diagnosis = failed(sim, "contradicting_joints")
+    assert "is apart by" in diagnosis.finding
+
+
+def test_too_few_iterations() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), position=(0, 0, 0.05), name="sheet", velocity=(0, 0, -10))
+    scene.add_box((1.0, 1.0, 0.05), motion="fixed", name="table")
+    sim = stark.Simulation(scene, time_step=0.01, **ONCE, **{"newton.max_iterations": 1})
+    diagnosis = failed(sim, "iteration_budget")
+    force = diagnosis.forces[0]
+    assert force["body"] == "cloth 'sheet'"
+    assert len(force["vertices"]) == 1
+    assert force["force"] > 0.0
+    assert f"vertex {force['vertices'][0]}" in diagnosis.finding
+
+
+def test_a_budget_of_seconds() -> None:
+    scene = stark.Scene()
+    scene.add_solid(stark.mesh.tet_box(0.2, 6), position=(0, 0, 0.1005), name="cube")
+    scene.add_floor()
+    sim = stark.Simulation(scene, time_step=0.01, **{"newton.max_seconds": 1e-6})
+    report = sim.step()
+    assert report.failed
+    assert report.solve_status == "time_budget"
+    assert report.rejected_steps == 1  # it is not tried again
+    assert report.diagnosis.cause == "time_budget"
+    assert "newton.max_seconds" in report.message
+    with_time = stark.Simulation(scene, time_step=0.01, **{"newton.max_seconds": 600.0})
+    without = stark.Simulation(scene, time_step=0.01)
+    assert not with_time.step().failed
+    without.step()
+    assert with_time.state == without.state
+
+
+def test_steps_that_succeed_have_no_diagnosis() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    report = stark.Simulation(scene).step()
+    assert report.diagnosis is None
+    assert report.caveats == []
+    assert "diagnosis" not in report.to_dict()
+
+
+def test_a_step_at_round_off_says_so() -> None:
+    scene = stark.Scene()
+    cube = scene.add_solid(stark.mesh.tet_box(0.1, 3), position=(0, 0, 0.052), name="cube")
+    cube.pin([0])
+    sim = stark.Simulation(scene, time_step=0.02, **{"newton.residual_tolerance": 1e-25})
+    report = sim.step()
+    assert report.status == "accepted"
+    assert report.caveats == ["round_off"]
+    assert "short of the tolerances" in report.message
+    assert report.to_dict()["caveats"] == ["round_off"]
+
+
+def test_the_guide_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs/failures.md").read_text()
+    (code,) = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(code, {})
+
+
+def test_the_guide_lists_every_cause() -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs/failures.md").read_text()
+    names = re.findall(r"'(\w+)'", stark._core.Diagnosis.cause.__doc__ or "")
+    assert len(names) > 10
+    assert [name for name in names if f"`{name}`" not in text] == []

@@ -1,0 +1,175 @@
+#include <stark/sim/diagnosis.h>
+
+#include <doctest/doctest.h>
+
+using namespace stark;
+
+namespace {
+
+BodyVertices sheet(std::vector<int32_t> vertices) { return {"cloth 'sheet'", std::move(vertices)}; }
+
+/// A step that used up its iterations, with nothing special about it.
+StepEvidence plain() {
+  StepEvidence evidence;
+  evidence.solve.status = SolveStatus::MaxIterations;
+  evidence.solve.residual = 2.0;
+  evidence.solve.acceleration = 3.0;
+  evidence.solve.last_motion = 0.01;
+  evidence.time_step = 0.01;
+  evidence.scene_size = 1.0;
+  evidence.motion = 0.1;
+  evidence.forces = {{sheet({7}), {1, 2, 3}, 2.0, 3.0}};
+  return evidence;
+}
+
+Diagnosis judged(const StepEvidence& evidence, const Settings& settings = {}) {
+  Diagnosis diagnosis = judge(evidence, settings);
+  CHECK_FALSE(diagnosis.finding.empty());
+  CHECK_FALSE(diagnosis.remedy.empty());
+  return diagnosis;
+}
+
+bool names(const Diagnosis& diagnosis, const std::string& text) {
+  return diagnosis.finding.find(text) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("places name at most four vertices") {
+  CHECK(place_text({"rigid body 'box'"}) == "rigid body 'box'");
+  CHECK(place_text(sheet({3})) == "cloth 'sheet' (vertex 3)");
+  CHECK(place_text(sheet({3, 4})) == "cloth 'sheet' (vertices 3, 4)");
+  CHECK(place_text(sheet({1, 2, 3, 4, 5})) == "cloth 'sheet' (vertices 1, 2, 3, 4, ...)");
+}
+
+TEST_CASE("a step with nothing wrong in sight ran out of iterations, or has no known cause") {
+  const Diagnosis budget = judged(plain());
+  CHECK(budget.cause == FailureCause::IterationBudget);
+  CHECK(names(budget, "2 N"));
+  CHECK(names(budget, "cloth 'sheet' (vertex 7)"));
+  CHECK(budget.bodies == std::vector<std::string>{"cloth 'sheet'"});
+  StepEvidence lost = plain();
+  lost.solve.status = SolveStatus::LineSearchFailed;
+  CHECK(judged(lost).cause == FailureCause::Unknown);
+  StepEvidence detour = plain();
+  detour.solve.status = SolveStatus::Detour;
+  CHECK(judged(detour).cause == FailureCause::Detour);
+}
+
+TEST_CASE("blocked motion names who pushes and what is in the way") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::Blocked;
+  evidence.prescribed_arrived = false;
+  evidence.pushing = {"rigid body 'press'"};
+  evidence.blocking = BlockingPair{sheet({3}), {"rigid body 'table'", {0, 1, 2}}, 0.001};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::BlockedMotion);
+  CHECK(names(diagnosis, "rigid body 'press' cannot get where prescribed"));
+  CHECK(names(diagnosis, "cloth 'sheet' (vertex 3) and rigid body 'table' (vertices 0, 1, 2) allow 0.1 %"));
+  CHECK(diagnosis.bodies ==
+        std::vector<std::string>{"rigid body 'press'", "cloth 'sheet'", "rigid body 'table'"});
+  // Nothing touches, but an element between pins would turn inside out.
+  evidence.elements = {
+      {.at = sheet({1, 2, 3}), .element = 4, .stretch = 0.1, .size = -0.1, .is_prescribed = true}};
+  CHECK(judged(evidence).cause == FailureCause::OverconstrainedPins);
+}
+
+TEST_CASE("pins that pull a body far apart over-constrain it") {
+  StepEvidence evidence = plain();
+  evidence.pins = PinPair{sheet({0, 8}), 0.9, 0.3};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::OverconstrainedPins);
+  CHECK(names(diagnosis, "cloth 'sheet' (vertices 0, 8)"));
+  CHECK(names(diagnosis, "3 times the length"));
+  evidence.pins = PinPair{sheet({0, 8}), 0.33, 0.3};
+  CHECK(judged(evidence).cause == FailureCause::IterationBudget);
+}
+
+TEST_CASE("energies that are not finite are those of inverted elements, or of who owns them") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::NotFinite;
+  evidence.not_finite = {{"energy 'spring'", {2}}};
+  CHECK(judged(evidence).cause == FailureCause::NotFinite);
+  CHECK(names(judged(evidence), "energy 'spring' (vertex 2)"));
+  evidence.elements = {{.at = {"solid 'cube'", {1, 2, 3, 4}}, .element = 17, .size = -0.2}};
+  CHECK(judged(evidence).cause == FailureCause::InvertedElement);
+  CHECK(names(judged(evidence), "element 17 of solid 'cube'"));
+}
+
+TEST_CASE("tolerances count as below rounding only where rounding is all that is left") {
+  Settings settings;
+  settings.newton.acceleration_tolerance = 1e-9;
+  settings.newton.step_tolerance = 0.0;
+  StepEvidence evidence = plain();
+  evidence.solve.acceleration = 5e-7;
+  evidence.acceleration_rounding = 1e-7;
+  const Diagnosis diagnosis = judged(evidence, settings);
+  CHECK(diagnosis.cause == FailureCause::ToleranceBelowRoundOff);
+  CHECK(names(diagnosis, "newton.acceleration_tolerance = 1e-09 m/s^2 (rounding: about 1e-07 m/s^2"));
+  // Far from rounding, the tolerance is not what stands in the way.
+  evidence.solve.acceleration = 1.0;
+  CHECK(judged(evidence, settings).cause == FailureCause::IterationBudget);
+  // Nor is it where another tolerance is missed for real.
+  evidence.solve.acceleration = 5e-7;
+  settings.newton.residual_tolerance = 1e-3;
+  CHECK(judged(evidence, settings).cause == FailureCause::IterationBudget);
+}
+
+TEST_CASE("what runs away in a quasistatic step has no equilibrium") {
+  Settings settings;
+  settings.time.integrator = Integrator::Quasistatic;
+  StepEvidence evidence = plain();
+  evidence.motion = 1e3;
+  CHECK(judged(evidence, settings).cause == FailureCause::NoEquilibrium);
+  CHECK(judged(evidence).cause == FailureCause::IterationBudget);  // with inertia it may fly far
+  evidence = plain();
+  evidence.solve.status = SolveStatus::RunAway;
+  CHECK(judged(evidence, settings).cause == FailureCause::NoEquilibrium);
+}
+
+TEST_CASE("bodies that start within a tenth of their contact distance overlap in thickness") {
+  StepEvidence evidence = plain();
+  evidence.start_gaps = {{sheet({1}), {"cloth 'lining'", {4, 5}}, 1e-5, 2e-3}};
+  CHECK(judged(evidence).cause == FailureCause::IterationBudget);  // it came there by itself
+  evidence.is_first_step = true;
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::ThicknessOverlap);
+  CHECK(names(diagnosis, "cloth 'lining' (vertices 4, 5)"));
+  CHECK(diagnosis.remedy.find("0.002 m") != std::string::npos);
+  evidence.start_gaps[0].distance = 1e-3;
+  CHECK(judged(evidence).cause == FailureCause::IterationBudget);
+}
+
+TEST_CASE("suspicious units are named when nothing more certain is") {
+  StepEvidence evidence = plain();
+  evidence.unit_suspicions = {"cloth 'sheet': density = 150 kg/m^2"};
+  CHECK(judged(evidence).cause == FailureCause::UnitMistake);
+  evidence.pins = PinPair{sheet({0, 8}), 0.9, 0.3};
+  CHECK(judged(evidence).cause == FailureCause::OverconstrainedPins);
+}
+
+TEST_CASE("systems that cannot be solved are singular, or too stiff against what is soft") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::LinearSolveFailed;
+  CHECK(judged(evidence).cause == FailureCause::SingularSystem);
+  evidence.stiffness_ratio = 1e16;
+  evidence.stiffest = "solid 'beam'";
+  evidence.softest = "cloth 'sheet'";
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::StiffnessContrast);
+  CHECK(names(diagnosis, "solid 'beam' is 1e+16 times as stiff as cloth 'sheet'"));
+}
+
+TEST_CASE("budgets, interruptions and joints have causes of their own") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::TimeBudget;
+  CHECK(judged(evidence).cause == FailureCause::TimeBudget);
+  evidence.solve.status = SolveStatus::Interrupted;
+  CHECK(judged(evidence).cause == FailureCause::Interrupted);
+  evidence.solve.status = SolveStatus::ConstraintViolated;
+  evidence.joint_violation = "joint 'hinge' is apart by 0.1 m; look for joints that contradict each other";
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::ContradictingJoints);
+  CHECK(diagnosis.finding == "joint 'hinge' is apart by 0.1 m");
+  CHECK(diagnosis.remedy == "look for joints that contradict each other");
+}

@@ -1,0 +1,41 @@
+#include <doctest/doctest.h>
+
+#include <stark/geometry/shapes.h>
+#include <stark/sim/simulation.h>
+
+using namespace stark;
+
+namespace {
+
+/// A box of 0.1 m with a gap to the table below it, both with a contact distance of 1 mm.
+std::vector<std::string> findings(double gap) {
+  Scene scene;
+  scene.add_rigid({.name = "table", .mesh = make_box({1, 1, 0.1}), .motion = Motion::Fixed});
+  scene.add_rigid(
+      {.name = "box", .mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .position = {0, 0, 0.1 + gap}});
+  return Simulation(scene).check_state();
+}
+
+}  // namespace
+
+TEST_CASE("bodies that start well within their contact distance are found, once a pair") {
+  CHECK(findings(0.01).empty());
+  CHECK(findings(0.5e-3).empty());
+  const std::vector<std::string> close = findings(1e-5);
+  REQUIRE(close.size() == 1);
+  CHECK(close[0].find("rigid body 'box'") != std::string::npos);
+  CHECK(close[0].find("rigid body 'table'") != std::string::npos);
+  CHECK(close[0].find("0.002 m") != std::string::npos);
+}
+
+TEST_CASE("solids that start inverted are found") {
+  Scene scene;
+  const TetMesh mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 2, 2});
+  std::vector<Vec3> mirrored = mesh.vertices;
+  for (Vec3& x : mirrored) x.z = -x.z;
+  scene.add_solid({.name = "right", .mesh = mesh});
+  scene.add_solid({.name = "wrong", .mesh = mesh, .position = {1, 0, 0}, .initial_positions = mirrored});
+  const std::vector<std::string> found = Simulation(scene).check_state();
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].find("solid 'wrong'") != std::string::npos);
+}

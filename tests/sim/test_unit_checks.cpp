@@ -1,0 +1,75 @@
+#include <stark/sim/unit_checks.h>
+
+#include <doctest/doctest.h>
+
+#include <stark/geometry/shapes.h>
+
+using namespace stark;
+
+namespace {
+
+std::string all(const std::vector<std::string>& texts) {
+  std::string joined;
+  for (const std::string& text : texts) joined += text + "\n";
+  return joined;
+}
+
+Scene cube_scene(double size, const SolidMaterial& material) {
+  Scene scene;
+  scene.add_solid(
+      {.name = "cube", .mesh = make_tet_box({size, size, size}, {2, 2, 2}), .material = material});
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("ordinary scenes raise no suspicion of units") {
+  for (const auto& preset : materials::solid_presets())
+    CHECK(all(check_units(cube_scene(0.1, preset.material), {})) == "");
+  for (const auto& preset : materials::shell_presets()) {
+    Scene scene;
+    scene.add_cloth({.mesh = make_grid(0.5, 0.5, 4, 4), .material = preset.material});
+    CHECK(all(check_units(scene, {})) == "");
+  }
+  for (const auto& preset : materials::rod_presets()) {
+    Scene scene;
+    scene.add_rod({.mesh = {{{0, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}}}, .material = preset.material});
+    CHECK(all(check_units(scene, {})) == "");
+  }
+}
+
+TEST_CASE("each mistake of units is named with the object, the value and the unit that is meant") {
+  const SolidMaterial rubber = materials::soft_rubber();
+  SolidMaterial in_megapascal = rubber, in_grams = rubber, steel_in_gigapascal = materials::steel();
+  in_megapascal.youngs_modulus = 0.05;
+  in_grams.density = 1.1;
+  steel_in_gigapascal.youngs_modulus = 210.0;
+  CHECK(all(check_units(cube_scene(100.0, rubber), {})).find("scale it with mesh.scaled") !=
+        std::string::npos);
+  CHECK(all(check_units(cube_scene(0.1, in_megapascal), {})).find("youngs_modulus = 0.05 Pa") !=
+        std::string::npos);
+  CHECK(all(check_units(cube_scene(0.1, in_grams), {})).find("density = 1.1 kg/m^3") != std::string::npos);
+  CHECK(all(check_units(cube_scene(0.1, steel_in_gigapascal), {})).find("flattens") != std::string::npos);
+  CHECK(all(check_units(cube_scene(0.004, rubber), {})).find("contact_distance below 4e-05 m") !=
+        std::string::npos);
+
+  Scene scene;
+  ShellMaterial cloth = materials::cotton();
+  cloth.density = 150.0;
+  scene.add_cloth({.name = "towel", .mesh = make_grid(0.5, 0.5, 4, 4), .material = cloth});
+  CHECK(all(check_units(scene, {})).find("cloth 'towel': density = 150 kg/m^2") != std::string::npos);
+
+  Settings settings;
+  settings.gravity = {0, 0, -9810.0};
+  settings.time.step = 10.0;
+  const std::string text = all(check_units(cube_scene(0.1, materials::steel()), settings));
+  CHECK(text.find("gravity of 9810 m/s^2") != std::string::npos);
+  CHECK(text.find("time.step = 10 s") != std::string::npos);
+}
+
+TEST_CASE("fixed and scripted bodies may have any size") {
+  Scene scene;
+  scene.add_rigid({.mesh = make_box({1000, 1000, 1}), .motion = Motion::Fixed});
+  scene.add_rigid({.mesh = make_box({1e-5, 1e-5, 1e-5}), .motion = Motion::Scripted});
+  CHECK(all(check_units(scene, {})) == "");
+}
