@@ -313,6 +313,8 @@ void bind_scene_class(nb::module_& m) {
       .def(nb::init<>())
       .def("copy", [](const Scene& s) { return Scene(s); })
       .def(
+          "assign", [](Scene& s, const Scene& other) { s = other; }, "other"_a)
+      .def(
           "add_cloth",
           [](Scene& s, const nb::dict& given, const ShellMaterial& material) {
             return s.add_cloth(cloth_of(given, material)).index;

@@ -20,6 +20,15 @@ class RecordedScene(_core.Scene):
         super().__init__()
         self.calls: list[Call] = []
 
+    def snapshot(self) -> tuple[_core.Scene, int]:
+        """What restore() goes back to."""
+        return self.copy(), len(self.calls)
+
+    def restore(self, snapshot: tuple[_core.Scene, int]) -> None:
+        scene, calls = snapshot
+        self.assign(scene)
+        del self.calls[calls:]
+
     def _do(self, name: str, *arguments: Any) -> Any:
         kept = tuple(_copied(argument) for argument in arguments)
         result = getattr(super(), name)(*arguments)

@@ -227,11 +227,11 @@ class SceneJoints:
     @contextlib.contextmanager
     def _all_or_nothing(self) -> Iterator[None]:
         """What is added in several calls is not there at all if one of them is refused."""
-        core, counts = self._core.copy(), (len(self._joints), len(self._actuators))
+        before, counts = self._core.snapshot(), (len(self._joints), len(self._actuators))
         try:
             yield
         except BaseException:
-            self._core = core
+            self._core.restore(before)
             del self._joints[counts[0] :], self._actuators[counts[1] :]
             raise
 
