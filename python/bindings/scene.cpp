@@ -374,12 +374,29 @@ void bind_scene_class(nb::module_& m) {
           },
           "a"_a, "b"_a, "sticking"_a, "sliding"_a)
       .def(
+          "set_anisotropic_friction",
+          [](Scene& s, int32_t a, int32_t b, double along, double across, double kinetic) {
+            s.set_anisotropic_friction({a}, {b}, {along, across, kinetic});
+          },
+          "a"_a, "b"_a, "along"_a, "across"_a, "kinetic"_a)
+      .def(
           "friction",
           [](const Scene& s, int32_t a, int32_t b) {
             const FrictionCoefficient mu = s.friction({a}, {b});
-            return nb::make_tuple(mu.sticking, mu.sliding);
+            return nb::make_tuple(mu.sticking, mu.sliding, mu.along, mu.across);
           },
-          "a"_a, "b"_a)
+          "a"_a, "b"_a, "Static and kinetic coefficient and their shares along and across the direction.")
+      .def(
+          "set_surface_directions",
+          [](Scene& s, int32_t body, nb::handle directions) {
+            s.set_surface_directions({body},
+                                     points_of(directions, "'" + s.name({body}) + "': surface_direction"));
+          },
+          "body"_a, "directions"_a)
+      .def(
+          "surface_directions",
+          [](const Scene& s, int32_t body) { return to_numpy<double>(s.surface_directions({body})); },
+          "body"_a)
       .def_prop_rw("default_friction", &Scene::default_friction, &Scene::set_default_friction)
       .def(
           "disable_contact", [](Scene& s, int32_t a, int32_t b) { s.disable_contact({a}, {b}); }, "a"_a,

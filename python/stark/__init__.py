@@ -28,6 +28,7 @@ from stark._core import (  # noqa: E402
     __version__,
 )
 from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
+from stark.friction import Anisotropic  # noqa: E402
 from stark.layers import Fibres, Layer, Skin  # noqa: E402
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
@@ -99,6 +100,7 @@ def __getattr__(name: str) -> object:
 
 
 __all__ = [
+    "Anisotropic",
     "Body",
     "Cloth",
     "Contacts",

@@ -125,6 +125,29 @@ class Body(ContactSensors):
         """[m]; None: ``contact.distance`` of the settings, which suits each body by default."""
         return self._scene._core.contact_distance(self._index)
 
+    @property
+    def surface_direction(self) -> NDArray[np.float64] | None:
+        """Direction of the surface, for ``stark.Anisotropic`` friction: the nap of a fabric, the grooves of a
+        belt. One vector (3,), or one for each of the ``surface_triangles`` (m, 3), in the frame of the mesh;
+        None: no direction.
+
+        Its part in the plane of a triangle counts, not its length nor its sign. It turns and deforms with the
+        body. Simulations see the value that it has when they are made."""
+        given = self._scene._core.surface_directions(self._index)
+        return None if len(given) == 0 else given[0] if len(given) == 1 else given
+
+    @surface_direction.setter
+    def surface_direction(self, direction: ArrayLike | None) -> None:
+        rows = np.zeros((0, 3)) if direction is None else direction
+        if np.shape(rows) == (3,):
+            rows = np.reshape(np.asarray(rows), (1, 3))
+        elif direction is not None and len(np.shape(rows)) < 2:
+            raise InvalidArgument(
+                f"'{self.name}': surface_direction = {direction!r}: must be a vector (3,), one for each "
+                f"triangle (m, 3), or None"
+            )
+        self._scene._core.set_surface_directions(self._index, rows)
+
     def _require_simulation(self, what: str) -> Simulation:
         simulation = self._simulation()
         if simulation is None:

@@ -13,9 +13,10 @@ from stark import materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument, InvalidMesh
 from stark.actuators.scene_actuators import SceneActuators
-from stark.arguments import as_array, given_flag, given_name, given_word, real_array, refuse_copy
+from stark.arguments import as_array, given_flag, given_name, given_word, refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
 from stark.bodies import Body, Cloth, RigidBody, Solid
+from stark.friction import FrictionTable
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
@@ -38,40 +39,6 @@ _ZERO = (0.0, 0.0, 0.0)
 
 class StarkWarning(UserWarning):
     """Something that can be simulated but is probably not meant."""
-
-
-class FrictionTable:
-    """Coefficients of friction of pairs of bodies: ``scene.friction[box, "floor"] = 0.3``, or static and
-    kinetic coefficient: ``scene.friction[box, "floor"] = 0.5, 0.4``.
-
-    Contact at rest holds up to the static coefficient times the normal force; once it slides, the kinetic one
-    counts until it comes to rest again. Reading gives the static coefficient, :meth:`kinetic` the other: the
-    one set for the pair; else the geometric mean of the coefficients of the two bodies, where
-    ``scene.default_friction`` stands in for a body that was given none. A body with itself is its
-    self-contact."""
-
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
-
-    def __getitem__(self, pair: tuple[Body | str, Body | str]) -> float:
-        a, b = self._scene._pair(pair)
-        return self._scene._core.friction(a, b)[0]
-
-    def kinetic(self, a: Body | str, b: Body | str) -> float:
-        """Coefficient of sliding contact of the pair."""
-        return self._scene._core.friction(*self._scene._pair((a, b)))[1]
-
-    def __setitem__(
-        self, pair: tuple[Body | str, Body | str], coefficient: float | tuple[float, float]
-    ) -> None:
-        a, b = self._scene._pair(pair)
-        try:
-            values = np.broadcast_to(real_array(coefficient, "friction"), (2,))
-        except ValueError:
-            raise InvalidArgument(
-                f"friction of {pair!r} = {coefficient!r}: must be a number >= 0, or two: static, kinetic"
-            ) from None
-        self._scene._core.set_friction(a, b, *map(float, values))
 
 
 class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):

@@ -2,6 +2,8 @@
 // motion.
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include <support/contact_potentials.h>
 #include <support/random_points.h>
 
@@ -30,7 +32,7 @@ Contact contact_of(int points) {
 
 double coefficient(int32_t a, int32_t b) { return a == 1 && b == 2 ? kMu : 1e9; }
 
-FrictionSet make_set() { return {contact_potentials().frictions, kStick}; }
+FrictionSet make_set() { return {contact_potentials().friction, kStick}; }
 
 /// The first point is against the triangle of the others, or a part of it.
 const SurfaceMesh& mesh() {
@@ -262,6 +264,74 @@ TEST_CASE("majorants have the gradients of the energies and lie above them") {
     for (const double other : {0.0, 0.5, 1.0, 3.0, 40.0}) {
       std::vector<Vec3> y = start;
       y[0].x += other * kStick;
+      CHECK(energy(majorant, y) - offset >= energy(friction, y) - 1e-12);
+    }
+  }
+}
+
+namespace {
+
+/// Friction 0.5 along x and 0.2 along y on the triangle of the other points, which belongs to group 2.
+FrictionCoefficient anisotropic(int32_t, int32_t) {
+  FrictionCoefficient mu(0.5, 0.4);
+  mu.across = 0.4;
+  mu.frame = 2;
+  return mu;
+}
+
+FrictionSet make_anisotropic_set() {
+  static const SurfaceMesh grouped{
+      .vertex_count = 4, .triangles = {{1, 2, 3}}, .vertex_group = {1, 2, 2, 2}, .triangle_group = {2}};
+  const TangentComponents along_x = tangent_components({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
+  FrictionSet set{contact_potentials().friction, kStick, SurfaceDirections(grouped, {along_x})};
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  set.begin_step(grouped, {}, start, {start, 1.0});
+  Contact contact = contact_of(4);
+  contact.key = {0, 0, 0};
+  set.reset({contact}, std::vector<Vec3>{{0, 0, 10}}, anisotropic, start);
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("anisotropic friction has its axes on the surface and its limits form an ellipse") {
+  const FrictionSet set = make_anisotropic_set();
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (const double angle : {0.0, 0.4, 1.0, 1.5707963267948966, 2.5}) {
+    std::vector<Vec3> x = start;
+    const Vec3 v{std::cos(angle), std::sin(angle), 0};
+    x[0] += v * (20.0 * kStick);
+    const Vec3 force = set.forces(x).at({0, 0, 0});
+    // -N M^2 v / |M v| with N = 10 N.
+    const Vec3 expected = Vec3{0.25 * v.x, 0.04 * v.y, 0} * (-10.0 / std::hypot(0.5 * v.x, 0.2 * v.y));
+    CHECK(norm(force - expected) < 1e-9);
+    CHECK(std::hypot(force.x / 5.0, force.y / 2.0) == doctest::Approx(1.0).epsilon(1e-9));
+    // What is remembered is on the ellipse of deflections and points along the slip.
+    const Vec3 a = set.end_step(x).deflection[0];
+    CHECK(std::hypot(a.x, 0.4 * a.y) == doctest::Approx(kStick).epsilon(1e-9));
+    CHECK(norm(cross(a, v)) < 1e-9 * kStick);
+  }
+}
+
+TEST_CASE("anisotropic majorants have the gradients of the energies and lie above them") {
+  FrictionSet set = make_anisotropic_set();
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const auto energy = [](const PotentialBatch& batch, std::span<const Vec3> x) {
+    return batch.evaluate(symbolic::Order::Energy, x)[0];
+  };
+  RandomPoints random(8);
+  for (const double slip : {0.3, 0.9, 4.0}) {
+    std::vector<Vec3> x = start;
+    x[0] += Vec3{0.5, -0.9, 0} * (slip * kStick);
+    const PotentialBatch& majorant = *set.majorants(x).front();
+    const PotentialBatch& friction = *set.batches().front();
+    const std::vector<double> a = majorant.evaluate(symbolic::Order::Gradient, x),
+                              b = friction.evaluate(symbolic::Order::Gradient, x);
+    for (size_t i = 1; i < a.size(); ++i) CHECK(std::fabs(a[i] - b[i]) < 1e-6 * 5.0);
+    const double offset = energy(majorant, x) - energy(friction, x);
+    for (int trial = 0; trial < 20; ++trial) {
+      std::vector<Vec3> y = start;
+      y[0] += random.point() * (3.0 * kStick);
       CHECK(energy(majorant, y) - offset >= energy(friction, y) - 1e-12);
     }
   }

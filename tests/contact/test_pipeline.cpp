@@ -178,7 +178,7 @@ TEST_CASE("energy differences of trial points agree with brute force, near and f
     const EnergyDifference expected = energy_difference(set_a, set_b),
                            found = bench.pipeline->energy_difference(b);
     // Friction, lagged at a, adds its own part; its elements are the last batches.
-    FrictionSet friction(contact_potentials().frictions, ContactOptions{}.stick_displacement);
+    FrictionSet friction(contact_potentials().friction, ContactOptions{}.stick_displacement);
     std::vector<Vec3> forces;
     set_a.evaluate_forces(a, forces);
     friction.begin_step(bench.pipeline->mesh(), {}, a, {a, 1.0});

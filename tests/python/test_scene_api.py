@@ -507,3 +507,10 @@ def test_names_are_the_first_free_ones_and_many_take_no_time() -> None:
     names = [scene.add_box(0.1, motion="fixed").name for _ in range(1000)]
     assert names[:3] == ["box", "box_3", "box_4"] and names[-1] == "box_1001"
     assert "box_2" in scene and "box_1002" not in scene and scene.bodies[0] in scene
+
+
+def test_every_change_of_a_scene_is_recorded() -> None:
+    """What a reproducer of a failed step is written from."""
+    changing = ("add_", "set_", "pin", "clamp", "disable_", "enable_")
+    names = {name for name in dir(_core.Scene) if name.startswith(changing)} - {"pins", "clamped"}
+    assert names == {name for name in vars(RecordedScene) if name.startswith(changing)}

@@ -114,3 +114,28 @@ TEST_CASE("parts of quadratic solids are places in the model, the same each time
     CHECK(first[k].hash == second[k].hash);
   }
 }
+
+TEST_CASE("surface directions are a part where friction depends on them") {
+  const auto parts = [](const Vec3& direction, double across, bool isotropic) {
+    Scene scene;
+    const BodyId a = scene.add_rigid({.name = "a", .mesh = make_box({1, 1, 1}), .motion = Motion::Fixed});
+    const BodyId b =
+        scene.add_rigid({.name = "b", .mesh = make_box({1, 1, 1}), .mass = 1.0, .position = {0.0, 0.0, 2.0}});
+    scene.set_surface_directions(a, {direction});
+    scene.set_anisotropic_friction(a, b, {isotropic ? across : 0.1, across});
+    return Model(scene, {}).parts();
+  };
+  const auto differing = [&](const std::vector<ModelPart>& x, const std::vector<ModelPart>& y) {
+    PartNames names;
+    REQUIRE(x.size() == y.size());
+    for (size_t k = 0; k < x.size(); ++k)
+      if (x[k].hash != y[k].hash) names.push_back(x[k].name);
+    return names;
+  };
+  const std::vector<ModelPart> plain = parts({1, 0, 0}, 0.4, false);
+  CHECK(differing(plain, parts({1, 0, 0}, 0.4, false)).empty());
+  CHECK(differing(plain, parts({0, 1, 0}, 0.4, false)) == PartNames{"surface directions"});
+  CHECK(differing(plain, parts({1, 0, 0}, 0.5, false)) == PartNames{"coefficients of friction"});
+  // Without such a pair directions do not matter.
+  CHECK(differing(parts({1, 0, 0}, 0.4, true), parts({0, 1, 0}, 0.4, true)).empty());
+}

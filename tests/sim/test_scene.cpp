@@ -1,5 +1,5 @@
-// The scene description: what is accepted, what is computed from it, which pairs touch with which friction,
-// and that a refused body leaves the scene as it was. Messages are tested through Python
+// The scene description: what is accepted, what is computed from it, which pairs touch, and
+// that a refused body leaves the scene as it was. Messages are tested through Python
 // (tests/python/test_bad_input.py).
 #include <doctest/doctest.h>
 
@@ -159,33 +159,6 @@ TEST_CASE("pose and velocities give the state at time 0") {
   for (Vec3& p : body.initial_positions) p *= 0.5;
   const BodyId squeezed = scene.add_cloth(body);
   CHECK(norm(scene.initial_positions(squeezed)[0] - (x[0] + Vec3{1, 2, 3}) * 0.5) < 1e-15);
-}
-
-TEST_CASE("friction: the pair's own value, else the geometric mean with the default standing in") {
-  Scene scene;
-  auto rough = cloth("rough"), smooth = cloth("smooth"), plain = cloth("plain");
-  rough.friction = 0.9;
-  smooth.friction = 0.1;
-  const BodyId a = scene.add_cloth(rough), b = scene.add_cloth(smooth), c = scene.add_cloth(plain);
-  CHECK(scene.default_friction() > 0.0);  // no silent zero
-  scene.set_default_friction(0.4);
-  CHECK(scene.friction(a, b).sticking == doctest::Approx(0.3).epsilon(1e-15));
-  CHECK(scene.friction(a, c).sticking == doctest::Approx(0.6).epsilon(1e-15));
-  CHECK(scene.friction(a, a).sticking == 0.9);
-  CHECK(scene.friction(c, c).sticking == 0.4);
-  scene.set_friction(b, a, 0.7);
-  CHECK(scene.friction(a, b).sticking == 0.7);
-  CHECK(scene.friction(b, a).sliding == 0.7);
-  scene.set_friction(c, c, 0.0);
-  CHECK(scene.friction(c, c).sticking == 0.0);
-  scene.set_friction(b, a, {0.5, 0.4});
-  CHECK(scene.friction(a, b).sticking == 0.5);
-  CHECK(scene.friction(a, b).sliding == 0.4);
-  CHECK_THROWS_AS(scene.set_friction(a, b, -0.1), InvalidArgument);
-  CHECK_THROWS_AS(scene.set_friction(a, b, {0.4, 0.5}), InvalidArgument);
-  CHECK_THROWS_AS(scene.set_friction(a, b, {0.4, -0.1}), InvalidArgument);
-  CHECK_THROWS_AS(scene.set_friction(a, {9}, 0.1), InvalidArgument);
-  CHECK_THROWS_AS(scene.set_default_friction(std::nan("")), InvalidArgument);
 }
 
 TEST_CASE("contact: disabled pairs, bodies that do not move by forces, self-contact") {

@@ -15,13 +15,16 @@ PotentialDefinition barrier_mollified_edge_edge();
 PotentialDefinition friction_2();
 PotentialDefinition friction_3();
 PotentialDefinition friction_4();
+PotentialDefinition anisotropic_friction_2();
+PotentialDefinition anisotropic_friction_3();
+PotentialDefinition anisotropic_friction_4();
 
 }  // namespace stark::models
 
 namespace stark::test {
 
 inline const ContactPotentials& contact_potentials() {
-  static const ContactPotentials potentials = compile_contact_potentials(symbolic::Backend::Automatic);
+  static const ContactPotentials potentials = compile_contact_potentials(symbolic::Backend::Automatic, true);
   return potentials;
 }
 

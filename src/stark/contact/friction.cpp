@@ -7,35 +7,62 @@
 // f0 is concave in y^2, so the parabola mu lambda/2 (f0'(y_k)/y_k) |u_T|^2 through an iterate k has its force
 // and lies above the energy [Hunter and Lange 2004, majorisation]. Newton's method takes its curvature where
 // the model without curvature along the slip overshoots the end of sliding again and again.
+//
+// Anisotropic friction measures u in the metric of an ellipse, |A u| in place of |u_T| with the rows
+// m_1 t_1 and m_2 t_2 of A: axes of the tangent plane times their shares of the larger coefficient. The
+// energy is then the support function of the ellipse of the forces |A^-1 f| <= mu lambda, so that sliding
+// dissipates the most that the ellipse allows [Moreau 1970; Michalowski and Mroz 1978: the associated sliding
+// rule].
 #include <stark/mechanics/define.h>
 
 namespace stark::models {
 
 namespace {
 
-PotentialDefinition friction_potential(int point_count) {
-  PotentialDefinition definition = define_potential(
-      "friction_" + std::to_string(point_count), point_count,
-      "smoothed Coulomb friction of " + std::to_string(point_count) + " points",
-      [point_count](PotentialBuilder& b) {
-        const Scalar limit = b.data("limit", "N", "friction coefficient times normal force");
-        const Vec3 normal = b.data3("normal", "1", "unit normal of the contact");
-        const Scalar eps =
-            b.parameter("stick_displacement", "m", "deflection of the bristles at which sliding begins");
-        Vec3 u = b.data3("deflection", "m", "deflection of the bristles at the start of the step");
-        for (int i = 0; i < point_count; ++i)
-          u = u + b.data("weight" + std::to_string(i), "1", "signed weight of the point") *
-                      (b.x(i) - b.x_prev(i));
-        const Vec3 tangential = u - normal * dot(normal, u);
-        const Scalar s = squared_norm(tangential);
-        // Below 1e-8 eps the root is held constant: its curvature is unbounded there while the energy's is
-        // 2/eps.
-        const Scalar y = sqrt(max(s, square(1e-8 * eps)));
-        const Scalar stick = s / eps - s * y / (3.0 * square(eps)) + eps / 3.0;
-        const Scalar slope = b.data("slope", "1/m", "f0'(y) / y at the iterate");
-        const Scalar majorant = b.parameter("majorant", "1", "1 for the parabola above the energy, else 0");
-        return limit * select(majorant > 0.5, 0.5 * slope * s, select(s < square(eps), stick, y));
-      });
+/// How far the bristles are bent at the iterate [m].
+Vec3 deflection(PotentialBuilder& b) {
+  Vec3 u = b.data3("deflection", "m", "deflection of the bristles at the start of the step");
+  for (int i = 0; i < b.point_count(); ++i)
+    u = u + b.data("weight" + std::to_string(i), "1", "signed weight of the point") * (b.x(i) - b.x_prev(i));
+  return u;
+}
+
+/// f0 of the root of s, or the parabola above it.
+Scalar smoothed(PotentialBuilder& b, const Scalar& eps, const Scalar& s) {
+  // Below 1e-8 eps the root is held constant: its curvature is unbounded there while the energy's is
+  // 2/eps.
+  const Scalar y = sqrt(max(s, square(1e-8 * eps)));
+  const Scalar stick = s / eps - s * y / (3.0 * square(eps)) + eps / 3.0;
+  const Scalar slope = b.data("slope", "1/m", "f0'(y) / y at the iterate");
+  const Scalar majorant = b.parameter("majorant", "1", "1 for the parabola above the energy, else 0");
+  return select(majorant > 0.5, 0.5 * slope * s, select(s < square(eps), stick, y));
+}
+
+Scalar isotropic(PotentialBuilder& b) {
+  const Scalar limit = b.data("limit", "N", "friction coefficient times normal force");
+  const Vec3 normal = b.data3("normal", "1", "unit normal of the contact");
+  const Scalar eps =
+      b.parameter("stick_displacement", "m", "deflection of the bristles at which sliding begins");
+  const Vec3 u = deflection(b);
+  const Vec3 tangential = u - normal * dot(normal, u);
+  return limit * smoothed(b, eps, squared_norm(tangential));
+}
+
+Scalar anisotropic(PotentialBuilder& b) {
+  const Scalar limit = b.data("limit", "N", "larger friction coefficient times normal force");
+  const Vec3 along = b.data3("along", "1", "unit tangent times its share of the larger coefficient"),
+             across = b.data3("across", "1", "the tangent normal to it, times its share");
+  const Scalar eps =
+      b.parameter("stick_displacement", "m", "deflection of the bristles at which sliding begins");
+  const Vec3 u = deflection(b);
+  return limit * smoothed(b, eps, square(dot(along, u)) + square(dot(across, u)));
+}
+
+PotentialDefinition friction_potential(const std::string& name, int point_count, const std::string& doc,
+                                       Scalar (*law)(PotentialBuilder&)) {
+  PotentialDefinition definition =
+      define_potential(name + "_" + std::to_string(point_count), point_count,
+                       doc + " of " + std::to_string(point_count) + " points", law);
   definition.rotation_invariant = false;  // the tangent plane is frozen
   definition.sample = [point_count](std::mt19937_64& random) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -48,7 +75,10 @@ PotentialDefinition friction_potential(int point_count) {
       sample.values["weight" + std::to_string(i)] = {i == 0 ? 1.0 : -1.0 / (point_count - 1)};
     }
     const stark::Vec3 n = normalized(random_vector()), a = random_vector() * 0.3;
+    const stark::Vec3 t = normalized(cross(n, random_vector())), q = cross(n, t) * 0.3;
     sample.values["normal"] = {n.x, n.y, n.z};
+    sample.values["along"] = {t.x, t.y, t.z};
+    sample.values["across"] = {q.x, q.y, q.z};
     sample.values["deflection"] = {a.x, a.y, a.z};
     sample.values["stick_displacement"] = {0.5};
     sample.values["slope"] = {1.5};
@@ -58,10 +88,22 @@ PotentialDefinition friction_potential(int point_count) {
   return definition;
 }
 
+PotentialDefinition isotropic_friction(int point_count) {
+  return friction_potential("friction", point_count, "smoothed Coulomb friction", isotropic);
+}
+
+PotentialDefinition anisotropic_friction(int point_count) {
+  return friction_potential("anisotropic_friction", point_count,
+                            "smoothed Coulomb friction that depends on the direction,", anisotropic);
+}
+
 }  // namespace
 
-PotentialDefinition friction_2() { return friction_potential(2); }
-PotentialDefinition friction_3() { return friction_potential(3); }
-PotentialDefinition friction_4() { return friction_potential(4); }
+PotentialDefinition friction_2() { return isotropic_friction(2); }
+PotentialDefinition friction_3() { return isotropic_friction(3); }
+PotentialDefinition friction_4() { return isotropic_friction(4); }
+PotentialDefinition anisotropic_friction_2() { return anisotropic_friction(2); }
+PotentialDefinition anisotropic_friction_3() { return anisotropic_friction(3); }
+PotentialDefinition anisotropic_friction_4() { return anisotropic_friction(4); }
 
 }  // namespace stark::models

@@ -28,15 +28,31 @@ Vec3 turned(const Vec3& v, const Vec3& normal) {
   return length > 0.0 ? t * (norm(v) / length) : Vec3{};
 }
 
+/// Part of u in the direction of v; zero where v is.
+Vec3 project(const Vec3& u, const Vec3& v) {
+  const double squared = squared_norm(v);
+  return squared > 0.0 ? v * (dot(u, v) / squared) : Vec3{};
+}
+
+/// A unit vector in the plane of a unit normal.
+Vec3 any_tangent(const Vec3& normal) {
+  const Vec3 axis = std::fabs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  return normalized(axis - normal * dot(normal, axis));
+}
+
 }  // namespace
 
-FrictionSet::FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials,
-                         double stick_displacement)
-    : stick_displacement_(stick_displacement) {
-  for (const auto& potential : potentials) {
+FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_displacement,
+                         SurfaceDirections directions)
+    : stick_displacement_(stick_displacement), directions_(std::move(directions)) {
+  const auto add = [&](const std::shared_ptr<const Potential>& potential) {
+    if (potential == nullptr) return;
     batches_.emplace_back(potential).set_uniform("majorant", 0.0);
     majorants_.emplace_back(potential).set_uniform("majorant", 1.0);
-  }
+  };
+  for (const auto& potential : potentials.isotropic) add(potential);
+  for (const auto& potential : potentials.anisotropic) add(potential);
+  members_.resize(batches_.size());
 }
 
 void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
@@ -50,23 +66,55 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
     batch.set_uniform("stick_displacement", stick_displacement_ / reference_.scale);
 }
 
-FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const Vec3& force,
-                                         std::span<const Vec3> x) const {
+FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionCoefficient& mu,
+                                         const Vec3& force, std::span<const Vec3> x) const {
   Pair pair{.contact = contact, .normal = normalized(force), .force = norm(force)};
+  pair.is_anisotropic = mu.is_anisotropic();
+  if (pair.is_anisotropic) set_axes(mu, x, pair);
   const int64_t known = memory_.find(contact.key);
   const Pair* before = find(contact.key);
   if (known >= 0) {
     pair.deflection = turned(memory_.deflection[known], pair.normal) * orientation(*mesh_, contact);
     if (resets_ == 0) pair.force = memory_.force[known];
-    pair.slides = norm(memory_.deflection[known]) >= kSliding * stick_displacement_;
+    const double bent =
+        pair.is_anisotropic ? measure(pair, pair.deflection) : norm(memory_.deflection[known]);
+    pair.slides = bent >= kSliding * stick_displacement_;
   }
   if (resets_ >= kGeometryResets && before != nullptr) {
     pair.contact = before->contact;
     pair.normal = before->normal;
     pair.deflection = before->deflection;
+    pair.along = before->along;
+    pair.across = before->across;
   }
-  if (resets_ > 0) pair.slides = norm(deflection(pair, x)) >= stick_displacement_;
+  if (resets_ > 0) pair.slides = measure(pair, deflection(pair, x)) >= stick_displacement_;
   return pair;
+}
+
+void FrictionSet::set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const {
+  const Vec3 t = directions_.of_pair(*mesh_, pair.contact.key, mu.frame, pair.normal, x);
+  const bool has_direction = squared_norm(t) > 0.0;
+  // Without a direction all are alike: the geometric mean of the two coefficients.
+  const double mean = std::sqrt(mu.along * mu.across);
+  const Vec3 tangent = has_direction ? t : any_tangent(pair.normal);
+  pair.along = tangent * (has_direction ? mu.along : mean);
+  pair.across = cross(pair.normal, tangent) * (has_direction ? mu.across : mean);
+}
+
+double FrictionSet::measure(const Pair& pair, const Vec3& deflection) {
+  if (!pair.is_anisotropic) return norm(deflection);
+  const double a = dot(pair.along, deflection), b = dot(pair.across, deflection);
+  return std::sqrt(a * a + b * b);
+}
+
+Vec3 FrictionSet::limited(const Pair& pair, Vec3 u) const {
+  if (pair.is_anisotropic) {
+    // What nothing resists leaves no deflection behind.
+    if (pair.along == Vec3{}) u = project(u, pair.across);
+    if (pair.across == Vec3{}) u = project(u, pair.along);
+  }
+  const double length = measure(pair, u);
+  return length > stick_displacement_ ? u * (stick_displacement_ / length) : u;
 }
 
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
@@ -75,7 +123,7 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   for (size_t c = 0; c < contacts.size(); ++c) {
     const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
     if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
-    Pair pair = make_pair(contacts[c], forces[c], x);
+    Pair pair = make_pair(contacts[c], mu, forces[c], x);
     pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
     next.push_back(std::move(pair));
   }
@@ -83,7 +131,8 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   pairs_ = std::move(next);
   ++resets_;
   for (auto& members : members_) members.clear();
-  for (size_t i = 0; i < pairs_.size(); ++i) members_[pairs_[i].contact.point_count - 2].push_back(i);
+  for (size_t i = 0; i < pairs_.size(); ++i)
+    members_[pairs_[i].contact.point_count - 2 + (pairs_[i].is_anisotropic ? 3 : 0)].push_back(i);
   fill(batches_);
   return change.largest_change > kLimitTolerance * change.largest_limit ? change.largest_change : 0.0;
 }
@@ -131,25 +180,29 @@ FrictionSet::Change FrictionSet::compare(const std::vector<Pair>& next) const {
 }
 
 void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
-  for (int k = 0; k < 3; ++k) {
+  for (size_t k = 0; k < batches.size(); ++k) {
+    PotentialBatch& batch = batches[k];
+    const int points = batch.point_count();
+    const bool is_anisotropic = k >= 3;
     std::vector<int32_t> stencils;
     for (const size_t i : members_[k])
       stencils.insert(stencils.end(), pairs_[i].contact.sites.begin(),
-                      pairs_[i].contact.sites.begin() + k + 2);
-    PotentialBatch& batch = batches[k];
+                      pairs_[i].contact.sites.begin() + points);
     batch.resize(stencils);
     batch.set_previous(reference_.positions);
-    const int limit = batch.field_index("limit"), normal = batch.field_index("normal"),
-              deflection = batch.field_index("deflection");
+    const int limit = batch.field_index("limit"), deflection = batch.field_index("deflection");
+    const int first = batch.field_index(is_anisotropic ? "along" : "normal");
+    const int second = is_anisotropic ? batch.field_index("across") : -1;
     std::array<int, 4> weights{};
-    for (int p = 0; p < k + 2; ++p) weights[p] = batch.field_index("weight" + std::to_string(p));
+    for (int p = 0; p < points; ++p) weights[p] = batch.field_index("weight" + std::to_string(p));
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Pair& pair = pairs_[members_[k][e]];
       const Vec3 start = pair.deflection / reference_.scale;
       batch.set(limit, e, {&pair.limit, 1});
-      batch.set(normal, e, {&pair.normal.x, 3});
+      batch.set(first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
+      if (is_anisotropic) batch.set(second, e, {&pair.across.x, 3});
       batch.set(deflection, e, {&start.x, 3});
-      for (int p = 0; p < k + 2; ++p) batch.set(weights[p], e, {&pair.contact.weights[p], 1});
+      for (int p = 0; p < points; ++p) batch.set(weights[p], e, {&pair.contact.weights[p], 1});
     }
   }
 }
@@ -157,8 +210,7 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
 FrictionMemory FrictionSet::end_step(std::span<const Vec3> x) const {
   FrictionMemory memory;
   for (const Pair& pair : pairs_) {
-    Vec3 u = deflection(pair, x);
-    if (const double length = norm(u); length > stick_displacement_) u = u * (stick_displacement_ / length);
+    const Vec3 u = limited(pair, deflection(pair, x));
     const double angle = spin(*mesh_, pair.contact.key, pair.normal, x_start_, x);
     memory.append(pair.contact.key, exp_rotation(pair.normal * angle) * u * orientation(*mesh_, pair.contact),
                   pair.force);
@@ -176,10 +228,11 @@ std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<Pote
 std::vector<const PotentialBatch*> FrictionSet::majorants(std::span<const Vec3> x) {
   fill(majorants_);
   const double eps = stick_displacement_ / reference_.scale;
-  for (int k = 0; k < 3; ++k) {
+  for (size_t k = 0; k < majorants_.size(); ++k) {
     const int field = majorants_[k].field_index("slope");
     for (int64_t e = 0; e < majorants_[k].size(); ++e) {
-      const double y = norm(deflection(pairs_[members_[k][e]], x)) / reference_.scale;
+      const Pair& pair = pairs_[members_[k][e]];
+      const double y = measure(pair, deflection(pair, x)) / reference_.scale;
       const double slope = y < eps ? (2.0 - y / eps) / eps : 1.0 / y;
       majorants_[k].set(field, e, {&slope, 1});
     }
@@ -189,7 +242,7 @@ std::vector<const PotentialBatch*> FrictionSet::majorants(std::span<const Vec3> 
 
 std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
   std::map<PairKey, Vec3> forces;
-  for (int k = 0; k < 3; ++k) {
+  for (size_t k = 0; k < batches_.size(); ++k) {
     const std::vector<double> values = batches_[k].evaluate(Order::Gradient, x);
     const int outputs = 1 + 3 * batches_[k].point_count();
     for (size_t e = 0; e < members_[k].size(); ++e) {

@@ -9,11 +9,18 @@
 #include <stark/contact/contact_set.h>
 #include <stark/contact/friction_coefficient.h>
 #include <stark/contact/friction_memory.h>
+#include <stark/contact/surface_directions.h>
 
 namespace stark {
 
 /// Coulomb's coefficients of a pair of groups.
 using FrictionTable = std::function<FrictionCoefficient(int32_t group_a, int32_t group_b)>;
+
+/// Friction of 2, 3 and 4 points.
+struct FrictionPotentials {
+  std::array<std::shared_ptr<const Potential>, 3> isotropic;
+  std::array<std::shared_ptr<const Potential>, 3> anisotropic{};  ///< null where no pair asks for it
+};
 
 /// How displacements of a step are measured: from `positions` [m], times `scale`. The integrator's reference
 /// makes them its velocity times the step.
@@ -24,9 +31,10 @@ struct DisplacementReference {
 
 class FrictionSet {
  public:
-  /// potentials: friction of 2, 3 and 4 points. stick_displacement: deflection of the bristles at which a
-  /// pair begins to slide [m].
-  FrictionSet(const std::array<std::shared_ptr<const Potential>, 3>& potentials, double stick_displacement);
+  /// stick_displacement: deflection of the bristles at which a pair begins to slide [m]; where friction
+  /// depends on the direction, in that of the larger coefficient.
+  FrictionSet(const FrictionPotentials& potentials, double stick_displacement,
+              SurfaceDirections directions = {});
 
   /// Starts a step at site positions x with what is remembered of the last one.
   void begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
@@ -68,9 +76,16 @@ class FrictionSet {
     double force = 0.0;  ///< normal force [N]
     double limit = 0.0;  ///< mu lambda [N]
     bool slides = false;
+    bool is_anisotropic = false;
+    Vec3 along, across;  ///< anisotropic: unit tangents times their shares of the larger coefficient
   };
 
-  Pair make_pair(const Contact& contact, const Vec3& force, std::span<const Vec3> x) const;
+  Pair make_pair(const Contact& contact, const FrictionCoefficient& mu, const Vec3& force,
+                 std::span<const Vec3> x) const;
+  void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
+  /// Length of a deflection in the metric of the pair: sliding begins at the stick displacement [m].
+  static double measure(const Pair& pair, const Vec3& deflection);
+  Vec3 limited(const Pair& pair, Vec3 deflection) const;
   const Pair* find(const PairKey& key) const;
   Vec3 deflection(const Pair& pair, std::span<const Vec3> x) const;
   struct Change {
@@ -82,15 +97,16 @@ class FrictionSet {
   std::vector<double> energies(std::span<const Vec3> x) const;
 
   double stick_displacement_;  ///< [m]
+  SurfaceDirections directions_;
   const SurfaceMesh* mesh_ = nullptr;
   FrictionMemory memory_;
   DisplacementReference reference_;
   std::vector<Vec3> x_start_;
   std::vector<Pair> pairs_;              ///< sorted by key
   int resets_ = 0;                       ///< in this step
-  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points
+  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> majorants_;
-  std::array<std::vector<size_t>, 3> members_;  ///< pairs of their elements
+  std::vector<std::vector<size_t>> members_;  ///< pairs of their elements
   std::vector<double> remembered_;
 };
 

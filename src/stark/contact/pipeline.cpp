@@ -35,7 +35,8 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       stiffness_(map),
       active_(potentials.barriers, pool),
       trial_(potentials.barriers, pool),
-      friction_(potentials.frictions, options.stick_displacement) {
+      friction_(potentials.friction, options.stick_displacement,
+                SurfaceDirections(surfaces.mesh, std::move(surfaces.directions))) {
   surface_sites_ = find_surface_sites(surfaces.mesh);
   for (const Index2& edge : surfaces.mesh.edges)
     geometry_.edge_squared_length.push_back(

@@ -27,15 +27,17 @@ struct ContactSurfaces {
   std::vector<double> group_distance;  ///< contact distance per group [m]
   std::vector<Vec3> rest_positions;    ///< by site [m]; sets the edges' rest lengths
   FrictionTable friction;
+  std::vector<TangentComponents> directions;  ///< by triangle; none where no surface has a direction
 };
 
 struct ContactPotentials {
   std::array<std::shared_ptr<const Potential>, kStencilKindCount> barriers;
-  std::array<std::shared_ptr<const Potential>, 3> frictions;
+  FrictionPotentials friction;
 };
 
-/// One barrier per StencilKind and friction of 2, 3 and 4 points, compiled for the back end.
-ContactPotentials compile_contact_potentials(symbolic::Backend backend);
+/// One barrier per StencilKind and friction of 2, 3 and 4 points, compiled for the back end; that of friction
+/// which depends on the direction only where it is asked for.
+ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic);
 
 /// A contact with the forces and the motion of the last step.
 struct ContactForce {

@@ -14,19 +14,28 @@ PotentialDefinition barrier_mollified_edge_edge();
 PotentialDefinition friction_2();
 PotentialDefinition friction_3();
 PotentialDefinition friction_4();
+PotentialDefinition anisotropic_friction_2();
+PotentialDefinition anisotropic_friction_3();
+PotentialDefinition anisotropic_friction_4();
 }  // namespace models
 
-ContactPotentials compile_contact_potentials(symbolic::Backend backend) {
+ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic) {
   const auto compile = [&](const PotentialDefinition& definition) {
     return std::make_shared<const Potential>(definition, backend);
   };
-  return {.barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
-                       compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
-                       compile(models::barrier_mollified_point_point()),
-                       compile(models::barrier_mollified_point_edge()),
-                       compile(models::barrier_mollified_edge_edge())},
-          .frictions = {compile(models::friction_2()), compile(models::friction_3()),
-                        compile(models::friction_4())}};
+  ContactPotentials potentials{
+      .barriers = {compile(models::barrier_point_point()), compile(models::barrier_point_edge()),
+                   compile(models::barrier_point_triangle()), compile(models::barrier_edge_edge()),
+                   compile(models::barrier_mollified_point_point()),
+                   compile(models::barrier_mollified_point_edge()),
+                   compile(models::barrier_mollified_edge_edge())},
+      .friction = {.isotropic = {compile(models::friction_2()), compile(models::friction_3()),
+                                 compile(models::friction_4())}}};
+  if (anisotropic)
+    potentials.friction.anisotropic = {compile(models::anisotropic_friction_2()),
+                                       compile(models::anisotropic_friction_3()),
+                                       compile(models::anisotropic_friction_4())};
+  return potentials;
 }
 
 }  // namespace stark

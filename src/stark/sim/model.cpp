@@ -12,6 +12,7 @@
 namespace stark {
 
 void Model::Builder::build() {
+  scene.check_friction();
   add_deformables();
   add_layer_masses();
   add_rigids();
@@ -130,7 +131,8 @@ void Model::Builder::set_initial_sites() {
 }
 
 void Model::Builder::compile_contact() {
-  if (settings.contact.enabled) model.contact_potentials_ = compile_contact_potentials(backend());
+  if (settings.contact.enabled)
+    model.contact_potentials_ = compile_contact_potentials(backend(), scene.has_anisotropic_friction());
 }
 
 Model::Model(const Scene& scene, const Settings& settings) { Builder(*this, scene, settings).build(); }
@@ -196,8 +198,29 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   std::vector<FrictionCoefficient> friction(static_cast<size_t>(groups) * groups);
   for (int32_t a = 0; a < groups; ++a)
     for (int32_t b = 0; b < groups; ++b) friction[a * groups + b] = scene.friction(BodyId{a}, BodyId{b});
+  if (scene.has_anisotropic_friction()) surfaces.directions = make_directions(scene);
   surfaces.friction = [friction, groups](int32_t a, int32_t b) { return friction[a * groups + b]; };
   return surfaces;
+}
+
+std::vector<TangentComponents> Model::make_directions(const Scene& scene) const {
+  std::vector<TangentComponents> directions;
+  for (size_t b = 0; b < bodies_.size(); ++b) {
+    const BodyId id{static_cast<int32_t>(b)};
+    const std::vector<Index3>& triangles = bodies_[b].triangles;
+    const std::vector<Vec3> given = scene.surface_directions(id);
+    if (given.empty()) {
+      directions.resize(directions.size() + triangles.size());
+      continue;
+    }
+    const std::vector<Vec3>& rest = scene.rest_vertices(id);
+    for (size_t t = 0; t < triangles.size(); ++t) {
+      const auto& [v0, v1, v2] = triangles[t];
+      directions.push_back(
+          tangent_components(rest[v0], rest[v1], rest[v2], given[given.size() == 1 ? 0 : t]));
+    }
+  }
+  return directions;
 }
 
 void Model::mesh_pose(int32_t body, const State& state, Vec3& out_position, Mat3& out_rotation) const {

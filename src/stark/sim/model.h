@@ -130,6 +130,7 @@ class Model {
 
  private:
   struct Builder;
+  std::vector<TangentComponents> make_directions(const Scene& scene) const;
   /// Keeps attached vertices from the surface of the body that they are attached to.
   void exclude_attached(const Scene& scene, PairFilter& filter) const;
 

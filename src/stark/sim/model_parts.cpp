@@ -42,6 +42,15 @@ void append_mass(Hash64& hash, const RigidMass& mass) {
   hash.append(mass.angular_damping);
 }
 
+void append_friction(Hash64& hash, const FrictionCoefficient& coefficient) {
+  hash.append(coefficient.sticking);
+  hash.append(coefficient.sliding);
+  if (!coefficient.is_anisotropic()) return;
+  hash.append(coefficient.along);
+  hash.append(coefficient.across);
+  hash.append(coefficient.frame);
+}
+
 }  // namespace
 
 void Model::Builder::add_part(const std::string& name, bool is_structure, const Hash64& hash) {
@@ -144,13 +153,21 @@ void Model::Builder::list_contact() {
     // Unset: the one of the settings, which are not a part of the model.
     distances.append(scene.contact_distance(BodyId{a}).value_or(-1.0));
     for (int32_t b = 0; b <= a; ++b) {
-      friction.append(scene.friction(BodyId{a}, BodyId{b}));
+      append_friction(friction, scene.friction(BodyId{a}, BodyId{b}));
       pairs.append(scene.contact_enabled(BodyId{a}, BodyId{b}));
     }
   }
   add_part("coefficients of friction", false, friction);
   add_part("pairs of bodies without contact", false, pairs);
   add_part("contact distances of bodies", false, distances);
+  if (!scene.has_anisotropic_friction()) return;
+  Hash64 directions;
+  for (int32_t a = 0; a < scene.body_count(); ++a) {
+    const std::vector<Vec3> of_body = scene.surface_directions(BodyId{a});
+    directions.append(of_body.size());
+    append_all(directions, of_body);
+  }
+  add_part("surface directions", false, directions);
 }
 
 void Model::Builder::list_parts() {

@@ -165,27 +165,6 @@ void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
   append_new(pins_[at_index(body)].vertices, vertices);
 }
 
-void Scene::set_friction(BodyId a, BodyId b, const FrictionCoefficient& coefficient) {
-  const Pair pair = ordered(a, b);
-  const std::string owner = "friction of '" + name(a) + "' and '" + name(b) + "'";
-  check_number(owner, "coefficient", coefficient.sticking, "1", non_negative(), "use 0 for none");
-  check_number(owner, "kinetic coefficient", coefficient.sliding, "1",
-               closed_interval(0.0, coefficient.sticking), "sliding contact cannot hold more than sticking");
-  friction_[pair] = coefficient;
-}
-
-void Scene::set_default_friction(double coefficient) {
-  check_number("scene", "default_friction", coefficient, "1", non_negative(), "use 0 for none");
-  default_friction_ = coefficient;
-}
-
-FrictionCoefficient Scene::friction(BodyId a, BodyId b) const {
-  if (const auto entry = friction_.find(ordered(a, b)); entry != friction_.end()) return entry->second;
-  const double mu_a = body_friction(a).value_or(default_friction_),
-               mu_b = body_friction(b).value_or(default_friction_);
-  return mu_a == mu_b ? mu_a : std::sqrt(mu_a * mu_b);
-}
-
 void Scene::disable_contact(BodyId a, BodyId b) { contact_disabled_.insert(ordered(a, b)); }
 void Scene::enable_contact(BodyId a, BodyId b) { contact_disabled_.erase(ordered(a, b)); }
 
@@ -270,6 +249,7 @@ const RodDescription& Scene::rod(BodyId body) const {
 }
 
 const std::vector<Vec3>& Scene::rest_vertices(BodyId body) const {
+  if (kind(body) == BodyKind::Rigid) return rigid(body).mesh.vertices;
   return kind(body) == BodyKind::Cloth ? cloth(body).mesh.vertices : solid(body).mesh.vertices;
 }
 

@@ -196,14 +196,27 @@ class Scene {
   const std::vector<AttachmentDescription>& attachments() const { return attachments_; }
   const AttachmentDescription& attachment(AttachmentId attachment) const;
 
-  /// Coefficient of a pair; a == b is the self-contact of a body.
-  /// Coulomb's coefficients of a pair, for sticking and for sliding contact; the latter is not the larger.
+  /// Coulomb's coefficients of a pair, for sticking and for sliding contact; the latter is not the larger. a
+  /// == b is the self-contact of a body.
   void set_friction(BodyId a, BodyId b, const FrictionCoefficient& coefficient);
+  /// Coefficients along and across the surface direction of `a`, or of `b` where `a` has none.
+  void set_anisotropic_friction(BodyId a, BodyId b, const AnisotropicFriction& friction);
+  /// Direction of the surface of a body: one vector, or one for each triangle, in the frame of the body. Its
+  /// part in the plane of a triangle counts, not its length nor its sign, and it is carried along with the
+  /// deforming triangle. None: no direction. Throws InvalidArgument for rods, zero vectors, other counts.
+  void set_surface_directions(BodyId body, std::vector<Vec3> directions);
+  std::vector<Vec3> surface_directions(BodyId body) const;
+  /// Triangles of the surface in the order of the directions; none of rods.
+  std::vector<Index3> surface_triangles(BodyId body) const;
+  /// Throws InvalidArgument for anisotropic friction of bodies that both have no direction.
+  void check_friction() const;
+  bool has_anisotropic_friction() const;
   /// Coefficient of bodies that were given none.
   void set_default_friction(double coefficient);
   double default_friction() const { return default_friction_; }
   /// The pair's own coefficient when set_friction gave one, else the geometric mean of the two bodies'
-  /// coefficients, where default_friction() stands in for a body without one.
+  /// coefficients, where default_friction() stands in for a body without one. Its frame is the body whose
+  /// direction rules, -1 where neither has one.
   FrictionCoefficient friction(BodyId a, BodyId b) const;
 
   /// Switches contact of a pair off and on; a == b is the self-contact of a deformable body.
@@ -233,7 +246,7 @@ class Scene {
   const SolidDescription& solid(BodyId body) const;
   const RigidDescription& rigid(BodyId body) const;
   const RodDescription& rod(BodyId body) const;
-  /// Rest positions [m] of the vertices of a cloth or a solid, in the frame of the body.
+  /// Rest positions [m] of the vertices of a cloth, a solid or a rigid body, in the frame of the body.
   const std::vector<Vec3>& rest_vertices(BodyId body) const;
   const RigidInertia& rigid_inertia(BodyId body) const;  ///< zero mass for fixed and scripted bodies
   const Pins& pins(BodyId body) const { return pins_[at_index(body)]; }
@@ -271,6 +284,7 @@ class Scene {
   void check_patches(const std::string& owner, const AttachmentDescription& attachment) const;
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;
+  bool has_surface_direction(BodyId body) const;
 
   std::vector<Body> bodies_;
   std::vector<ClothDescription> cloths_;
@@ -287,7 +301,8 @@ class Scene {
   std::vector<FibresDescription> fibres_;
   Names body_names_, layer_names_;  // names of layers are among those of bodies too
   Names energy_names_, joint_names_, attachment_names_;
-  std::map<Pair, FrictionCoefficient> friction_;
+  std::map<Pair, FrictionCoefficient> friction_;  // frame: the body that was named first
+  std::map<int32_t, std::vector<Vec3>> surface_directions_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;
   std::vector<std::string> warnings_;

@@ -449,6 +449,19 @@ def barrier_mollified_edge_edge(
     return mollifier(x, parallel_threshold) * barrier(edge_edge(*x), stiffness, contact_distance)
 
 
+def deflected(points: list, weights: list, u: object) -> object:
+    for p, weight in zip(points, weights, strict=True):
+        u = u + weight * (p.x - p.x_prev)
+    return u
+
+
+def coulomb_smoothed(s: object, limit: object, eps: object, slope: object, majorant: object) -> object:
+    y = stark.sqrt(stark.maximum(s, stark.square(1e-8 * eps)))
+    stick = s / eps - s * y / (3.0 * stark.square(eps)) + eps / 3.0
+    smooth = stark.where(s < stark.square(eps), stick, y)
+    return limit * stark.where(majorant > 0.5, 0.5 * slope * s, smooth)
+
+
 def coulomb(
     points: list,
     weights: list,
@@ -459,14 +472,14 @@ def coulomb(
     slope: object,
     majorant: object,
 ) -> object:
-    for p, weight in zip(points, weights, strict=True):
-        u = u + weight * (p.x - p.x_prev)
+    u = deflected(points, weights, u)
     tangential = u - normal * stark.dot(normal, u)
-    s = stark.squared_norm(tangential)
-    y = stark.sqrt(stark.maximum(s, stark.square(1e-8 * eps)))
-    stick = s / eps - s * y / (3.0 * stark.square(eps)) + eps / 3.0
-    smooth = stark.where(s < stark.square(eps), stick, y)
-    return limit * stark.where(majorant > 0.5, 0.5 * slope * s, smooth)
+    return coulomb_smoothed(stark.squared_norm(tangential), limit, eps, slope, majorant)
+
+
+def in_ellipse(points: list, weights: list, along: object, across: object, u: object) -> object:
+    u = deflected(points, weights, u)
+    return stark.square(stark.dot(along, u)) + stark.square(stark.dot(across, u))
 
 
 @stark.energy
@@ -518,6 +531,60 @@ def friction_4(
 ):
     weights = [weight0, weight1, weight2, weight3]
     return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
+
+
+@stark.energy
+def anisotropic_friction_2(
+    s: stark.Stencil[2],
+    limit: float,
+    along: stark.Vec3,
+    across: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    slope: float,
+    majorant: float,
+    weight0: float,
+    weight1: float,
+):
+    square = in_ellipse(list(s), [weight0, weight1], along, across, deflection)
+    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+
+
+@stark.energy
+def anisotropic_friction_3(
+    s: stark.Stencil[3],
+    limit: float,
+    along: stark.Vec3,
+    across: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    slope: float,
+    majorant: float,
+    weight0: float,
+    weight1: float,
+    weight2: float,
+):
+    square = in_ellipse(list(s), [weight0, weight1, weight2], along, across, deflection)
+    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+
+
+@stark.energy
+def anisotropic_friction_4(
+    s: stark.Stencil[4],
+    limit: float,
+    along: stark.Vec3,
+    across: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    slope: float,
+    majorant: float,
+    weight0: float,
+    weight1: float,
+    weight2: float,
+    weight3: float,
+):
+    square = in_ellipse(list(s), [weight0, weight1, weight2, weight3], along, across, deflection)
+    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
 
 
 @stark.energy

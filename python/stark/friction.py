@@ -1,0 +1,78 @@
+"""Coefficients of friction of pairs of bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stark._core import InvalidArgument
+from stark.arguments import real_array, real_number
+
+if TYPE_CHECKING:
+    from stark.bodies import Body
+    from stark.scene import Scene
+
+
+_FIELDS = ("along", "across", "kinetic")
+
+
+@dataclass(frozen=True)
+class Anisotropic:
+    """Friction that depends on the direction of sliding: ``scene.friction["ski", "snow"] =
+    stark.Anisotropic(along=0.05, across=0.6)``.
+
+    ``along`` and ``across`` are the static coefficients along and across the ``surface_direction`` of the
+    first body of the pair, or of the second one where the first has none; sliding contact has the part
+    ``kinetic`` of both. The forces that friction can take form an ellipse with these half axes, and a sliding
+    contact dissipates the most that the ellipse allows: its force is turned towards the axis of the larger
+    coefficient. Where a surface is normal to its direction, the geometric mean of the two holds."""
+
+    along: float
+    across: float
+    kinetic: float = 1.0
+
+
+class FrictionTable:
+    """Coefficients of friction of pairs of bodies: ``scene.friction[box, "floor"] = 0.3``, or static and
+    kinetic coefficient: ``scene.friction[box, "floor"] = 0.5, 0.4``, or a ``stark.Anisotropic``.
+
+    Contact at rest holds up to the static coefficient times the normal force; once it slides, the kinetic one
+    counts until it comes to rest again. Reading gives the static coefficient, :meth:`kinetic` the other: the
+    one set for the pair; else the geometric mean of the coefficients of the two bodies, where
+    ``scene.default_friction`` stands in for a body that was given none. A body with itself is its
+    self-contact."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    def __getitem__(self, pair: tuple[Body | str, Body | str]) -> float | Anisotropic:
+        static, kinetic, along, across = self._scene._core.friction(*self._scene._pair(pair))
+        return static if along == across else Anisotropic(static * along, static * across, kinetic / static)
+
+    def kinetic(self, a: Body | str, b: Body | str) -> float | Anisotropic:
+        """Coefficient of sliding contact of the pair."""
+        _, kinetic, along, across = self._scene._core.friction(*self._scene._pair((a, b)))
+        return kinetic if along == across else Anisotropic(kinetic * along, kinetic * across)
+
+    def __setitem__(
+        self, pair: tuple[Body | str, Body | str], coefficient: float | tuple[float, float] | Anisotropic
+    ) -> None:
+        a, b = self._scene._pair(pair)
+        if isinstance(coefficient, Anisotropic):
+            owner = f"friction of {pair!r}"
+            values = (coefficient.along, coefficient.across, coefficient.kinetic)
+            numbers = [
+                real_number(value, f"{owner}: {name}") for name, value in zip(_FIELDS, values, strict=True)
+            ]
+            self._scene._core.set_anisotropic_friction(a, b, *numbers)
+            return
+        try:
+            both = np.broadcast_to(real_array(coefficient, "friction"), (2,))
+        except ValueError:
+            raise InvalidArgument(
+                f"friction of {pair!r} = {coefficient!r}: must be a number >= 0, or two: static, kinetic, or "
+                f"stark.Anisotropic(along, across)"
+            ) from None
+        self._scene._core.set_friction(a, b, *map(float, both))
