@@ -21,6 +21,7 @@ std::vector<std::string> findings(double gap) {
 TEST_CASE("bodies that start well within their contact distance are found, once a pair") {
   CHECK(findings(0.01).empty());
   CHECK(findings(0.5e-3).empty());
+  CHECK(findings(0.1e-3).empty());
   const std::vector<std::string> close = findings(1e-5);
   REQUIRE(close.size() == 1);
   CHECK(close[0].find("rigid body 'box'") != std::string::npos);

@@ -29,7 +29,7 @@ class Simulation {
 
   double time() const { return state_.time; }
   const State& state() const { return state_; }
-  /// Findings about the state that do not prevent a step: bodies within a tenth of the distance at which
+  /// Findings about the state that do not prevent a step: bodies within a hundredth of the distance at which
   /// contact starts to push them apart, elements that are inverted.
   std::vector<std::string> check_state() const;
   /// Rewinds or resumes; throws InvalidArgument for a state of another model and for numbers that no state

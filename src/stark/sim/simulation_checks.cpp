@@ -10,8 +10,8 @@ namespace stark {
 
 namespace {
 
-/// Distance over contact distance below which bodies overlap in thickness.
-constexpr double kOverlap = 0.1;
+/// Distance over contact distance below which contact is far stiffer than what bodies are made of.
+constexpr double kOverlap = 0.01;
 constexpr size_t kMostGaps = 10000, kMostElements = 1000;
 
 /// All contacts with sites at x, without their stiffness.
@@ -42,7 +42,7 @@ void warn_about_overlap(const std::vector<NarrowGap>& gaps, std::vector<std::str
     const auto& [gap, count] = found;
     out.push_back(place_text(gap->a) + " starts " + quantity_text(gap->distance, "m") + " from " +
                   place_text(gap->b) + (count > 1 ? ", " + std::to_string(count) + " places in all" : "") +
-                  ": within a tenth of their contact distance of " +
+                  ": within a hundredth of their contact distance of " +
                   quantity_text(gap->contact_distance, "m") +
                   ", so contact throws them apart; move them apart, or give them a smaller contact_distance");
   }

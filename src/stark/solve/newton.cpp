@@ -106,17 +106,18 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
   bool project = settings_.projection == Projection::Always || projection_countdown_ > 0;
   if (projection_countdown_ > 0) --projection_countdown_;
   objective.set_cautious(report.last_step_length < kShortStep);
-  std::optional<double> tolerance;  // one for all matrices of a direction: they have the same gradient
   while (true) {
     objective.linearize(project, gradient_, hessian_);
     if (!all_finite(gradient_)) return Direction::NotFinite;
-    if (!tolerance) tolerance = forcing_tolerance();
+    // A projected matrix after the exact one is a rough model: its gradient is the same, so the forcing rule
+    // gives the loosest tolerance.
+    const double tolerance = forcing_tolerance();
     if (project) ++report.projected_iterations;
     right_hand_side_.resize(gradient_.size());
     for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
     const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
     const LinearSolveReport solved =
-        linear_solver_.solve(hessian_, right_hand_side_, direction_, *tolerance, objective.block_positions());
+        linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions());
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
     const bool usable =
@@ -124,7 +125,7 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     if (usable) break;
     if (settings_.projection == Projection::Never) return Direction::Failed;
     if (project) {
-      if (solve_shifted(objective, *tolerance, report)) break;
+      if (solve_shifted(objective, tolerance, report)) break;
       return Direction::Failed;
     }
     project = true;
