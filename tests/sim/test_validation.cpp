@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
@@ -72,6 +73,13 @@ TEST_CASE("closed meshes pass, open and inconsistent ones do not") {
   TriangleMesh twisted = box;
   std::swap(twisted.triangles[0][0], twisted.triangles[0][1]);
   CHECK_THROWS_AS(check_closed("a", twisted, "a test"), InvalidMesh);
+}
+
+TEST_CASE("vectors are refused that are not finite, or whose lengths overflow") {
+  check_finite("body 'a'", "velocity", {1e149, -1e149, 0}, "m/s");
+  for (const double bad : {1e150, -1e300, std::numeric_limits<double>::infinity(), std::nan("")})
+    CHECK_THROWS_WITH_AS(check_finite("body 'a'", "velocity", {0, bad, 0}, "m/s"),
+                         doctest::Contains("body 'a': velocity = (0, "), InvalidArgument);
 }
 
 TEST_CASE("rotations within rounding pass, scalings and reflections do not") {

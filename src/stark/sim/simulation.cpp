@@ -8,6 +8,7 @@
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
 #include <stark/collision/intersection.h>
+#include <stark/sim/validation.h>
 
 namespace stark {
 
@@ -223,8 +224,9 @@ void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& ang
   if (scene_.motion(body) != Motion::Scripted)
     throw InvalidArgument("body '" + scene_.name(body) + "' is " + to_string(scene_.motion(body)) +
                           "; only scripted bodies follow velocities, add it with motion = scripted");
-  if (!is_finite(velocity) || !is_finite(angular_velocity))
-    throw InvalidArgument("velocity of body '" + scene_.name(body) + "' must be finite, in m/s and rad/s");
+  const std::string owner = "body '" + scene_.name(body) + "'";
+  check_finite(owner, "velocity", velocity, "m/s");
+  check_finite(owner, "angular_velocity", angular_velocity, "rad/s");
   state_.script_remaining[b.rigid_index] = 0.0;
   state_.body_velocity[b.rigid_index] = velocity;
   state_.body_rotation_rate[b.rigid_index] = skew(angular_velocity) * state_.body_rotation[b.rigid_index];

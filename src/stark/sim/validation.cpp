@@ -138,9 +138,12 @@ void check_number(std::string_view owner, std::string_view name, double value, s
 }
 
 void check_finite(std::string_view owner, std::string_view name, const Vec3& value, std::string_view unit) {
-  if (is_finite(value)) return;
+  // Lengths of vectors are roots of sums of squares, which overflow beyond.
+  constexpr double kLargest = 1e150;
+  if (is_finite(value) && max_abs(value) < kLargest) return;
   throw InvalidArgument(std::string(owner) + ": " + std::string(name) + " = " + text(value) + " " +
-                        std::string(unit) + ": must be three finite numbers; check where it is computed");
+                        std::string(unit) +
+                        ": must be three finite numbers, none beyond 1e150; check where it is computed");
 }
 
 void check_rotation(std::string_view owner, const Mat3& rotation) {

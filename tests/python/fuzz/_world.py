@@ -215,18 +215,14 @@ def add_joint(draw: Draw) -> Call:
     if kind == "distance":
         more |= _options(draw, length=lambda: draw.value(0.5))
     axes = {"universal": {"axis_a": axis, "axis_b": draw.vector(1.0, 0.0, 0.0)}, "planar": {"normal": axis}}
-    corners = draw.array(np.array([0, 1, 4]))
+    corners, node = draw.array(np.array([0, 1, 4])), draw.value(2)
 
     def call(w: World) -> Any:
         a, b = (w.body(side) for side in sides)
         if frames == 1:
             b = w.cloth.frame(corners)
         if frames == 2:
-            b = w.rod.frame(
-                int(corners[0])
-                if np.ndim(corners) == 1 and np.size(corners) and np.asarray(corners).dtype.kind == "i"
-                else corners
-            )
+            b = w.rod.frame(node)
         method = getattr(w.scene, f"add_{kind}")
         if kind in ("distance", "span", "spring"):
             return method(a, b, anchor, axis, **more)

@@ -84,6 +84,7 @@ def test_changed_scenes_are_found() -> None:
         lambda w: w.scene.add_cloth(GRID, rest_angles=None),
         lambda w: w.scene.add_cloth(GRID, self_contact=np.zeros(3)),
         lambda w: w.scene.add_cloth(GRID, mass=10**400),
+        lambda w: w.scene.add_box(0.1, motion="scripted", angular_velocity=(1e308, 0.0, 0.0)),
         lambda w: w.scene.add_floor(name="a\0b"),
         lambda w: w.scene.add_floor(name="\ud800"),
         lambda w: w.scene.add_rod(np.eye(3), rest_shape=np.array(["mesh", "straight"])),
