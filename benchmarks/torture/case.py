@@ -199,10 +199,8 @@ class _Watcher:
         # Rounding: of positions in velocities, of large forces in their sum.
         size = np.abs(self._sim._core.surface()["positions"]).max()
         noise = 1e-13 * self._mass * size / report.time_step**2
-        noise += 1e-9 * float(np.abs(forces).sum())
-        # Limits of friction are up to date to 0.1 % of the largest one; the report says what is left.
-        limits = np.linalg.norm(contacts.frictions, axis=1)
-        noise += len(limits) * report.friction_residual + 2e-3 * float(limits.sum())
+        rounding = 1e-15 * size / max(report.min_distance, 1e-300)  # of gaps, and of the forces in them
+        noise += (1e-9 + rounding) * float(np.abs(forces).sum())
         allowed = self._mass * self._sim.settings["newton.acceleration_tolerance"] + noise
         self._outcome.imbalance = max(self._outcome.imbalance, float(np.linalg.norm(residual)) / allowed)
         if np.linalg.norm(residual) > _BALANCE * allowed:

@@ -43,14 +43,14 @@ def squeeze(full: bool) -> Setup:
 def twist(full: bool) -> Setup:
     """A strip of cloth whose ends are turned against each other, ten times in all; it coils up on itself."""
     scene = stark.Scene()
-    mesh = stark.mesh.grid(0.4, 0.1, (80, 20) if full else (24, 6))
+    mesh = stark.mesh.grid(0.4, 0.1, (40, 10) if full else (24, 6))
     ends = np.abs(mesh.vertices[:, 0]) > 0.2 - 1e-6
     pins = np.flatnonzero(ends)
     cloth = stark.ShellMaterial(
         density=0.3, youngs_modulus=2e4, poissons_ratio=0.3, bending_stiffness=1e-6, strain_damping=1.0
     )
     sheet = scene.add_cloth(mesh, cloth.replace(mass_damping=2.0), name="cloth", pins=pins)
-    turns, duration = 10.0, 4.0 if full else 1.0
+    turns, duration = 10.0, 2.0 if full else 1.0
     for side in (-1, 1):
         rate = side * np.pi * turns / duration  # half of the turns by each end
         mine = pins[side * mesh.vertices[pins, 0] > 0]
@@ -87,7 +87,7 @@ def pinch(full: bool, friction: float = 0.8) -> Setup:
     scene.add_cloth(
         stark.mesh.grid(0.1, 0.1, cells), cloth, rotation=upright, position=(0, 0, -0.04), name="cloth"
     )
-    closed, opened = 0.005 + 1.2 * D, 0.005 + 2.5 * D
+    closed, opened = 0.005 + (1.2 if friction > 0.5 else 1.9) * D, 0.005 + 2.5 * D
     lift = 0.1
     for side in (-1, 1):
         finger = scene.add_box((0.02, 0.01, 0.02), motion="scripted", position=(0, side * opened, 0))

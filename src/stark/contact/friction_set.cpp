@@ -239,9 +239,10 @@ std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
     const int outputs = 1 + 3 * batches_[k].point_count();
     for (size_t e = 0; e < members_[k].size(); ++e) {
       const Contact& contact = pairs_[members_[k][e]].contact;
+      const double sign = orientation(*mesh_, contact);
       for (int p = 0; p < contact.side_a_count; ++p) {
         const double* g = values.data() + e * outputs + 1 + 3 * p;
-        forces[contact.key] -= Vec3{g[0], g[1], g[2]};
+        forces[contact.key] -= Vec3{g[0], g[1], g[2]} * sign;
       }
     }
   }

@@ -57,7 +57,7 @@ class FrictionSet {
   std::vector<const PotentialBatch*> batches() const { return non_empty(batches_); }
   /// Parabolas above the energies that have their gradients at x.
   std::vector<const PotentialBatch*> majorants(std::span<const Vec3> x);
-  /// Forces on the sides A of the pairs at site positions x [N].
+  /// Forces on the first primitives of the pairs at site positions x [N].
   std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
   bool empty() const { return pairs_.empty(); }
 

@@ -192,7 +192,7 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
     const Vec3 n = normalized(entry.point_a - entry.point_b);
     entry.slip = (motion - n * dot(n, motion)) / duration_;
     if (const auto found = frictions.find(entry.contact.key); found != frictions.end())
-      entry.friction = found->second;
+      entry.friction = found->second * orientation(mesh(), entry.contact);
     result.push_back(entry);
   }
   return result;
