@@ -44,7 +44,7 @@ def wrong(problems: list[str]) -> list[str]:
     return [p for p in problems if not (p.startswith(_ALLOWED[0]) and _ALLOWED[1] in p)]
 
 
-@pytest.mark.parametrize("first", [0, 10, 20, 30, 40, 50])
+@pytest.mark.parametrize("first", [0, 10, 20])
 def test_scenes_of_a_seed(first: int) -> None:
     for index in range(first, first + 10):
         outcome = run_one(2, index)

@@ -17,8 +17,8 @@ namespace {
 /// Change of the limits below which friction counts as up to date, over the largest one of all.
 constexpr double kLimitTolerance = 1e-3;
 
-/// The same for two bodies, over the largest limit between them: a press must not hide how a box slides beside
-/// it. Bodies that hardly graze each other are left out: part of the largest limit of all.
+/// The same for two bodies, over the largest limit between them: a press must not hide how a box slides
+/// beside it. Bodies that hardly graze each other are left out: part of the largest limit of all.
 constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
 
 /// Resets of a step after which pairs keep their tangent planes and closest points.
@@ -97,18 +97,17 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   for (const Pair& pair : pairs_) {
     Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
     c.largest_limit = std::max(c.largest_limit, pair.limit);
-    const auto now = std::ranges::lower_bound(
-        next, pair.contact.key, {}, [](const Pair& p) { return p.contact.key; });
+    const auto now =
+        std::ranges::lower_bound(next, pair.contact.key, {}, [](const Pair& p) { return p.contact.key; });
     if (now == next.end() || now->contact.key != pair.contact.key)
       c.largest_change = std::max(c.largest_change, pair.limit);
   }
-  const bool settled =
-      change.largest_change <= kLimitTolerance * change.largest_limit &&
-      std::ranges::all_of(between, [&](const auto& entry) {
-        const Change& c = entry.second;
-        return c.largest_limit <= kGrazing * change.largest_limit ||
-               c.largest_change <= kPairTolerance * c.largest_limit;
-      });
+  const bool settled = change.largest_change <= kLimitTolerance * change.largest_limit &&
+                       std::ranges::all_of(between, [&](const auto& entry) {
+                         const Change& c = entry.second;
+                         return c.largest_limit <= kGrazing * change.largest_limit ||
+                                c.largest_change <= kPairTolerance * c.largest_limit;
+                       });
   ++resets_;
   if (settled && resets_ > 1) {
     // The solution is one with the friction that it was found with; where the next step starts from is new.

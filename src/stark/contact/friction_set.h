@@ -92,12 +92,12 @@ class FrictionSet {
   FrictionMemory memory_;
   DisplacementReference reference_;
   std::vector<Vec3> x_start_;
-  std::vector<Pair> pairs_;              ///< sorted by key
-  std::vector<Pair> previous_;           ///< before the last reset
+  std::vector<Pair> pairs_;     ///< sorted by key
+  std::vector<Pair> previous_;  ///< before the last reset
   std::vector<Pair> kept_;
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
-  int resets_ = 0;                       ///< in this step
-  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points
+  int resets_ = 0;                               ///< in this step
+  std::vector<PotentialBatch> batches_;          ///< of 2, 3 and 4 points
   std::vector<PotentialBatch> majorants_;
   std::array<std::vector<size_t>, 3> members_;  ///< pairs of their elements
   std::vector<double> remembered_;
