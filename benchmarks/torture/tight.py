@@ -12,9 +12,9 @@ from .shapes import column_of_rings, linking_number, nut, overhand_knot, screw, 
 D = 2e-4  # contact distance [m]
 
 
-def peg_in_hole(full: bool) -> Setup:
-    """A peg in a hole that is larger by as much on each side as contact acts over: it touches as soon as it
-    leaves the middle or tilts. It slides down to the bottom."""
+def peg_in_hole(full: bool, play: float = 2.0) -> Setup:
+    """A peg in a hole that is larger by ``play`` contact distances on each side: with 2, as much as contact
+    acts over, it touches as soon as it leaves the middle or tilts. It slides down to the bottom."""
     scene = stark.Scene()
     scene.default_friction = 0.0
     angle = np.linspace(0.0, 2.0 * np.pi, 32 if full else 12, endpoint=False)
@@ -30,7 +30,7 @@ def peg_in_hole(full: bool) -> Setup:
     scene.add_rigid(block, motion="fixed", name="block")
     length = 0.05
     # The flats of the polygons face each other; at the corners the gap is larger by 1 / cos(pi / n).
-    radius = 0.02 - 2 * D / np.cos(np.pi / len(ring))
+    radius = 0.02 - play * D / np.cos(np.pi / len(ring))
     peg = column_of_rings(rings([radius, radius], [0.0, length]), closed=False)
     scene.add_rigid(peg, density=7800.0, position=(2e-5, 1e-5, -0.002), name="peg")
 
