@@ -80,6 +80,12 @@ class RecordedScene(_core.Scene):
     def set_friction(self, a: int, b: int, sticking: float, sliding: float) -> None:
         self._do("set_friction", a, b, sticking, sliding)
 
+    def set_anisotropic_friction(self, a: int, b: int, along: float, across: float, kinetic: float) -> None:
+        self._do("set_anisotropic_friction", a, b, along, across, kinetic)
+
+    def set_surface_directions(self, body: int, directions: Any) -> None:
+        self._do("set_surface_directions", body, directions)
+
     def disable_contact(self, a: int, b: int) -> None:
         self._do("disable_contact", a, b)
 

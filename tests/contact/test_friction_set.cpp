@@ -336,3 +336,48 @@ TEST_CASE("anisotropic majorants have the gradients of the energies and lie abov
     }
   }
 }
+
+TEST_CASE("friction that was kept comes back, limits, stencils and all") {
+  RandomPoints random(12);
+  std::vector<Vec3> start;
+  for (int p = 0; p < 4; ++p) start.push_back(random.point());
+  const Vec3 n = normalized(random.point());
+  FrictionSet set = make_set();
+  begin(set, start);
+  const std::vector<Contact> contacts{contact_of(3)};
+  set.reset(contacts, std::vector<Vec3>{n * 5.0}, coefficient, start);
+  std::vector<Vec3> x = start;
+  x[0] += normalized(cross(n, random.point())) * 2e-3;
+  const std::vector<Vec3> before = gradients(set, x);
+  set.reset({}, std::vector<Vec3>{}, coefficient, start);
+  CHECK(set.empty());
+  set.keep();
+  set.restore();
+  const std::vector<Vec3> after = gradients(set, x);
+  for (int p = 0; p < 4; ++p) CHECK(after[p] == before[p]);
+  // Against forces of twice the size, the residual says so.
+  CHECK(set.residual(contacts, std::vector<Vec3>{n * 10.0}, coefficient) == doctest::Approx(kMu * 5.0));
+}
+
+TEST_CASE("friction is settled between each two bodies, not only where limits are large") {
+  const Vec3 up{0, 0, 1};
+  const std::vector<Vec3> start{{0, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}};
+  const auto mu = [](int32_t, int32_t) { return kMu; };
+  FrictionSet set = make_set();
+  begin(set, start);
+  Contact press = contact_of(2), box = contact_of(2), dust = contact_of(2);
+  box.key.second = 3;
+  box.group_b = 3;
+  dust.key.second = 4;
+  dust.group_b = 4;
+  const std::vector<Contact> contacts{press, box, dust};
+  const auto forces = [&](double of_box, double of_dust) {
+    return std::vector<Vec3>{up * 1e6, up * of_box, up * of_dust};
+  };
+  CHECK(set.reset(contacts, forces(10.0, 0.1), mu, start) > 0.0);
+  CHECK(set.reset(contacts, forces(10.0, 0.1), mu, start) == 0.0);
+  // Two parts in a hundred of the box, a millionth of the press.
+  CHECK(set.reset(contacts, forces(10.2, 0.1), mu, start) == doctest::Approx(0.2 * kMu));
+  CHECK(set.reset(contacts, forces(10.21, 0.1), mu, start) == 0.0);
+  CHECK(set.reset(contacts, forces(10.21, 0.5), mu, start) == 0.0);
+}

@@ -28,6 +28,9 @@ class FakeActiveSet final : public ActiveSet {
     return {energy(x) - energy(at_update_), energy(at_update_)};
   }
   double refresh_lagged(std::span<const Vec3>) override { return 4.0; }
+  void keep_lagged() override { ++kept; }
+  void restore_lagged() override { ++restored; }
+  int kept = 0, restored = 0;
 
   double allowed = 1e9;  ///< [m] largest motion of a site
   int queries = 0;
@@ -236,6 +239,27 @@ TEST_CASE("free parts of the target are ignored and a rejected trial changes not
   CHECK(bench.potential.refresh_lagged(1) == 0.0);
   Bench without(scene, false);
   CHECK(without.potential.refresh_lagged(0) == 0.0);
+}
+
+TEST_CASE("a settled solution comes back with its lagged quantities") {
+  const MixedScene scene(7);
+  Bench bench(scene);
+  bench.potential.set_active_set_updates(8);
+  bench.potential.begin(scene.configuration, scene.configuration);
+  CHECK_FALSE(bench.potential.restore_settled());
+  bench.potential.refresh_lagged(0);
+  CHECK_FALSE(bench.potential.restore_settled());
+  bench.potential.refresh_lagged(1);
+  CHECK(bench.active.kept == 1);
+  const Vec3 settled = bench.potential.site_positions()[0];
+  std::vector<double> gradient(scene.dof_count());
+  BlockMatrix hessian;
+  bench.potential.linearize(false, gradient, hessian);
+  bench.potential.try_step(std::vector<double>(scene.dof_count(), 0.1), 1.0);
+  bench.potential.accept_trial();
+  CHECK(bench.potential.restore_settled());
+  CHECK(bench.active.restored == 1);
+  CHECK(bench.potential.site_positions()[0] == settled);
 }
 
 TEST_CASE("an energy that is not finite makes a trial infeasible") {

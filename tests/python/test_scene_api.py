@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import stark
-from stark import mesh
+from stark import _core, mesh
+from stark.scene_record import RecordedScene
 
 # --- rotations ----------------------------------------------------------------------------------------------
 
@@ -472,6 +473,7 @@ def test_ctrl_c_stops_a_long_step_within_a_second(tmp_path: object) -> None:
     script = """
 import os, signal, threading, time
 import stark
+
 scene = stark.Scene()
 cloth = scene.add_cloth(stark.mesh.grid(1, 1, 40), pins=[0])
 sim = stark.Simulation(scene, time_step=1/30)

@@ -408,6 +408,16 @@ TEST_CASE("pending motion that cannot go on is reported as blocked") {
   CHECK(report.iterations < 50);
 }
 
+TEST_CASE("pending motion that goes on for too long is reported as blocked, too") {
+  Analytic objective(quadratic, {5, -7, 11});
+  objective.pending = true;
+  objective.bound = 1e-3;
+  NewtonSettings settings = tight();
+  settings.max_iterations = 20;
+  Solver solver(settings);
+  CHECK(solver.minimize(objective).status == SolveStatus::Blocked);
+}
+
 TEST_CASE("lagged quantities are refreshed until nothing changes, and never without end") {
   Analytic changing(quadratic, {5, -7, 11});
   changing.lag_change = 2.0;
@@ -481,4 +491,6 @@ TEST_CASE("where a refreshed problem cannot be solved, the last settled solution
   CHECK(report.is_settled);
   CHECK(report.lag_residual == 1.0);
   CHECK(norm(objective.x) < 1e-9);
+  // What is reported is of that solution, not of the attempt that failed.
+  CHECK(report.residual < 1e-9);
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <stark/base/rotation.h>
 
@@ -12,8 +14,12 @@ using symbolic::Order;
 
 namespace {
 
-/// Relative change of the limits below which friction counts as up to date.
+/// Change of the limits below which friction counts as up to date, over the largest one of all.
 constexpr double kLimitTolerance = 1e-3;
+
+/// The same for two bodies, over the largest limit between them: a press must not hide how a box slides
+/// beside it. Bodies that hardly graze each other are left out: part of the largest limit of all.
+constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
 
 /// Resets of a step after which pairs keep their tangent planes and closest points.
 constexpr int kGeometryResets = 2;
@@ -62,6 +68,7 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
   x_start_.assign(x.begin(), x.end());
   reference_ = std::move(reference);
   resets_ = 0;
+  next_start_.reset();
   for (PotentialBatch& batch : batches_)
     batch.set_uniform("stick_displacement", stick_displacement_ / reference_.scale);
 }
@@ -128,13 +135,50 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     next.push_back(std::move(pair));
   }
   const Change change = compare(next);
-  pairs_ = std::move(next);
+  std::map<std::pair<int32_t, int32_t>, Change> between;  // bodies
+  for (const Pair& pair : next) {
+    Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
+    const Pair* before = find(pair.contact.key);
+    c.largest_limit = std::max(c.largest_limit, pair.limit);
+    c.largest_change = std::max(c.largest_change, std::fabs(pair.limit - (before ? before->limit : 0.0)));
+  }
+  for (const Pair& pair : pairs_) {
+    Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
+    c.largest_limit = std::max(c.largest_limit, pair.limit);
+    const auto now =
+        std::ranges::lower_bound(next, pair.contact.key, {}, [](const Pair& p) { return p.contact.key; });
+    if (now == next.end() || now->contact.key != pair.contact.key)
+      c.largest_change = std::max(c.largest_change, pair.limit);
+  }
+  const bool settled = change.largest_change <= kLimitTolerance * change.largest_limit &&
+                       std::ranges::all_of(between, [&](const auto& entry) {
+                         const Change& c = entry.second;
+                         return c.largest_limit <= kGrazing * change.largest_limit ||
+                                c.largest_change <= kPairTolerance * c.largest_limit;
+                       });
   ++resets_;
+  if (settled && resets_ > 1) {
+    // The solution is one with the friction that it was found with; where the next step starts from is new.
+    next_start_ = std::move(next);
+    return 0.0;
+  }
+  previous_ = std::exchange(pairs_, std::move(next));
+  next_start_.reset();
+  sort_by_point_count();
+  return change.largest_change;
+}
+
+void FrictionSet::restore() {
+  pairs_ = std::move(kept_);
+  next_start_.reset();
+  sort_by_point_count();
+}
+
+void FrictionSet::sort_by_point_count() {
   for (auto& members : members_) members.clear();
   for (size_t i = 0; i < pairs_.size(); ++i)
     members_[pairs_[i].contact.point_count - 2 + (pairs_[i].is_anisotropic ? 3 : 0)].push_back(i);
   fill(batches_);
-  return change.largest_change > kLimitTolerance * change.largest_limit ? change.largest_change : 0.0;
 }
 
 const FrictionSet::Pair* FrictionSet::find(const PairKey& key) const {
@@ -209,7 +253,7 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
 
 FrictionMemory FrictionSet::end_step(std::span<const Vec3> x) const {
   FrictionMemory memory;
-  for (const Pair& pair : pairs_) {
+  for (const Pair& pair : next_start_ ? *next_start_ : pairs_) {
     const Vec3 u = limited(pair, deflection(pair, x));
     const double angle = spin(*mesh_, pair.contact.key, pair.normal, x_start_, x);
     memory.append(pair.contact.key, exp_rotation(pair.normal * angle) * u * orientation(*mesh_, pair.contact),
@@ -247,9 +291,10 @@ std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
     const int outputs = 1 + 3 * batches_[k].point_count();
     for (size_t e = 0; e < members_[k].size(); ++e) {
       const Contact& contact = pairs_[members_[k][e]].contact;
+      const double sign = orientation(*mesh_, contact);
       for (int p = 0; p < contact.side_a_count; ++p) {
         const double* g = values.data() + e * outputs + 1 + 3 * p;
-        forces[contact.key] -= Vec3{g[0], g[1], g[2]};
+        forces[contact.key] -= Vec3{g[0], g[1], g[2]} * sign;
       }
     }
   }

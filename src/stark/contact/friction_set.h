@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 
 #include <stark/contact/contact_set.h>
 #include <stark/contact/friction_coefficient.h>
@@ -41,11 +42,18 @@ class FrictionSet {
                   DisplacementReference reference);
 
   /// Freezes friction at the contacts with their forces on sides A, at site positions x. Returns the largest
-  /// change of a friction limit mu lambda [N], 0 when all are within 0.1 % of the largest. The first call in
-  /// a step takes the normal forces of pairs in the memory from there. From the third one on, pairs keep
-  /// their tangent planes and closest points: near an impact, turning planes keep friction from settling.
+  /// change of a friction limit mu lambda [N]; 0 when all are within 0.1 % of the largest and 1 % of the
+  /// largest between the same bodies. After the first call in a step, only what end_step() remembers changes
+  /// then: the solution is the one with the friction that it was found with. The first call takes the normal
+  /// forces of pairs in the memory from there. From the third one on, pairs keep their tangent planes and
+  /// closest points: near an impact, turning planes keep friction from settling.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                const FrictionTable& coefficient, std::span<const Vec3> x);
+
+  /// Keeps what was frozen before the last reset.
+  void keep() { kept_ = previous_; }
+  /// Freezes friction as it was kept.
+  void restore();
 
   /// Largest difference between a frozen limit and the one by these contacts and forces [N].
   double residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
@@ -57,7 +65,7 @@ class FrictionSet {
   std::vector<const PotentialBatch*> batches() const { return non_empty(batches_); }
   /// Parabolas above the energies that have their gradients at x.
   std::vector<const PotentialBatch*> majorants(std::span<const Vec3> x);
-  /// Forces on the sides A of the pairs at site positions x [N].
+  /// Forces on the first primitives of the pairs at site positions x [N].
   std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
   bool empty() const { return pairs_.empty(); }
   /// Energy in the bristles as they were bent at the start of the step, with the limits of now, above that of
@@ -92,6 +100,7 @@ class FrictionSet {
     double largest_change = 0.0, largest_limit = 0.0;  ///< [N]
   };
   Change compare(const std::vector<Pair>& next) const;
+  void sort_by_point_count();
   static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
   void fill(std::vector<PotentialBatch>& batches) const;
   std::vector<double> energies(std::span<const Vec3> x) const;
@@ -102,8 +111,11 @@ class FrictionSet {
   FrictionMemory memory_;
   DisplacementReference reference_;
   std::vector<Vec3> x_start_;
-  std::vector<Pair> pairs_;              ///< sorted by key
-  int resets_ = 0;                       ///< in this step
+  std::vector<Pair> pairs_;     ///< sorted by key
+  std::vector<Pair> previous_;  ///< before the last reset
+  std::vector<Pair> kept_;
+  std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
+  int resets_ = 0;                               ///< in this step
   std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> majorants_;
   std::vector<std::vector<size_t>> members_;  ///< pairs of their elements

@@ -194,7 +194,7 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
     const Vec3 n = normalized(entry.point_a - entry.point_b);
     entry.slip = (motion - n * dot(n, motion)) / duration_;
     if (const auto found = frictions.find(entry.contact.key); found != frictions.end())
-      entry.friction = found->second;
+      entry.friction = found->second * orientation(mesh(), entry.contact);
     result.push_back(entry);
   }
   return result;
@@ -210,6 +210,15 @@ double ContactPipeline::min_distance() const {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Contact& contact : active_.contacts()) smallest = std::min(smallest, contact.distance);
   return smallest;
+}
+
+std::optional<Contact> ContactPipeline::find_nearest(std::span<const Vec3> x) {
+  build(x, candidates_);
+  std::vector<Contact> contacts;
+  find_contacts(geometry_, candidates_.list, x, pool_, contacts);
+  const auto nearest = std::ranges::min_element(
+      contacts, {}, [](const Contact& c) { return c.distance / c.contact_distance; });
+  return nearest == contacts.end() ? std::nullopt : std::optional(*nearest);
 }
 
 }  // namespace stark

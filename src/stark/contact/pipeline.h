@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <stark/base/timer.h>
 #include <stark/collision/broad_phase.h>
@@ -85,6 +86,8 @@ class ContactPipeline final : public ActiveSet {
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
   double refresh_lagged(std::span<const Vec3> x) override;
+  void keep_lagged() override { friction_.keep(); }
+  void restore_lagged() override { friction_.restore(); }
 
   const std::vector<Contact>& contacts() const { return active_.contacts(); }
   const ContactSet& active_set() const { return active_; }
@@ -100,6 +103,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Smallest distance of an active contact [m], infinity when there is none.
   double min_distance() const;
+  /// The pair that is nearest at x, over its contact distance; nothing if none are in contact.
+  std::optional<Contact> find_nearest(std::span<const Vec3> x);
   /// Largest approach along the normal of an active contact while its sites moved from x0 to x1, over its
   /// contact distance.
   double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) const;

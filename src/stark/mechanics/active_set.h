@@ -34,6 +34,10 @@ class ActiveSet {
 
   /// Refreshes lagged quantities at x; returns the change of force [N].
   virtual double refresh_lagged(std::span<const Vec3> x) = 0;
+  /// The lagged quantities before the last refresh belong to a solution that may be gone back to.
+  virtual void keep_lagged() = 0;
+  /// Goes back to the lagged quantities that were kept last.
+  virtual void restore_lagged() = 0;
 };
 
 }  // namespace stark

@@ -216,7 +216,10 @@ double IncrementalPotential::refresh_lagged(int round) {
   const double violation = constraints_ ? constraints_->update(x_) : 0.0;
   if (!active_set_ || round >= active_set_updates_) return violation;
   const double change = active_set_->refresh_lagged(x_);
-  if (change > 0.0 && violation == 0.0 && round > 0) settled_ = iterate_;
+  if (change > 0.0 && violation == 0.0 && round > 0) {
+    settled_ = iterate_;
+    active_set_->keep_lagged();
+  }
   return std::max(change, violation);
 }
 
@@ -226,7 +229,10 @@ bool IncrementalPotential::restore_settled() {
   settled_.reset();
   map_.positions(iterate_, x_);
   place_prescribed(1.0, x_);
-  if (active_set_) active_set_->update(x_);
+  if (active_set_) {
+    active_set_->restore_lagged();
+    active_set_->update(x_);
+  }
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <sstream>
 
 #include <stark/base/error.h>
@@ -13,6 +14,9 @@
 namespace stark {
 
 namespace {
+
+/// Distance over the largest coordinate below which surfaces touch: a thousand roundings.
+constexpr double kTouching = 2e-13;
 
 LinearSolverSettings to_solver_settings(const LinearSettings& linear) {
   return {.kind = linear.solver,
@@ -104,6 +108,19 @@ void Simulation::check_initial_state() const {
                               " intersect at time 0 at " + std::to_string(intersections.size()) +
                               " edge-triangle pairs, the first near " + point_text(where) +
                               "; move them apart, or disable contact between them");
+  }
+  // Rods, and gaps that rounding of the coordinates swallows: barriers would be infinite, or noise.
+  if (const std::optional<Contact> nearest = contact_->find_nearest(x)) {
+    double size = 0.0;
+    for (int p = 0; p < nearest->point_count; ++p) {
+      const Vec3& at = x[nearest->sites[p]];
+      size = std::fmax(size, std::fmax(std::fabs(at.x), std::fmax(std::fabs(at.y), std::fabs(at.z))));
+    }
+    if (nearest->distance <= kTouching * size)
+      throw InitialIntersection(name(nearest->group_a) + " and " + name(nearest->group_b) +
+                                " touch at time 0 near " + point_text(x[nearest->sites[0]]) +
+                                ", their distance is " + quantity_text(nearest->distance, "m") +
+                                "; move them apart, or disable contact between them");
   }
   const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_);
   if (!contained.empty()) {

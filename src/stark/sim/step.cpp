@@ -53,7 +53,8 @@ const char* failure_text(SolveStatus status) {
     case SolveStatus::LinearSolveFailed:
       return "the linear system could not be solved; look for free bodies without inertia";
     case SolveStatus::Blocked:
-      return "a scripted body or pinned vertex is blocked by an obstacle; change its motion or the obstacle";
+      return "a scripted body or pinned vertex is blocked by an obstacle; change its motion or the obstacle, "
+             "or raise newton.max_iterations if it could give way";
     case SolveStatus::Detour:
       return "bodies would change places within the step; lower time.step";
     case SolveStatus::Interrupted:

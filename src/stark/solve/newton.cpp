@@ -41,11 +41,18 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   projection_countdown_ = 0;
   previous_gradient_norm_ = 0.0;
   int tiny_steps = 0, round_off_steps = 0, unsure_steps = 0;
+  SolveReport settled;  // when lagged quantities were refreshed last
   const auto finish = [&](SolveStatus status) {
     // A solution whose friction is a round behind is better than none.
     const bool given_up = !is_success(status) && status != SolveStatus::Interrupted;
+    report.status = status;
     report.is_settled = given_up && objective.restore_settled();
-    report.status = report.is_settled ? SolveStatus::Converged : status;
+    if (report.is_settled) {
+      report.status = SolveStatus::Converged;
+      report.residual = settled.residual;
+      report.acceleration = settled.acceleration;
+      report.last_motion = settled.last_motion;
+    }
     return report;
   };
 
@@ -63,7 +70,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
     report.last_motion = objective.motion(direction_);
     const bool converged = !pending && is_converged(report, time_step);
     if (!converged && report.iterations >= settings_.max_iterations)
-      return finish(SolveStatus::MaxIterations);
+      return finish(pending ? SolveStatus::Blocked : SolveStatus::MaxIterations);
 
     // The last direction is known, so it is taken even when its size already says "converged".
     const SolveStatus searched = line_search(objective, report);
@@ -75,6 +82,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
         return finish(converged ? SolveStatus::Converged : SolveStatus::RoundOff);
       if (++report.lag_updates >= kLagUpdateLimit || std::isinf(report.lag_residual))
         return finish(SolveStatus::ConstraintViolated);
+      settled = report;
       round_off_steps = 0;
       continue;
     }
