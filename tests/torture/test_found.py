@@ -97,8 +97,8 @@ def test_friction_of_edges_has_the_sign_of_the_pair() -> None:
 
 @pytest.mark.xfail(
     strict=True,
-    reason="barriers act between pairs of primitives, whose number changes along the way: steps of energy hold "
-    "what is pressed from all sides",
+    reason="barriers act between pairs of primitives, whose number changes along the way: steps of energy "
+    "hold what is pressed from all sides",
 )
 def test_a_peg_slides_in_a_hole_that_presses_from_all_sides() -> None:
     """Half of the range of contact on each side, no friction: a peg of half a kilogram stops after 0.4 mm."""
