@@ -70,7 +70,7 @@ class Outcome:
     most_iterations: int = 0
     retries: int = 0
     contacts: int = 0  # most in a step
-    gap: float = math.inf  # smallest, over the contact distance of the settings
+    gap: float = math.inf  # smallest, over the largest contact distance of a body
     around: int = 0  # steps whose way is not straight
     open: int = 0
     imbalance: float = 0.0  # largest, over what the tolerance allows
@@ -125,6 +125,7 @@ class _Watcher:
 
     def __init__(self, sim: stark.Simulation, setup: Setup, outcome: Outcome, judge: Judge | None) -> None:
         self._sim, self._setup, self._outcome, self._judge = sim, setup, outcome, judge
+        self._contact_distance = max(sim.contact_distance(body) for body in sim.bodies)
         self._free = np.array([body.kind != "rigid" or body.motion == "dynamic" for body in sim.bodies])
         self._mass = sum(body.mass for body in sim.bodies)
         self._momentum: Any = None
@@ -155,7 +156,7 @@ class _Watcher:
         outcome.most_iterations = max(outcome.most_iterations, report.newton_iterations)
         outcome.retries += report.rejected_steps
         outcome.contacts = max(outcome.contacts, report.contact_count)
-        outcome.gap = min(outcome.gap, report.min_distance / self._sim.settings["contact.distance"])
+        outcome.gap = min(outcome.gap, report.min_distance / self._contact_distance)
         if report.newton_iterations > setup.most_iterations:
             self._note(f"step {report.step} took {report.newton_iterations} iterations")
         if report.rejected_steps > setup.most_retries:

@@ -83,7 +83,7 @@ class Judge:
     def _run(self) -> Any:
         bodies = []
         for body in self._sim.bodies:
-            distance = body.contact_distance or self._sim.settings["contact.distance"]
+            distance = self._sim.contact_distance(body)
             edges = body.mesh.edges if body.kind == "rod" else np.zeros((0, 2))
             inertia = None
             if isinstance(body, stark.RigidBody):

@@ -99,6 +99,12 @@ class Simulation:
         # The scene may grow after this: the simulation is of what it is now.
         self._calls = [*scene._core.calls, ("default_friction", (scene.default_friction,))]
 
+    def contact_distance(self, body: Body | str) -> float:
+        """[m] Within which surfaces of the body repel others, together with theirs: its own, that of the
+        settings, or (``contact.distance`` 0) 1 mm, but at most 1 % of the size of the body and half the
+        smallest height of triangles that can touch their own body."""
+        return self._scene._core.contact_distance_in(self[body]._index, self._settings._core)
+
     # --- stepping ---
 
     def step(self, *, max_time_step: float | None = None) -> StepReport:

@@ -181,6 +181,14 @@ TEST_CASE("a load stiffens all contacts of two bodies until it is carried at a t
   for (const int c : {0, 1}) CHECK(contacts[c].stiffness == doctest::Approx(50.0 * natural[c]));
   CHECK(contacts[2].stiffness == natural[2]);
 
+  // A step cut short counts for its share.
+  {
+    PairStiffness stiffness(bench.map);
+    stiffness.begin_step(bench.configuration, bench.diagonal, 300.0);
+    stiffness.assign(bench.x, contacts);
+    CHECK(stiffness.end_step(contacts, heavy, 0.5).factor[0] == doctest::Approx(std::sqrt(2.0)));
+  }
+
   // Gone, the load is forgotten slowly, and in the end altogether.
   CHECK(press(bench, contacts, light, memory).factor[0] == doctest::Approx(45.0));
   // What is about enough stays.

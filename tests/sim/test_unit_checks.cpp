@@ -50,7 +50,9 @@ TEST_CASE("each mistake of units is named with the object, the value and the uni
         std::string::npos);
   CHECK(all(check_units(cube_scene(0.1, in_grams), {})).find("density = 1.1 kg/m^3") != std::string::npos);
   CHECK(all(check_units(cube_scene(0.1, steel_in_gigapascal), {})).find("flattens") != std::string::npos);
-  CHECK(all(check_units(cube_scene(0.004, rubber), {})).find("contact_distance below 4e-05 m") !=
+  Settings thick;
+  thick.contact.distance = 1e-3;
+  CHECK(all(check_units(cube_scene(0.004, rubber), thick)).find("contact_distance below 4e-05 m") !=
         std::string::npos);
 
   Scene scene;

@@ -31,9 +31,7 @@ from .masses import point_masses, second_moments
 def describe(sim: Any) -> dict[str, Any]:
     """What the checker has to know about the scene of a simulation, as JSON."""
     scene, settings = sim.scene._core, sim.settings
-    bodies = [
-        _body(scene, body, scene.contact_distance_in(body._index, settings._core)) for body in sim.bodies
-    ]
+    bodies = [_body(scene, body, sim.contact_distance(body)) for body in sim.bodies]
     return {
         "version": STATES_VERSION,
         "bodies": bodies,

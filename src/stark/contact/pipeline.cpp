@@ -63,12 +63,12 @@ void ContactPipeline::begin_step(const Configuration& configuration, std::span<c
   if (options_.friction) freeze_friction(x);
 }
 
-ContactMemory ContactPipeline::end_step(std::span<const Vec3> x) {
+ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double share) {
   if (!std::ranges::equal(x, x_active_)) update(x);
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
   friction_residual_ = friction_.residual(contacts(), forces, friction_coefficient_);
-  return {friction_.end_step(x), stiffness_.end_step(contacts(), forces)};
+  return {friction_.end_step(x), stiffness_.end_step(contacts(), forces, share)};
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {

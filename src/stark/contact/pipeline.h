@@ -75,8 +75,8 @@ class ContactPipeline final : public ActiveSet {
   /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
   void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
                   const VelocityReference& reference, ContactMemory memory);
-  /// Takes the end of a step at site positions x: contacts are those there.
-  ContactMemory end_step(std::span<const Vec3> x);
+  /// Takes the end of a step at site positions x: contacts are those there. share: of the full time step.
+  ContactMemory end_step(std::span<const Vec3> x, double share = 1.0);
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
   /// at its end [N].
   double friction_residual() const { return friction_residual_; }

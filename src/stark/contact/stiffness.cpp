@@ -18,17 +18,17 @@ constexpr double kLoadedGap = 0.1;
 const double kLoadedSlope =
     2.0 * (kLoadedGap - 1.0) * std::log(kLoadedGap) + (1.0 - kLoadedGap) * (1.0 - kLoadedGap) / kLoadedGap;
 
-/// Growth and decay of a factor from one step to the next: an impact is not a load, and a load that moves
-/// from contact to contact must not pump.
+/// Growth and decay of a factor in a full time step, less in one cut short: an impact is not a load, and a
+/// load that moves from contact to contact must not pump.
 constexpr double kGrowth = 2.0, kDecay = 0.9;
 
 /// A factor stays while the load asks for no less than this part of it and no more than its inverse: a body
 /// at rest is to rest.
 constexpr double kEnough = 0.8;
 
-double next_factor(double factor, double wanted) {
-  if (wanted > factor / kEnough) return std::min(wanted, kGrowth * factor);
-  return wanted < kEnough * factor ? std::max(wanted, kDecay * factor) : factor;
+double next_factor(double factor, double wanted, double share) {
+  if (wanted > factor / kEnough) return std::min(wanted, std::pow(kGrowth, share) * factor);
+  return wanted < kEnough * factor ? std::max(wanted, std::pow(kDecay, share) * factor) : factor;
 }
 
 /// Compliance that no pair falls below [m/N], so that kappa stays finite whatever the input.
@@ -95,7 +95,8 @@ void PairStiffness::assign(std::span<const Vec3> x, std::vector<Contact>& contac
   }
 }
 
-LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const {
+LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                   double share) const {
   std::map<int64_t, double> wanted;
   for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
   for (size_t c = 0; c < contacts.size(); ++c) {
@@ -105,7 +106,7 @@ LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::sp
   }
   LoadMemory memory;
   for (const auto& [bodies, asked] : wanted) {
-    const double factor = next_factor(memory_.find(bodies), asked);
+    const double factor = next_factor(memory_.find(bodies), asked, share);
     if (!(factor > 1.0)) continue;
     memory.bodies.push_back(bodies);
     memory.factor.push_back(factor);

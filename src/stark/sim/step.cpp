@@ -375,7 +375,8 @@ void Simulation::commit(double h) {
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   if (contact_) {
-    ContactMemory memory = contact_->end_step(potential_->site_positions());
+    const double share = std::min(1.0, h / settings_.time.step);
+    ContactMemory memory = contact_->end_step(potential_->site_positions(), share);
     state_.friction_pair = std::move(memory.friction.pair);
     state_.friction_deflection = std::move(memory.friction.deflection);
     state_.friction_force = std::move(memory.friction.force);

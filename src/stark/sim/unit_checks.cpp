@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <stark/sim/body_checks.h>
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/material_fields.h>
 
 namespace stark {
@@ -100,7 +101,7 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
     const Vec3 size = box_size(scene.initial_positions(body));
     suspicions.check(owner, "extent of the mesh", max_abs(size), "m", kExtent,
                      "if the mesh is not in metres, scale it with mesh.scaled(factor)");
-    const double distance = scene.contact_distance(body).value_or(settings.contact.distance);
+    const double distance = contact_distance(scene, body, settings);
     if (settings.contact.enabled && distance > kThickestContact * max_abs(size))
       suspicions.add(owner + ": contact distance of " + quantity_text(distance, "m") +
                      " for an extent of the mesh of " + quantity_text(max_abs(size), "m") +

@@ -279,7 +279,7 @@ def test_nonsense_is_refused() -> None:
         (stark.Anisotropic(-0.1, 0.5), "coefficient along the surface direction = -0.1"),
         (stark.Anisotropic(0.1, np.inf), "coefficient across the surface direction"),
         (stark.Anisotropic(0.1, 0.2, kinetic=1.5), "kinetic = 1.5"),
-        (stark.Anisotropic("ice", 0.2), "must be numbers"),  # type: ignore[arg-type]
+        (stark.Anisotropic("ice", 0.2), "must be a number"),  # type: ignore[arg-type]
     ):
         with pytest.raises(stark.InvalidArgument, match=message):
             scene.friction[box, "floor"] = friction
