@@ -43,8 +43,8 @@ class PairStiffness {
   /// Sets the stiffness of each contact: the frozen one, or a new one from the contact's normal at x.
   void assign(std::span<const Vec3> x, std::vector<Contact>& contacts);
 
-  /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N]; share: of
-  /// the full time step.
+  /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N]; share:
+  /// of the full time step.
   LoadMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                       double share = 1.0) const;
 
