@@ -20,7 +20,7 @@ import traceback
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "python"), str(ROOT / "tests/python/fuzz")]
+sys.path.insert(0, str(ROOT / "tests/python/fuzz"))
 
 if "--atheris" in sys.argv:
     import atheris
