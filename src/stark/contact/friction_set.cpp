@@ -134,28 +134,8 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
     next.push_back(std::move(pair));
   }
-  const Change change = compare(next);
-  std::map<std::pair<int32_t, int32_t>, Change> between;  // bodies
-  for (const Pair& pair : next) {
-    Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
-    const Pair* before = find(pair.contact.key);
-    c.largest_limit = std::max(c.largest_limit, pair.limit);
-    c.largest_change = std::max(c.largest_change, std::fabs(pair.limit - (before ? before->limit : 0.0)));
-  }
-  for (const Pair& pair : pairs_) {
-    Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
-    c.largest_limit = std::max(c.largest_limit, pair.limit);
-    const auto now =
-        std::ranges::lower_bound(next, pair.contact.key, {}, [](const Pair& p) { return p.contact.key; });
-    if (now == next.end() || now->contact.key != pair.contact.key)
-      c.largest_change = std::max(c.largest_change, pair.limit);
-  }
-  const bool settled = change.largest_change <= kLimitTolerance * change.largest_limit &&
-                       std::ranges::all_of(between, [&](const auto& entry) {
-                         const Change& c = entry.second;
-                         return c.largest_limit <= kGrazing * change.largest_limit ||
-                                c.largest_change <= kPairTolerance * c.largest_limit;
-                       });
+  const double change = compare(next).largest_change;
+  const bool settled = is_settled(next);
   ++resets_;
   if (settled && resets_ > 1) {
     // The solution is one with the friction that it was found with; where the next step starts from is new.
@@ -165,7 +145,7 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   previous_ = std::exchange(pairs_, std::move(next));
   next_start_.reset();
   sort_by_point_count();
-  return change.largest_change;
+  return change;
 }
 
 void FrictionSet::restore() {
@@ -208,19 +188,47 @@ double FrictionSet::residual(const std::vector<Contact>& contacts, std::span<con
   return compare(now).largest_change;
 }
 
-FrictionSet::Change FrictionSet::compare(const std::vector<Pair>& next) const {
-  Change change;
+template <typename Visit>
+void FrictionSet::for_each_limit(const std::vector<Pair>& next, const Visit& visit) const {
   size_t i = 0, j = 0;
   while (i < pairs_.size() || j < next.size()) {
     const bool has_old =
         i < pairs_.size() && (j == next.size() || pairs_[i].contact.key <= next[j].contact.key);
     const bool has_new =
         j < next.size() && (i == pairs_.size() || next[j].contact.key <= pairs_[i].contact.key);
-    const double before = has_old ? pairs_[i++].limit : 0.0, now = has_new ? next[j++].limit : 0.0;
-    change.largest_limit = std::max(change.largest_limit, now);
-    change.largest_change = std::max(change.largest_change, std::fabs(now - before));
+    const Pair *before = has_old ? &pairs_[i++] : nullptr, *now = has_new ? &next[j++] : nullptr;
+    visit(before, now, std::fabs((now ? now->limit : 0.0) - (before ? before->limit : 0.0)));
   }
-  return change;
+}
+
+FrictionSet::Change FrictionSet::compare(const std::vector<Pair>& next) const {
+  Change total;
+  for_each_limit(next, [&](const Pair*, const Pair* now, double change) {
+    total.largest_limit = std::max(total.largest_limit, now ? now->limit : 0.0);
+    total.largest_change = std::max(total.largest_change, change);
+  });
+  return total;
+}
+
+bool FrictionSet::is_settled(const std::vector<Pair>& next) const {
+  const Change total = compare(next);
+  if (!(total.largest_change <= kLimitTolerance * total.largest_limit)) return false;
+  std::map<std::pair<int32_t, int32_t>, Change> between;  // bodies
+  const auto of = [&](const Pair& pair) -> Change& {
+    Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
+    c.largest_limit = std::max(c.largest_limit, pair.limit);
+    return c;
+  };
+  for_each_limit(next, [&](const Pair* before, const Pair* now, double change) {
+    if (before) of(*before);
+    Change& c = of(now ? *now : *before);
+    c.largest_change = std::max(c.largest_change, change);
+  });
+  return std::ranges::all_of(between, [&](const auto& entry) {
+    const Change& c = entry.second;
+    return c.largest_limit <= kGrazing * total.largest_limit ||
+           c.largest_change <= kPairTolerance * c.largest_limit;
+  });
 }
 
 void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {

@@ -99,7 +99,13 @@ class FrictionSet {
   struct Change {
     double largest_change = 0.0, largest_limit = 0.0;  ///< [N]
   };
+  /// Visits each pair that is frozen or next: both, either of which may be missing, and the change of the
+  /// limit.
+  template <typename Visit>
+  void for_each_limit(const std::vector<Pair>& next, const Visit& visit) const;
   Change compare(const std::vector<Pair>& next) const;
+  /// Whether limits have settled, of all and between each two bodies.
+  bool is_settled(const std::vector<Pair>& next) const;
   void sort_by_point_count();
   static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
   void fill(std::vector<PotentialBatch>& batches) const;

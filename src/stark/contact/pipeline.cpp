@@ -212,13 +212,11 @@ double ContactPipeline::min_distance() const {
   return smallest;
 }
 
-std::optional<Contact> ContactPipeline::find_nearest(std::span<const Vec3> x) {
-  build(x, candidates_);
+std::vector<Contact> ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
+  if (!covers(candidates_, x)) build(x, candidates_);
   std::vector<Contact> contacts;
   find_contacts(geometry_, candidates_.list, x, pool_, contacts);
-  const auto nearest = std::ranges::min_element(
-      contacts, {}, [](const Contact& c) { return c.distance / c.contact_distance; });
-  return nearest == contacts.end() ? std::nullopt : std::optional(*nearest);
+  return contacts;
 }
 
 }  // namespace stark

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include <stark/base/timer.h>
 #include <stark/collision/broad_phase.h>
@@ -103,8 +102,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Smallest distance of an active contact [m], infinity when there is none.
   double min_distance() const;
-  /// The pair that is nearest at x, over its contact distance; nothing if none are in contact.
-  std::optional<Contact> find_nearest(std::span<const Vec3> x);
+  /// Contacts with sites at x, without their stiffness; the active ones stay as they are.
+  std::vector<Contact> find_contacts_at(std::span<const Vec3> x);
   /// Largest approach along the normal of an active contact while its sites moved from x0 to x1, over its
   /// contact distance.
   double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) const;

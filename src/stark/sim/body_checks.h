@@ -35,13 +35,18 @@ void check_common(const std::string& owner, const Description& body) {
                    "give red, green, blue in [0, 1]");
 }
 
+/// Edges of the box around points.
+inline Vec3 box_size(std::span<const Vec3> points) {
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points)
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+  return high - low;
+}
+
 /// A mesh of a hundred metres is usually one in millimetres.
 inline void warn_about_size(const std::string& owner, std::span<const Vec3> vertices,
                             std::vector<std::string>& warnings) {
-  Vec3 low = vertices[0], high = vertices[0];
-  for (const Vec3& v : vertices)
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], v[i]), high[i] = std::max(high[i], v[i]);
-  const double extent = max_abs(high - low);
+  const double extent = max_abs(box_size(vertices));
   if (extent > 100.0 || extent < 1e-4)
     warnings.push_back(owner + ": the mesh has an extent of " + quantity_text(extent, "m") +
                        "; if it is not in metres, scale it with mesh.scaled(factor)");

@@ -4,7 +4,6 @@
 
 #include <stark/base/error.h>
 #include <stark/geometry/polyline.h>
-#include <stark/geometry/topology.h>
 #include <stark/sim/body_checks.h>
 #include <stark/sim/validation.h>
 
@@ -18,33 +17,18 @@ constexpr double kPartOfHeight =
     0.5;  ///< most of the smallest height of a triangle: farther ones touch at rest
 constexpr double kSmallestForHeight = 0.1;  ///< of the distance without regard to heights
 
-double diagonal(std::span<const Vec3> vertices) {
-  Vec3 low = vertices[0], high = vertices[0];
-  for (const Vec3& v : vertices)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], v[a]);
-      high[a] = std::max(high[a], v[a]);
-    }
-  return norm(high - low);
-}
-
 bool can_touch_itself(const Scene& scene, BodyId body, const Settings& settings) {
   return settings.contact.self_contact && scene.contact_enabled(body, body);
 }
 
 /// Of the surface of a cloth or a solid.
 SmallestHeight smallest_height(const Scene& scene, BodyId body) {
-  if (scene.kind(body) == BodyKind::Cloth)
-    return find_smallest_height(scene.cloth(body).mesh.vertices, scene.cloth(body).mesh.triangles);
-  return find_smallest_height(scene.solid(body).mesh.vertices,
-                              find_boundary_triangles(scene.solid(body).mesh));
+  return find_smallest_height(scene.rest_vertices(body), scene.surface_triangles(body));
 }
 
 double automatic_distance(const Scene& scene, BodyId body, const Settings& settings) {
-  const bool is_rigid = scene.kind(body) == BodyKind::Rigid;
-  const std::vector<Vec3>& vertices = is_rigid ? scene.rigid(body).mesh.vertices : scene.rest_vertices(body);
-  const double by_size = std::min(kLargest, kPartOfSize * diagonal(vertices));
-  if (is_rigid || !can_touch_itself(scene, body, settings)) return by_size;
+  const double by_size = std::min(kLargest, kPartOfSize * norm(box_size(scene.rest_vertices(body))));
+  if (scene.kind(body) == BodyKind::Rigid || !can_touch_itself(scene, body, settings)) return by_size;
   const double by_height = kPartOfHeight * smallest_height(scene, body).height;
   return std::clamp(by_height, kSmallestForHeight * by_size, by_size);
 }

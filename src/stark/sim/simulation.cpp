@@ -110,7 +110,10 @@ void Simulation::check_initial_state() const {
                               "; move them apart, or disable contact between them");
   }
   // Rods, and gaps that rounding of the coordinates swallows: barriers would be infinite, or noise.
-  if (const std::optional<Contact> nearest = contact_->find_nearest(x)) {
+  const std::vector<Contact> contacts = contact_->find_contacts_at(x);
+  const auto nearest = std::ranges::min_element(
+      contacts, {}, [](const Contact& c) { return c.distance / c.contact_distance; });
+  if (nearest != contacts.end()) {
     double size = 0.0;
     for (int p = 0; p < nearest->point_count; ++p) {
       const Vec3& at = x[nearest->sites[p]];

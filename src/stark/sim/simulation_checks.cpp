@@ -14,22 +14,6 @@ namespace {
 constexpr double kOverlap = 0.01;
 constexpr size_t kMostGaps = 10000, kMostElements = 1000;
 
-/// All contacts with sites at x, without their stiffness.
-std::vector<Contact> find_all_contacts(ContactSurfaces surfaces, std::span<const Vec3> x, ThreadPool& pool) {
-  ContactGeometry geometry{.mesh = nullptr, .group_distance = surfaces.group_distance};
-  for (const Index2& edge : surfaces.mesh.edges)
-    geometry.edge_squared_length.push_back(
-        squared_norm(surfaces.rest_positions[edge[1]] - surfaces.rest_positions[edge[0]]));
-  BroadPhase broad_phase;
-  broad_phase.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
-  geometry.mesh = &broad_phase.mesh();
-  CandidateList candidates;
-  broad_phase.find(x, geometry.group_distance, pool, candidates);
-  std::vector<Contact> contacts;
-  find_contacts(geometry, candidates, x, pool, contacts);
-  return contacts;
-}
-
 /// One sentence for each pair of bodies, about the narrowest gap.
 void warn_about_overlap(const std::vector<NarrowGap>& gaps, std::vector<std::string>& out) {
   std::map<std::pair<std::string, std::string>, std::pair<const NarrowGap*, int>> pairs;
@@ -53,11 +37,8 @@ void warn_about_overlap(const std::vector<NarrowGap>& gaps, std::vector<std::str
 std::vector<std::string> Simulation::check_state() const {
   std::vector<std::string> warnings;
   const std::vector<Vec3> x = site_positions();
-  if (contact_) {
-    const std::vector<Contact> contacts =
-        find_all_contacts(model_->make_surfaces(scene_, settings_), x, *pool_);
-    warn_about_overlap(find_narrow_gaps(scene_, *model_, contacts, kMostGaps), warnings);
-  }
+  if (contact_)
+    warn_about_overlap(find_narrow_gaps(scene_, *model_, contact_->find_contacts_at(x), kMostGaps), warnings);
   for (int32_t b = 0; b < scene_.body_count(); ++b) {
     if (scene_.kind(BodyId{b}) != BodyKind::Solid || scene_.solid(BodyId{b}).initial_positions.empty())
       continue;  // at rest: checked when it was added

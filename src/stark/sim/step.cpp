@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <stark/base/rotation.h>
+#include <stark/sim/body_checks.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/step_evidence.h>
 
@@ -208,15 +209,11 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
 
 bool Simulation::moved_far(const ModelBody& body) const {
   const std::span<const Vec3> x = potential_->site_positions();
-  Vec3 low = step_start_[body.first_site], high = low;
+  const std::span<const Vec3> start = std::span(step_start_).subspan(body.first_site, body.site_count);
   double motion = 0.0;
-  for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i) {
-    const Vec3& p = step_start_[i];
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-    motion = std::fmax(motion, norm(x[i] - p));
-  }
-  return motion > kFarMotion * norm(high - low);
+  for (size_t i = 0; i < start.size(); ++i)
+    motion = std::fmax(motion, norm(x[body.first_site + i] - start[i]));
+  return motion > kFarMotion * norm(box_size(start));
 }
 
 bool Simulation::may_refuse_detours(double h) const {

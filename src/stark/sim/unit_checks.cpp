@@ -49,13 +49,6 @@ double smallest_modulus(const Description& body) {
   return *std::ranges::min_element(found->second.values);
 }
 
-Vec3 box_size(std::span<const Vec3> points) {
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points)
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
-  return high - low;
-}
-
 void check_modulus(const std::string& owner, double modulus, Suspicions& out) {
   if (std::isfinite(modulus))
     out.check(owner, "youngs_modulus", modulus, "Pa", kModulus, "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
