@@ -12,7 +12,7 @@ import re
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,18 @@ def read_arrays(path: Path) -> dict[str, Array]:
         raise
     except Exception as error:  # the decoder meets damage in ways that have no common base
         raise DamageError(f"{type(error).__name__}: {error}") from error
+
+
+def check_format(header: Any, noun: str, name: str, version: int) -> dict[str, Any]:
+    """The header of a file if it is one of this format and version. Raises DamageError for others."""
+    if not isinstance(header, dict) or header.get("format") != name:
+        raise DamageError(f"is no {noun} of Stark (format must be '{name}')")
+    if header.get("version") != version:
+        raise DamageError(
+            f"has format version {header.get('version')!r}; this Stark reads {version}: use "
+            f"the Stark that wrote it ({header.get('stark_version')!r})"
+        )
+    return header
 
 
 def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.array_file import DamageError, read_arrays, write_arrays
+from stark.array_file import DamageError, check_format, read_arrays, write_arrays
 from stark.simulation import LastStep
 
 from . import memory
@@ -95,14 +95,10 @@ def _header(arrays: Arrays, owner: str) -> dict[str, Any]:
         header = json.loads(text.astype(np.uint8).tobytes()) if text is not None else None
     except (ValueError, RecursionError) as error:
         raise CheckpointError(f"{owner} is damaged (header: {error}); use another one") from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT_NAME:
-        raise CheckpointError(f"{owner}: is no checkpoint of Stark (format must be '{FORMAT_NAME}')")
-    if header.get("version") != FORMAT_VERSION:
-        raise CheckpointError(
-            f"{owner}: has format version {header.get('version')!r}; this Stark reads {FORMAT_VERSION}: use "
-            f"the Stark that wrote it ({header.get('stark_version')!r})"
-        )
-    return header
+    try:
+        return check_format(header, "checkpoint", FORMAT_NAME, FORMAT_VERSION)
+    except DamageError as error:
+        raise CheckpointError(f"{owner}: {error}") from None
 
 
 def _checkpoint(header: dict[str, Any], arrays: Arrays) -> Checkpoint:

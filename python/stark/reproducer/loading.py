@@ -12,7 +12,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.array_file import DamageError, read_arrays
+from stark.array_file import DamageError, check_format, read_arrays
 from stark.bodies import Cloth, RigidBody, Solid
 from stark.checkpoint import memory
 from stark.mesh import Polyline, SolidMesh, TetMesh, TriangleMesh
@@ -57,14 +57,10 @@ def _read(path: Path, owner: str) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ReproducerError(f"{owner}: there is no such file") from None
     except (DamageError, KeyError, ValueError, RecursionError) as error:
         raise ReproducerError(f"{owner} is damaged or no reproducer ({error}); write it again") from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT_NAME:
-        raise ReproducerError(f"{owner}: is no reproducer of Stark (format must be '{FORMAT_NAME}')")
-    if header.get("version") != FORMAT_VERSION:
-        raise ReproducerError(
-            f"{owner}: has format version {header.get('version')!r}; this Stark reads {FORMAT_VERSION}: use "
-            f"the Stark that wrote it ({header.get('stark_version')!r})"
-        )
-    return header, arrays
+    try:
+        return check_format(header, "reproducer", FORMAT_NAME, FORMAT_VERSION), arrays
+    except DamageError as error:
+        raise ReproducerError(f"{owner}: {error}") from None
 
 
 def simulation_of(header: dict[str, Any], arrays: dict[str, Any], owner: str) -> Simulation:
