@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from stark.simulation import Simulation
 
 _ADDING = ("add_cloth", "add_solid", "add_rigid", "add_rod")
-_ABOUT_ONE = ("pin", "clamp")
-_ABOUT_TWO = ("set_friction", "disable_contact", "enable_contact")
+_ABOUT_ONE = ("pin", "clamp", "set_surface_directions")
+_ABOUT_TWO = ("set_friction", "set_anisotropic_friction", "disable_contact", "enable_contact")
 _REDUCIBLE = {*_ADDING, *_ABOUT_ONE, *_ABOUT_TWO, "default_friction"}
 
 Arrays = dict[str, Any]
@@ -41,8 +41,8 @@ def _mentioned(diagnosis: Any) -> list[str]:
 
 
 def reduced(sim: Simulation, state: Arrays, keep: list[int]) -> tuple[list[Call], Arrays]:
-    """Calls that make the scene of some of its bodies, and their part of a state. What friction remembers is
-    lost: it is known by numbers of primitives."""
+    """Calls that make the scene of some of its bodies, and their part of a state. What contact remembers is
+    lost: it is known by numbers of primitives and bodies."""
     number = {old: new for new, old in enumerate(keep)}
     calls: list[Call] = []
     body = -1
@@ -70,7 +70,7 @@ def _rows(ranges: list[tuple[int, int]]) -> np.ndarray:
 
 
 def _part(name: str, array: Any, points: np.ndarray, bodies: np.ndarray) -> Any:
-    if name.startswith("friction_"):
+    if name.startswith(("friction_", "contact_")):
         return array[:0]
     if np.ndim(array) == 0 or len(array) == 0:
         return array
