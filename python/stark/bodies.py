@@ -138,10 +138,11 @@ class Body(ContactSensors):
 
     @surface_direction.setter
     def surface_direction(self, direction: ArrayLike | None) -> None:
-        rows = np.zeros((0, 3)) if direction is None else direction
-        if np.shape(rows) == (3,):
-            rows = np.reshape(np.asarray(rows), (1, 3))
-        elif direction is not None and len(np.shape(rows)) < 2:
+        none = np.zeros((0, 3))
+        rows = none if direction is None else real_array(direction, f"'{self.name}': surface_direction")
+        if rows.shape == (3,):
+            rows = rows.reshape(1, 3)
+        elif rows.ndim < 2:
             raise InvalidArgument(
                 f"'{self.name}': surface_direction = {direction!r}: must be a vector (3,), one for each "
                 f"triangle (m, 3), or None"

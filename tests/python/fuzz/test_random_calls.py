@@ -97,6 +97,7 @@ def test_changed_scenes_are_found() -> None:
         lambda w: w.scene.add_tilt(None, w.box, (0, 0, 0), (0, 0, 1), limit=np.nan),
         lambda w: w.scene.attach(w.cloth, w.box, distance=10**400),
         lambda w: w.cloth.pin([[0], [1, 2]]),
+        lambda w: setattr(w.cloth, "surface_direction", [[1, 0, 0], [0, 1]]),
         lambda w: w.cloth.frame([[0], [1, 2]]),
         lambda w: w.lift.follow(lambda t: [[0], [1, 2]]),
         lambda w: w.hinge.add_limit(object(), 1.0),
