@@ -102,11 +102,12 @@ void Bvh::make_cells(int32_t group_count) {
 
   std::vector<Cell> cells;  // in the order triangles, edges, points
   std::vector<int32_t> groups;
-  std::vector<bool> owned(mesh_.vertex_count, false);
+  std::vector<bool> owned(mesh_.vertex_count, false), inner(mesh_.vertex_count, false);
+  for (const int32_t v : mesh_.inner) inner[v] = true;
   const auto own_vertex = [&](Cell& cell, int32_t v) {
     if (owned[v]) return;
     owned[v] = true;
-    cell.points[cell.point_count++] = v;
+    if (!inner[v]) cell.points[cell.point_count++] = v;
   };
   const auto own_edge = [&](Cell& cell, size_t e) {
     cell.edge_vertices[cell.edge_count] = mesh_.edges[e];

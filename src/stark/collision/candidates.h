@@ -11,11 +11,12 @@
 namespace stark {
 
 /// All collision primitives of a scene; vertex ids index one position array. Every vertex of an edge or
-/// triangle is a collision point; `points` adds vertices that belong to neither (particles). Interior
+/// triangle is a collision point unless it is `inner`; `points` adds vertices that belong to neither (particles). Interior
 /// vertices are simply not named.
 struct SurfaceMesh {
   int32_t vertex_count = 0;
   std::vector<int32_t> points;  // vertices without edges or triangles; others may be listed, too
+  std::vector<int32_t> inner;   // vertices of triangles that are no collision points: inside flat faces
   std::vector<Index2> edges;
   std::vector<Index3> triangles;
   std::vector<int32_t> vertex_group, edge_group, triangle_group;  // collision group (body) of each primitive

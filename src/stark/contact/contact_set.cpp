@@ -171,6 +171,17 @@ void classify_all(const Classifier& classifier, const std::vector<Candidate>& ca
   for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
 }
 
+/// One contact of a point with each face. It is named by the face, so it stays the same one, with its
+/// stiffness and its friction, while the point slides from triangle to triangle.
+void keep_nearest_of_faces(std::span<const int32_t> face, std::vector<Contact>& contacts) {
+  for (Contact& contact : contacts) contact.key.second = face[contact.key.second];
+  std::ranges::stable_sort(contacts, [](const Contact& a, const Contact& b) {
+    return a.key != b.key ? a.key < b.key : a.distance < b.distance;
+  });
+  const auto rest = std::ranges::unique(contacts, {}, &Contact::key);
+  contacts.erase(rest.begin(), rest.end());
+}
+
 }  // namespace
 
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
@@ -178,6 +189,7 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
   out.clear();
   const Classifier classifier(geometry, x);
   classify_all(classifier, candidates.point_triangle, pool, out);
+  if (!geometry.face.empty()) keep_nearest_of_faces(geometry.face, out);
   classify_all(classifier, candidates.edge_edge, pool, out);
   classify_all(classifier, candidates.point_edge, pool, out);
   classify_all(classifier, candidates.point_point, pool, out);

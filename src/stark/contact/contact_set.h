@@ -51,6 +51,9 @@ struct ContactGeometry {
   const SurfaceMesh* mesh = nullptr;
   std::vector<double> group_distance;       ///< contact distance per group [m]; a pair acts within the sum
   std::vector<double> edge_squared_length;  ///< of the rest shape, per edge [m^2]
+  /// Per triangle the one that stands for its convex flat face, of which a point has one contact: that with
+  /// the nearest triangle. Empty: each is a face.
+  std::vector<int32_t> face;
 };
 
 /// Contacts among the candidates at site positions x, in the order of the lists. Stiffness is left at zero.

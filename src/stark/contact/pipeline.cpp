@@ -42,6 +42,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     geometry_.edge_squared_length.push_back(
         squared_norm(surfaces.rest_positions[edge[1]] - surfaces.rest_positions[edge[0]]));
   geometry_.group_distance = surfaces.group_distance;
+  geometry_.face = std::move(surfaces.face);
   for (const double d : surfaces.group_distance)
     group_separation_.push_back(options.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <stark/base/error.h>
+#include <stark/geometry/flat_faces.h>
 #include <stark/geometry/topology.h>
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/model_builder.h>
@@ -172,11 +173,23 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     const ModelBody& body = bodies_[b];
     const int32_t group = static_cast<int32_t>(b);
     for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
+    const bool is_rigid = body.kind == BodyKind::Rigid;
+    const FlatFaces flat =
+        is_rigid ? find_flat_faces(
+                       std::span<const Vec3>(rest_positions_).subspan(body.first_site, body.site_count),
+                       body.triangles)
+                 : FlatFaces{};
+    // Directions may differ from triangle to triangle.
+    const bool has_faces = is_rigid && scene.surface_directions(BodyId{group}).size() <= 1;
+    const int32_t first_triangle = static_cast<int32_t>(mesh.triangles.size());
+    for (size_t t = 0; t < body.triangles.size(); ++t)
+      surfaces.face.push_back(first_triangle + (has_faces ? flat.face[t] : static_cast<int32_t>(t)));
+    for (const int32_t v : flat.inner_vertices) mesh.inner.push_back(body.first_site + v);
     for (const Index3& t : body.triangles) {
       mesh.triangles.push_back({body.first_site + t[0], body.first_site + t[1], body.first_site + t[2]});
       mesh.triangle_group.push_back(group);
     }
-    std::vector<Index2> edges = find_edges(std::span<const Index3>(body.triangles));
+    std::vector<Index2> edges = is_rigid ? flat.edges : find_edges(std::span<const Index3>(body.triangles));
     edges.insert(edges.end(), body.edges.begin(), body.edges.end());
     for (const Index2& e : edges) {
       mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});

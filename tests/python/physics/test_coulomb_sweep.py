@@ -105,12 +105,6 @@ def test_acceleration_eight_degrees_beyond_the_limit(body: str, floor: str, mu: 
     assert abs(sliding_error(Slider(body, floor, mu, angle), mu, angle)) < 0.01
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="the corner of a rigid box that ends a step within a contact distance of an edge of the floor is "
-    "pushed by both triangles, one of them obliquely; longer steps see one side of the bump "
-    "(docs/friction.md)",
-)
 def test_acceleration_across_the_diagonal_of_the_floor() -> None:
     mu = 0.2
     angle = np.arctan(mu) / stark.deg + 8.0
