@@ -5,9 +5,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
+#include <stark/geometry/topology.h>
 #include <stark/sim/simulation.h>
 
 #include "arrays.h"
@@ -326,11 +328,20 @@ void bind_report(nb::module_& m) {
 
 using Duration = std::optional<double>;  // [s]
 
+/// All edges, those inside flat faces of rigid bodies included, which contact leaves out: for judges.
+std::vector<Index2> all_edges(const SurfaceMesh& mesh) {
+  std::vector<Index2> edges = find_edges(std::span<const Index3>(mesh.triangles));
+  const size_t of_triangles = edges.size();
+  for (const Index2& e : mesh.edges)
+    if (!std::binary_search(edges.begin(), edges.begin() + of_triangles, e)) edges.push_back(e);
+  return edges;
+}
+
 nb::dict surface_dict(const Simulation& sim) {
   const SurfaceMesh& mesh = sim.surface_mesh();
   nb::dict d;
   d["positions"] = to_numpy<double>(sim.site_positions());
-  d["edges"] = to_numpy<int32_t>(std::vector<Index2>(mesh.edges));
+  d["edges"] = to_numpy<int32_t>(all_edges(mesh));
   d["triangles"] = to_numpy<int32_t>(std::vector<Index3>(mesh.triangles));
   d["vertex_groups"] = to_numpy<int32_t>(std::vector<int32_t>(mesh.vertex_group));
   return d;

@@ -11,8 +11,8 @@
 namespace stark {
 
 /// All collision primitives of a scene; vertex ids index one position array. Every vertex of an edge or
-/// triangle is a collision point unless it is `inner`; `points` adds vertices that belong to neither (particles). Interior
-/// vertices are simply not named.
+/// triangle is a collision point unless it is `inner`; `points` adds vertices that belong to neither
+/// (particles). Vertices inside solids are simply not named.
 struct SurfaceMesh {
   int32_t vertex_count = 0;
   std::vector<int32_t> points;  // vertices without edges or triangles; others may be listed, too

@@ -26,9 +26,9 @@ struct ContactSurfaces {
   PairFilter filter;
   std::vector<double> group_distance;  ///< contact distance per group [m]
   std::vector<Vec3> rest_positions;    ///< by site [m]; sets the edges' rest lengths
-  std::vector<int32_t> face;           ///< per triangle, see ContactGeometry
   FrictionTable friction;
   std::vector<TangentComponents> directions;  ///< by triangle; none where no surface has a direction
+  std::vector<int32_t> face;                  ///< by triangle, see ContactGeometry; none: each is a face
 };
 
 struct ContactPotentials {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 
 #include <stark/geometry/topology.h>
 
@@ -107,7 +108,7 @@ class FaceFinder {
         is_simple.try_emplace(face_[t], true).first->second &= is_new;
       }
     std::vector<int32_t> faces(triangles_.size());
-    for (size_t t = 0; t < triangles_.size(); ++t) faces[t] = static_cast<int32_t>(t);
+    std::iota(faces.begin(), faces.end(), 0);
     std::map<int32_t, bool> convex;
     for (const auto& [face, border] : borders)
       convex[face] = is_simple[face] && is_convex(border, normals_[face]);
@@ -146,6 +147,13 @@ class FaceFinder {
 };
 
 }  // namespace
+
+FlatFaces separate_faces(std::span<const Index3> triangles) {
+  FlatFaces faces{.edges = find_edges(triangles), .inner_vertices = {}, .face = {}};
+  faces.face.resize(triangles.size());
+  std::iota(faces.face.begin(), faces.face.end(), 0);
+  return faces;
+}
 
 FlatFaces find_flat_faces(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
   if (vertices.empty() || triangles.empty()) return {};

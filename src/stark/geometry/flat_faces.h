@@ -23,4 +23,7 @@ struct FlatFaces {
 /// vertices lie within 1e-9 times the diagonal of the mesh of one plane. vertices [m].
 FlatFaces find_flat_faces(std::span<const Vec3> vertices, std::span<const Index3> triangles);
 
+/// All edges, no inner vertices, each triangle a face of its own: of surfaces that bend.
+FlatFaces separate_faces(std::span<const Index3> triangles);
+
 }  // namespace stark

@@ -147,6 +147,31 @@ std::vector<PotentialBatch*> Model::all_batches() {
 
 namespace {
 
+/// What collides of a body: of rigid ones the polyhedron without what its triangulation adds.
+void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces,
+                 ContactSurfaces& out) {
+  SurfaceMesh& mesh = out.mesh;
+  const FlatFaces faces =
+      body.kind == BodyKind::Rigid
+          ? find_flat_faces(rest.subspan(body.first_site, body.site_count), body.triangles)
+          : separate_faces(body.triangles);
+  const auto first_triangle = static_cast<int32_t>(mesh.triangles.size());
+  for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
+  for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
+  for (size_t t = 0; t < body.triangles.size(); ++t) {
+    const auto& [v0, v1, v2] = body.triangles[t];
+    mesh.triangles.push_back({body.first_site + v0, body.first_site + v1, body.first_site + v2});
+    mesh.triangle_group.push_back(group);
+    out.face.push_back(first_triangle + (has_faces ? faces.face[t] : static_cast<int32_t>(t)));
+  }
+  for (const std::span<const Index2> edges :
+       {std::span<const Index2>(faces.edges), std::span<const Index2>(body.edges)})
+    for (const Index2& e : edges) {
+      mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});
+      mesh.edge_group.push_back(group);
+    }
+}
+
 /// Keeps the nodes of a rod from its edges that begin within half a turn of the tightest bend of a rod as
 /// thick as its contact distance (a length of pi/2 of that): they come within it in any such bend.
 void set_neighbours(const ModelBody& rod, std::span<const Vec3> rest, double contact_distance,
@@ -170,32 +195,11 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   mesh.vertex_count = map_.site_count();
   mesh.vertex_group.assign(mesh.vertex_count, 0);
   for (size_t b = 0; b < bodies_.size(); ++b) {
-    const ModelBody& body = bodies_[b];
-    const int32_t group = static_cast<int32_t>(b);
-    for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
-    const bool is_rigid = body.kind == BodyKind::Rigid;
-    const FlatFaces flat =
-        is_rigid ? find_flat_faces(
-                       std::span<const Vec3>(rest_positions_).subspan(body.first_site, body.site_count),
-                       body.triangles)
-                 : FlatFaces{};
-    // Directions may differ from triangle to triangle.
-    const bool has_faces = is_rigid && scene.surface_directions(BodyId{group}).size() <= 1;
-    const int32_t first_triangle = static_cast<int32_t>(mesh.triangles.size());
-    for (size_t t = 0; t < body.triangles.size(); ++t)
-      surfaces.face.push_back(first_triangle + (has_faces ? flat.face[t] : static_cast<int32_t>(t)));
-    for (const int32_t v : flat.inner_vertices) mesh.inner.push_back(body.first_site + v);
-    for (const Index3& t : body.triangles) {
-      mesh.triangles.push_back({body.first_site + t[0], body.first_site + t[1], body.first_site + t[2]});
-      mesh.triangle_group.push_back(group);
-    }
-    std::vector<Index2> edges = is_rigid ? flat.edges : find_edges(std::span<const Index3>(body.triangles));
-    edges.insert(edges.end(), body.edges.begin(), body.edges.end());
-    for (const Index2& e : edges) {
-      mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});
-      mesh.edge_group.push_back(group);
-    }
-    surfaces.group_distance.push_back(contact_distance(scene, BodyId{group}, settings));
+    const BodyId id{static_cast<int32_t>(b)};
+    // Directions may differ from triangle to triangle, so such a face is not taken for one.
+    const bool has_faces = scene.surface_directions(id).size() <= 1;
+    add_surface(bodies_[b], id.index, rest_positions_, has_faces, surfaces);
+    surfaces.group_distance.push_back(contact_distance(scene, id, settings));
   }
   const int32_t groups = static_cast<int32_t>(bodies_.size());
   surfaces.filter = PairFilter(groups);
