@@ -54,9 +54,19 @@ nb::dict contact_dict(const Simulation& sim) {
   return d;
 }
 
+auto inner_vertices(const Simulation& sim, int32_t body) {
+  const int32_t first = sim.model().bodies()[body].first_site;
+  std::vector<int32_t> inner;
+  for (const int32_t v : sim.surface_mesh().inner)
+    if (sim.surface_mesh().vertex_group[v] == body) inner.push_back(v - first);
+  return to_numpy<int32_t>(std::move(inner));
+}
+
 }  // namespace
 
 void bind_contacts(nb::module_& m) {
   m.def("contacts", &contact_dict, "simulation"_a,
         "The contacts of the last step: arrays with one row each; forces are on the first body.");
+  m.def("inner_vertices", &inner_vertices, "simulation"_a, "body"_a,
+        "Vertices inside flat faces of a rigid body, where contact never acts (n,).");
 }

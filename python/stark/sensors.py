@@ -118,10 +118,28 @@ class Imu(NamedTuple):
     angular_velocity: Array  #: (3,) [rad/s]
 
 
+_FLAT = 1e-8  # distance from the plane of a face over the size of the body
+_ALONG = 0.999  # cosine between the normals of a face and of a contact with it
+
+
+def _surrounded(points: Array, by: Array, normal: Array) -> NDArray[np.bool_]:
+    """Which of the points of a plane lie in the convex hull of others: seen from there, the directions of
+    those leave no half circle empty."""
+    if len(by) < 3:
+        return np.zeros(len(points), dtype=bool)
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    axes = np.stack([first, np.cross(normal, first)]) / np.linalg.norm(first)
+    seen = (by[None, :, :] - points[:, None, :]) @ axes.T
+    angles = np.sort(np.arctan2(seen[..., 1], seen[..., 0]), axis=1)
+    gaps = np.diff(angles, axis=1, append=angles[:, :1] + 2.0 * np.pi)
+    return gaps.max(axis=1) <= np.pi * (1.0 + 1e-9)
+
+
 class ContactSensors:
     """What contact does to a body; a part of ``Body``."""
 
     _require_simulation: Any
+    _index: int
     positions: Array
     triangles: Ints
 
@@ -142,28 +160,59 @@ class ContactSensors:
     def contact_area(self, other: Body | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution
         is that of the mesh: of two bodies, ask the finer one."""
-        return float(self._triangle_areas()[self._touching(self.contacts(other))].sum())
+        touching = self._touching(self.contacts(other))[self.triangles].all(axis=1)
+        return float(self._triangle_areas()[touching].sum())
 
     def contact_pressure(self, other: Body | str | None = None) -> Array:
         """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
-        or of those that touch where there are any."""
+        or of those that touch where there are any. Flat faces of rigid bodies that have vertices inside them
+        show their mean: how a rigid face shares its load is not determined."""
         contacts = self.contacts(other)
         forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
         areas = self._triangle_areas()
-        touching = self._touching(contacts)
+        touching = self._touching(contacts)[self.triangles].all(axis=1)
         touched, whole = np.zeros(len(forces)), np.zeros(len(forces))
         np.add.at(touched, self.triangles[touching].ravel(), np.repeat(areas[touching] / 3.0, 3))
         np.add.at(whole, self.triangles.ravel(), np.repeat(areas / 3.0, 3))
         share = np.where(touched > 0.0, touched, whole)
-        return np.divide(forces, share, out=np.zeros_like(forces), where=share > 0.0)
+        pressure = np.divide(forces, share, out=np.zeros_like(forces), where=share > 0.0)
+        for patch in self._flat_patches(contacts):
+            pressure[patch] = forces[patch].sum() / share[patch].sum()
+        return pressure
 
     def _touching(self, contacts: Contacts) -> NDArray[np.bool_]:
-        """Triangles with all vertices in contact as points, not as corners of a face that is touched."""
+        """Vertices in contact as points, not as corners of a face that is touched; those in flat patches."""
         vertex = np.zeros(len(self.positions), dtype=bool)
         for k in range(4):
             mine = (contacts.first_counts > k) & (contacts.weights[:, k] > 1.0 - 1e-9)
             vertex[contacts.vertices[mine, k]] = True
-        return vertex[self.triangles].all(axis=1)
+        for patch in self._flat_patches(contacts):
+            vertex[patch] = True
+        return vertex
+
+    def _flat_patches(self, contacts: Contacts) -> list[Ints]:
+        """Vertices of each flat face of a rigid body that lie within the points where it touches. Its inner
+        vertices have no contacts: they touch where contacts surround them."""
+        inner = _core.inner_vertices(self._require_simulation("contacts")._core, self._index)
+        patches = []
+        while len(inner) > 0 and len(contacts) > 0:
+            normal = self._normal_at(inner[0])
+            height = (self.positions - self.positions[inner[0]]) @ normal
+            tolerance = _FLAT * np.ptp(self.positions, axis=0).max()
+            face = inner[np.abs(height[inner]) <= tolerance]
+            inner = np.setdiff1d(inner, face)
+            level = (contacts.points_a - self.positions[face[0]]) @ normal
+            here = (np.abs(level) <= tolerance) & (np.abs(contacts.normals @ normal) > _ALONG)
+            surrounded = _surrounded(self.positions[face], contacts.points_a[here], normal)
+            if surrounded.any():
+                corners = contacts.vertices[here][contacts.weights[here] > 1.0 - 1e-9]
+                patches.append(np.union1d(face[surrounded], corners))
+        return patches
+
+    def _normal_at(self, vertex: int) -> Array:
+        a, b, c = self.positions[self.triangles[(self.triangles == vertex).any(axis=1)][0]]
+        normal = np.cross(b - a, c - a)
+        return normal / np.linalg.norm(normal)
 
     def _triangle_areas(self) -> Array:
         x = self.positions[self.triangles]

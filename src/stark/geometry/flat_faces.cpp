@@ -12,7 +12,7 @@ namespace stark {
 
 namespace {
 
-constexpr double kFlat = 1e-9;      ///< distance from the plane over the diagonal of the mesh
+constexpr double kFlat = 1e-10;     ///< distance from the plane over the diagonal of the mesh
 constexpr double kSameSide = 0.9;   ///< cosine between normals of a face: folded triangles are another one
 constexpr double kStraight = 1e-9;  ///< sine of a corner that counts as straight
 constexpr double kFullTurnError = 1e-3;  ///< [rad] of the exterior angles of a convex polygon

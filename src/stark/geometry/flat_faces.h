@@ -20,7 +20,7 @@ struct FlatFaces {
 };
 
 /// Triangles are of one flat face when they share edges (of two triangles each), are oriented alike and their
-/// vertices lie within 1e-9 times the diagonal of the mesh of one plane. vertices [m].
+/// vertices lie within 1e-10 times the diagonal of the mesh of one plane. vertices [m].
 FlatFaces find_flat_faces(std::span<const Vec3> vertices, std::span<const Index3> triangles);
 
 /// All edges, no inner vertices, each triangle a face of its own: of surfaces that bend.

@@ -101,21 +101,16 @@ def sliding_error(slider: Slider, mu: float, angle: float) -> float:
 )
 def test_acceleration_eight_degrees_beyond_the_limit(body: str, floor: str, mu: float) -> None:
     angle = np.arctan(mu) / stark.deg + 8.0
-    # The resultant is a third of the friction at mu = 1.2: 1 % of it is 0.3 % of the friction there.
-    assert abs(sliding_error(Slider(body, floor, mu, angle), mu, angle)) < 0.01
+    # Flat faces of rigid bodies have no edges inside: nothing is left but rounding and the residual. Of the
+    # others: the resultant is a third of the friction at mu = 1.2, so 1 % of it is 0.3 % of the friction.
+    bound = 1e-9 if body == "rigid" else 0.01
+    assert abs(sliding_error(Slider(body, floor, mu, angle), mu, angle)) < bound
 
 
 def test_acceleration_across_the_diagonal_of_the_floor() -> None:
     mu = 0.2
     angle = np.arctan(mu) / stark.deg + 8.0
-    assert abs(sliding_error(Slider("rigid", "flat", mu, angle, place=(0.0, 0.4)), mu, angle)) < 0.01
-
-
-def test_bumps_at_edges_are_resolved_by_short_steps() -> None:
-    mu = 0.2
-    angle = np.arctan(mu) / stark.deg + 8.0
-    slider = Slider("rigid", "flat", mu, angle, place=(0.0, 0.4), time_step=STEP / 4)
-    assert abs(sliding_error(slider, mu, angle)) < 0.003
+    assert abs(sliding_error(Slider("rigid", "flat", mu, angle, place=(0.0, 0.4)), mu, angle)) < 1e-9
 
 
 @pytest.mark.parametrize(
@@ -148,10 +143,8 @@ def test_stopping_distance_and_time(body: str, floor: str, mu: float, integrator
         assert slider.sim.time < 2.0 * stop
     assert abs(slider.sim.time - stop) < STEP
     advance(slider.sim, slider.sim.time + 0.3)
-    # Implicit Euler takes the velocity of the end for the whole step, which is short by v h / 2 in all; BDF2
-    # is of second order, but restarts with implicit Euler where it crosses an edge of the floor.
+    # Implicit Euler takes the velocity of the end for the whole step, which is short by v h / 2 in all.
     lost = speed * STEP / 2 if integrator == "implicit_euler" else 0.0
-    crosses = integrator == "bdf2" and floor != "flat"
-    assert slider.place[0] - start == pytest.approx(distance - lost, rel=0.015 if crosses else 0.01)
-    assert abs(slider.place[1] - 1.0) < 0.01 * distance
+    assert slider.place[0] - start == pytest.approx(distance - lost, rel=0.01)
+    assert abs(slider.place[1] - 1.0) < (1e-6 if body == "rigid" else 0.01 * distance)
     assert abs(slider.speed) < 1e-6

@@ -51,6 +51,29 @@ def test_pressure_and_area_of_a_flat_face(cells: int) -> None:
     assert forces[bottom].sum() == pytest.approx(2.0 * GRAVITY, rel=2e-3)
 
 
+def test_pressure_inside_a_flat_face_that_hangs_over() -> None:
+    """The inner vertices of a rigid face have no contacts of their own; over the table they touch."""
+    scene = stark.Scene()
+    scene.add_rigid(stark.mesh.box((1, 1, 0.1)), name="table", motion="fixed", position=(-0.5, 0, -0.05))
+    mesh = stark.mesh.box((0.2, 0.1, 0.05), 8)
+    scene.add_rigid(mesh, name="box", mass=2.0, position=(-0.025 - 1e-6, 0.02, 0.0269))
+    sim = stark.Simulation(scene, **_tight())
+    sim.run_until(0.5)
+    box = sim["box"]
+    pressure, x = box.contact_pressure("table"), box.positions
+    bottom = x[:, 2] < box.position[2] - 0.02
+    over = bottom & (x[:, 0] < 0.0)
+    assert np.all(pressure[over] > 0.0)
+    assert np.all(
+        pressure[bottom & (x[:, 0] > 0.026)] == 0.0
+    )  # the edge of the table may press on the column beside it
+    # Columns of 25 mm: five of eight lie on the table, the edge of the table a micrometre beside the last.
+    assert box.contact_area("table") == pytest.approx(0.02 * 5 / 8, rel=1e-9)
+    # Uniform: what the columns carry, half of one at each end, is the weight.
+    assert np.ptp(pressure[over]) < 1e-9 * pressure.max()
+    assert pressure.max() * box.contact_area("table") == pytest.approx(2.0 * GRAVITY, rel=0.05)
+
+
 def test_sliding_friction_and_slip() -> None:
     scene = stark.Scene()
     scene.default_friction = 0.3

@@ -147,7 +147,7 @@ def test_a_gap_below_what_the_solver_keeps(run: Path) -> None:
     claim = certificate["minimum_distance"]
     assert certificate["no_intersection"].status == "verified"
     assert claim.status == "violated"
-    assert claim.worst == pytest.approx(1e-6, rel=1e-6)
+    assert claim.worst == pytest.approx(1e-6, abs=1e-10)  # the cube leans a little
     assert claim.tolerance == pytest.approx(2e-6, rel=1e-5)
     assert claim.where is not None
     assert (claim.where["state"], set(claim.where["bodies"])) == (10, {"cube", "plate"})
