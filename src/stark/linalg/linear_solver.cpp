@@ -144,14 +144,17 @@ bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t h
 }
 
 // Conjugate gradients in double, preconditioned by the factor in single precision. False if it gives up, and
-// double precision decides.
+// double precision may decide.
 bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
                                                std::span<double> x, std::span<const Vec3> positions,
                                                LinearSolveReport& report) {
   report.used = LinearSolverKind::CholeskyFloat;
   factor_float.update(A.pattern, hash, positions);
   ++report.factorizations;
-  if (!factor_float.cholesky.factor(A, pool).positive_definite) return false;
+  const FactorStatus status = factor_float.cholesky.factor(A, pool);
+  report.indefinite = !status.positive_definite;
+  report.failed_block = status.failed_block;
+  if (report.indefinite) return false;
   const size_t size = b.size();
   const double b_norm = norm(b);
   r.assign(b.begin(), b.end());
@@ -208,7 +211,8 @@ LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 
 LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
-                                      double forcing_tolerance, std::span<const Vec3> positions) {
+                                      double forcing_tolerance, std::span<const Vec3> positions,
+                                      bool may_be_indefinite) {
   Implementation& s = *implementation_;
   const size_t size = 3 * static_cast<size_t>(A.pattern.block_count);
   STARK_CHECK(b.size() == size && x.size() == size && A.values.size() == 9 * A.pattern.column.size());
@@ -229,6 +233,7 @@ LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const doub
   }
   const bool try_float = s.current == LinearSolverKind::CholeskyFloat;
   if (try_float && s.solve_float(A, hash, b, x, positions, report)) return report;
+  if (try_float && report.indefinite && may_be_indefinite) return report;
   const bool solved = s.solve_direct(A, hash, b, x, positions, report);
   // Too ill-conditioned for single precision: double for the rest of the step.
   if (try_float && solved && automatic) s.current = LinearSolverKind::Cholesky;

@@ -125,7 +125,8 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
     const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
     const LinearSolveReport solved =
-        linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions());
+        linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions(),
+                             !project && settings_.projection != Projection::Never);
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
     const bool usable =
