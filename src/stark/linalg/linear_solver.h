@@ -47,8 +47,8 @@ class LinearSolver {
 
   /// Solves A x = b. `forcing_tolerance` is the relative residual asked of conjugate gradients; direct
   /// solvers ignore it. `positions` [block_count] may be empty. Symbolic work is redone only when the pattern
-  /// of A changes. Where A may be indefinite, a pivot that is not positive in single precision is taken at its
-  /// word, and double precision is not asked.
+  /// of A changes. Where A may be indefinite, a pivot that is not positive in single precision is taken at
+  /// its word, and double precision is not asked.
   LinearSolveReport solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
                           double forcing_tolerance, std::span<const Vec3> positions = {},
                           bool may_be_indefinite = false);

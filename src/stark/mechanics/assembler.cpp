@@ -78,7 +78,7 @@ Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
   plan.is_plain = std::all_of(stencils.begin(), stencils.end(), [&](int32_t s) { return map_.is_point(s); });
   plan.energies.resize(batch.block_count() * kLanes);
   if (!plan.is_plain) return plan;
-  plan.slots = pair_slots(map_, stencils, batch.point_count(), static_pattern_);
+  plan.places = find_pair_places(map_, stencils, batch.point_count(), static_pattern_);
   plan.colours =
       colour_chunks(map_, stencils, batch.point_count(), kLanes * coloured_chunk_blocks(batch.block_count()));
   return plan;
@@ -130,23 +130,14 @@ void Assembler::assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const 
     });
 }
 
-void Assembler::prefetch_slots(const StaticPlan& plan, int64_t element, const BlockMatrix& hessian) const {
-  const int64_t pairs = plan.batch->point_count() * (plan.batch->point_count() + 1) / 2;
-  if (element >= plan.batch->size()) return;
-  for (int64_t k = element * pairs; k < (element + 1) * pairs; ++k)
-    if (plan.slots[k] >= 0) __builtin_prefetch(hessian.values.data() + 9 * slot_of_static_[plan.slots[k]], 1);
-}
-
 void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
                                const AssemblyOptions& options, std::span<double> gradient,
                                BlockMatrix& hessian) {
   const PotentialBatch& batch = *plan.batch;
-  const int points = batch.point_count(), n = 3 * points, pairs = points * (points + 1) / 2;
+  const int points = batch.point_count(), pairs = points * (points + 1) / 2;
   const int outputs = batch.potential().kernel().output_count(Order::Hessian);
   thread_local AlignedVector<double> out;
-  thread_local std::vector<Vec3> extra;
   out.resize(static_cast<size_t>(kGroupBlocks) * outputs * kLanes);
-  extra.resize(points);
   const int64_t last_block = (chunk.last + kLanes - 1) / kLanes;
   for (int64_t group = chunk.first / kLanes; group < last_block; group += kGroupBlocks) {
     const int64_t group_end = std::min(group + kGroupBlocks, last_block);
@@ -154,30 +145,30 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
     if (options.project) projected_count_ += project_blocks(batch.potential(), group_end - group, out.data());
     for (int64_t block = group; block < group_end; ++block) {
       const double* lanes = out.data() + (block - group) * outputs * kLanes;
-      for (int64_t l = 0; l < lanes_used(batch, block); ++l) {
-        const int64_t e = block * kLanes + l;
-        prefetch_slots(plan, e + 1, hessian);
-        const ElementView element(lanes, n, static_cast<int>(l));
-        const auto sites = batch.stencil(e);
-        plan.energies[e] = element.energy();
-        if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);
-        const int32_t* slots = plan.slots.data() + e * pairs;
-        for (int p = 0; p < points; ++p) {
-          const int32_t a = map_.point_block(sites[p]);
-          if (a == kNoBlock) {
-            slots += points - p;
-            continue;
-          }
-          Vec3 g = element.point_gradient(p);
-          if (!options.pending.empty()) g += extra[p];
-          for (int c = 0; c < 3; ++c) gradient[3 * a + c] += g[c];
-          for (int q = p; q < points; ++q, ++slots) {
-            if (*slots < 0) continue;
-            const Mat3 H = element.point_hessian(p, q);
-            add_block(hessian, slot_of_static_[*slots], a <= map_.point_block(sites[q]) ? H : transpose(H));
-          }
-        }
-      }
+      const int64_t count = lanes_used(batch, block);
+      add_gradients(plan, block, count, lanes, options.pending, gradient);
+      scatter_hessians(lanes + (1 + 3 * points) * kLanes, points, count,
+                       plan.places.data() + block * kLanes * pairs, slot_of_static_, hessian);
+    }
+  }
+}
+
+void Assembler::add_gradients(StaticPlan& plan, int64_t block, int64_t count, const double* lanes,
+                              std::span<const Vec3> pending, std::span<double> gradient) const {
+  const PotentialBatch& batch = *plan.batch;
+  const int points = batch.point_count();
+  thread_local std::vector<Vec3> extra;
+  extra.assign(points, Vec3{});
+  for (int64_t l = 0; l < count; ++l) {
+    const ElementView element(lanes, 3 * points, static_cast<int>(l));
+    const auto sites = batch.stencil(block * kLanes + l);
+    plan.energies[block * kLanes + l] = element.energy();
+    if (!pending.empty()) pending_gradient(element, sites, map_, pending, extra);
+    for (int p = 0; p < points; ++p) {
+      const int32_t a = map_.point_block(sites[p]);
+      if (a == kNoBlock) continue;
+      const Vec3 g = element.point_gradient(p) + extra[p];
+      for (int c = 0; c < 3; ++c) gradient[3 * a + c] += g[c];
     }
   }
 }

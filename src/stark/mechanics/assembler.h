@@ -14,6 +14,7 @@
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
 #include <stark/mechanics/chunk_colouring.h>
+#include <stark/mechanics/element_scatter.h>
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/kinematic_map.h>
 #include <stark/mechanics/potential_batch.h>
@@ -53,8 +54,8 @@ class Assembler {
  private:
   struct StaticPlan {
     const PotentialBatch* batch = nullptr;
-    bool is_plain = false;       ///< all sites are points: identity maps
-    std::vector<int32_t> slots;  ///< plain: slot in the static pattern per element and pair i <= j
+    bool is_plain = false;                    ///< all sites are points: identity maps
+    std::vector<PairPlace> places;            ///< plain: in the static pattern, per element and pair i <= j
     std::vector<std::vector<Chunk>> colours;  ///< plain: chunks that may run at the same time
     std::vector<double> energies;             ///< at the last assemble()
   };
@@ -66,8 +67,9 @@ class Assembler {
                       std::span<double> gradient, BlockMatrix& hessian);
   void assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
                       const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian);
-  /// Brings the matrix blocks of an element into the cache while the one before it is added.
-  void prefetch_slots(const StaticPlan& plan, int64_t element, const BlockMatrix& hessian) const;
+  /// Energies and gradients of the elements of a block of lanes, `count` of them.
+  void add_gradients(StaticPlan& plan, int64_t block, int64_t count, const double* lanes,
+                     std::span<const Vec3> pending, std::span<double> gradient) const;
   void assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
                        std::span<const Vec3> x, const AssemblyOptions& options, std::span<double> gradient,
                        BlockMatrix& hessian, double* out_energies);

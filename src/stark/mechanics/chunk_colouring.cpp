@@ -32,17 +32,4 @@ std::vector<std::vector<Chunk>> colour_chunks(const KinematicMap& map, std::span
   return colours;
 }
 
-std::vector<int32_t> pair_slots(const KinematicMap& map, std::span<const int32_t> stencils, int nodes,
-                                const BlockPattern& pattern) {
-  std::vector<int32_t> slots;
-  for (size_t first = 0; first < stencils.size(); first += nodes)
-    for (int p = 0; p < nodes; ++p)
-      for (int q = p; q < nodes; ++q) {
-        const int32_t a = map.point_block(stencils[first + p]), b = map.point_block(stencils[first + q]);
-        const bool is_free = a != kNoBlock && b != kNoBlock;
-        slots.push_back(is_free ? static_cast<int32_t>(pattern.slot(std::min(a, b), std::max(a, b))) : -1);
-      }
-  return slots;
-}
-
 }  // namespace stark

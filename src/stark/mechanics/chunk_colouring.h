@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include <stark/linalg/block_matrix.h>
 #include <stark/mechanics/kinematic_map.h>
 
 namespace stark {
@@ -19,9 +18,5 @@ struct Chunk {
 /// Greedy colouring of consecutive chunks; stencils is [element_count][nodes] point sites.
 std::vector<std::vector<Chunk>> colour_chunks(const KinematicMap& map, std::span<const int32_t> stencils,
                                               int nodes, int64_t chunk_elements);
-
-/// Slot of every pair of nodes p <= q of every element in the pattern, -1 where one of them is prescribed.
-std::vector<int32_t> pair_slots(const KinematicMap& map, std::span<const int32_t> stencils, int nodes,
-                                const BlockPattern& pattern);
 
 }  // namespace stark

@@ -96,7 +96,7 @@ QuadraturePlan::QuadraturePlan(const QuadratureBatch& batch, const KinematicMap&
                                const BlockPattern& pattern)
     : batch_(batch),
       map_(map),
-      slots_(pair_slots(map, batch.stencils(), batch.node_count(), pattern)),
+      places_(find_pair_places(map, batch.stencils(), batch.node_count(), pattern)),
       colours_(colour_chunks(map, batch.stencils(), batch.node_count(),
                              kGroupElements * chunk_groups(batch.group_count()))),
       energies_(batch.size(), 0.0) {
@@ -194,21 +194,21 @@ void QuadraturePlan::add_element(int64_t element, const ElementStiffness& stiffn
   const int nodes = batch_.node_count(), padded = batch_.padded_nodes();
   const int64_t slab = static_cast<int64_t>(nodes) * padded;
   const auto sites = batch_.stencil(element);
-  const int32_t* slots = slots_.data() + element * nodes * (nodes + 1) / 2;
+  const PairPlace* place = places_.data() + element * nodes * (nodes + 1) / 2;
   for (int a = 0; a < nodes; ++a) {
     const int32_t block_a = map_.point_block(sites[a]);
     if (block_a == kNoBlock) {
-      slots += nodes - a;
+      place += nodes - a;
       continue;
     }
     Vec3 g{stiffness.gradient[a], stiffness.gradient[padded + a], stiffness.gradient[2 * padded + a]};
     if (!target.pending.empty()) g += pending_force(stiffness, a, sites, target.pending);
     for (int c = 0; c < 3; ++c) target.gradient[3 * block_a + c] += g[c];
-    for (int b = a; b < nodes; ++b, ++slots) {
-      if (*slots < 0) continue;
+    for (int b = a; b < nodes; ++b, ++place) {
+      if (*place < 0) continue;
       const double* entry = stiffness.values.data() + a * padded + b;
-      double* values = target.hessian.values.data() + 9 * target.slot_of_plan[*slots];
-      const bool transposed = block_a > map_.point_block(sites[b]);
+      double* values = target.hessian.values.data() + 9 * target.slot_of_plan[*place >> 1];
+      const bool transposed = (*place & 1) != 0;
       for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) values[transposed ? 3 * k + i : 3 * i + k] += entry[(3 * i + k) * slab];
     }

@@ -10,6 +10,7 @@
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
 #include <stark/mechanics/chunk_colouring.h>
+#include <stark/mechanics/element_scatter.h>
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/quadrature_batch.h>
 
@@ -49,7 +50,7 @@ class QuadraturePlan {
 
   const QuadratureBatch& batch_;
   const KinematicMap& map_;
-  std::vector<int32_t> slots_;  ///< per element and pair of nodes a <= b
+  std::vector<PairPlace> places_;  ///< per element and pair of nodes a <= b
   std::vector<std::vector<Chunk>> colours_;
   std::vector<double> energies_;  ///< by element, at the last assemble()
 };
