@@ -62,8 +62,12 @@ def bullets_on_wall(full: bool) -> Setup:
         else:
             scene.add_box((0.012, 0.001, 0.001), **options)
 
+    past_the_rim: set[str] = set()  # thrown aside, where they may fly on
+
     def behind(sim: stark.Simulation) -> str | None:
-        ahead = [b.name for b in sim.bodies if b.name != "wall" and b.positions[:, 0].max() >= 0.0]
+        bodies = [b for b in sim.bodies if b.name != "wall"]
+        past_the_rim.update(b.name for b in bodies if np.abs(b.positions[:, 1:]).max() > 0.5)
+        ahead = [b.name for b in bodies if b.name not in past_the_rim and b.positions[:, 0].max() >= 0.0]
         return f"{ahead} are in the wall or behind it" if ahead else None
 
     return Setup(

@@ -197,3 +197,23 @@ TEST_CASE("a load stiffens all contacts of two bodies until it is carried at a t
   for (int step = 0; step < 60; ++step) memory = press(bench, contacts, light, memory);
   CHECK(memory.bodies.empty());
 }
+
+TEST_CASE("an attempt that failed raises barriers at once, by a thousand at most, and lowers none") {
+  const Bench bench;
+  std::vector<Contact> contacts{bench.pair({0, 3}, {1, -1})};
+  press(bench, contacts, {{}}, {});
+  const double at_a_tenth = -contacts[0].stiffness * barrier_slope(0.1 * 0.01, 0.01);
+  const auto raised = [&](double times, LoadMemory memory) {
+    PairStiffness stiffness(bench.map);
+    stiffness.begin_step(bench.configuration, bench.diagonal, 300.0, std::move(memory));
+    stiffness.assign(bench.x, contacts);
+    return stiffness.raised(contacts, std::vector<Vec3>{{0, 0, times * at_a_tenth}});
+  };
+  CHECK(raised(0.5, {}).bodies.empty());
+  const LoadMemory some = raised(50.0, {});
+  REQUIRE(some.factor.size() == 1);
+  CHECK(some.factor[0] == doctest::Approx(50.0));
+  CHECK(raised(1e5, {}).factor[0] == doctest::Approx(1e3));
+  CHECK(raised(1.0, some).factor[0] == some.factor[0]);
+  CHECK(raised(1e5, raised(1e5, {})).factor[0] == doctest::Approx(1e5));
+}

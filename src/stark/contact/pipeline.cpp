@@ -72,6 +72,13 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double share) {
   return {friction_.end_step(x), stiffness_.end_step(contacts(), forces, share)};
 }
 
+LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x) {
+  if (!std::ranges::equal(x, x_active_)) update(x);
+  std::vector<Vec3> forces;
+  active_.evaluate_forces(x, forces);
+  return stiffness_.raised(contacts(), forces);
+}
+
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
   if (candidates.x.empty()) return false;
   const std::vector<int32_t>& group = mesh().vertex_group;

@@ -77,6 +77,9 @@ class ContactPipeline final : public ActiveSet {
                   const VelocityReference& reference, ContactMemory memory);
   /// Takes the end of a step at site positions x: contacts are those there. share: of the full time step.
   ContactMemory end_step(std::span<const Vec3> x, double share = 1.0);
+
+  /// Factors of the barriers for another attempt at a step, after one that failed at x.
+  LoadMemory raised_load(std::span<const Vec3> x);
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
   /// at its end [N].
   double friction_residual() const { return friction_residual_; }

@@ -26,6 +26,9 @@ constexpr double kGrowth = 2.0, kDecay = 0.9;
 /// at rest is to rest.
 constexpr double kEnough = 0.8;
 
+/// Growth of a factor after an attempt that failed, and where that ends.
+constexpr double kRaise = 1e3, kHighest = 1e9;
+
 double next_factor(double factor, double wanted, double share) {
   if (wanted > factor / kEnough) return std::min(wanted, std::pow(kGrowth, share) * factor);
   return wanted < kEnough * factor ? std::max(wanted, std::pow(kDecay, share) * factor) : factor;
@@ -39,6 +42,12 @@ constexpr double kSmallestCompliance = 1e-30;
 int64_t LoadMemory::code(const Contact& contact) {
   const auto [a, b] = std::minmax(contact.group_a, contact.group_b);
   return (static_cast<int64_t>(a) << 32) | b;
+}
+
+void LoadMemory::add(int64_t code, double value) {
+  if (!(value > 1.0)) return;
+  bodies.push_back(code);
+  factor.push_back(value);
 }
 
 double LoadMemory::find(int64_t code) const {
@@ -95,8 +104,8 @@ void PairStiffness::assign(std::span<const Vec3> x, std::vector<Contact>& contac
   }
 }
 
-LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                                   double share) const {
+std::map<int64_t, double> PairStiffness::wanted(const std::vector<Contact>& contacts,
+                                                std::span<const Vec3> forces) const {
   std::map<int64_t, double> wanted;
   for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
   for (size_t c = 0; c < contacts.size(); ++c) {
@@ -104,12 +113,22 @@ LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::sp
     double& largest = wanted[LoadMemory::code(contacts[c])];
     largest = std::max(largest, norm(forces[c]) / (kLoadedSlope * contacts[c].contact_distance * natural));
   }
+  return wanted;
+}
+
+LoadMemory PairStiffness::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                   double share) const {
   LoadMemory memory;
-  for (const auto& [bodies, asked] : wanted) {
-    const double factor = next_factor(memory_.find(bodies), asked, share);
-    if (!(factor > 1.0)) continue;
-    memory.bodies.push_back(bodies);
-    memory.factor.push_back(factor);
+  for (const auto& [bodies, asked] : wanted(contacts, forces))
+    memory.add(bodies, next_factor(memory_.find(bodies), asked, share));
+  return memory;
+}
+
+LoadMemory PairStiffness::raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const {
+  LoadMemory memory;
+  for (const auto& [bodies, asked] : wanted(contacts, forces)) {
+    const double now = memory_.find(bodies);
+    memory.add(bodies, std::clamp(asked, now, std::max(now, std::min(kRaise * now, kHighest))));
   }
   return memory;
 }

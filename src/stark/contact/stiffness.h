@@ -29,7 +29,8 @@ struct LoadMemory {
   std::vector<double> factor;   ///< > 1
 
   static int64_t code(const Contact& contact);
-  double find(int64_t code) const;  ///< 1 when nothing is known
+  double find(int64_t code) const;       ///< 1 when nothing is known
+  void add(int64_t code, double value);  ///< codes in ascending order; values up to 1 need not be known
 };
 
 class PairStiffness {
@@ -48,10 +49,17 @@ class PairStiffness {
   LoadMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                       double share = 1.0) const;
 
+  /// The factors of this step, raised to what contacts ask that were met on the way of a step which failed:
+  /// an impact that presses a contact to a gap where Newton's method finds nothing any more.
+  LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+
   /// Compliance of the pair along its normal [m/N].
   double compliance(const Contact& contact, std::span<const Vec3> x) const;
 
  private:
+  /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.
+  std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+
   const KinematicMap& map_;
   Configuration configuration_;
   std::vector<Mat3> inverse_diagonal_;

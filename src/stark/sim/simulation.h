@@ -222,6 +222,7 @@ class Simulation {
   };
   Reference reference_;
   std::vector<Attempt> attempts_;  ///< of the step under way
+  LoadMemory load_;                ///< of its barriers: that of the state, more after attempts that failed
   bool may_refuse_ = true;         ///< whether it may be tried again shorter for being a detour
   EnergyLedger energies_before_;   ///< stored at the start of the last attempt
   std::vector<Vec3> step_start_;   ///< site positions that the last step started from [m]

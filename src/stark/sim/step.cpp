@@ -28,6 +28,15 @@ constexpr double kAtPose = -1.0;
 /// Relative difference of times below which a remaining time counts as used up.
 constexpr double kTimeRounding = 1e-12;
 
+/// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
+constexpr int kAttemptsBeforeRaise = 2;
+
+/// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
+bool is_stuck(SolveStatus status) {
+  return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
+         status == SolveStatus::Blocked;
+}
+
 void add_counters(SolveReport& total, const SolveReport& attempt) {
   SolveReport sum = attempt;
   sum.iterations += total.iterations;
@@ -79,6 +88,7 @@ const StepReport& Simulation::step(double max_time_step) {
   report_.step = state_.step_count + 1;
   timer_->reset();
   attempts_.clear();
+  load_ = {state_.contact_bodies, state_.contact_factor};
   linear_solver_->begin_step();
   set_deadline();
   double h = std::min(state_.time_step, max_time_step);
@@ -95,6 +105,8 @@ const StepReport& Simulation::step(double max_time_step) {
       return report_;
     }
     ++report_.rejected_steps;
+    if (contact_ && is_stuck(status) && report_.rejected_steps >= kAttemptsBeforeRaise)
+      load_ = contact_->raised_load(potential_->site_positions());
     if (status == SolveStatus::Detour) {
       detour = std::max(detour, h);
     } else if (detour > 0.0) {
@@ -190,10 +202,10 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
     const std::vector<Mat3> diagonal = natural_stiffness(start);
     if (has_joints) begin_joints(diagonal);
     if (contact_)
-      contact_->begin_step(start, potential_->site_positions(), diagonal,
-                           {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
-                           {{state_.friction_pair, state_.friction_deflection, state_.friction_force},
-                            {state_.contact_bodies, state_.contact_factor}});
+      contact_->begin_step(
+          start, potential_->site_positions(), diagonal,
+          {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
+          {{state_.friction_pair, state_.friction_deflection, state_.friction_force}, load_});
     if (contact_) energies_before_.contact = contact_->energy();
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     predict(h, 1.0);
