@@ -20,11 +20,11 @@ ipctk = pytest.importorskip("ipctk")
 _NEWTON = {
     "rigid_pile_27": 46,
     "spinning_box_cloth_32": 241,
-    "spinning_box_cloth_64": 236,
+    "spinning_box_cloth_64": 212,
     "hanging_cloth_50": 369,
-    "soft_box_drop_20": 52,
+    "soft_box_drop_20": 49,
     "cloth_sphere_floor_60": 416,
-    "soft_column_6": 347,
+    "soft_column_6": 337,
 }
 
 

@@ -110,8 +110,8 @@ def test_a_peg_slides_in_a_hole_that_presses_from_all_sides() -> None:
 
 @pytest.mark.parametrize("index", [352, 558, 647, 1936])
 def test_impacts_that_left_no_gap(index: int) -> None:
-    """Needles between a paddle and something heavy: shorter steps pressed them to 1e-8 of the contact distance,
-    because barriers are those of the full step, and Newton's method made no way from there."""
+    """Needles between a paddle and something heavy: shorter steps pressed them to 1e-8 of the contact
+    distance, because barriers are those of the full step, and Newton's method made no way from there."""
     from benchmarks.torture.campaign import run_one
 
     outcome = run_one(1, index)
