@@ -1,0 +1,83 @@
+// Sum of element Hessians into the block matrix against entry-by-entry sums.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include <stark/mechanics/element_scatter.h>
+#include <stark/mechanics/element_view.h>
+
+using namespace stark;
+using symbolic::kLanes;
+
+namespace {
+
+constexpr int32_t kPoints = 9;
+constexpr int32_t kPinned = 4;
+
+KinematicMap point_map() {
+  std::vector<bool> pinned(kPoints, false);
+  pinned[kPinned] = true;
+  std::vector<Site> sites;
+  for (int32_t v = 0; v < kPoints; ++v)
+    sites.push_back({.kind = SiteKind::Point, .index = v, .local = {}, .points = {}, .weights = {}});
+  return {DofLayout::build(pinned, {}), sites};
+}
+
+/// Random stencils of distinct points, in any order, so that blocks are transposed, too.
+std::vector<int32_t> random_stencils(int nodes, int64_t count, std::mt19937& random) {
+  std::vector<int32_t> stencils;
+  std::array<int32_t, kPoints> points;
+  for (int32_t v = 0; v < kPoints; ++v) points[v] = v;
+  for (int64_t e = 0; e < count; ++e) {
+    std::shuffle(points.begin(), points.end(), random);
+    stencils.insert(stencils.end(), points.begin(), points.begin() + nodes);
+  }
+  return stencils;
+}
+
+}  // namespace
+
+TEST_CASE("scatter adds what the entries of each lane are") {
+  std::mt19937 random(7);
+  const KinematicMap map = point_map();
+  std::vector<std::pair<int32_t, int32_t>> all;
+  for (int32_t a = 0; a < kPoints - 1; ++a)
+    for (int32_t b = a + 1; b < kPoints - 1; ++b) all.emplace_back(a, b);
+  const BlockPattern pattern = BlockPattern::from_pairs(kPoints - 1, all);
+  std::vector<int64_t> slot_of(pattern.slot_count());
+  for (size_t s = 0; s < slot_of.size(); ++s) slot_of[s] = static_cast<int64_t>(s);
+
+  for (int nodes = 1; nodes <= 8; ++nodes)
+    for (const int64_t count : {int64_t{1}, int64_t{3}, int64_t{4}, int64_t{5}, int64_t{kLanes}}) {
+      const int n = 3 * nodes;
+      const std::vector<int32_t> stencils = random_stencils(nodes, count, random);
+      std::vector<double> out((1 + n + n * (n + 1) / 2) * kLanes);
+      for (double& value : out) value = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+
+      BlockMatrix matrix;
+      matrix.pattern = pattern;
+      matrix.set_zero();
+      scatter_hessians(out.data() + (1 + n) * kLanes, nodes, count,
+                       find_pair_places(map, stencils, nodes, pattern).data(), slot_of, matrix);
+
+      BlockMatrix expected;
+      expected.pattern = pattern;
+      expected.set_zero();
+      for (int64_t l = 0; l < count; ++l) {
+        const ElementView element(out.data(), n, static_cast<int>(l));
+        for (int p = 0; p < nodes; ++p)
+          for (int q = p; q < nodes; ++q) {
+            const int32_t a = map.point_block(stencils[l * nodes + p]),
+                          b = map.point_block(stencils[l * nodes + q]);
+            if (a == kNoBlock || b == kNoBlock) continue;
+            const Mat3 H = a <= b ? element.point_hessian(p, q) : transpose(element.point_hessian(p, q));
+            for (int c = 0; c < 9; ++c)
+              expected.values[9 * pattern.slot(std::min(a, b), std::max(a, b)) + c] += H.m[c];
+          }
+      }
+      for (size_t k = 0; k < expected.values.size(); ++k)
+        CHECK(matrix.values[k] == doctest::Approx(expected.values[k]).epsilon(1e-14));
+    }
+}
