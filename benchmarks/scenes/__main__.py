@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 from pathlib import Path
+from statistics import geometric_mean
 from typing import Any, NamedTuple
 
 from stark.cli.bench import measure
@@ -39,10 +39,6 @@ PUBLIC = {
     "cloth_sphere_floor_60": Public(686, 133.0, 1020.0),
     "soft_column_6": Public(304, 22.0, 211.0),
 }
-
-
-def geometric_mean(values: list[float]) -> float:
-    return math.exp(sum(map(math.log, values)) / len(values))
 
 
 def ratios(rows: list[dict[str, Any]]) -> str:

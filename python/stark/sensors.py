@@ -160,7 +160,8 @@ class ContactSensors:
     def contact_area(self, other: Body | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution
         is that of the mesh: of two bodies, ask the finer one."""
-        touching = self._touching(self.contacts(other))[self.triangles].all(axis=1)
+        contacts = self.contacts(other)
+        touching = self._touching(contacts, self._flat_patches(contacts))
         return float(self._triangle_areas()[touching].sum())
 
     def contact_pressure(self, other: Body | str | None = None) -> Array:
@@ -170,25 +171,27 @@ class ContactSensors:
         contacts = self.contacts(other)
         forces = np.linalg.norm(contacts._spread(contacts.normal_forces, len(self.positions)), axis=1)
         areas = self._triangle_areas()
-        touching = self._touching(contacts)[self.triangles].all(axis=1)
+        patches = self._flat_patches(contacts)
+        touching = self._touching(contacts, patches)
         touched, whole = np.zeros(len(forces)), np.zeros(len(forces))
         np.add.at(touched, self.triangles[touching].ravel(), np.repeat(areas[touching] / 3.0, 3))
         np.add.at(whole, self.triangles.ravel(), np.repeat(areas / 3.0, 3))
         share = np.where(touched > 0.0, touched, whole)
         pressure = np.divide(forces, share, out=np.zeros_like(forces), where=share > 0.0)
-        for patch in self._flat_patches(contacts):
+        for patch in patches:
             pressure[patch] = forces[patch].sum() / share[patch].sum()
         return pressure
 
-    def _touching(self, contacts: Contacts) -> NDArray[np.bool_]:
-        """Vertices in contact as points, not as corners of a face that is touched; those in flat patches."""
+    def _touching(self, contacts: Contacts, patches: list[Ints]) -> NDArray[np.bool_]:
+        """Triangles whose vertices all are in contact as points, not as corners of a face that is touched, or
+        in a flat patch."""
         vertex = np.zeros(len(self.positions), dtype=bool)
         for k in range(4):
             mine = (contacts.first_counts > k) & (contacts.weights[:, k] > 1.0 - 1e-9)
             vertex[contacts.vertices[mine, k]] = True
-        for patch in self._flat_patches(contacts):
+        for patch in patches:
             vertex[patch] = True
-        return vertex
+        return vertex[self.triangles].all(axis=1)
 
     def _flat_patches(self, contacts: Contacts) -> list[Ints]:
         """Vertices of each flat face of a rigid body that lie within the points where it touches. Its inner
