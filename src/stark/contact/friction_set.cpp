@@ -134,8 +134,8 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
     next.push_back(std::move(pair));
   }
-  const double change = compare(next).largest_change;
-  const bool settled = is_settled(next);
+  const Change change = compare(next);
+  const bool settled = is_settled(next, change);
   ++resets_;
   if (settled && resets_ > 1) {
     // The solution is one with the friction that it was found with; where the next step starts from is new.
@@ -145,7 +145,7 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   previous_ = std::exchange(pairs_, std::move(next));
   next_start_.reset();
   sort_by_point_count();
-  return change;
+  return change.largest_change;
 }
 
 void FrictionSet::restore() {
@@ -210,8 +210,7 @@ FrictionSet::Change FrictionSet::compare(const std::vector<Pair>& next) const {
   return total;
 }
 
-bool FrictionSet::is_settled(const std::vector<Pair>& next) const {
-  const Change total = compare(next);
+bool FrictionSet::is_settled(const std::vector<Pair>& next, const Change& total) const {
   if (!(total.largest_change <= kLimitTolerance * total.largest_limit)) return false;
   std::map<std::pair<int32_t, int32_t>, Change> between;  // bodies
   const auto of = [&](const Pair& pair) -> Change& {

@@ -104,8 +104,8 @@ class FrictionSet {
   template <typename Visit>
   void for_each_limit(const std::vector<Pair>& next, const Visit& visit) const;
   Change compare(const std::vector<Pair>& next) const;
-  /// Whether limits have settled, of all and between each two bodies.
-  bool is_settled(const std::vector<Pair>& next) const;
+  /// Whether limits have settled, of all (`total`, as compared) and between each two bodies.
+  bool is_settled(const std::vector<Pair>& next, const Change& total) const;
   void sort_by_point_count();
   static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
   void fill(std::vector<PotentialBatch>& batches) const;

@@ -17,23 +17,13 @@ constexpr double kSameSide = 0.9;   ///< cosine between normals of a face: folde
 constexpr double kStraight = 1e-9;  ///< sine of a corner that counts as straight
 constexpr double kFullTurnError = 1e-3;  ///< [rad] of the exterior angles of a convex polygon
 
-double diagonal(std::span<const Vec3> vertices) {
-  Vec3 low = vertices[0], high = vertices[0];
-  for (const Vec3& v : vertices)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], v[a]);
-      high[a] = std::max(high[a], v[a]);
-    }
-  return norm(high - low);
-}
-
 class FaceFinder {
  public:
   FaceFinder(std::span<const Vec3> vertices, std::span<const Index3> triangles)
       : x_(vertices),
         triangles_(triangles),
         edges_(find_edge_triangles(triangles)),
-        tolerance_(kFlat * diagonal(vertices)),
+        tolerance_(kFlat * norm(box_size(vertices))),
         face_(triangles.size(), -1) {
     for (const Index3& t : triangles) normals_.push_back(cross(x_[t[1]] - x_[t[0]], x_[t[2]] - x_[t[0]]));
     find_neighbours();

@@ -226,6 +226,13 @@ bool is_orientation_consistent(std::span<const Index3> triangles) {
   return consistent;
 }
 
+Vec3 box_size(std::span<const Vec3> points) {
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points)
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+  return high - low;
+}
+
 std::vector<double> compute_vertex_areas(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
   std::vector<double> areas(vertices.size(), 0.0);
   for (const Index3& t : triangles) {

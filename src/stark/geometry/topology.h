@@ -51,6 +51,9 @@ bool is_closed(std::span<const Index3> triangles);
 /// No two triangles run through an edge in the same direction (and no edge has more than two triangles).
 bool is_orientation_consistent(std::span<const Index3> triangles);
 
+/// Edges of the box around points, of which there is at least one.
+Vec3 box_size(std::span<const Vec3> points);
+
 /// One third of the area of the incident triangles for each vertex [m^2].
 std::vector<double> compute_vertex_areas(std::span<const Vec3> vertices, std::span<const Index3> triangles);
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <stark/geometry/topology.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/validation.h>
 
@@ -33,14 +34,6 @@ void check_common(const std::string& owner, const Description& body) {
     for (double channel : *body.color)
       check_number(owner, "color channel", channel, "1", closed_interval(0.0, 1.0),
                    "give red, green, blue in [0, 1]");
-}
-
-/// Edges of the box around points.
-inline Vec3 box_size(std::span<const Vec3> points) {
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points)
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
-  return high - low;
 }
 
 /// A mesh of a hundred metres is usually one in millimetres.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <stark/base/error.h>
 #include <stark/geometry/flat_faces.h>
@@ -201,6 +202,10 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     add_surface(bodies_[b], id.index, rest_positions_, has_faces, surfaces);
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
   }
+  // Each triangle a face of its own: nothing to choose from, in every search for contacts.
+  std::vector<int32_t> own(surfaces.face.size());
+  std::iota(own.begin(), own.end(), 0);
+  if (surfaces.face == own) surfaces.face.clear();
   const int32_t groups = static_cast<int32_t>(bodies_.size());
   surfaces.filter = PairFilter(groups);
   for (int32_t a = 0; a < groups; ++a)
