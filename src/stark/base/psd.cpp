@@ -1,5 +1,5 @@
-// Lane-batched LDL^T test and eigenvalue projection. Matrices are handled four at a time, one per lane of a
-// 256-bit vector; the usual sizes are compile-time constants, so that the inner loops unroll.
+// Lane-batched LDL^T test and eigenvalue projection. Matrices are handled eight at a time, one per lane of
+// two 256-bit vectors; the usual sizes are compile-time constants, so that the inner loops unroll.
 #include <stark/base/psd.h>
 
 #include <cmath>
@@ -13,24 +13,69 @@ namespace stark {
 
 namespace {
 
-using simd::absolute, simd::fma, simd::load, simd::select, simd::splat, simd::store;
-using V = simd::VDouble;
-using Mask = simd::MaskDouble;
-constexpr int kWidth = simd::kWidth<double>;  // matrices handled at once
+// Eight lanes as two vectors: chains of square roots and divisions of one hide behind those of the other.
+struct V {
+  simd::VDouble low, high;
+  V& operator+=(const V& b) { return low += b.low, high += b.high, *this; }
+  V& operator-=(const V& b) { return low -= b.low, high -= b.high, *this; }
+  V& operator*=(const V& b) { return low *= b.low, high *= b.high, *this; }
+};
+struct Mask {
+  simd::MaskDouble low, high;
+  Mask& operator&=(const Mask& b) { return low &= b.low, high &= b.high, *this; }
+};
+constexpr int kWidth = simd::kWidth<double>;
+
+V splat(double a) { return {simd::splat(a), simd::splat(a)}; }
+V load(const double* p) { return {simd::load(p), simd::load(p + kWidth)}; }
+void store(double* p, const V& a) { simd::store(p, a.low), simd::store(p + kWidth, a.high); }
+V operator-(const V& a) { return {-a.low, -a.high}; }
+V operator+(const V& a, const V& b) { return {a.low + b.low, a.high + b.high}; }
+V operator-(const V& a, const V& b) { return {a.low - b.low, a.high - b.high}; }
+V operator*(const V& a, const V& b) { return {a.low * b.low, a.high * b.high}; }
+V operator/(const V& a, const V& b) { return {a.low / b.low, a.high / b.high}; }
+V operator+(const V& a, double b) { return a + splat(b); }
+V operator*(const V& a, double b) { return a * splat(b); }
+Mask operator>(const V& a, const V& b) { return {a.low > b.low, a.high > b.high}; }
+Mask operator>(const V& a, double b) { return a > splat(b); }
+Mask operator<(const V& a, double b) { return splat(b) > a; }
+Mask operator==(const V& a, double b) { return {a.low == simd::splat(b), a.high == simd::splat(b)}; }
+Mask operator&(Mask a, const Mask& b) { return a &= b; }
+Mask operator|(const Mask& a, const Mask& b) { return {a.low | b.low, a.high | b.high}; }
+V select(const Mask& mask, const V& a, const V& b) {
+  return {simd::select(mask.low, a.low, b.low), simd::select(mask.high, a.high, b.high)};
+}
+V fma(const V& a, const V& b, const V& c) {
+  return {simd::fma(a.low, b.low, c.low), simd::fma(a.high, b.high, c.high)};
+}
+V sqrt(const V& a) { return {simd::sqrt(a.low), simd::sqrt(a.high)}; }
+V absolute(const V& a) { return {simd::absolute(a.low), simd::absolute(a.high)}; }
 
 constexpr double kTestTolerance = 1e-12;  // of the absolute diagonal sum
 constexpr int kMaxSteps = 40;             // QR steps per eigenvalue; two or three are usual
 constexpr double kNegligible = 1e-16;     // off-diagonal entry taken as zero, the matrix being scaled to one
 
-uint32_t lane_bits(Mask mask) {
+uint32_t lane_bits(const Mask& mask) {
   uint32_t bits = 0;
-  for (int l = 0; l < kWidth; ++l) bits |= mask[l] != 0 ? 1u << l : 0u;
+  for (int l = 0; l < kWidth; ++l) {
+    bits |= mask.low[l] != 0 ? 1u << l : 0u;
+    bits |= mask.high[l] != 0 ? 1u << (kWidth + l) : 0u;
+  }
   return bits;
 }
 Mask lane_mask(uint32_t bits) {
   Mask mask;
-  for (int l = 0; l < kWidth; ++l) mask[l] = (bits >> l & 1u) != 0 ? -1 : 0;
+  for (int l = 0; l < kWidth; ++l) {
+    mask.low[l] = (bits >> l & 1u) != 0 ? -1 : 0;
+    mask.high[l] = (bits >> (kWidth + l) & 1u) != 0 ? -1 : 0;
+  }
   return mask;
+}
+/// The power of two below a positive number.
+V power_of_two_below(const V& a) {
+  constexpr int64_t kExponent = 0x7ff0000000000000;
+  return {(simd::VDouble)((simd::MaskDouble)a.low & kExponent),
+          (simd::VDouble)((simd::MaskDouble)a.high & kExponent)};
 }
 
 constexpr int upper_index(int n, int i, int j) { return i * n - i * (i - 1) / 2 + (j - i); }
@@ -43,7 +88,7 @@ struct Size {
 };
 constexpr int capacity(int n) { return n > 0 ? n : kPsdMaxSize; }
 
-// Bits of the four lanes at `upper` that are not positive semidefinite.
+// Bits of the lanes at `upper` that are not positive semidefinite.
 template <int N>
 uint32_t test_lanes(const double* upper, Size<N> size) {
   const int n = size.value();
@@ -55,7 +100,7 @@ uint32_t test_lanes(const double* upper, Size<N> size) {
   // The shift lets singular matrices pass in spite of round-off; its smallest value keeps zero matrices from
   // 0 / 0.
   const V shift = scale * kTestTolerance + std::numeric_limits<double>::min();
-  Mask good = lane_mask(0xf);
+  Mask good = lane_mask(0xff);
   for (int i = 0; i < n; ++i) {
     const V* row = a + upper_index(n, i, i);
     const V pivot = row[0] + shift;
@@ -67,7 +112,7 @@ uint32_t test_lanes(const double* upper, Size<N> size) {
       for (int k = j; k < n; ++k) target[k - j] = fma(factor, row[k - i], target[k - j]);
     }
   }
-  return ~lane_bits(good) & 0xfu;
+  return ~lane_bits(good) & 0xffu;
 }
 
 // Brings the full matrices a[n][n] to tridiagonal form d, e by Householder reflections, collected in the rows
@@ -82,10 +127,10 @@ void tridiagonalize(V* a, Size<N> size, V* d, V* e, V* v) {
     V* const x = a + k * n;
     V tail = x[k + 2] * x[k + 2];
     for (int i = k + 3; i < n; ++i) tail = fma(x[i], x[i], tail);
-    const V norm = simd::sqrt(fma(x[k + 1], x[k + 1], tail));
+    const V norm = sqrt(fma(x[k + 1], x[k + 1], tail));
     const Mask reflect = tail > 0.0;
     const V first = x[k + 1];
-    e[k] = select(reflect, first > 0.0 ? -norm : norm, first);
+    e[k] = select(reflect, select(first > 0.0, -norm, norm), first);
     x[k + 1] = first - e[k];
     beta[k] =
         select(reflect, splat(1.0) / select(reflect, fma(norm, absolute(first), norm * norm), splat(1.0)),
@@ -134,8 +179,8 @@ void diagonalize(V* d, V* e, V* v, Size<N> size, Mask wanted) {
       for (int k = 1; k < last; ++k)
         start = select(absolute(e[k - 1]) > kNegligible, start, splat(static_cast<double>(k)));
       const V half = (d[last - 1] - d[last]) * 0.5, corner = e[last - 1];
-      const V root = simd::sqrt(fma(half, half, corner * corner));
-      const V denominator = half < 0.0 ? half - root : half + root;
+      const V root = sqrt(fma(half, half, corner * corner));
+      const V denominator = select(half < 0.0, half - root, half + root);
       const V shift =
           d[last] - select(active, corner * corner / select(active, denominator, splat(1.0)), splat(0.0));
       V x = splat(0.0), z = splat(0.0);
@@ -144,7 +189,7 @@ void diagonalize(V* d, V* e, V* v, Size<N> size, Mask wanted) {
         const Mask inside = active & (start < static_cast<double>(k));
         x = select(here, d[k] - shift, x);
         z = select(here, e[k], z);
-        const V r = simd::sqrt(fma(x, x, z * z));
+        const V r = sqrt(fma(x, x, z * z));
         const Mask turn = r > 0.0;
         const V inverse = splat(1.0) / select(turn, r, splat(1.0));
         const V c = select(turn, x * inverse, splat(1.0)), s = z * inverse;
@@ -180,10 +225,9 @@ void project_lanes(V* a, Size<N> size, uint32_t bits) {
   constexpr int kMax = capacity(N);
   // A power of two scales the largest entry to [1, 2), exactly.
   V largest = splat(0.0);
-  for (int i = 0; i < n * n; ++i) largest = absolute(a[i]) > largest ? absolute(a[i]) : largest;
-  const Mask exponent = (Mask)largest & static_cast<int64_t>(0x7ff0000000000000);
+  for (int i = 0; i < n * n; ++i) largest = select(absolute(a[i]) > largest, absolute(a[i]), largest);
   const Mask regular = (largest > 1e-290) & (largest < 1e290);
-  const V scale = select(regular, (V)exponent, splat(1.0)), inverse = splat(1.0) / scale;
+  const V scale = select(regular, power_of_two_below(largest), splat(1.0)), inverse = splat(1.0) / scale;
   for (int i = 0; i < n * n; ++i) a[i] *= inverse;
   V d[kMax], e[kMax], v[kMax * kMax];
   tridiagonalize<N>(a, size, d, e, v);
@@ -191,7 +235,7 @@ void project_lanes(V* a, Size<N> size, uint32_t bits) {
   for (int i = 0; i < n; ++i)
     for (int j = i; j < n; ++j) a[i * n + j] = splat(0.0);
   for (int k = 0; k < n; ++k) {
-    const V lambda = (d[k] > 0.0 ? d[k] : splat(0.0)) * scale;
+    const V lambda = select(d[k] > 0.0, d[k], splat(0.0)) * scale;
     for (int i = 0; i < n; ++i) {
       const V scaled = lambda * v[k * n + i];
       for (int j = i; j < n; ++j) a[i * n + j] = fma(scaled, v[k * n + j], a[i * n + j]);
@@ -231,7 +275,7 @@ void store_selected(double* upper, int n, const V* a, uint32_t bits) {
 }
 
 template <int N>
-void project_half(double* upper, Size<N> size, uint32_t bits) {
+void project_full(double* upper, Size<N> size, uint32_t bits) {
   const int n = size.value();
   constexpr int kMax = capacity(N);
   V a[kMax * kMax];
@@ -242,7 +286,7 @@ void project_half(double* upper, Size<N> size, uint32_t bits) {
 
 // The same on the n - 3 dimensions orthogonal to the translations.
 template <int N>
-void project_half_invariant(double* upper, uint32_t bits) {
+void project_invariant(double* upper, uint32_t bits) {
   constexpr int kPoints = N / 3, kReduced = N - 3;
   V a[N * N], half[kReduced * N], b[kReduced * kReduced];
   load_full<N>(upper, N, a);
@@ -282,78 +326,50 @@ void project_half_invariant(double* upper, uint32_t bits) {
   store_selected<N>(upper, N, a, bits);
 }
 
-template <typename Function>
-void for_each_half(uint32_t mask, Function&& function) {
-  for (int half = 0; half < kPsdLanes / kWidth; ++half) {
-    const uint32_t bits = mask >> (kWidth * half) & 0xfu;
-    if (bits != 0) function(half, bits);
-  }
-}
-
 }  // namespace
 
 uint32_t psd_test(const double* upper, int n) {
   STARK_CHECK(n >= 1 && n <= kPsdMaxSize);
-  uint32_t result = 0;
-  for_each_half(0xffu, [&](int half, uint32_t) {
-    const double* lanes = upper + kWidth * half;
-    uint32_t bits = 0;
-    switch (n) {
-      case 3:
-        bits = test_lanes<3>(lanes, {n});
-        break;
-      case 6:
-        bits = test_lanes<6>(lanes, {n});
-        break;
-      case 9:
-        bits = test_lanes<9>(lanes, {n});
-        break;
-      case 12:
-        bits = test_lanes<12>(lanes, {n});
-        break;
-      default:
-        bits = test_lanes<0>(lanes, {n});
-    }
-    result |= bits << (kWidth * half);
-  });
-  return result;
+  switch (n) {
+    case 3:
+      return test_lanes<3>(upper, {n});
+    case 6:
+      return test_lanes<6>(upper, {n});
+    case 9:
+      return test_lanes<9>(upper, {n});
+    case 12:
+      return test_lanes<12>(upper, {n});
+    default:
+      return test_lanes<0>(upper, {n});
+  }
 }
 
 void psd_project(double* upper, int n, uint32_t mask, bool translation_invariant) {
   STARK_CHECK(n >= 1 && n <= kPsdMaxSize);
   STARK_CHECK(!translation_invariant || n == 6 || n == 9 || n == 12);
-  for_each_half(mask, [&](int half, uint32_t bits) {
-    double* lanes = upper + kWidth * half;
-    if (translation_invariant) {
-      switch (n) {
-        case 6:
-          project_half_invariant<6>(lanes, bits);
-          break;
-        case 9:
-          project_half_invariant<9>(lanes, bits);
-          break;
-        default:
-          project_half_invariant<12>(lanes, bits);
-      }
-      return;
-    }
+  if (mask == 0) return;
+  if (translation_invariant) {
     switch (n) {
-      case 3:
-        project_half<3>(lanes, {n}, bits);
-        break;
       case 6:
-        project_half<6>(lanes, {n}, bits);
-        break;
+        return project_invariant<6>(upper, mask);
       case 9:
-        project_half<9>(lanes, {n}, bits);
-        break;
-      case 12:
-        project_half<12>(lanes, {n}, bits);
-        break;
+        return project_invariant<9>(upper, mask);
       default:
-        project_half<0>(lanes, {n}, bits);
+        return project_invariant<12>(upper, mask);
     }
-  });
+  }
+  switch (n) {
+    case 3:
+      return project_full<3>(upper, {n}, mask);
+    case 6:
+      return project_full<6>(upper, {n}, mask);
+    case 9:
+      return project_full<9>(upper, {n}, mask);
+    case 12:
+      return project_full<12>(upper, {n}, mask);
+    default:
+      return project_full<0>(upper, {n}, mask);
+  }
 }
 
 Mat3 psd_project(const Mat3& a) {
