@@ -43,6 +43,41 @@ TEST_CASE("linear solver: every kind, float with refinement as good as double") 
   }
 }
 
+TEST_CASE("linear solver: another right-hand side is solved for with what the last solve left") {
+  ThreadPool pool(2);
+  const int n = 30;
+  const BlockMatrix matrix = test::spd_matrix(BlockPattern::from_pairs(n * n, test::cloth_pairs(n)), 3, 1e4);
+  const std::vector<double> first = test::random_vector(3 * n * n, 4), b = test::random_vector(3 * n * n, 5);
+  for (LinearSolverKind kind :
+       {LinearSolverKind::Cholesky, LinearSolverKind::CholeskyFloat, LinearSolverKind::Pcg}) {
+    LinearSolver solver({.kind = kind, .pcg_tolerance = 1e-10}, pool);
+    std::vector<double> x(b.size());
+    CHECK_FALSE(solver.solve_again(matrix, b, x, 1e-8).ok);  // there was none
+    REQUIRE(solver.solve(matrix, first, x, 1e-8).ok);
+    const LinearSolveReport report = solver.solve_again(matrix, b, x, 1e-8);
+    CHECK(report.ok);
+    CHECK(report.used == kind);
+    CHECK(report.factorizations == 0);
+    CHECK(test::relative_residual(matrix, b, x) < (kind == LinearSolverKind::Pcg ? 1e-6 : 1e-8));
+  }
+}
+
+TEST_CASE("linear solver: nothing is solved again after a failure") {
+  ThreadPool pool(1);
+  BlockMatrix matrix;
+  matrix.pattern = BlockPattern::from_pairs(1, {});
+  matrix.set_zero();
+  std::vector<double> b{1.0, 2.0, 3.0}, x(3);
+  LinearSolver solver({.kind = LinearSolverKind::Cholesky}, pool);
+  for (int c = 0; c < 3; ++c) matrix.values[4 * c] = 2.0;
+  REQUIRE(solver.solve(matrix, b, x, 1e-4).ok);
+  CHECK(solver.solve_again(matrix, b, x, 1e-4).ok);
+  CHECK(x[2] == doctest::Approx(1.5));
+  matrix.values[4] = -2.0;
+  REQUIRE_FALSE(solver.solve(matrix, b, x, 1e-4).ok);
+  CHECK_FALSE(solver.solve_again(matrix, b, x, 1e-4).ok);
+}
+
 TEST_CASE("linear solver: single precision gives way to double where it cannot work") {
   ThreadPool pool(1);
   // A chain of springs of stiffness 1 with masses of 1e-9 is positive definite in double, singular in float.

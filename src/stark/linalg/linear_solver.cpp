@@ -22,10 +22,14 @@ constexpr double kBytesPerSecond = 12e9;
 // on.
 constexpr double kProbeMinIterations = 150;
 // Above, single precision with refinement is faster than double.
-constexpr double kFloatFlops = 1e9;
+constexpr double kFloatFlops = 2e7;
 constexpr int kLeastIterationCap = 50;
 
-constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of direct solvers
+constexpr double kRefinementTolerance = 1e-10;  // relative residual asked of factors in double
+// The same of factors in single precision, in fewer solves: far below what a step of Newton's method is
+// worth.
+constexpr double kFloatTolerance = 1e-6;
+constexpr double kFloatPcgTolerance = 1e-5;  // from there on matrices may be rounded to single precision
 constexpr int kFloatRefinements = 30;
 constexpr int kDoubleRefinements = 3;
 constexpr double kAcceptableResidual = 1e-6;  // a direct solve worse than this is a failure
@@ -82,6 +86,7 @@ struct LinearSolver::Implementation {
   LinearSolverSettings settings;
   ThreadPool& pool;
   LinearSolverKind current;
+  LinearSolverKind last_used = LinearSolverKind::Automatic;  ///< Automatic: nothing to solve with again
   Factor<double> factor;
   Factor<float> factor_float;
   Pcg pcg;
@@ -96,9 +101,13 @@ struct LinearSolver::Implementation {
   bool solve_direct(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
                     std::span<const Vec3> positions, LinearSolveReport& report);
   bool solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b, std::span<double> x,
-                   std::span<const Vec3> positions, LinearSolveReport& report);
-  bool solve_pcg(const BlockMatrix& A, std::span<const double> b, std::span<double> x, double tolerance,
-                 int max_iterations, LinearSolveReport& report);
+                   double tolerance, std::span<const Vec3> positions, LinearSolveReport& report);
+  bool refine_float(const BlockMatrix& A, std::span<const double> b, std::span<double> x, double tolerance,
+                    LinearSolveReport& report);
+  bool iterate_pcg(std::span<const double> b, std::span<double> x, double tolerance,
+                   LinearSolveReport& report);
+  LinearSolveReport solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
+                          double forcing_tolerance, std::span<const Vec3> positions, bool may_be_indefinite);
   double residual(const BlockMatrix& A, std::span<const double> b, std::span<const double> x);
 };
 
@@ -143,18 +152,10 @@ bool LinearSolver::Implementation::solve_direct(const BlockMatrix& A, uint64_t h
   return report.ok;
 }
 
-// Conjugate gradients in double, preconditioned by the factor in single precision. False if it gives up, and
-// double precision may decide.
-bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
-                                               std::span<double> x, std::span<const Vec3> positions,
-                                               LinearSolveReport& report) {
-  report.used = LinearSolverKind::CholeskyFloat;
-  factor_float.update(A.pattern, hash, positions);
-  ++report.factorizations;
-  const FactorStatus status = factor_float.cholesky.factor(A, pool);
-  report.indefinite = !status.positive_definite;
-  report.failed_block = status.failed_block;
-  if (report.indefinite) return false;
+// Conjugate gradients in double, preconditioned by the factor in single precision. False if it gives up.
+bool LinearSolver::Implementation::refine_float(const BlockMatrix& A, std::span<const double> b,
+                                                std::span<double> x, double tolerance,
+                                                LinearSolveReport& report) {
   const size_t size = b.size();
   const double b_norm = norm(b);
   r.assign(b.begin(), b.end());
@@ -164,7 +165,7 @@ bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t ha
   std::fill(x.begin(), x.end(), 0.0);
   double rz = 0.0;
   for (int k = 0; k < kFloatRefinements; ++k) {
-    if (norm(r) <= 0.5 * kRefinementTolerance * b_norm) break;
+    if (norm(r) <= tolerance * b_norm) break;
     factor_float.cholesky.solve(r.data(), z.data(), pool);
     const double rz_next = dot(r, z);
     if (!(rz_next > 0.0)) return false;
@@ -178,17 +179,31 @@ bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t ha
     for (size_t i = 0; i < size; ++i) x[i] += alpha * p[i], r[i] -= alpha * q[i];
     ++report.iterations;
   }
+  return true;
+}
+
+// False if single precision does not do, and double precision may decide.
+bool LinearSolver::Implementation::solve_float(const BlockMatrix& A, uint64_t hash, std::span<const double> b,
+                                               std::span<double> x, double tolerance,
+                                               std::span<const Vec3> positions, LinearSolveReport& report) {
+  report.used = LinearSolverKind::CholeskyFloat;
+  factor_float.update(A.pattern, hash, positions);
+  ++report.factorizations;
+  const FactorStatus status = factor_float.cholesky.factor(A, pool);
+  report.indefinite = !status.positive_definite;
+  report.failed_block = status.failed_block;
+  if (report.indefinite) return false;
+  if (!refine_float(A, b, x, 0.5 * tolerance, report)) return false;
   report.relative_residual = residual(A, b, x);
-  report.ok = report.relative_residual <= kRefinementTolerance;
+  report.ok = report.relative_residual <= tolerance;
   return report.ok;
 }
 
-bool LinearSolver::Implementation::solve_pcg(const BlockMatrix& A, std::span<const double> b,
-                                             std::span<double> x, double tolerance, int max_iterations,
-                                             LinearSolveReport& report) {
-  report.used = LinearSolverKind::Pcg;
-  pcg.prepare(A, pool);
-  const PcgReport result = pcg.solve(b, x, tolerance, max_iterations, pool);
+bool LinearSolver::Implementation::iterate_pcg(std::span<const double> b, std::span<double> x,
+                                               double tolerance, LinearSolveReport& report) {
+  const bool automatic = settings.kind == LinearSolverKind::Automatic;
+  const int limit = automatic ? iteration_cap : settings.pcg_max_iterations;
+  const PcgReport result = pcg.solve(b, x, tolerance, limit, pool);
   report.iterations += result.iterations;
   report.indefinite = result.indefinite;
   report.failed_block = result.failed_block;
@@ -214,29 +229,69 @@ LinearSolveReport LinearSolver::solve(const BlockMatrix& A, std::span<const doub
                                       double forcing_tolerance, std::span<const Vec3> positions,
                                       bool may_be_indefinite) {
   Implementation& s = *implementation_;
+  const LinearSolveReport report = s.solve(A, b, x, forcing_tolerance, positions, may_be_indefinite);
+  s.last_used = report.ok ? report.used : LinearSolverKind::Automatic;
+  return report;
+}
+
+LinearSolveReport LinearSolver::Implementation::solve(const BlockMatrix& A, std::span<const double> b,
+                                                      std::span<double> x, double forcing_tolerance,
+                                                      std::span<const Vec3> positions,
+                                                      bool may_be_indefinite) {
   const size_t size = 3 * static_cast<size_t>(A.pattern.block_count);
   STARK_CHECK(b.size() == size && x.size() == size && A.values.size() == 9 * A.pattern.column.size());
   LinearSolveReport report;
-  report.used = s.current;
+  report.used = current;
   if (size == 0) {
     report.ok = true;
     return report;
   }
   const uint64_t hash = A.pattern.hash();
-  const bool automatic = s.settings.kind == LinearSolverKind::Automatic;
-  if (s.current == LinearSolverKind::Pcg) {
-    const double tolerance = std::clamp(forcing_tolerance, s.settings.pcg_tolerance, 0.5);
-    const int cap = automatic ? s.iteration_cap : s.settings.pcg_max_iterations;
-    const bool solved = s.solve_pcg(A, b, x, tolerance, cap, report);
+  const bool automatic = settings.kind == LinearSolverKind::Automatic;
+  if (current == LinearSolverKind::Pcg) {
+    const double tolerance = std::clamp(forcing_tolerance, settings.pcg_tolerance, 0.5);
+    report.used = LinearSolverKind::Pcg;
+    // Half of the bytes to read, where what is asked allows that; whether A is definite is for double to say.
+    const bool in_float = tolerance >= kFloatPcgTolerance;
+    pcg.prepare(A, pool, in_float ? PcgStorage::Float : PcgStorage::Double);
+    bool solved = iterate_pcg(b, x, tolerance, report);
+    if (report.indefinite && in_float) {
+      pcg.prepare(A, pool);
+      solved = iterate_pcg(b, x, tolerance, report);
+    }
     if (solved || report.indefinite || !automatic) return report;
-    s.current = s.direct_kind;  // for the rest of the step
+    current = direct_kind;  // for the rest of the step
   }
-  const bool try_float = s.current == LinearSolverKind::CholeskyFloat;
-  if (try_float && s.solve_float(A, hash, b, x, positions, report)) return report;
+  const bool try_float = current == LinearSolverKind::CholeskyFloat;
+  const double float_tolerance = std::clamp(forcing_tolerance, kRefinementTolerance, kFloatTolerance);
+  if (try_float && solve_float(A, hash, b, x, float_tolerance, positions, report)) return report;
   if (try_float && report.indefinite && may_be_indefinite) return report;
-  const bool solved = s.solve_direct(A, hash, b, x, positions, report);
+  const bool solved = solve_direct(A, hash, b, x, positions, report);
   // Too ill-conditioned for single precision: double for the rest of the step.
-  if (try_float && solved && automatic) s.current = LinearSolverKind::Cholesky;
+  if (try_float && solved && automatic) current = LinearSolverKind::Cholesky;
+  return report;
+}
+
+LinearSolveReport LinearSolver::solve_again(const BlockMatrix& A, std::span<const double> b,
+                                            std::span<double> x, double tolerance) {
+  Implementation& s = *implementation_;
+  LinearSolveReport report;
+  report.used = s.last_used;
+  switch (s.last_used) {
+    case LinearSolverKind::Automatic:
+      report.ok = b.empty();
+      break;
+    case LinearSolverKind::Cholesky:
+      s.factor.cholesky.solve(b.data(), x.data(), s.pool);
+      report.ok = true;
+      break;
+    case LinearSolverKind::CholeskyFloat:
+      report.ok = s.refine_float(A, b, x, tolerance, report);
+      break;
+    case LinearSolverKind::Pcg:
+      report.ok = s.iterate_pcg(b, x, tolerance, report);
+      break;
+  }
   return report;
 }
 

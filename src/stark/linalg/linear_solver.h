@@ -17,8 +17,8 @@ namespace stark {
 enum class LinearSolverKind : uint8_t {
   Automatic,
   Cholesky,
-  CholeskyFloat,  // factor in single precision, conjugate gradients in double to 1e-10; falls back to
-                  // Cholesky
+  CholeskyFloat,  // factor in single precision, conjugate gradients in double to 1e-6 or what is asked;
+                  // falls back to Cholesky
   Pcg
 };
 
@@ -45,13 +45,19 @@ class LinearSolver {
   ~LinearSolver();
   LinearSolver(LinearSolver&&) noexcept;
 
-  /// Solves A x = b. `forcing_tolerance` is the relative residual asked of conjugate gradients; direct
-  /// solvers ignore it. `positions` [block_count] may be empty. Symbolic work is redone only when the pattern
-  /// of A changes. Where A may be indefinite, a pivot that is not positive in single precision is taken at
-  /// its word, and double precision is not asked.
+  /// Solves A x = b. `forcing_tolerance` is the relative residual asked of conjugate gradients; factors in
+  /// double precision ignore it. `positions` [block_count] may be empty. Symbolic work is redone only when
+  /// the pattern of A changes. Where A may be indefinite, a pivot that is not positive in single precision is
+  /// taken at its word, and double precision is not asked.
   LinearSolveReport solve(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
                           double forcing_tolerance, std::span<const Vec3> positions = {},
                           bool may_be_indefinite = false);
+
+  /// Solves A x = b once more with the factor or the preconditioner of the last solve(), which A was given to
+  /// and succeeded; to the relative residual `tolerance`, no smaller than what was asked then, where that
+  /// takes iterations.
+  LinearSolveReport solve_again(const BlockMatrix& A, std::span<const double> b, std::span<double> x,
+                                double tolerance);
 
   /// Bases the automatic choice on the pattern without contact, once for a simulation: modelled costs of a
   /// direct solve and of an iteration say whether steps start with conjugate gradients and when those give
