@@ -105,6 +105,36 @@ TEST_CASE(
   CHECK(worst < 1e-8 * largest(H));
 }
 
+TEST_CASE("the gradient alone is that of the full assembly, and energies are compared with its iterate") {
+  const MixedScene scene(1);
+  Workbench bench(scene);
+  const Assembled full = bench.assemble(scene.configuration);
+  const std::vector<Vec3> x = scene.positions(scene.configuration);
+  const std::vector<double> direction(scene.dof_count(), 0.1);
+  const Configuration moved = scene.along(direction, 1.0);
+  std::vector<double> gradient(scene.dof_count(), 1e30);
+  bench.assembler.assemble_gradient(moved, scene.positions(moved), gradient);
+  const double back = bench.assembler.static_energy_difference(x).difference;
+  bench.assembler.assemble_gradient(scene.configuration, x, gradient);
+  for (size_t i = 0; i < gradient.size(); ++i)
+    CHECK(std::fabs(gradient[i] - full.gradient[i]) <= 1e-13 * largest(full.gradient));
+  CHECK(bench.assembler.static_energy_difference(x).difference == 0.0);
+  CHECK(bench.assembler.static_energy_difference(scene.positions(moved)).difference ==
+        doctest::Approx(-back).epsilon(1e-12));
+  CHECK(std::fabs(back) > 1e-3);
+}
+
+TEST_CASE("blocks on the diagonal are the same where they alone are asked for") {
+  const MixedScene scene(1);
+  Workbench bench(scene);
+  const Assembled all = bench.assemble(scene.configuration);
+  const Assembled diagonal =
+      bench.assemble(scene.configuration, {.project = false, .pending = {}, .pairs = ScatterPairs::Diagonal});
+  for (int32_t b = 0; b < all.matrix.pattern.block_count; ++b)
+    for (int64_t k = 9 * all.matrix.pattern.row_start[b]; k < 9 * all.matrix.pattern.row_start[b] + 9; ++k)
+      CHECK(diagonal.matrix.values[k] == all.matrix.values[k]);
+}
+
 TEST_CASE("static and dynamic batches give the same sums") {
   const MixedScene scene(2);
   Workbench mixed(scene, 1, 1), all_static(scene, 1, 4);

@@ -81,3 +81,47 @@ TEST_CASE("scatter adds what the entries of each lane are") {
         CHECK(matrix.values[k] == doctest::Approx(expected.values[k]).epsilon(1e-14));
     }
 }
+
+TEST_CASE("gradients of lanes are added to their blocks, those of prescribed nodes are left out") {
+  std::mt19937 random(8);
+  const KinematicMap map = point_map();
+  for (int nodes = 1; nodes <= 8; ++nodes)
+    for (const int64_t count : {int64_t{1}, int64_t{3}, int64_t{4}, int64_t{5}, int64_t{kLanes}}) {
+      const std::vector<int32_t> stencils = random_stencils(nodes, count, random);
+      std::vector<double> lanes(3 * nodes * kLanes);
+      for (double& value : lanes) value = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+      std::vector<double> padded(4 * (kPoints - 1), 1.0), expected = padded;
+      scatter_gradients(lanes.data(), nodes, count, find_node_blocks(map, stencils).data(), padded.data());
+      for (int p = 0; p < nodes; ++p)
+        for (int64_t l = 0; l < count; ++l)
+          if (const int32_t block = map.point_block(stencils[l * nodes + p]); block != kNoBlock)
+            for (int c = 0; c < 3; ++c) expected[4 * block + c] += lanes[(3 * p + c) * kLanes + l];
+      CHECK(padded == expected);
+    }
+}
+
+TEST_CASE("of pairs on the diagonal nothing else is added") {
+  std::mt19937 random(9);
+  const KinematicMap map = point_map();
+  const std::vector<int32_t> stencils = random_stencils(4, kLanes, random);
+  std::vector<std::pair<int32_t, int32_t>> all;
+  for (int32_t a = 0; a < kPoints - 1; ++a)
+    for (int32_t b = a + 1; b < kPoints - 1; ++b) all.emplace_back(a, b);
+  const BlockPattern pattern = BlockPattern::from_pairs(kPoints - 1, all);
+  std::vector<int64_t> slot_of(pattern.slot_count());
+  for (size_t s = 0; s < slot_of.size(); ++s) slot_of[s] = static_cast<int64_t>(s);
+  std::vector<double> upper(12 * 13 / 2 * kLanes);
+  for (double& value : upper) value = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
+  const std::vector<PairPlace> places = find_pair_places(map, stencils, 4, pattern);
+  BlockMatrix full, diagonal;
+  for (BlockMatrix* matrix : {&full, &diagonal}) {
+    matrix->pattern = pattern;
+    matrix->set_zero();
+    scatter_hessians(upper.data(), 4, kLanes, places.data(), slot_of, *matrix,
+                     matrix == &full ? ScatterPairs::All : ScatterPairs::Diagonal);
+  }
+  for (int32_t i = 0; i < kPoints - 1; ++i)
+    for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot)
+      for (int k = 0; k < 9; ++k)
+        CHECK(diagonal.values[9 * slot + k] == (pattern.column[slot] == i ? full.values[9 * slot + k] : 0.0));
+}

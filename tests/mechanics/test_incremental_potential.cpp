@@ -120,6 +120,10 @@ TEST_CASE("gradient is the slope of the trial energies, static and active parts 
     std::vector<double> gradient(scene.dof_count());
     BlockMatrix hessian;
     bench.potential.linearize(false, gradient, hessian);
+    std::vector<double> alone(scene.dof_count());
+    bench.potential.evaluate_gradient(alone);
+    for (size_t i = 0; i < gradient.size(); ++i)
+      CHECK(alone[i] == doctest::Approx(gradient[i]).epsilon(1e-12));
     RandomPoints random(3);
     std::vector<double> direction(scene.dof_count());
     for (double& d : direction) d = random.uniform();

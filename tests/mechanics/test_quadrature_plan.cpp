@@ -184,3 +184,19 @@ TEST_CASE("the result has the same bits on one thread and on three") {
           three.assembler.static_energy_difference(y).difference);
   }
 }
+
+TEST_CASE("the gradient alone is that of the full assembly") {
+  for (const SolidMesh& mesh : distorted_boxes({3, 2, 2})) {
+    Bench bench(mesh, {0}, 2);
+    const std::vector<Vec3> x = shaken(mesh.vertices, 0.02);
+    const DenseSystem full = bench.at(x);
+    bench.at(mesh.vertices);
+    Configuration configuration;
+    configuration.point_position = x;
+    std::vector<double> gradient(full.gradient.size(), 1e30);
+    bench.assembler.assemble_gradient(configuration, x, gradient);
+    for (size_t i = 0; i < gradient.size(); ++i)
+      CHECK(std::fabs(gradient[i] - full.gradient[i]) <= 1e-13 * largest(full.gradient));
+    CHECK(bench.assembler.static_energy_difference(x).difference == 0.0);
+  }
+}

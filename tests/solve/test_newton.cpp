@@ -34,6 +34,11 @@ class Analytic final : public Objective {
     const Mat3& H = project ? value.projected : value.hessian;
     std::copy(H.m.begin(), H.m.end(), out_hessian.values.begin());
   }
+  void evaluate_gradient(std::span<double> out_gradient) override {
+    ++gradients;
+    const Value value = f_(x);
+    for (int c = 0; c < 3; ++c) out_gradient[c] = value.gradient[c];
+  }
   bool has_pending_motion() const override { return pending; }
   Residual residual(std::span<const double> gradient) const override {
     const double force = norm(Vec3{gradient[0], gradient[1], gradient[2]});
@@ -60,7 +65,7 @@ class Analytic final : public Objective {
   Vec3 x, trial;
   bool pending = false, feasible = true;
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0;
-  int linearizations = 0, accepted = 0, refreshed = 0, lag_rounds = 0;
+  int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, lag_rounds = 0;
   mutable std::vector<double> residuals;
 
  private:
@@ -150,6 +155,58 @@ TEST_CASE("a start at the minimum takes none") {
   CHECK(report.status == SolveStatus::Converged);
   CHECK(report.iterations == 0);
   CHECK(objective.x == Vec3{});
+}
+
+TEST_CASE("where the last Hessian is good enough, convergence is found without a new one") {
+  // From nearby, the second direction is far below the tolerance: the gradient alone tells.
+  Analytic objective(cosh_sum, {0.32, -0.2, 0.45});
+  const NewtonSettings settings{
+      .acceleration_tolerance = 1e-2, .residual_tolerance = 0.0, .step_tolerance = 1e-1};
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations == 1);
+  CHECK(objective.linearizations == 1);
+  CHECK(objective.gradients == 1);
+  CHECK(objective.accepted == 2);  // the direction of the last Hessian is taken as well
+  CHECK(report.last_motion < settings.step_tolerance);
+  CHECK(report.acceleration < settings.acceleration_tolerance);
+  CHECK(norm(cosh_sum(objective.x).gradient) < 0.1 * report.residual);
+}
+
+TEST_CASE("where it contracts too little, the Hessian is formed anew and the minimum is the same") {
+  // x^4: each Newton step leaves two thirds of the way; directions of the Hessian before contract by less.
+  const auto quartic = [](const Vec3& p) {
+    Analytic::Value v;
+    v.energy = std::pow(p.x, 4.0) + p.y * p.y + p.z * p.z;
+    v.gradient = {4.0 * std::pow(p.x, 3.0), 2.0 * p.y, 2.0 * p.z};
+    v.hessian = v.projected = Mat3::diagonal({12.0 * p.x * p.x, 2.0, 2.0});
+    return v;
+  };
+  Analytic objective(quartic, {1.0, 0.2, -0.1});
+  const NewtonSettings settings{
+      .acceleration_tolerance = 1e-1, .residual_tolerance = 0.0, .step_tolerance = 1e-3};
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(objective.gradients > 0);
+  CHECK(objective.linearizations >= report.iterations);
+  // The motion that was left at the end bounds the distance: x / 3 < 1e-3.
+  CHECK(std::fabs(objective.x.x) < 3e-3);
+}
+
+TEST_CASE("after a refresh of lagged quantities the last Hessian serves once more") {
+  Analytic objective(quadratic, {5, -7, 11});
+  objective.lag_rounds = 3;
+  objective.lag_change = 1e-3;
+  const NewtonSettings settings{
+      .acceleration_tolerance = 1e-6, .residual_tolerance = 0.0, .step_tolerance = 1e-6};
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.lag_updates == 3);
+  CHECK(objective.linearizations == 2);  // to step, and to see that it was enough
+  CHECK(objective.gradients == 3);
 }
 
 TEST_CASE("Rosenbrock's valley is followed to its end") {
@@ -319,6 +376,10 @@ TEST_CASE("an iterate beyond any scale ends the minimisation") {
       g[1] = g[2] = 0.0;
       for (int c = 0; c < 3; ++c) H.values[4 * c] = 1e-3;
     }
+    void evaluate_gradient(std::span<double> g) override {
+      BlockMatrix unused;
+      linearize(false, g, unused);
+    }
     bool has_pending_motion() const override { return false; }
     Residual residual(std::span<const double>) const override { return {1.0, 1.0}; }
     double motion(std::span<const double> d) const override { return std::fabs(d[0]); }
@@ -463,6 +524,10 @@ TEST_CASE("where a refreshed problem cannot be solved, the last settled solution
         g[c] = broken ? std::numeric_limits<double>::quiet_NaN() : x[c];
         H.values[4 * c] = 1.0;
       }
+    }
+    void evaluate_gradient(std::span<double> g) override {
+      BlockMatrix unused;
+      linearize(false, g, unused);
     }
     bool has_pending_motion() const override { return false; }
     Residual residual(std::span<const double> g) const override {

@@ -78,6 +78,7 @@ Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
   plan.is_plain = std::all_of(stencils.begin(), stencils.end(), [&](int32_t s) { return map_.is_point(s); });
   plan.energies.resize(batch.block_count() * kLanes);
   if (!plan.is_plain) return plan;
+  plan.blocks = find_node_blocks(map_, stencils);
   plan.places = find_pair_places(map_, stencils, batch.point_count(), static_pattern_);
   plan.colours =
       colour_chunks(map_, stencils, batch.point_count(), kLanes * coloured_chunk_blocks(batch.block_count()));
@@ -102,6 +103,7 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
   std::fill(body_moment_.begin(), body_moment_.end(), Mat3{});
   projected_count_ = 0;
+  padded_gradient_.assign(4 * static_cast<size_t>(pattern_.block_count), 0.0);
   for (StaticPlan& plan : static_plans_) {
     if (plan.is_plain)
       assemble_plain(plan, x, options, out_gradient, out_hessian);
@@ -117,9 +119,40 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
                    .gradient = out_gradient,
                    .hessian = out_hessian,
                    .projected_count = projected_count_});
+  for (int32_t b = 0; b < pattern_.block_count; ++b)
+    for (int a = 0; a < 3; ++a) out_gradient[3 * b + a] += padded_gradient_[4 * b + a];
   for (const PotentialBatch* batch : dynamic_batches_)
     assemble_mapped(*batch, configuration, x, options, out_gradient, out_hessian, nullptr);
   add_rigid_curvature(options, out_hessian);
+}
+
+void Assembler::assemble_gradient(const Configuration& configuration, std::span<const Vec3> x,
+                                  std::span<double> out_gradient) {
+  site_gradient_.assign(x.size(), Vec3{});
+  for (StaticPlan& plan : static_plans_) add_site_gradients(*plan.batch, x, plan.energies.data());
+  for (QuadraturePlan& plan : quadrature_plans_) plan.add_site_gradients(pool_, x, site_gradient_);
+  for (const PotentialBatch* batch : dynamic_batches_) add_site_gradients(*batch, x, nullptr);
+  std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
+  for (int32_t i = 0; i < static_cast<int32_t>(x.size()); ++i)
+    if (!map_.is_prescribed(i))
+      add_mapped_gradient(map_.jacobian(i, configuration), site_gradient_[i], out_gradient);
+}
+
+void Assembler::add_site_gradients(const PotentialBatch& batch, std::span<const Vec3> x,
+                                   double* out_energies) {
+  const int points = batch.point_count();
+  const int outputs = batch.potential().kernel().output_count(Order::Gradient);
+  buffer_.resize(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
+  pool_.for_each_range(batch.block_count(), kGroupBlocks, [&](int64_t first, int64_t last) {
+    batch.evaluate(Order::Gradient, x, first, last, buffer_.data() + first * outputs * kLanes);
+  });
+  for (int64_t e = 0; e < batch.size(); ++e) {
+    const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, 3 * points,
+                              static_cast<int>(e % kLanes));
+    const auto sites = batch.stencil(e);
+    if (out_energies) out_energies[e] = element.energy();
+    for (int p = 0; p < points; ++p) site_gradient_[sites[p]] += element.point_gradient(p);
+  }
 }
 
 void Assembler::assemble_plain(StaticPlan& plan, std::span<const Vec3> x, const AssemblyOptions& options,
@@ -145,30 +178,31 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
     if (options.project) projected_count_ += project_blocks(batch.potential(), group_end - group, out.data());
     for (int64_t block = group; block < group_end; ++block) {
       const double* lanes = out.data() + (block - group) * outputs * kLanes;
-      const int64_t count = lanes_used(batch, block);
-      add_gradients(plan, block, count, lanes, options.pending, gradient);
-      scatter_hessians(lanes + (1 + 3 * points) * kLanes, points, count,
-                       plan.places.data() + block * kLanes * pairs, slot_of_static_, hessian);
+      const int64_t first = block * kLanes, count = lanes_used(batch, block);
+      std::copy_n(lanes, count, plan.energies.data() + first);
+      scatter_gradients(lanes + kLanes, points, count, plan.blocks.data() + first * points,
+                        padded_gradient_.data());
+      if (!options.pending.empty()) add_pending(plan, block, lanes, options.pending, gradient);
+      scatter_hessians(lanes + (1 + 3 * points) * kLanes, points, count, plan.places.data() + first * pairs,
+                       slot_of_static_, hessian, options.pairs);
     }
   }
 }
 
-void Assembler::add_gradients(StaticPlan& plan, int64_t block, int64_t count, const double* lanes,
-                              std::span<const Vec3> pending, std::span<double> gradient) const {
+void Assembler::add_pending(const StaticPlan& plan, int64_t block, const double* lanes,
+                            std::span<const Vec3> pending, std::span<double> gradient) const {
   const PotentialBatch& batch = *plan.batch;
   const int points = batch.point_count();
   thread_local std::vector<Vec3> extra;
   extra.assign(points, Vec3{});
-  for (int64_t l = 0; l < count; ++l) {
-    const ElementView element(lanes, 3 * points, static_cast<int>(l));
-    const auto sites = batch.stencil(block * kLanes + l);
-    plan.energies[block * kLanes + l] = element.energy();
-    if (!pending.empty()) pending_gradient(element, sites, map_, pending, extra);
+  for (int64_t l = 0; l < lanes_used(batch, block); ++l) {
+    const int64_t e = block * kLanes + l;
+    pending_gradient(ElementView(lanes, 3 * points, static_cast<int>(l)), batch.stencil(e), map_, pending,
+                     extra);
     for (int p = 0; p < points; ++p) {
-      const int32_t a = map_.point_block(sites[p]);
+      const int32_t a = plan.blocks[e * points + p];
       if (a == kNoBlock) continue;
-      const Vec3 g = element.point_gradient(p) + extra[p];
-      for (int c = 0; c < 3; ++c) gradient[3 * a + c] += g[c];
+      for (int c = 0; c < 3; ++c) gradient[3 * a + c] += extra[p][c];
     }
   }
 }

@@ -27,6 +27,8 @@ struct AssemblyOptions {
   /// Displacement that prescribed sites still have to make in this solve [m], by site; empty when there is
   /// none. The gradient then is the one at the end of that motion to first order.
   std::span<const Vec3> pending;
+  /// Which blocks of the Hessian are wanted; Diagonal leaves out others as far as that saves time.
+  ScatterPairs pairs = ScatterPairs::All;
 };
 
 class Assembler {
@@ -44,6 +46,9 @@ class Assembler {
   /// the energy of every static element for energy_difference().
   void assemble(const Configuration& configuration, std::span<const Vec3> x, const AssemblyOptions& options,
                 std::span<double> out_gradient, BlockMatrix& out_hessian);
+  /// Gradient alone, with the energies that energy_difference() compares with.
+  void assemble_gradient(const Configuration& configuration, std::span<const Vec3> x,
+                         std::span<double> out_gradient);
 
   /// Energies of the static batches at x minus those at the last assemble(), summed element by element.
   EnergyDifference static_energy_difference(std::span<const Vec3> x);
@@ -55,6 +60,7 @@ class Assembler {
   struct StaticPlan {
     const PotentialBatch* batch = nullptr;
     bool is_plain = false;                    ///< all sites are points: identity maps
+    std::vector<int32_t> blocks;              ///< plain: per element and point
     std::vector<PairPlace> places;            ///< plain: in the static pattern, per element and pair i <= j
     std::vector<std::vector<Chunk>> colours;  ///< plain: chunks that may run at the same time
     std::vector<double> energies;             ///< at the last assemble()
@@ -67,12 +73,13 @@ class Assembler {
                       std::span<double> gradient, BlockMatrix& hessian);
   void assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<const Vec3> x,
                       const AssemblyOptions& options, std::span<double> gradient, BlockMatrix& hessian);
-  /// Energies and gradients of the elements of a block of lanes, `count` of them.
-  void add_gradients(StaticPlan& plan, int64_t block, int64_t count, const double* lanes,
-                     std::span<const Vec3> pending, std::span<double> gradient) const;
+  /// What prescribed sites that still have to move add to the gradient, for a block of lanes.
+  void add_pending(const StaticPlan& plan, int64_t block, const double* lanes, std::span<const Vec3> pending,
+                   std::span<double> gradient) const;
   void assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
                        std::span<const Vec3> x, const AssemblyOptions& options, std::span<double> gradient,
                        BlockMatrix& hessian, double* out_energies);
+  void add_site_gradients(const PotentialBatch& batch, std::span<const Vec3> x, double* out_energies);
   void add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const;
 
   const KinematicMap& map_;
@@ -84,7 +91,9 @@ class Assembler {
   std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with
   std::vector<int64_t> slot_of_static_;  ///< slot in pattern_ of each slot of static_pattern_
   AlignedVector<double> buffer_;
-  std::vector<Mat3> body_moment_;  ///< sum of g r^T per body
+  AlignedVector<double> padded_gradient_;  ///< [block][4] of plain static batches
+  std::vector<Vec3> site_gradient_;        ///< [N] by site
+  std::vector<Mat3> body_moment_;          ///< sum of g r^T per body
   std::atomic<int64_t> projected_count_{0};
 };
 

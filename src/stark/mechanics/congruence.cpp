@@ -46,6 +46,14 @@ void add_point_element(const ElementView& element, std::span<const int32_t> bloc
   }
 }
 
+void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<double> gradient) {
+  for (int k = 0; k < jacobian.term_count; ++k) {
+    const JacobianTerm& term = jacobian.terms[k];
+    const Vec3 f = (term.is_identity ? g : transpose(term.J) * g) * term.weight;
+    for (int c = 0; c < 3; ++c) gradient[3 * term.block + c] += f[c];
+  }
+}
+
 void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
                         std::span<const Vec3> extra_gradient, std::span<double> gradient,
                         BlockMatrix& hessian, std::span<Mat3> body_moment) {
@@ -56,11 +64,7 @@ void add_mapped_element(const ElementView& element, std::span<const SiteJacobian
     Vec3 g = element.point_gradient(p);
     if (site.body >= 0) body_moment[site.body] += outer(g, site.lever);
     if (!extra_gradient.empty()) g += extra_gradient[p];
-    for (int k = 0; k < site.term_count; ++k) {
-      const JacobianTerm& term = site.terms[k];
-      const Vec3 f = (term.is_identity ? g : transpose(term.J) * g) * term.weight;
-      for (int c = 0; c < 3; ++c) gradient[3 * term.block + c] += f[c];
-    }
+    add_mapped_gradient(site, g, gradient);
     for (int q = 0; q < points; ++q) {
       const SiteJacobian& other = jacobians[q];
       if (other.term_count == 0) continue;

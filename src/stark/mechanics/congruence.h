@@ -21,6 +21,9 @@ void add_point_element(const ElementView& element, std::span<const int32_t> bloc
                        std::span<const Vec3> extra_gradient, std::span<double> gradient,
                        BlockMatrix& hessian);
 
+/// Adds J^T g of a site.
+void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<double> gradient);
+
 /// Adds the mapped element. extra_gradient is added to the point gradients for the gradient only (empty:
 /// none).
 void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,

@@ -80,12 +80,36 @@ std::vector<PairPlace> find_pair_places(const KinematicMap& map, std::span<const
   return places;
 }
 
+std::vector<int32_t> find_node_blocks(const KinematicMap& map, std::span<const int32_t> stencils) {
+  std::vector<int32_t> blocks;
+  blocks.reserve(stencils.size());
+  for (const int32_t site : stencils) blocks.push_back(map.point_block(site));
+  return blocks;
+}
+
+void scatter_gradients(const double* lanes, int nodes, int64_t lane_count, const int32_t* blocks,
+                       double* padded) {
+  for (int p = 0; p < nodes; ++p, lanes += 3 * kLanes)
+    for (int64_t half = 0; half < lane_count; half += kHalf) {
+      const auto row = [&](int k) { return simd::load(lanes + k * kLanes + half); };
+      std::array<VDouble, 4> gradients{row(0), row(1), row(2), simd::splat(0.0)};
+      transpose(gradients);
+      for (int l = 0; l < kHalf && half + l < lane_count; ++l) {
+        const int32_t block = blocks[(half + l) * nodes + p];
+        if (block == kNoBlock) continue;
+        double* sum = padded + 4 * static_cast<int64_t>(block);
+        simd::store(sum, simd::load(sum) + gradients[l]);
+      }
+    }
+}
+
 void scatter_hessians(const double* upper, int nodes, int64_t lane_count, const PairPlace* places,
-                      std::span<const int64_t> slot_of, BlockMatrix& matrix) {
+                      std::span<const int64_t> slot_of, BlockMatrix& matrix, ScatterPairs pairs) {
   const int pair_count = nodes * (nodes + 1) / 2;
   int pair = 0;
   for (int p = 0; p < nodes; ++p)
     for (int q = p; q < nodes; ++q, ++pair) {
+      if (q > p && pairs == ScatterPairs::Diagonal) continue;
       const std::array<int, 9> entries = find_entries(3 * nodes, p, q);
       if (pair + 1 < pair_count) prefetch(places + pair + 1, pair_count, lane_count, slot_of, matrix);
       for (int64_t half = 0; half < lane_count; half += kHalf) {

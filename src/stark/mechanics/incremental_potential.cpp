@@ -84,14 +84,24 @@ void IncrementalPotential::place_prescribed(double progress, std::span<Vec3> x) 
                         : prescribed_start_[k] + (prescribed_target_[k] - prescribed_start_[k]) * progress;
 }
 
-void IncrementalPotential::linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) {
-  if (active_set_) {
-    const PhaseTimer::Scope scope(timer_, Phase::ActiveSet);
-    active_set_->update(x_);
-    assembler_.set_dynamic_batches(active_set_->batches(curvature_));
-  }
+void IncrementalPotential::update_active_set(Curvature curvature) {
+  if (!active_set_) return;
+  const PhaseTimer::Scope scope(timer_, Phase::ActiveSet);
+  active_set_->update(x_);
+  assembler_.set_dynamic_batches(active_set_->batches(curvature));
+}
+
+void IncrementalPotential::evaluate_gradient(std::span<double> out_gradient) {
+  STARK_CHECK(!has_pending_motion());
+  update_active_set(Curvature::Exact);
   const PhaseTimer::Scope scope(timer_, Phase::Assemble);
-  AssemblyOptions options{.project = project, .pending = {}};
+  assembler_.assemble_gradient(iterate_, x_, out_gradient);
+}
+
+void IncrementalPotential::linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) {
+  update_active_set(curvature_);
+  const PhaseTimer::Scope scope(timer_, Phase::Assemble);
+  AssemblyOptions options{.project = project, .pending = {}, .pairs = ScatterPairs::All};
   if (has_pending_motion()) {
     pending_.assign(map_.site_count(), Vec3{});
     for (size_t k = 0; k < prescribed_sites_.size(); ++k)

@@ -53,6 +53,7 @@ class IncrementalPotential final : public Objective {
     curvature_ = cautious ? Curvature::Majorant : Curvature::Exact;
   }
   void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) override;
+  void evaluate_gradient(std::span<double> out_gradient) override;
   bool has_pending_motion() const override { return progress_ < 1.0; }
   Residual residual(std::span<const double> gradient) const override;
   double motion(std::span<const double> direction) const override;
@@ -65,6 +66,7 @@ class IncrementalPotential final : public Objective {
   std::span<const Vec3> block_positions() const override { return block_positions_; }
 
  private:
+  void update_active_set(Curvature curvature);
   void set_trial(std::span<const double> direction, double alpha);
   double bound_rotation(std::span<const double> direction, double max_rotation) const;
   void place_prescribed(double progress, std::span<Vec3> x) const;

@@ -133,6 +133,22 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
   }
 }
 
+void QuadraturePlan::compute_gradient(int64_t element, const double* law, int outputs, int64_t first_lane,
+                                      std::span<double> out) const {
+  const int padded = batch_.padded_nodes(), points = batch_.points_per_element();
+  const double* gradients = batch_.gradients(element, 0);
+  std::fill(out.begin(), out.end(), 0.0);
+  for (int q = 0; q < points; ++q) {
+    const double* values = lane_of(law, outputs, first_lane + q);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const double stress = values[(1 + 3 * j + i) * kLanes];
+        const double* G = gradients + (3 * q + j) * padded;
+        for (int a = 0; a < padded; ++a) out[i * padded + a] += stress * G[a];
+      }
+  }
+}
+
 void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64_t first_lane,
                                        ElementStiffness& out) const {
   const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
@@ -141,15 +157,9 @@ void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64
   thread_local AlignedVector<double> H, work;
   H.resize(static_cast<size_t>(81) * points);
   work.resize(static_cast<size_t>(3) * points * padded);
-  std::fill(out.gradient.begin(), out.gradient.end(), 0.0);
+  compute_gradient(element, law, outputs, first_lane, out.gradient);
   for (int q = 0; q < points; ++q) {
     const double* values = lane_of(law, outputs, first_lane + q);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const double stress = values[(1 + 3 * j + i) * kLanes];
-        const double* G = gradients + (3 * q + j) * padded;
-        for (int a = 0; a < padded; ++a) out.gradient[i * padded + a] += stress * G[a];
-      }
     for (int ik = 0; ik < 9; ++ik)
       for (int jl = 0; jl < 9; ++jl) H[(ik * points + q) * 9 + jl] = values[kHessianPlaces[9 * ik + jl]];
   }
@@ -169,6 +179,25 @@ void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64
       default:
         SlabKernel<7>::run(gradients, slab_H, points, nodes, work.data(), slab);
     }
+  }
+}
+
+void QuadraturePlan::add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, std::span<Vec3> gradient) {
+  const int outputs = batch_.law().potential().kernel().output_count(Order::Gradient);
+  const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
+  AlignedVector<double> law(static_cast<size_t>(batch_.law().block_count()) * outputs * kLanes);
+  pool.for_each_range(batch_.group_count(), kEnergyGroups, [&](int64_t first, int64_t last) {
+    batch_.evaluate(Order::Gradient, x, first, last,
+                    law.data() + batch_.block_of_group(first) * outputs * kLanes);
+  });
+  std::vector<double> element(static_cast<size_t>(3) * padded);
+  for (int64_t e = 0; e < batch_.size(); ++e) {
+    const int64_t lane = batch_.block_of_group(e / kGroupElements) * kLanes + e % kGroupElements * points;
+    energies_[e] = 0.0;
+    for (int q = 0; q < points; ++q) energies_[e] += *lane_of(law.data(), outputs, lane + q);
+    compute_gradient(e, law.data(), outputs, lane, element);
+    for (int a = 0; a < nodes; ++a)
+      gradient[batch_.stencil(e)[a]] += Vec3{element[a], element[padded + a], element[2 * padded + a]};
   }
 }
 

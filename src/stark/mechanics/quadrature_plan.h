@@ -37,12 +37,17 @@ class QuadraturePlan {
   };
   /// Adds all elements to the target and remembers their energies.
   void assemble(ThreadPool& pool, std::span<const Vec3> x, const Target& target);
+  /// Adds the gradient by site and remembers the energies.
+  void add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, std::span<Vec3> gradient);
   /// Energies at x minus those at the last assemble().
   EnergyDifference energy_difference(ThreadPool& pool, std::span<const Vec3> x) const;
 
  private:
   void assemble_chunk(const Chunk& chunk, std::span<const Vec3> x, const Target& target);
   /// `law`: outputs of the group's blocks of lanes; element numbers count from the group's first.
+  /// Sum of the stresses at the points times the gradients of the shape functions: [3 i][padded a].
+  void compute_gradient(int64_t element, const double* law, int outputs, int64_t first_lane,
+                        std::span<double> out) const;
   void compute_stiffness(int64_t element, const double* law, int64_t first_lane, ElementStiffness& out) const;
   void add_element(int64_t element, const ElementStiffness& stiffness, const Target& target) const;
   Vec3 pending_force(const ElementStiffness& stiffness, int a, std::span<const int32_t> nodes,

@@ -266,8 +266,9 @@ std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
   assembler_->set_dynamic_batches({});
   scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
   const PhaseTimer::Scope scope(*timer_, Phase::Stiffness);
-  assembler_->assemble(start, potential_->site_positions(), {.project = false, .pending = {}},
-                       scratch_gradient_, diagonal_hessian_);
+  assembler_->assemble(start, potential_->site_positions(),
+                       {.project = false, .pending = {}, .pairs = ScatterPairs::Diagonal}, scratch_gradient_,
+                       diagonal_hessian_);
   std::vector<Mat3> diagonal(model_->map().layout().block_count);
   for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
     std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace stark {
 
@@ -16,7 +17,11 @@ constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diag
 constexpr double kShortStep = 0.6;    ///< step lengths below it call for curvature that overestimates
 constexpr double kTinyStep = 1e-6;    ///< step lengths below it make no progress ...
 constexpr int kLagUpdateLimit = 100;  ///< updates of lagged quantities; joints need a few
-constexpr int kTinyStepLimit = 12;    ///< ... and so many in a row end the minimisation
+constexpr double kNear = 5.0;         ///< motions over their tolerance from where the next may converge
+constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
+constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
+constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.1;  ///< relative residuals of linear solves
+constexpr int kTinyStepLimit = 12;  ///< ... and so many in a row end the minimisation
 
 bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -40,6 +45,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   direction_.assign(n, 0.0);
   projection_countdown_ = 0;
   previous_gradient_norm_ = 0.0;
+  simplified_limit_ = 0.0;
   int tiny_steps = 0, round_off_steps = 0, unsure_steps = 0;
   SolveReport settled;  // when lagged quantities were refreshed last
   const auto finish = [&](SolveStatus status) {
@@ -59,7 +65,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   while (true) {
     if (const auto reason = reason_to_stop(objective)) return finish(*reason);
     const bool pending = objective.has_pending_motion();
-    switch (find_direction(objective, report)) {
+    switch (find_direction(objective, time_step, report)) {
       case Direction::Found:
         break;
       case Direction::NotFinite:
@@ -74,6 +80,9 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
 
     // The last direction is known, so it is taken even when its size already says "converged".
     const SolveStatus searched = line_search(objective, report);
+    const bool is_full = searched == SolveStatus::Converged && report.last_step_length == 1.0;
+    const bool is_near = report.last_motion < kNear * settings_.step_tolerance * time_step;
+    simplified_limit_ = !pending && is_full && is_near ? kContraction * report.last_motion : 0.0;
     if (!converged) ++report.iterations;
     const bool at_round_off = searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations;
     if (converged || at_round_off) {
@@ -83,6 +92,8 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
       if (++report.lag_updates >= kLagUpdateLimit || std::isinf(report.lag_residual))
         return finish(SolveStatus::ConstraintViolated);
       settled = report;
+      // What has changed are forces, little as a rule.
+      simplified_limit_ = std::numeric_limits<double>::infinity();
       round_off_steps = 0;
       continue;
     }
@@ -110,7 +121,9 @@ std::optional<SolveStatus> NewtonSolver::reason_to_stop(const Objective& objecti
   return {};
 }
 
-NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, SolveReport& report) {
+NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, double time_step,
+                                                     SolveReport& report) {
+  if (find_simplified_direction(objective, time_step, report)) return Direction::Found;
   bool project = settings_.projection == Projection::Always || projection_countdown_ > 0;
   if (projection_countdown_ > 0) --projection_countdown_;
   objective.set_cautious(report.last_step_length < kShortStep);
@@ -119,7 +132,11 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     if (!all_finite(gradient_)) return Direction::NotFinite;
     // A projected matrix after the exact one is a rough model: its gradient is the same, so the forcing rule
     // gives the loosest tolerance.
-    const double tolerance = forcing_tolerance();
+    const Residual residual = objective.residual(gradient_);
+    report.residual = residual.force;
+    report.acceleration = residual.acceleration;
+    const double tolerance = forcing_tolerance(residual);
+    is_hessian_exact_ = !project;
     if (project) ++report.projected_iterations;
     right_hand_side_.resize(gradient_.size());
     for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
@@ -140,13 +157,34 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, Solve
     project = true;
     projection_countdown_ = kProjectedIterations - 1;
   }
-  const Residual residual = objective.residual(gradient_);
-  report.residual = residual.force;
-  report.acceleration = residual.acceleration;
   return Direction::Found;
 }
 
+// Whether an iterate has converged takes a direction, but no new Hessian where the last one is nearly that of
+// the iterate: the simplified Newton correction d with its contraction Theta bounds the distance to the
+// solution by |d| / (1 - Theta) [Deuflhard 2011, sec. 2.1]. It is taken where it says "converged".
+bool NewtonSolver::find_simplified_direction(Objective& objective, double time_step, SolveReport& report) {
+  if (!is_hessian_exact_ || simplified_limit_ == 0.0 || projection_countdown_ > 0) return false;
+  objective.evaluate_gradient(gradient_);
+  if (!all_finite(gradient_)) return false;
+  right_hand_side_.resize(gradient_.size());
+  for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
+  const Residual residual = objective.residual(gradient_);
+  report.residual = residual.force;
+  report.acceleration = residual.acceleration;
+  const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
+  const LinearSolveReport solved = linear_solver_.solve_again(
+      hessian_, right_hand_side_, direction_, std::max(kSimplifiedTolerance, useful_tolerance(residual)));
+  report.linear_iterations += solved.iterations;
+  if (!solved.ok || !all_finite(direction_)) return false;
+  report.last_motion = objective.motion(direction_);
+  const bool is_trusted = report.last_motion <= simplified_limit_ && slope() <= 0.0;
+  report.last_motion /= 1.0 - kContraction;
+  return is_trusted && is_converged(report, time_step);
+}
+
 bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveReport& report) {
+  is_hessian_exact_ = false;
   // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
   // multiple of the diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
   const auto diagonal = [&](size_t i) -> double& {
@@ -168,12 +206,29 @@ bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveRe
 
 double NewtonSolver::slope() const { return dot(gradient_, direction_); }
 
-double NewtonSolver::forcing_tolerance() {
-  // Eisenstat and Walker 1996, choice 2: solve only as exactly as the quadratic model is worth.
+double NewtonSolver::forcing_tolerance(const Residual& residual) {
+  // Eisenstat and Walker 1996, choice 2: solve only as exactly as the quadratic model is worth ...
   const double norm = std::sqrt(dot(gradient_, gradient_));
   const double ratio = previous_gradient_norm_ > 0.0 ? norm / previous_gradient_norm_ : 0.3;
   previous_gradient_norm_ = norm;
-  return std::clamp(0.9 * ratio * ratio, 1e-4, 0.1);
+  const double model = std::clamp(0.9 * ratio * ratio, kSmallestForcing, kLargestForcing);
+  // ... and not beyond what convergence takes.
+  return std::max(model, useful_tolerance(residual));
+}
+
+// Relative residual of a linear solve that brings the forces to half of their tolerances [Kelley 1995,
+// eq. 6.20].
+double NewtonSolver::useful_tolerance(const Residual& residual) const {
+  const bool all = settings_.termination == Termination::All;
+  double useful = all ? kLargestForcing : 0.0;
+  const auto ask = [&](double tolerance, double value) {
+    if (tolerance <= 0.0) return;
+    const double share = value > 0.0 ? std::min(0.5 * tolerance / value, kLargestForcing) : kLargestForcing;
+    useful = all ? std::min(useful, share) : std::max(useful, share);
+  };
+  ask(settings_.residual_tolerance, residual.force);
+  ask(settings_.acceleration_tolerance, residual.acceleration);
+  return useful;
 }
 
 bool NewtonSolver::is_converged(const SolveReport& report, double time_step) const {

@@ -33,14 +33,16 @@ class NewtonSolver {
 
  private:
   enum class Direction : uint8_t { Found, NotFinite, Failed };
-  Direction find_direction(Objective& objective, SolveReport& report);
+  Direction find_direction(Objective& objective, double time_step, SolveReport& report);
+  bool find_simplified_direction(Objective& objective, double time_step, SolveReport& report);
   bool is_converged(const SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
   bool take_full_step(Objective& objective, SolveReport& report);
   bool solve_shifted(Objective& objective, double tolerance, SolveReport& report);
   std::optional<SolveStatus> reason_to_stop(const Objective& objective) const;
   double slope() const;
-  double forcing_tolerance();
+  double forcing_tolerance(const Residual& residual);
+  double useful_tolerance(const Residual& residual) const;
 
   NewtonSettings settings_;
   LinearSolver& linear_solver_;
@@ -49,6 +51,9 @@ class NewtonSolver {
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
+  bool is_hessian_exact_ = false;  ///< neither projected nor shifted
+  /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
+  double simplified_limit_ = 0.0;
   int projection_countdown_ = 0;  ///< iterations for which Hessians stay projected after a failure
   double previous_gradient_norm_ = 0.0;
 };

@@ -36,6 +36,9 @@ class Objective {
   virtual void set_cautious(bool cautious) { static_cast<void>(cautious); }
   /// Gradient and Hessian at the iterate. `project`: element Hessians made positive semidefinite.
   virtual void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) = 0;
+  /// Gradient alone, at a small part of the cost. Trial energies are relative to the iterate from then on, as
+  /// after linearize().
+  virtual void evaluate_gradient(std::span<double> out_gradient) = 0;
 
   /// True while prescribed parts still have to move within this minimisation. The gradient then anticipates
   /// their motion to first order, each accepted step brings them closer, and energies along a step are not
