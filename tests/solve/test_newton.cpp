@@ -434,6 +434,21 @@ TEST_CASE("tolerances: all active ones must hold, or any of them") {
   CHECK(third.minimize(acceleration).acceleration < 1e-3);
 }
 
+TEST_CASE("where rounding hides the decrease, full steps are taken on the word of the gradient") {
+  // Rounding of 1e-9, a million times what the magnitude of the energies shows.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value = cosh_sum(x);
+    value.energy += 1e-9 * std::sin(1e15 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations < 12);
+  CHECK(norm(cosh_sum(objective.x).gradient) < 1e-9);
+}
+
 TEST_CASE("where energies are all rounding the minimisation ends well") {
   // A residual tolerance that no arithmetic reaches, and energies of 1e20 J elsewhere.
   NewtonSettings settings = tight();

@@ -41,8 +41,8 @@ class NewtonSolver {
   bool solve_shifted(Objective& objective, double tolerance, SolveReport& report);
   std::optional<SolveStatus> reason_to_stop(const Objective& objective) const;
   double slope() const;
-  double forcing_tolerance(const Residual& residual);
-  double useful_tolerance(const Residual& residual) const;
+  double forcing_tolerance(const SolveReport& report, double time_step);
+  double useful_tolerance(const SolveReport& report, double time_step) const;
 
   NewtonSettings settings_;
   LinearSolver& linear_solver_;
@@ -51,6 +51,7 @@ class NewtonSolver {
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
+  int unsure_steps_left_ = 0;      ///< that may be taken on the word of the gradient
   bool is_hessian_exact_ = false;  ///< neither projected nor shifted
   /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
   double simplified_limit_ = 0.0;
