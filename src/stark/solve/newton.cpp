@@ -18,12 +18,12 @@ constexpr double kUnsureRise = 1e-3;  ///< relative rise that may be rounding in
 constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
 constexpr double kShortStep = 0.6;    ///< step lengths below it call for curvature that overestimates
 constexpr double kTinyStep = 1e-6;    ///< step lengths below it make no progress ...
+constexpr int kTinyStepLimit = 12;    ///< ... and so many in a row end the minimisation
 constexpr int kLagUpdateLimit = 100;  ///< updates of lagged quantities; joints need a few
 constexpr double kNear = 5.0;         ///< motions over their tolerance from where the next may converge
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.1;  ///< relative residuals of linear solves
-constexpr int kTinyStepLimit = 12;  ///< ... and so many in a row end the minimisation
 
 bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
