@@ -32,9 +32,9 @@ cp "$build"/python/_core*.so "$build/package/stark/"
 # Python itself keeps memory until the end; the extension does not unload.
 export ASAN_OPTIONS=detect_leaks=0:halt_on_error=1:allocator_may_return_null=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$root/tools/thread_sanitizer.supp
 ctest --test-dir "$build" --output-on-failure -E package
 # The disassembler is loaded in a way that no sanitizer allows; without a word, the run would end there.
 unsuited=$(grep -rl capstone tests/python --include='test_*.py' | sed 's/^/--ignore=/')
 LD_PRELOAD="$(gcc -print-file-name=$library) $(gcc -print-file-name=libstdc++.so)" PYTHONPATH="$build/package" \
-  .venv/bin/python -m pytest tests/python -m "not slow" -q -p no:cacheprovider $unsuited "$@"
+  .venv/bin/python -m pytest tests/python tests/torture -m "not slow" -q -p no:cacheprovider --capture=sys $unsuited "$@"

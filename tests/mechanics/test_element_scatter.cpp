@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <random>
 
 #include <stark/mechanics/element_scatter.h>
@@ -37,17 +38,28 @@ std::vector<int32_t> random_stencils(int nodes, int64_t count, std::mt19937& ran
   return stencils;
 }
 
+/// Every free point with every other.
+BlockPattern full_pattern() {
+  std::vector<std::pair<int32_t, int32_t>> all;
+  for (int32_t a = 0; a < kPoints - 1; ++a)
+    for (int32_t b = a + 1; b < kPoints - 1; ++b) all.emplace_back(a, b);
+  return BlockPattern::from_pairs(kPoints - 1, all);
+}
+
+/// Each slot where it is.
+std::vector<int64_t> own_slots(const BlockPattern& pattern) {
+  std::vector<int64_t> slot_of(pattern.slot_count());
+  std::iota(slot_of.begin(), slot_of.end(), int64_t{0});
+  return slot_of;
+}
+
 }  // namespace
 
 TEST_CASE("scatter adds what the entries of each lane are") {
   std::mt19937 random(7);
   const KinematicMap map = point_map();
-  std::vector<std::pair<int32_t, int32_t>> all;
-  for (int32_t a = 0; a < kPoints - 1; ++a)
-    for (int32_t b = a + 1; b < kPoints - 1; ++b) all.emplace_back(a, b);
-  const BlockPattern pattern = BlockPattern::from_pairs(kPoints - 1, all);
-  std::vector<int64_t> slot_of(pattern.slot_count());
-  for (size_t s = 0; s < slot_of.size(); ++s) slot_of[s] = static_cast<int64_t>(s);
+  const BlockPattern pattern = full_pattern();
+  const std::vector<int64_t> slot_of = own_slots(pattern);
 
   for (int nodes = 1; nodes <= 8; ++nodes)
     for (const int64_t count : {int64_t{1}, int64_t{3}, int64_t{4}, int64_t{5}, int64_t{kLanes}}) {
@@ -104,12 +116,8 @@ TEST_CASE("of pairs on the diagonal nothing else is added") {
   std::mt19937 random(9);
   const KinematicMap map = point_map();
   const std::vector<int32_t> stencils = random_stencils(4, kLanes, random);
-  std::vector<std::pair<int32_t, int32_t>> all;
-  for (int32_t a = 0; a < kPoints - 1; ++a)
-    for (int32_t b = a + 1; b < kPoints - 1; ++b) all.emplace_back(a, b);
-  const BlockPattern pattern = BlockPattern::from_pairs(kPoints - 1, all);
-  std::vector<int64_t> slot_of(pattern.slot_count());
-  for (size_t s = 0; s < slot_of.size(); ++s) slot_of[s] = static_cast<int64_t>(s);
+  const BlockPattern pattern = full_pattern();
+  const std::vector<int64_t> slot_of = own_slots(pattern);
   std::vector<double> upper(12 * 13 / 2 * kLanes);
   for (double& value : upper) value = std::uniform_real_distribution<double>(-1.0, 1.0)(random);
   const std::vector<PairPlace> places = find_pair_places(map, stencils, 4, pattern);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <ranges>
 
 #include <stark/base/error.h>
 #include <stark/geometry/flat_faces.h>
@@ -203,9 +203,8 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
   }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
-  std::vector<int32_t> own(surfaces.face.size());
-  std::iota(own.begin(), own.end(), 0);
-  if (surfaces.face == own) surfaces.face.clear();
+  const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));
+  if (std::ranges::equal(surfaces.face, triangles)) surfaces.face.clear();
   const int32_t groups = static_cast<int32_t>(bodies_.size());
   surfaces.filter = PairFilter(groups);
   for (int32_t a = 0; a < groups; ++a)

@@ -12,9 +12,9 @@ constexpr int kProjectedIterations =
     4;  ///< kept projected after an indefinite matrix (Newton slows down otherwise)
 constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy differences are rounding errors
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
-constexpr int kRoundingProbe = 10;    ///< halvings after which the energy shows whether it is rounding ...
-constexpr int kUnsureSteps = 8;       ///< ... on whose account so many full steps are taken between refreshes
-constexpr double kUnsureRise = 1e-3;  ///< relative rise that may be rounding in stiff elements
+constexpr int kRoundingProbe = 10;         ///< halvings after which the energy shows whether it is rounding
+constexpr int kUnsureSteps = 8;            ///< full steps on the word of the gradient, between refreshes
+constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
 constexpr double kShortStep = 0.6;    ///< step lengths below it call for curvature that overestimates
 constexpr double kTinyStep = 1e-6;    ///< step lengths below it make no progress ...
@@ -45,11 +45,12 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
+  right_hand_side_.assign(n, 0.0);
   projection_countdown_ = 0;
   previous_gradient_norm_ = 0.0;
   simplified_limit_ = 0.0;
   unsure_steps_left_ = kUnsureSteps;
-  int tiny_steps = 0, round_off_steps = 0, unsure_steps = 0;
+  int tiny_steps = 0, round_off_steps = 0;
   SolveReport settled;  // when lagged quantities were refreshed last
   const auto finish = [&](SolveStatus status) {
     // A solution whose friction is a round behind is better than none.
@@ -104,15 +105,13 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
     if (searched == SolveStatus::LineSearchFailed) {
       // Descent for certain, and yet no step lowers the energy: differences are rounding errors that the
       // magnitude does not show, as in stiff elements whose energy is a difference of large terms. The
-      // gradient is exact still, so a few full steps are taken on its word.
-      if (!pending && ++unsure_steps <= kRoundOffIterations && take_full_step(objective, report)) continue;
+      // gradient is exact still.
+      if (!pending && take_unsure_step(objective, report)) continue;
       if (projection_countdown_ > 0 || settings_.projection != Projection::OnDemand) return finish(searched);
       projection_countdown_ = kProjectedIterations;
     }
     tiny_steps = report.last_step_length < kTinyStep ? tiny_steps + 1 : 0;
-    if (tiny_steps > 1 && !pending && ++unsure_steps <= kRoundOffIterations &&
-        take_full_step(objective, report))
-      tiny_steps = 0;
+    if (tiny_steps > 1 && !pending && take_unsure_step(objective, report)) tiny_steps = 0;
     if (tiny_steps >= kTinyStepLimit)
       return finish(pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed);
   }
@@ -136,14 +135,10 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, doubl
     if (!all_finite(gradient_)) return Direction::NotFinite;
     // A projected matrix after the exact one is a rough model: its gradient is the same, so the forcing rule
     // gives the loosest tolerance.
-    const Residual residual = objective.residual(gradient_);
-    report.residual = residual.force;
-    report.acceleration = residual.acceleration;
+    read_gradient(objective, report);
     const double tolerance = forcing_tolerance(report, time_step);
     is_hessian_exact_ = !project;
     if (project) ++report.projected_iterations;
-    right_hand_side_.resize(gradient_.size());
-    for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
     const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
     const LinearSolveReport solved =
         linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions(),
@@ -171,11 +166,7 @@ bool NewtonSolver::find_simplified_direction(Objective& objective, double time_s
   if (!is_hessian_exact_ || simplified_limit_ == 0.0 || projection_countdown_ > 0) return false;
   objective.evaluate_gradient(gradient_);
   if (!all_finite(gradient_)) return false;
-  right_hand_side_.resize(gradient_.size());
-  for (size_t i = 0; i < gradient_.size(); ++i) right_hand_side_[i] = -gradient_[i];
-  const Residual residual = objective.residual(gradient_);
-  report.residual = residual.force;
-  report.acceleration = residual.acceleration;
+  read_gradient(objective, report);
   const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
   const LinearSolveReport solved =
       linear_solver_.solve_again(hessian_, right_hand_side_, direction_,
@@ -186,6 +177,14 @@ bool NewtonSolver::find_simplified_direction(Objective& objective, double time_s
   const bool is_trusted = report.last_motion <= simplified_limit_ && slope() <= 0.0;
   report.last_motion /= 1.0 - kContraction;
   return is_trusted && is_converged(report, time_step);
+}
+
+// Forces that are left over, and the right-hand side of the linear solve that is to balance them.
+void NewtonSolver::read_gradient(const Objective& objective, SolveReport& report) {
+  const Residual residual = objective.residual(gradient_);
+  report.residual = residual.force;
+  report.acceleration = residual.acceleration;
+  std::transform(gradient_.begin(), gradient_.end(), right_hand_side_.begin(), std::negate<>());
 }
 
 bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveReport& report) {
@@ -272,14 +271,15 @@ SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report)
     // rounding of stiff elements, more than their magnitude shows. The gradient, exact still, decides.
     const bool is_rounding =
         k == kRoundingProbe && trial.feasible && trial.difference > -decrease && -decrease >= noise;
-    if (is_rounding && unsure_steps_left_-- > 0 && take_full_step(objective, report))
-      return SolveStatus::Converged;
+    if (is_rounding && take_unsure_step(objective, report)) return SolveStatus::Converged;
   }
   report.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;
 }
 
-bool NewtonSolver::take_full_step(Objective& objective, SolveReport& report) {
+bool NewtonSolver::take_unsure_step(Objective& objective, SolveReport& report) {
+  if (unsure_steps_left_ == 0) return false;
+  --unsure_steps_left_;
   const double alpha = objective.bound_step(direction_, settings_.max_rotation);
   const TrialEnergy trial = objective.try_step(direction_, alpha);
   if (alpha < 1.0 || !trial.feasible || !(trial.difference <= kUnsureRise * trial.magnitude)) return false;

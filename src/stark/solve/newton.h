@@ -35,9 +35,11 @@ class NewtonSolver {
   enum class Direction : uint8_t { Found, NotFinite, Failed };
   Direction find_direction(Objective& objective, double time_step, SolveReport& report);
   bool find_simplified_direction(Objective& objective, double time_step, SolveReport& report);
+  void read_gradient(const Objective& objective, SolveReport& report);
   bool is_converged(const SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
-  bool take_full_step(Objective& objective, SolveReport& report);
+  /// A full step on the word of the gradient, where energies do not show the decrease.
+  bool take_unsure_step(Objective& objective, SolveReport& report);
   bool solve_shifted(Objective& objective, double tolerance, SolveReport& report);
   std::optional<SolveStatus> reason_to_stop(const Objective& objective) const;
   double slope() const;
@@ -51,7 +53,7 @@ class NewtonSolver {
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
-  int unsure_steps_left_ = 0;      ///< that may be taken on the word of the gradient
+  int unsure_steps_left_ = 0;      ///< of take_unsure_step()
   bool is_hessian_exact_ = false;  ///< neither projected nor shifted
   /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
   double simplified_limit_ = 0.0;
