@@ -116,3 +116,32 @@ TEST_CASE("potentials without a time step ignore it") {
   batch.evaluate(Order::Energy, std::vector<Vec3>{{0, 0, 0}, {3, 0, 0}}, 0, 1, out.data());
   CHECK(out[0] == doctest::Approx(9.0).epsilon(1e-15));
 }
+
+TEST_CASE("the reference of a measure is its own extrapolation: exact for squares, third order for others") {
+  const auto reference_of = [](int power) {
+    PotentialDefinition definition = define_potential("reference", 1, "", [power](PotentialBuilder& b) {
+      return b.x(0)[0] * b.reference([&](auto point) {
+        const symbolic::Scalar x = (b.*point)(0)[0];
+        return power == 2 ? x * x : x * x * x * x;
+      });
+    });
+    definition.translation_invariant = definition.rotation_invariant = false;
+    return definition;
+  };
+  const double c = 1.0 / 3.0, before = 0.7;
+  const auto error = [&](int power, double way) {
+    const double now = before + way, d = std::sqrt(c + c * c) * way;
+    const auto g = [&](double x) { return std::pow(x, power); };
+    PotentialBatch batch = make_batch(reference_of(power), {0});
+    const std::vector<Vec3> unit{{1, 0, 0}}, start{{now, 0, 0}}, bar{{now + c * way, 0, 0}},
+        beyond{{now + c * way + d, 0, 0}};
+    batch.set_previous(start);
+    CHECK(batch.evaluate(Order::Energy, unit)[0] == doctest::Approx(g(now)).epsilon(1e-15));
+    batch.set_previous(bar);
+    batch.set_beyond(beyond);
+    return batch.evaluate(Order::Energy, unit)[0] - (g(now) + c * (g(now) - g(before)));
+  };
+  CHECK(std::fabs(error(2, 0.3)) < 1e-15);
+  CHECK(std::fabs(error(2, 0.1)) < 1e-15);
+  CHECK(error(4, 0.1) / error(4, 0.05) == doctest::Approx(8.0).epsilon(0.2));
+}

@@ -81,6 +81,7 @@ inline void fill_inputs(const Potential& potential, const FilledSample& sample, 
           value = sample.X[field.point][c];
           break;
         case ElementField::Source::Previous:
+        case ElementField::Source::Beyond:
         case ElementField::Source::Initial:
           value = sample.x_prev[field.point][c];
           break;

@@ -139,7 +139,7 @@ PotentialDefinition tet4(const SolidLaw& law) {
       return tet_edges(b, p) * inverse(tet_edges(b, &PotentialBuilder::X));
     };
     const SolidDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
-                                       [&] { return gradient(&PotentialBuilder::x_prev); }};
+                                       [&] { return gradient(&PotentialBuilder::x_prev); }, gradient};
     const Scalar density = psi(b, deformation);
     return density * (determinant(tet_edges(b, &PotentialBuilder::X)) / 6.0);
   });
@@ -152,7 +152,7 @@ PotentialDefinition quadrature_point(const SolidLaw& law) {
           return symbolic::Mat3::from_columns((b.*p)(0), (b.*p)(1), (b.*p)(2));
         };
         const SolidDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
-                                           [&] { return gradient(&PotentialBuilder::x_prev); }};
+                                           [&] { return gradient(&PotentialBuilder::x_prev); }, gradient};
         const Scalar density = psi(b, deformation);
         return density * b.data(kQuadratureWeight, "m^3", "rest volume that the point stands for");
       });
@@ -168,7 +168,7 @@ PotentialDefinition triangle3(const ShellLaw& law) {
                         : b.direction("warp_direction", "first axis of the cloth, in the rest mesh"));
     const auto gradient = [&](Point p) { return triangle_edges(b, p) * inverse(edges); };
     const ShellDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
-                                       [&] { return gradient(&PotentialBuilder::x_prev); }};
+                                       [&] { return gradient(&PotentialBuilder::x_prev); }, gradient};
     const Scalar density = psi(b, deformation);
     return density * b.parameter("thickness", "m", "thickness of the sheet", positive()) * 0.5 *
            determinant(edges);

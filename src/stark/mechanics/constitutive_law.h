@@ -30,6 +30,8 @@ struct Deformation {
   using Gradient = symbolic::Mat<3, columns>;
   std::function<Gradient()> F;       ///< at the end of the step
   std::function<Gradient()> F_prev;  ///< at the start of the step
+  /// Of points as PotentialBuilder::reference names them: for measures of F whose rates count.
+  std::function<Gradient(symbolic::Vec3 (PotentialBuilder::*)(int))> F_of{};
 };
 using SolidDeformation = Deformation<3>;
 using ShellDeformation = Deformation<2>;

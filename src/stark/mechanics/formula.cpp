@@ -51,6 +51,9 @@ std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpress
         return point(points.x_prev, &PotentialBuilder::x_prev, 3 * field.point + c);
       case ElementField::Source::Initial:
         return point(points.x_initial, &PotentialBuilder::x_initial, 3 * field.point + c);
+      case ElementField::Source::Beyond:
+        STARK_CHECK(points.x_prev.empty());  // not of a formula whose past is given
+        return target.x_beyond(field.point)[c];
       case ElementField::Source::Data:
         break;
     }

@@ -96,6 +96,17 @@ symbolic::Vec3 PotentialBuilder::x_initial(int point) {
                                   .width = 3}));
 }
 
+symbolic::Vec3 PotentialBuilder::x_beyond(int point) {
+  return vector_of(element_field({.name = "x_beyond" + std::to_string(point),
+                                  .unit = "m",
+                                  .doc = "position at the start of the step and a way on",
+                                  .source = ElementField::Source::Beyond,
+                                  .point = point,
+                                  .width = 3}));
+}
+
+symbolic::Vec3 PotentialBuilder::x_behind(int point) { return 2.0 * x_prev(point) - x_beyond(point); }
+
 symbolic::Vec3 PotentialBuilder::velocity(int point) { return (x(point) - x_prev(point)) / time_step(); }
 
 Scalar PotentialBuilder::time_step() {

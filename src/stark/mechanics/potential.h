@@ -30,6 +30,8 @@ struct ElementField {
     Rest,      ///< rest position of point `point` [m]
     Previous,  ///< position of point `point` at the start of the time step [m], refreshed every step
     Initial,   ///< position of point `point` in the world at time 0 [m]
+    Beyond,    ///< of point `point` [m], see PotentialBuilder::reference; Previous unless the step has a
+               ///< history
   };
   std::string name;
   std::string unit;
@@ -85,9 +87,20 @@ class PotentialBuilder {
   symbolic::Vec3 X(int point);          ///< rest position, in the frame of its body [m]
   symbolic::Vec3 x_prev(int point);     ///< position at the start of the step [m]
   symbolic::Vec3 x_initial(int point);  ///< position in the world at time 0 [m]
+  symbolic::Vec3 x_beyond(int point);   ///< x_prev + d, see reference() [m]
+  symbolic::Vec3 x_behind(int point);   ///< x_prev - d, see reference() [m]
   symbolic::Vec3 velocity(int point);   ///< (x - x_prev) / h [m/s]
-  symbolic::Scalar time_step();         ///< h [s]
-  symbolic::Scalar time();              ///< at the end of the step [s]
+
+  /// What the change of a measure g within the step is to be taken from, so that (g(x) - reference) / h is
+  /// its rate to the order of the integrator: with a history, g at the extrapolated x_prev is not the
+  /// extrapolated g. [theory eq. 26b] `measure` maps one of &x_prev, &x_beyond and &x_behind to a value.
+  template <typename Measure>
+  auto reference(const Measure& measure) {
+    const auto at = measure(&PotentialBuilder::x_prev);
+    return at * 2.0 - (measure(&PotentialBuilder::x_beyond) + measure(&PotentialBuilder::x_behind)) * 0.5;
+  }
+  symbolic::Scalar time_step();  ///< h [s]
+  symbolic::Scalar time();       ///< at the end of the step [s]
 
   /// Input that every element has a value of. `parameter` is shared by all elements instead, unless the batch
   /// has a value for each: which of the two does not concern the formula. `rule` is the range of its values;

@@ -81,6 +81,11 @@ void PotentialBatch::set_rest(std::span<const Vec3> X) { fill(ElementField::Sour
 
 void PotentialBatch::set_previous(std::span<const Vec3> x_prev) {
   fill(ElementField::Source::Previous, x_prev);
+  set_beyond(x_prev);
+}
+
+void PotentialBatch::set_beyond(std::span<const Vec3> x_beyond) {
+  fill(ElementField::Source::Beyond, x_beyond);
 }
 
 void PotentialBatch::set_initial(std::span<const Vec3> x) { fill(ElementField::Source::Initial, x); }

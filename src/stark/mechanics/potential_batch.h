@@ -48,8 +48,10 @@ class PotentialBatch {
   /// Sets "time_step" and "time" (at the end of the step) where the potential uses them.
   void set_time(double h, double time);
 
-  void set_rest(std::span<const Vec3> X);           ///< fills the Rest fields; X by site [m]
-  void set_previous(std::span<const Vec3> x_prev);  ///< fills the Previous fields; by site [m]
+  void set_rest(std::span<const Vec3> X);  ///< fills the Rest fields; X by site [m]
+  /// Fills the Previous and the Beyond fields; by site [m].
+  void set_previous(std::span<const Vec3> x_prev);
+  void set_beyond(std::span<const Vec3> x_beyond);  ///< fills the Beyond fields; by site [m]
   void set_initial(std::span<const Vec3> x);        ///< fills the Initial fields; by site [m]
 
   /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding

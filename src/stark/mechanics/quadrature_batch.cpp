@@ -59,17 +59,25 @@ Vec3 QuadratureBatch::column(int64_t element, int point, int j, std::span<const 
   return sum;
 }
 
-void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {
-  const auto& fields = law_.potential().element_fields();
-  if (std::ranges::none_of(fields,
-                           [](const ElementField& f) { return f.source == ElementField::Source::Previous; }))
-    return;
+std::vector<Vec3> QuadratureBatch::columns_for(ElementField::Source source, std::span<const Vec3> x) const {
   std::vector<Vec3> columns;
+  const auto& fields = law_.potential().element_fields();
+  if (std::ranges::none_of(fields, [&](const ElementField& f) { return f.source == source; })) return columns;
   columns.reserve(static_cast<size_t>(3 * size_ * points_));
   for (int64_t e = 0; e < size_; ++e)
     for (int q = 0; q < points_; ++q)
-      for (int j = 0; j < 3; ++j) columns.push_back(column(e, q, j, x_prev));
-  law_.set_previous(columns);
+      for (int j = 0; j < 3; ++j) columns.push_back(column(e, q, j, x));
+  return columns;
+}
+
+void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {
+  const std::vector<Vec3> columns = columns_for(ElementField::Source::Previous, x_prev);
+  if (!columns.empty()) law_.set_previous(columns);
+}
+
+void QuadratureBatch::set_beyond(std::span<const Vec3> x_beyond) {
+  const std::vector<Vec3> columns = columns_for(ElementField::Source::Beyond, x_beyond);
+  if (!columns.empty()) law_.set_beyond(columns);
 }
 
 void QuadratureBatch::evaluate(Order order, std::span<const Vec3> x, int64_t first, int64_t last,

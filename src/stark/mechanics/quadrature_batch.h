@@ -41,8 +41,11 @@ class QuadratureBatch {
   /// Parameters of the law, one for all elements or one for each, as set_values() of a PotentialBatch.
   void set_values(const ParameterValues& values);
   void set_previous(std::span<const Vec3> x_prev);  ///< by site [m]
+  void set_beyond(std::span<const Vec3> x_beyond);  ///< by site [m]
   void set_time(double h, double time) { law_.set_time(h, time); }
 
+  /// Columns of F of all points if the law uses a field of the source, nothing otherwise.
+  std::vector<Vec3> columns_for(ElementField::Source source, std::span<const Vec3> x) const;
   /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.
   const double* gradients(int64_t element, int point) const {
     return gradients_.data() + (element * points_ + point) * 3 * padded_nodes();

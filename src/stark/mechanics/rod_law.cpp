@@ -45,6 +45,20 @@ RodStrain strain_of(PotentialBuilder& b, Point p) {
           .twist = turn(2)};
 }
 
+/// PotentialBuilder::reference of all strains.
+RodStrain reference_strain(PotentialBuilder& b) {
+  using Vector = symbolic::Vec3;
+  const auto reference = [&](auto&& part) {
+    return b.reference([&](Point p) { return part(strain_of(b, p)); });
+  };
+  const Vector bending =
+      reference([](const RodStrain& s) { return Vector(s.curvature[0], s.curvature[1], s.twist); });
+  return {.stretch = reference([](const RodStrain& s) { return s.stretch; }),
+          .shear = reference([](const RodStrain& s) { return s.shear; }),
+          .curvature = {bending[0], bending[1]},
+          .twist = bending[2]};
+}
+
 std::vector<symbolic::Vec3> points_of(const RodStrain& strain) {
   return {symbolic::Vec3(0.0, 0.0, strain.stretch),
           symbolic::Vec3(strain.curvature[0], strain.curvature[1], strain.twist)};
@@ -106,7 +120,7 @@ PotentialDefinition rod_segment(const RodLaw& law) {
   PotentialDefinition definition = define_potential(
       law.name, kRodSegmentPoints, law.doc + " of segments", [psi = law.psi](PotentialBuilder& b) {
         const RodDeformation deformation{[&] { return strain_of(b, &PotentialBuilder::x); },
-                                         [&] { return strain_of(b, &PotentialBuilder::x_prev); }};
+                                         [&] { return reference_strain(b); }};
         const Scalar density = psi(b, deformation);
         const RodStrain strain = deformation.strain();
         const Scalar k =

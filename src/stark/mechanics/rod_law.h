@@ -35,7 +35,7 @@ struct RodStrain {
 /// Evaluated when asked for, so that a law without memory has no inputs for the past.
 struct RodDeformation {
   std::function<RodStrain()> strain;       ///< at the end of the step
-  std::function<RodStrain()> strain_prev;  ///< at the start of the step
+  std::function<RodStrain()> strain_prev;  ///< what rates are measured from: at the start of the step
 };
 
 struct RodLaw {

@@ -176,6 +176,14 @@ class Simulation {
   Configuration target_configuration(double h) const;
   /// Sets what the velocities of a step of length h are measured from.
   void set_reference(double h);
+  /// Coordinates of joints that their rates are measured from, angles up to full turns [m, rad].
+  std::vector<double> reference_coordinates() const;
+  /// Gives a batch the positions that it measures velocities and rates from.
+  template <typename Batch>
+  void set_previous(Batch& batch) const {
+    batch.set_previous(reference_.sites);
+    if (!reference_.beyond.empty()) batch.set_beyond(reference_.beyond);
+  }
   /// Predictions and times of all energies, for a step `stretch` times as long as the one that was set.
   void predict(double h, double stretch);
   /// Keeps the state for the next step, where the integrator asks for it.
@@ -219,6 +227,9 @@ class Simulation {
     std::vector<Mat3> body_rotation_rate;             ///< [1/s]
     std::vector<double> joint_rate;                   ///< [m/s, rad/s]
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
+    // Empty without a history:
+    std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
+    std::vector<Vec3> beyond;  ///< `sites` and sqrt(c + c^2) times the way of the last step [m]
   };
   Reference reference_;
   std::vector<Attempt> attempts_;  ///< of the step under way

@@ -64,7 +64,7 @@ void Simulation::begin_actuators(double h) {
   if (scene_.actuators().empty()) return;
   const std::vector<double> on = acting();
   // What rates are measured from: the start of the step, or what BDF2 takes for it.
-  const std::vector<double> raw = model_->constraints().coordinates(reference_.sites),
+  const std::vector<double> raw = reference_coordinates(),
                             start = model_->constraints().coordinates(step_start_);
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (ConstraintGroup& group : model_->constraints().groups()) {

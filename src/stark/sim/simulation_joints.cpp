@@ -120,8 +120,7 @@ void Simulation::commit_joints() {
   state_.joint_multiplier = constraints.forces(x);
   commit_attachments(x);
   commit_actuators(x);
-  const std::vector<double> raw = constraints.coordinates(x),
-                            start = constraints.coordinates(reference_.sites);
+  const std::vector<double> raw = constraints.coordinates(x), start = reference_coordinates();
   for (int32_t j = 0; j < constraints.joint_count(); ++j) {
     const ConstraintSet::Place& place = constraints.place(j);
     const auto& coordinates = constraints.groups()[place.group].joint->coordinates();

@@ -321,11 +321,11 @@ void Simulation::predict(double h, double stretch) {
     group.batch.set_time(scale, time);
   }
   for (ModelQuadrature& elements : model_->quadrature_batches()) {
-    elements.batch.set_previous(x);
+    set_previous(elements.batch);
     elements.batch.set_time(scale, time);
   }
   for (ModelBatch& batch : model_->batches()) {
-    batch.batch.set_previous(x);
+    set_previous(batch.batch);
     batch.batch.set_time(scale, time);
     if (batch.role != ModelBatch::Role::Inertia) continue;
     batch.batch.set_uniform("inverse_scale_squared", quasistatic ? 0.0 : 1.0 / (scale * scale));

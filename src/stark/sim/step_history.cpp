@@ -1,5 +1,7 @@
 // What a step measures velocities from, and what the next one needs to know of it
 // (mechanics/time_integrator.h).
+#include <cmath>
+
 #include <stark/sim/simulation.h>
 
 namespace stark {
@@ -35,6 +37,33 @@ void Simulation::set_reference(double h) {
   extrapolate(r.stencil, s.joint_rate, s.previous_joint_rate, r.joint_rate);
   r.sites.resize(model_->map().site_count());
   model_->map().positions(r.place, r.sites);
+  r.before.clear();
+  r.beyond.clear();
+  if (r.stencil.history == 0.0) return;
+  r.before.resize(r.sites.size());
+  model_->map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
+                          r.before);
+  const double way = std::sqrt(r.stencil.history * (1.0 + r.stencil.history));
+  for (size_t i = 0; i < r.sites.size(); ++i)
+    r.beyond.push_back(r.sites[i] + (step_start_[i] - r.before[i]) * way);
+}
+
+std::vector<double> Simulation::reference_coordinates() const {
+  const ConstraintSet& constraints = model_->constraints();
+  if (reference_.before.empty()) return constraints.coordinates(reference_.sites);
+  std::vector<double> result = constraints.coordinates(step_start_);
+  const std::vector<double> before = constraints.coordinates(reference_.before);
+  for (int32_t j = 0; j < constraints.joint_count(); ++j) {
+    const ConstraintSet::Place& place = constraints.place(j);
+    const auto& coordinates = constraints.groups()[place.group].joint->coordinates();
+    for (size_t k = 0; k < coordinates.size(); ++k) {
+      const size_t q = place.coordinate + k;
+      const double change = result[q] - before[q];
+      result[q] +=
+          reference_.stencil.history * (coordinates[k].unit == "rad" ? shortest_turn(change) : change);
+    }
+  }
+  return result;
 }
 
 void Simulation::remember_state(double h) {

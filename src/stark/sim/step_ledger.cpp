@@ -49,12 +49,12 @@ EnergyLedger Simulation::stored_energies(std::span<const Vec3> x) const {
     if (batch.role != ModelBatch::Role::Elastic) continue;
     batch.batch.set_previous(x);
     ledger.elastic += total_energy(batch.batch, x);
-    batch.batch.set_previous(reference_.sites);
+    set_previous(batch.batch);
   }
   for (ModelQuadrature& elements : model_->quadrature_batches()) {
     elements.batch.set_previous(x);
     ledger.elastic += total_energy(elements.batch, x);
-    elements.batch.set_previous(reference_.sites);
+    set_previous(elements.batch);
   }
   return ledger;
 }
@@ -66,7 +66,7 @@ double Simulation::damping_work() const {
     add_site_gradient(batch, x, 1.0, dissipative);
     batch.set_previous(x);
     add_site_gradient(batch, x, -1.0, dissipative);
-    batch.set_previous(reference_.sites);
+    set_previous(batch);
   };
   for (ModelBatch& batch : model_->batches())
     if (batch.role == ModelBatch::Role::Elastic && remembers(batch.batch)) add(batch.batch);

@@ -18,7 +18,14 @@ inline Metric metric(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
 }
 
 inline Metric current_metric(PotentialBuilder& b) { return metric(b.x(0), b.x(1), b.x(2)); }
-inline Metric previous_metric(PotentialBuilder& b) { return metric(b.x_prev(0), b.x_prev(1), b.x_prev(2)); }
+/// What the change of the metric within the step is measured from.
+inline Metric reference_metric(PotentialBuilder& b) {
+  const Vec3 g = b.reference([&](auto p) {
+    const Metric m = metric((b.*p)(0), (b.*p)(1), (b.*p)(2));
+    return Vec3(m.g11, m.g12, m.g22);
+  });
+  return {g[0], g[1], g[2]};
+}
 inline Metric rest_metric(PotentialBuilder& b) { return metric(b.X(0), b.X(1), b.X(2)); }
 
 /// Mixed components of G^-1 g, row by row.

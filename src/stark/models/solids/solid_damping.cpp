@@ -11,8 +11,12 @@ SolidLaw solid_damping() {
       "solid_damping", "strain-rate damping", [](PotentialBuilder& b, const SolidDeformation& deformation) {
         const Scalar eta =
             b.parameter("strain_damping", "Pa s", "viscosity of the Green strain rate", non_negative());
-        const Mat3 F = deformation.F(), F_prev = deformation.F_prev();
-        const Mat3 increment = 0.5 * (transpose(F) * F - transpose(F_prev) * F_prev);
+        const Mat3 F = deformation.F();
+        const Mat3 C_prev = b.reference([&](auto point) {
+          const Mat3 G = deformation.F_of(point);
+          return transpose(G) * G;
+        });
+        const Mat3 increment = 0.5 * (transpose(F) * F - C_prev);
         return eta / (2.0 * b.time_step()) * squared_norm(increment);
       });
 }
