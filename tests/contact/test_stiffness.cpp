@@ -41,7 +41,7 @@ struct Bench {
   }
   Contact pair(std::vector<int32_t> s, std::vector<double> w) const {
     Contact contact;
-    contact.key = {0, s[0], s[1]};
+    contact.key = {3, s[0], s[1]};
     contact.point_count = static_cast<int8_t>(s.size());
     std::copy(s.begin(), s.end(), contact.sites.begin());
     std::copy(w.begin(), w.end(), contact.weights.begin());
@@ -68,9 +68,40 @@ TEST_CASE("two points are in series, a prescribed side is infinitely stiff") {
         doctest::Approx(1.0 / 2 + 1.0 / 3).epsilon(kRegularised));
   CHECK(stiffness.compliance(bench.pair({0, 3}, {1, -1}), bench.x) ==
         doctest::Approx(1.0 / 2).epsilon(kRegularised));
-  CHECK(stiffness.compliance(bench.pair({3, 5}, {1, -1}), bench.x) >
-        0.0);  // never zero, so that kappa stays finite
-  CHECK(std::isfinite(1.0 / stiffness.compliance(bench.pair({3, 5}, {1, -1}), bench.x)));
+  CHECK(stiffness.compliance(bench.pair({3, 5}, {1, -1}), bench.x) == 0.0);
+}
+
+TEST_CASE("a pair that is prescribed altogether has no barrier and asks for none") {
+  const Bench bench;
+  PairStiffness stiffness(bench.map);
+  stiffness.begin_step(bench.configuration, bench.diagonal, 300.0, {{1}, {10.0}});
+  std::vector<Contact> contacts{bench.pair({3, 5}, {1, -1})};
+  contacts[0].group_b = 1;
+  stiffness.assign({}, bench.x, contacts);
+  CHECK(contacts[0].stiffness == 0.0);
+  const LoadMemory next = stiffness.end_step(contacts, std::vector<Vec3>{{}});
+  CHECK(next.factor == std::vector<double>{9.0});  // forgotten slowly, like that of any pair without a load
+}
+
+TEST_CASE("vertices of a pair that are not its nearest points keep its stiffness within bounds") {
+  // A prescribed point above a prescribed corner of a triangle, whose other corners are free; then the same
+  // beside the corner, where a free one has next to no weight.
+  const Bench bench;
+  SurfaceMesh mesh;
+  mesh.triangles = {{5, 0, 1}};
+  Contact corner = bench.pair({3, 5}, {1, -1}), beside = bench.pair({3, 5, 0}, {1, -1 + 1e-9, -1e-9}),
+          middle = bench.pair({3, 5, 0}, {1, -0.5, -0.5});
+  corner.key = beside.key = middle.key = {0, 3, 0};
+  const auto stiffness_of = [&](Contact contact) {
+    PairStiffness stiffness(bench.map);
+    stiffness.begin_step(bench.configuration, bench.diagonal, 300.0);
+    std::vector<Contact> contacts{contact};
+    stiffness.assign(mesh, bench.x, contacts);
+    return contacts[0].stiffness;
+  };
+  // 1/2 m/N is the softest vertex, and a middle has half the weight of one.
+  CHECK(stiffness_of(middle) == doctest::Approx(stiffness_of(corner) * 0.01 / 0.25).epsilon(1e-3));
+  CHECK(stiffness_of(beside) == doctest::Approx(stiffness_of(corner)).epsilon(1e-3));
 }
 
 TEST_CASE("closest points inside primitives count with their squared weights") {
@@ -121,7 +152,7 @@ TEST_CASE("kappa makes the curvature of the barrier at half its distance `factor
   PairStiffness stiffness(bench.map);
   stiffness.begin_step(bench.configuration, bench.diagonal, 300.0);
   std::vector<Contact> contacts{bench.pair({0, 1}, {1, -1})};
-  stiffness.assign(bench.x, contacts);
+  stiffness.assign({}, bench.x, contacts);
   const double d_hat = 0.01;
   const double curvature =
       differentiate_scalar([&](double t) { return barrier_slope(0.5 * d_hat + t, d_hat); }, 0.1 * d_hat);
@@ -134,16 +165,16 @@ TEST_CASE("the stiffness of a pair is frozen within a step") {
   PairStiffness stiffness(bench.map);
   stiffness.begin_step(bench.configuration, bench.diagonal, 300.0);
   std::vector<Contact> contacts{bench.pair({0, 4}, {1, -1})};
-  stiffness.assign(bench.x, contacts);
+  stiffness.assign({}, bench.x, contacts);
   const double first = contacts[0].stiffness;
   std::vector<Vec3> moved = bench.x;
   moved[0] += {0.5, -0.3, 0.2};
   contacts.insert(contacts.begin(), bench.pair({1, 4}, {1, -1}));
-  stiffness.assign(moved, contacts);
+  stiffness.assign({}, moved, contacts);
   CHECK(contacts[1].stiffness == first);
   CHECK(contacts[0].stiffness > 0.0);
   stiffness.begin_step(bench.configuration, bench.diagonal, 600.0);
-  stiffness.assign(bench.x, contacts);
+  stiffness.assign({}, bench.x, contacts);
   CHECK(contacts[1].stiffness == doctest::Approx(2.0 * first));
 }
 
@@ -155,7 +186,7 @@ LoadMemory press(const Bench& bench, std::vector<Contact>& contacts, const std::
                  LoadMemory memory) {
   PairStiffness stiffness(bench.map);
   stiffness.begin_step(bench.configuration, bench.diagonal, 300.0, std::move(memory));
-  stiffness.assign(bench.x, contacts);
+  stiffness.assign({}, bench.x, contacts);
   return stiffness.end_step(contacts, forces);
 }
 
@@ -185,7 +216,7 @@ TEST_CASE("a load stiffens all contacts of two bodies until it is carried at a t
   {
     PairStiffness stiffness(bench.map);
     stiffness.begin_step(bench.configuration, bench.diagonal, 300.0);
-    stiffness.assign(bench.x, contacts);
+    stiffness.assign({}, bench.x, contacts);
     CHECK(stiffness.end_step(contacts, heavy, 0.5).factor[0] == doctest::Approx(std::sqrt(2.0)));
   }
 
@@ -206,7 +237,7 @@ TEST_CASE("an attempt that failed raises barriers at once, by a thousand at most
   const auto raised = [&](double times, LoadMemory memory) {
     PairStiffness stiffness(bench.map);
     stiffness.begin_step(bench.configuration, bench.diagonal, 300.0, std::move(memory));
-    stiffness.assign(bench.x, contacts);
+    stiffness.assign({}, bench.x, contacts);
     return stiffness.raised(contacts, std::vector<Vec3>{{0, 0, times * at_a_tenth}});
   };
   CHECK(raised(0.5, {}).bodies.empty());

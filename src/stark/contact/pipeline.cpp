@@ -105,7 +105,7 @@ void ContactPipeline::build(std::span<const Vec3> x, Candidates& out) {
 void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out) {
   std::vector<Contact> contacts;
   find_contacts(geometry_, list, x, pool_, contacts);
-  stiffness_.assign(x, contacts);
+  stiffness_.assign(mesh(), x, contacts);
   out.reset(std::move(contacts));
   out.evaluate_energies(x);
 }

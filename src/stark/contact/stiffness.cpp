@@ -34,8 +34,40 @@ double next_factor(double factor, double wanted, double share) {
   return wanted < kEnough * factor ? std::max(wanted, std::pow(kDecay, share) * factor) : factor;
 }
 
-/// Compliance that no pair falls below [m/N], so that kappa stays finite whatever the input.
-constexpr double kSmallestCompliance = 1e-30;
+/// Compliance that no pair falls below: part of that of the softest vertex of its primitives. Weights come
+/// and go while a contact slides over triangles that are partly prescribed, kappa stays.
+constexpr double kSmallestShare = 1e-2;
+
+struct PairSites {
+  std::array<int32_t, 4> site;
+  int count;
+};
+
+/// Vertices of both primitives.
+PairSites sites_of(const SurfaceMesh& mesh, const PairKey& key) {
+  switch (key.list) {
+    case 0: {
+      const Index3& t = mesh.triangles[key.second];
+      return {{key.first, t[0], t[1], t[2]}, 4};
+    }
+    case 1: {
+      const Index2 &a = mesh.edges[key.first], &b = mesh.edges[key.second];
+      return {{a[0], a[1], b[0], b[1]}, 4};
+    }
+    case 2: {
+      const Index2& e = mesh.edges[key.second];
+      return {{key.first, e[0], e[1]}, 3};
+    }
+    default:
+      return {{key.first, key.second}, 2};
+  }
+}
+
+Vec3 normal_of(const Contact& contact, std::span<const Vec3> x) {
+  Vec3 n;
+  for (int p = 0; p < contact.point_count; ++p) n += x[contact.sites[p]] * contact.weights[p];
+  return normalized(n);
+}
 
 }  // namespace
 
@@ -72,16 +104,20 @@ void PairStiffness::begin_step(const Configuration& configuration, std::span<con
 }
 
 double PairStiffness::compliance(const Contact& contact, std::span<const Vec3> x) const {
-  Vec3 n;
-  for (int p = 0; p < contact.point_count; ++p) n += x[contact.sites[p]] * contact.weights[p];
-  n = n / norm(n);
+  const auto count = static_cast<size_t>(contact.point_count);
+  return compliance(std::span(contact.sites).first(count), std::span(contact.weights).first(count),
+                    normal_of(contact, x));
+}
+
+double PairStiffness::compliance(std::span<const int32_t> sites, std::span<const double> weights,
+                                 const Vec3& n) const {
   std::array<std::pair<int32_t, Vec3>, 16> terms;  // block and its generalised direction
   int count = 0;
-  for (int p = 0; p < contact.point_count; ++p) {
-    const SiteJacobian site = map_.jacobian(contact.sites[p], configuration_);
+  for (size_t p = 0; p < sites.size(); ++p) {
+    const SiteJacobian site = map_.jacobian(sites[p], configuration_);
     for (int k = 0; k < site.term_count; ++k) {
       const JacobianTerm& term = site.terms[k];
-      const Vec3 j = (term.is_identity ? n : transpose(term.J) * n) * (term.weight * contact.weights[p]);
+      const Vec3 j = (term.is_identity ? n : transpose(term.J) * n) * (term.weight * weights[p]);
       const auto found = std::find_if(terms.begin(), terms.begin() + count,
                                       [&](const auto& t) { return t.first == term.block; });
       if (found != terms.begin() + count)
@@ -93,13 +129,25 @@ double PairStiffness::compliance(const Contact& contact, std::span<const Vec3> x
   double compliance = 0.0;
   for (int k = 0; k < count; ++k)
     compliance += dot(terms[k].second, inverse_diagonal_[terms[k].first] * terms[k].second);
-  return std::max(compliance, kSmallestCompliance);
+  return compliance;
 }
 
-void PairStiffness::assign(std::span<const Vec3> x, std::vector<Contact>& contacts) {
+double PairStiffness::natural(const SurfaceMesh& mesh, const Contact& contact,
+                              std::span<const Vec3> x) const {
+  const Vec3 n = normal_of(contact, x);
+  const double one = 1.0;
+  double softest = 0.0;
+  const PairSites vertices = sites_of(mesh, contact.key);
+  for (const int32_t& site : std::span(vertices.site).first(static_cast<size_t>(vertices.count)))
+    softest = std::max(softest, compliance({&site, 1}, {&one, 1}, n));
+  if (softest == 0.0) return 0.0;  // nothing of it is free to move
+  return factor_ / (kMiddleCurvature * std::max(compliance(contact, x), kSmallestShare * softest));
+}
+
+void PairStiffness::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) {
     const auto [entry, is_new] = frozen_.try_emplace(contact.key, 0.0);
-    if (is_new) entry->second = factor_ / (kMiddleCurvature * compliance(contact, x));
+    if (is_new) entry->second = natural(mesh, contact, x);
     contact.stiffness = entry->second * memory_.find(LoadMemory::code(contact));
   }
 }
@@ -109,6 +157,7 @@ std::map<int64_t, double> PairStiffness::wanted(const std::vector<Contact>& cont
   std::map<int64_t, double> wanted;
   for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
   for (size_t c = 0; c < contacts.size(); ++c) {
+    if (contacts[c].stiffness == 0.0) continue;
     const double natural = contacts[c].stiffness / memory_.find(LoadMemory::code(contacts[c]));
     double& largest = wanted[LoadMemory::code(contacts[c])];
     largest = std::max(largest, norm(forces[c]) / (kLoadedSlope * contacts[c].contact_distance * natural));

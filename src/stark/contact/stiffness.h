@@ -3,7 +3,8 @@
 //
 // A unit force along the contact normal moves the pair apart by the compliance s = sum_b j_b^T H_bb^-1 j_b,
 // with H_bb the diagonal blocks of inertia and elasticity at the start of the step and j_b the normal seen by
-// block b. 1/s is the effective stiffness of the pair; prescribed sides add no compliance. kappa is such that
+// block b. 1/s is the effective stiffness of the pair; prescribed sides add no compliance, and a pair that is
+// prescribed altogether has no barrier. kappa is such that
 // the barrier's curvature at half the contact distance, kappa b''(d_hat/2), is `factor` / s. [theory eq. 18;
 // Ando 2024, "elasticity-inclusive"]
 //
@@ -41,8 +42,9 @@ class PairStiffness {
   void begin_step(const Configuration& configuration, std::span<const Mat3> diagonal, double factor,
                   LoadMemory memory = {});
 
-  /// Sets the stiffness of each contact: the frozen one, or a new one from the contact's normal at x.
-  void assign(std::span<const Vec3> x, std::vector<Contact>& contacts);
+  /// Sets the stiffness of each contact: the frozen one, or a new one from the contact's normal at x; 0 where
+  /// all vertices are prescribed, whose motion no force changes. mesh: see PairKey.
+  void assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts);
 
   /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N]; share:
   /// of the full time step.
@@ -53,10 +55,14 @@ class PairStiffness {
   /// an impact that presses a contact to a gap where Newton's method finds nothing any more.
   LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
 
-  /// Compliance of the pair along its normal [m/N].
+  /// Compliance of the pair along its normal [m/N], 0 where its nearest points are prescribed.
   double compliance(const Contact& contact, std::span<const Vec3> x) const;
 
  private:
+  /// Of a difference of points, sum of weights times sites, along n.
+  double compliance(std::span<const int32_t> sites, std::span<const double> weights, const Vec3& n) const;
+  /// Stiffness by inertia and elasticity [N/m].
+  double natural(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
   /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.
   std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
 

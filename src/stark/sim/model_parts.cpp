@@ -78,7 +78,7 @@ void Model::Builder::list_bodies() {
     const BodyId id{i};
     const ModelBody& body = model.bodies_[i];
     const std::string name = to_string(body.kind) + " '" + scene.name(id) + "'";
-    Hash64 structure, shape, mass;
+    Hash64 structure, shape, place, mass;
     structure.append(body.kind);
     structure.append(scene.motion(id));
     structure.append(body.site_count);
@@ -88,6 +88,10 @@ void Model::Builder::list_bodies() {
     append_all(structure, body.clamped);
     const std::span<const Vec3> rest = model.rest_positions_;
     append_all(shape, rest.subspan(body.first_site, body.site_count));
+    if (body.kind == BodyKind::Rigid && scene.motion(id) == Motion::Fixed) {
+      place.append(model.initial_state_.body_position[body.rigid_index]);
+      place.append(model.initial_state_.body_rotation[body.rigid_index]);
+    }
     mass.append(body.centre);
     mass.append(body.axes);
     if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) {
@@ -99,6 +103,7 @@ void Model::Builder::list_bodies() {
     }
     add_part("kind, motion, topology or pins of " + name, true, structure);
     add_part("rest shape of " + name, false, shape);
+    add_part("place of " + name, false, place);
     add_part("mass of " + name, false, mass);
   }
 }

@@ -34,10 +34,6 @@ ContactOptions to_options(const ContactSettings& contact, const TimeSettings& ti
 /// Motion in a quasistatic step, over the diagonal of all bodies, beyond which there is no equilibrium.
 constexpr double kFarthestMotion = 100.0;
 
-Vec3 axial(const Mat3& W) {
-  return {0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)), 0.5 * (W(1, 0) - W(0, 1))};
-}
-
 std::string point_text(const Vec3& p) {
   std::ostringstream out;
   out << "(" << to_text(p.x) << ", " << to_text(p.y) << ", " << to_text(p.z) << ") m";
@@ -96,19 +92,31 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 
-void Simulation::check_initial_state() const {
-  const std::vector<Vec3> x = site_positions();
+void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) const {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   const auto intersections = find_intersections(surface_mesh_, x, contact_->filter(), *pool_);
   if (!intersections.empty()) {
     const auto& first = intersections.front();
     const Vec3 where = (x[surface_mesh_.edges[first.edge][0]] + x[surface_mesh_.edges[first.edge][1]]) * 0.5;
     throw InitialIntersection(name(surface_mesh_.edge_group[first.edge]) + " and " +
-                              name(surface_mesh_.triangle_group[first.triangle]) +
-                              " intersect at time 0 at " + std::to_string(intersections.size()) +
+                              name(surface_mesh_.triangle_group[first.triangle]) + " intersect " + when +
+                              " at " + std::to_string(intersections.size()) +
                               " edge-triangle pairs, the first near " + point_text(where) +
                               "; move them apart, or disable contact between them");
   }
+  const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_);
+  if (!contained.empty()) {
+    const auto& first = contained.front();
+    throw InitialIntersection(name(first.inner) + " is inside " + name(first.outer) + " " + when + ", near " +
+                              point_text(x[first.vertex]) +
+                              "; move it out, make the outer surface open, or disable contact between them");
+  }
+}
+
+void Simulation::check_initial_state() const {
+  const std::vector<Vec3> x = site_positions();
+  check_clear(x, "at time 0");
+  const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   // Rods, and gaps that rounding of the coordinates swallows: barriers would be infinite, or noise.
   const std::vector<Contact> contacts = contact_->find_contacts_at(x);
   const auto nearest = std::ranges::min_element(
@@ -124,13 +132,6 @@ void Simulation::check_initial_state() const {
                                 " touch at time 0 near " + point_text(x[nearest->sites[0]]) +
                                 ", their distance is " + quantity_text(nearest->distance, "m") +
                                 "; move them apart, or disable contact between them");
-  }
-  const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_);
-  if (!contained.empty()) {
-    const auto& first = contained.front();
-    throw InitialIntersection(name(first.inner) + " is inside " + name(first.outer) + " at time 0, near " +
-                              point_text(x[first.vertex]) +
-                              "; move it out, make the outer surface open, or disable contact between them");
   }
 }
 
@@ -267,9 +268,11 @@ double Simulation::scene_size() const {
 
 const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }
 
-std::vector<Vec3> Simulation::site_positions() const {
+std::vector<Vec3> Simulation::site_positions() const { return site_positions(state_); }
+
+std::vector<Vec3> Simulation::site_positions(const State& state) const {
   std::vector<Vec3> x(model_->map().site_count());
-  model_->map().positions({state_.point_position, state_.body_position, state_.body_rotation}, x);
+  model_->map().positions({state.point_position, state.body_position, state.body_rotation}, x);
   return x;
 }
 

@@ -137,6 +137,10 @@ class Simulation {
 
  private:
   void check_initial_state() const;
+  /// Throws InitialIntersection where surfaces intersect or contain each other at site positions x; `when`
+  /// names them: "at time 0".
+  void check_clear(std::span<const Vec3> x, const std::string& when) const;
+  std::vector<Vec3> site_positions(const State& state) const;
   void check_energies();
   void check_joints();
   ConstraintTolerance joint_tolerance() const;
@@ -184,8 +188,12 @@ class Simulation {
     batch.set_previous(reference_.sites);
     if (!reference_.beyond.empty()) batch.set_beyond(reference_.beyond);
   }
-  /// Predictions and times of all energies, for a step `stretch` times as long as the one that was set.
-  void predict(double h, double stretch);
+  /// Length of a step in which no scripted body turns by more than a sixteenth of a turn [s].
+  double longest_turning_step() const;
+  /// Predictions and times of all energies, for a step of length h by the integrator.
+  void predict(double h);
+  /// The same with predictions for `duration`, and inertia and damping of a step of length `scale` [s].
+  void predict(double h, double duration, double scale);
   /// Keeps the state for the next step, where the integrator asks for it.
   void remember_state(double h);
   bool attempt(double h, bool straight, SolveReport& total);

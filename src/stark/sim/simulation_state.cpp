@@ -1,4 +1,7 @@
 // Simulation: rewinding to a state, going on from that of another simulation.
+#include <algorithm>
+#include <utility>
+
 #include <stark/base/error.h>
 #include <stark/sim/simulation.h>
 
@@ -25,6 +28,15 @@ bool same_places(const State& a, const State& b) {
   return a == c;
 }
 
+/// Place of a rigid body, now and a step ago.
+void copy_place(const State& from, int32_t body, State& to) {
+  to.body_position[body] = from.body_position[body];
+  to.body_rotation[body] = from.body_rotation[body];
+  if (from.previous_body_position.empty()) return;
+  to.previous_body_position[body] = from.previous_body_position[body];
+  to.previous_body_rotation[body] = from.previous_body_rotation[body];
+}
+
 }  // namespace
 
 void Simulation::set_state(const State& state) {
@@ -33,7 +45,14 @@ void Simulation::set_state(const State& state) {
                           " ('" + field + "' is not as long); use a state of the same scene and integrator");
   if (const std::string what = find_invalid_number(state); !what.empty())
     throw InvalidArgument("state: " + what + "; use a state that a simulation has been in");
-  state_ = state;
+  State next = state;
+  // What belongs to the scene and its settings, not to time: walls may stand elsewhere, steps be shorter.
+  next.time_step = std::min(state.time_step, settings_.time.step);
+  for (int32_t b = 0; b < scene_.body_count(); ++b)
+    if (scene_.kind(BodyId{b}) == BodyKind::Rigid && scene_.motion(BodyId{b}) == Motion::Fixed)
+      copy_place(model_->initial_state(), model_->bodies()[b].rigid_index, next);
+  if (contact_) check_clear(site_positions(next), "in this state");
+  state_ = std::move(next);
   step_start_.clear();
   model_->constraints().set_forces(state_.joint_multiplier);
   for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());

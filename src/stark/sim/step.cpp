@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <stark/base/rotation.h>
 #include <stark/sim/body_checks.h>
@@ -21,6 +22,10 @@ constexpr double kFarMotion = 0.5;
 
 /// Part of the full time step down to which steps are refused that lead around something.
 constexpr double kShortestStraight = 1.0 / 16.0;
+
+/// Angle that scripted bodies turn by in a step at most: from half a turn on, nothing would tell the sense,
+/// and friction sees chords, which are off from the way at their end by half of it.
+constexpr double kLargestTurn = std::numbers::pi / 8.0;
 
 /// Value of script_remaining for a scripted body that rests at the last pose it was given.
 constexpr double kAtPose = -1.0;
@@ -91,7 +96,7 @@ const StepReport& Simulation::step(double max_time_step) {
   load_ = {state_.contact_bodies, state_.contact_factor};
   linear_solver_->begin_step();
   set_deadline();
-  double h = std::min(state_.time_step, max_time_step);
+  double h = std::min({state_.time_step, max_time_step, longest_turning_step()});
   double detour = 0.0;  // length of the longest step refused as one [s]
   while (true) {
     if (attempt(h, detour >= 0.0, report_.solve)) {
@@ -121,6 +126,18 @@ const StepReport& Simulation::step(double max_time_step) {
       return report_;
     }
   }
+}
+
+double Simulation::longest_turning_step() const {
+  const DofLayout& layout = model_->map().layout();
+  double longest = std::numeric_limits<double>::infinity();
+  for (size_t b = 0; b < state_.body_rotation.size(); ++b) {
+    const bool is_free = layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock;
+    if (!is_free && state_.script_remaining[b] == 0.0)
+      longest = std::min(longest, kLargestTurn / norm(axial(state_.body_rotation_rate[b] *
+                                                            transpose(state_.body_rotation[b]))));
+  }
+  return longest;
 }
 
 void Simulation::set_deadline() {
@@ -193,8 +210,13 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
     step_start_.assign(potential_->site_positions().begin(), potential_->site_positions().end());
     set_reference(h);
     // Barriers and joints are measured against the inertia of the full time step: one cut short would stiffen
-    // them under what already rests on them and throw it off.
-    predict(h, contact_ || has_joints ? settings_.time.step / h : 1.0);
+    // them under what already rests on them and throw it off. Quasistatic steps have no other measure of
+    // rigid bodies.
+    const double full = reference_.stencil.scale * settings_.time.step / h;
+    if (contact_ || has_joints)
+      predict(h, full, full);
+    else
+      predict(h);
     energies_before_ = stored_energies(step_start_);
     begin_actuators(h);
   }
@@ -208,7 +230,7 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
           {{state_.friction_pair, state_.friction_deflection, state_.friction_force}, load_});
     if (contact_) energies_before_.contact = contact_->energy();
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
-    predict(h, 1.0);
+    predict(h);
   }
   SolveReport solved = newton_->minimize(*potential_, h);
   may_refuse_ = straight;
@@ -302,19 +324,21 @@ Configuration Simulation::target_configuration(double h) const {
                                                 : interpolate_rotation(target.body_rotation[b],
                                                                        state_.script_rotation[b], fraction);
     } else if (state_.script_remaining[b] == 0.0) {
-      const Mat3 W = state_.body_rotation_rate[b] * transpose(target.body_rotation[b]);
+      const Vec3 turn = axial(state_.body_rotation_rate[b] * transpose(state_.body_rotation[b])) * h;
       target.body_position[b] += state_.body_velocity[b] * h;
-      target.body_rotation[b] = exp_rotation(Vec3{W(2, 1), W(0, 2), W(1, 0)} * h) * target.body_rotation[b];
+      target.body_rotation[b] = exp_rotation(turn) * target.body_rotation[b];
     }
   }
   return target;
 }
 
-void Simulation::predict(double h, double stretch) {
-  const bool quasistatic = settings_.time.integrator == Integrator::Quasistatic;
+void Simulation::predict(double h) {
+  const double duration = reference_.stencil.scale;
+  predict(h, duration, settings_.time.integrator == Integrator::Quasistatic ? kQuasistaticStep : duration);
+}
+
+void Simulation::predict(double h, double duration, double scale) {
   const std::span<const Vec3> x = reference_.sites;
-  const double duration = reference_.stencil.scale * stretch;
-  const double scale = quasistatic ? kQuasistaticStep : duration;
   const double time = state_.time + h;
   for (ConstraintGroup& group : model_->constraints().groups()) {
     group.batch.set_previous(x);
@@ -328,7 +352,7 @@ void Simulation::predict(double h, double stretch) {
     set_previous(batch.batch);
     batch.batch.set_time(scale, time);
     if (batch.role != ModelBatch::Role::Inertia) continue;
-    batch.batch.set_uniform("inverse_scale_squared", quasistatic ? 0.0 : 1.0 / (scale * scale));
+    batch.batch.set_uniform("inverse_scale_squared", scale == kQuasistaticStep ? 0.0 : 1.0 / (scale * scale));
     const int field = batch.batch.field_index("predicted");
     const bool is_rotation = batch.batch.potential().name() == "point_inertia";
     for (int64_t e = 0; e < batch.batch.size(); ++e) {
