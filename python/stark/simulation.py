@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from stark import _core
 from stark._core import Error, InvalidArgument
 from stark.arguments import real_number, refuse_copy
-from stark.bodies import Body
+from stark.bodies import Body, _added_later
 from stark.scene import Scene, StarkWarning
 from stark.sensors import Contacts, contacts_of
 from stark.settings import Settings
@@ -92,6 +92,9 @@ class Simulation:
             warnings.warn(message, StarkWarning, stacklevel=2)
         for body in scene.bodies:
             body._bind(self)
+        # Of rows of targets: bodies of the scene may be pinned after this.
+        self._pins = [scene._core.pins(k) for k in range(len(scene))]
+        self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._latest_simulation = weakref.ref(self)
         self._live_values = [energy._live_values() for energy in scene.energies]
         self._last_step: LastStep | None = None
@@ -248,7 +251,10 @@ class Simulation:
 
     def __getitem__(self, body: Body | str) -> Body:
         """The handle of a body, bound to this simulation."""
-        return self._scene.bodies[self._scene._index(body)]._bound_to(self)
+        found = self._scene.bodies[self._scene._index(body)]
+        if found._index >= self._core.body_count:
+            raise _added_later(found, f"sim['{found.name}']")
+        return found._bound_to(self)
 
     @property
     def layers(self) -> list[Layer]:
