@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
@@ -50,6 +52,24 @@ def real_array(value: Any, what: str) -> NDArray[np.float64]:
         return array.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"{what} = {value!r}: must be of real numbers") from None
+
+
+def given_path(value: Any, what: str) -> Path:
+    """A path of a file or folder, which need not exist. InvalidArgument for what is no text or path, is empty
+    (which would be the current folder), or cannot be the name of a file."""
+    try:
+        text = os.fspath(value)
+    except TypeError:
+        text = None
+    if not isinstance(text, str) or not text:
+        raise InvalidArgument(f"{what} = {value!r}: must be a path: a non-empty text or a pathlib.Path")
+    try:
+        writable = b"\0" not in os.fsencode(text)
+    except UnicodeEncodeError:
+        writable = False
+    if not writable:
+        raise InvalidArgument(f"{what} = {value!r}: must be of characters that names of files can have")
+    return Path(text)
 
 
 def given_flag(value: Any, what: str) -> bool:

@@ -18,7 +18,7 @@ from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.layers import LayeredBody
 from stark.mesh import Indices, Points, Polyline, SolidMesh, TetMesh, TriangleMesh
-from stark.rotations import as_matrix, vector
+from stark.rotations import as_matrix, check_places, vector
 from stark.sensors import ContactSensors, InertialSensors
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ class Body(ContactSensors):
         self._mesh = mesh
         self._color = None if color is None else tuple(float(c) for c in color)
         self._simulation: Callable[[], Simulation | None] = _no_simulation
+        self._of: Simulation | None = None  # of handles that sim[body] gave
         self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
         self._rest_placement: tuple[Any, Any] | None = None  # of bodies that start in another shape than rest
 
@@ -138,6 +139,7 @@ class Body(ContactSensors):
 
     @surface_direction.setter
     def surface_direction(self, direction: ArrayLike | None) -> None:
+        self._require_of_scene("surface_direction")
         none = np.zeros((0, 3))
         rows = none if direction is None else real_array(direction, f"'{self.name}': surface_direction")
         if rows.shape == (3,):
@@ -151,16 +153,27 @@ class Body(ContactSensors):
 
     def _require_simulation(self, what: str) -> Simulation:
         simulation = self._simulation()
+        if simulation is None and self._scene._latest_simulation() is not None:
+            raise _added_later(self, what)
         if simulation is None:
             raise InvalidArgument(
                 f"'{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and keep it"
             )
         return simulation
 
+    def _require_of_scene(self, what: str) -> None:
+        """For what changes the scene, which a simulation has copied."""
+        if self._of is not None:
+            raise InvalidArgument(
+                f"'{self.name}': {what}: the simulation keeps the scene that it was made with: must be asked "
+                f"of the body of the scene, sim.scene['{self.name}'], before stark.Simulation(scene) is made"
+            )
+
     def _bound_to(self, simulation: Simulation) -> Any:
         handle = object.__new__(type(self))
         handle.__dict__.update(self.__dict__)
         handle._simulation = lambda: simulation
+        handle._of = simulation
         return handle
 
     def _bind(self, simulation: Simulation) -> None:
@@ -190,6 +203,13 @@ class Body(ContactSensors):
 
 def _no_simulation() -> None:
     return None
+
+
+def _added_later(body: Body, what: str) -> InvalidArgument:
+    return InvalidArgument(
+        f"'{body.name}': was added after the simulation was made: {what} needs one made after that; make a "
+        f"new stark.Simulation(scene)"
+    )
 
 
 class _Deformable(Body):
@@ -227,12 +247,16 @@ class _Deformable(Body):
 
     @property
     def pins(self) -> Indices:
-        """Indices of the pinned vertices, in the order of pinning."""
+        """Indices of the pinned vertices, in the order of pinning. Those of ``sim[body]`` are what the
+        simulation was made with."""
+        if self._of is not None:
+            return self._of._pins[self._index].copy()
         return self._scene._core.pins(self._index)
 
     def pin(self, vertices: ArrayLike) -> None:
-        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Before the
-        simulation is made."""
+        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Simulations have
+        the pins that there are when they are made: a StarkWarning says where one is there already."""
+        self._require_of_scene("pin")
         indices = as_array(vertices, f"'{self.name}': pin")
         if indices.dtype == bool:
             if indices.shape != (len(self._mesh.vertices),):
@@ -242,31 +266,26 @@ class _Deformable(Body):
                 )
             indices = np.flatnonzero(indices)
         self._scene._core.pin(self._index, np.atleast_1d(indices))
+        self._scene._warn_of_simulation(self, "pin")
 
     @property
     def pin_targets(self) -> Points:
         """Positions that the pinned vertices reach at the end of the next step (k, 3) [m], in the order of
-        ``pins``; assign to move them."""
+        the ``pins`` of the simulation; assign to move them."""
         return self._require_simulation("pin_targets")._core.pin_targets(self._index)
 
     @pin_targets.setter
     def pin_targets(self, targets: ArrayLike) -> None:
         array = real_array(targets, f"'{self.name}': pin_targets")
-        count = len(self.pins)
+        simulation = self._require_simulation("pin_targets")
+        count = len(simulation._pins[self._index])
         if array.shape != (count, 3):
             raise InvalidArgument(
                 f"'{self.name}': pin_targets has the shape {array.shape}: "
-                f"must be ({count}, 3), a row for each pinned vertex"
+                f"must be ({count}, 3), a row for each vertex that was pinned when the simulation was made"
             )
-        if not np.isfinite(array).all():
-            row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
-            raise InvalidArgument(
-                f"'{self.name}': pin_targets[{row}] = {array[row].tolist()} m: "
-                f"must be finite; check where it is computed"
-            )
-        self._require_simulation("pin_targets")._core.set_pin_targets(
-            self._index, np.ascontiguousarray(array)
-        )
+        check_places(array, f"'{self.name}': pin_targets")
+        simulation._core.set_pin_targets(self._index, np.ascontiguousarray(array))
 
     def follow(
         self,
@@ -396,6 +415,11 @@ class RigidBody(InertialSensors, Body):
 
     @pose.setter
     def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
+        if not isinstance(value, (tuple, list)) or len(value) != 2:
+            raise InvalidArgument(
+                f"'{self.name}': pose = {value!r}: must be (position [m], rotation); assign position or "
+                f"rotation for one of them"
+            )
         self._set_pose(
             vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation")
         )

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array
 from stark.motion import Motion, as_motion
-from stark.rotations import as_matrix, vector
+from stark.rotations import as_matrix, check_places, vector
 
 if TYPE_CHECKING:
     from stark.bodies import Body
@@ -64,10 +64,7 @@ class PinFollower:
                     f"{owner}: targets at {time:g} s have the shape {places.shape}: must be "
                     f"({len(self.rows)}, 3), a position [m] for each pinned vertex that follows"
                 )
-            if not np.isfinite(places).all():
-                raise InvalidArgument(
-                    f"{owner}: targets at {time:g} s: must be finite; check where they are computed"
-                )
+            check_places(places, f"{owner}: targets at {time:g} s")
             return places
         start = self.body._scene._core.initial_positions(self.body._index)[self.body.pins[self.rows]]
         places = self.center + (start - self.center) @ self.turn(time).T
@@ -84,12 +81,15 @@ class PinFollower:
     def apply(self, simulation: Simulation, time: float, duration: float) -> None:
         core, index = simulation._core, self.body._index
         targets = core.pin_targets(index)
-        targets[self.rows] = self.positions(time)
+        # Pins are appended: those that the simulation was made with are the first ones.
+        held = self.rows < len(targets)
+        targets[self.rows[held]] = self.positions(time)[held]
         core.set_pin_targets(index, targets, duration)
         clamped = getattr(self.body, "clamped", np.empty(0))
         if self.rotation is None or len(clamped) == 0:
             return
         frames = core.clamp_targets(index).reshape(-1, 3, 3)
+        clamped = clamped[: len(frames)]
         turning = np.isin(clamped, self.body.pins[self.rows])
         start = self.body._scene._core.initial_frames(index).reshape(-1, 3, 3)[clamped]
         frames[turning] = self.turn(time) @ start[turning]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stark._core import InvalidArgument
-from stark.arguments import real_array, real_number
+from stark.arguments import as_array, real_array, real_number
 
 if TYPE_CHECKING:
     from stark.bodies import Body
@@ -68,7 +68,10 @@ class FrictionTable:
             ]
             self._scene._core.set_anisotropic_friction(a, b, *numbers)
             return
+        given = coefficient if isinstance(coefficient, (tuple, list)) else [coefficient]
         try:
+            if any(as_array(value, "friction").dtype.kind == "b" for value in given):
+                raise ValueError
             both = np.broadcast_to(real_array(coefficient, "friction"), (2,))
         except ValueError:
             raise InvalidArgument(

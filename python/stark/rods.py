@@ -42,13 +42,18 @@ class Rod(_Deformable):
 
     @property
     def clamped(self) -> Indices:
-        """Indices of the clamped nodes, in the order of clamping."""
+        """Indices of the clamped nodes, in the order of clamping. Those of ``sim[rod]`` are what the
+        simulation was made with."""
+        if self._of is not None:
+            return self._of._clamped[self._index].copy()
         return self._scene._core.clamped(self._index)
 
     def clamp(self, nodes: ArrayLike) -> None:
         """Prescribes positions and frames of nodes, by index: they stay, or follow ``pin_targets`` and
-        ``clamp_targets``. Before the simulation is made."""
+        ``clamp_targets``. Simulations have the clamps that there are when they are made, as with pins."""
+        self._require_of_scene("clamp")
         self._scene._core.clamp(self._index, np.atleast_1d(as_array(nodes, f"'{self.name}': clamp")))
+        self._scene._warn_of_simulation(self, "clamp")
 
     @property
     def clamp_targets(self) -> NDArray[np.float64]:
@@ -60,14 +65,15 @@ class Rod(_Deformable):
     @clamp_targets.setter
     def clamp_targets(self, targets: ArrayLike) -> None:
         array = real_array(targets, f"'{self.name}': clamp_targets")
-        count = len(self.clamped)
+        simulation = self._require_simulation("clamp_targets")
+        count = len(simulation._clamped[self._index])
         if array.shape != (count, 3, 3):
             raise InvalidArgument(
                 f"'{self.name}': clamp_targets has the shape {array.shape}: "
-                f"must be ({count}, 3, 3), a rotation for each clamped node"
+                f"must be ({count}, 3, 3), a rotation for each node that was clamped when the simulation was "
+                f"made"
             )
-        core = self._require_simulation("clamp_targets")._core
-        core.set_clamp_targets(self._index, np.ascontiguousarray(array.reshape(count, 9)))
+        simulation._core.set_clamp_targets(self._index, np.ascontiguousarray(array.reshape(count, 9)))
 
     @property
     def triangles(self) -> Indices:

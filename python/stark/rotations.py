@@ -17,6 +17,10 @@ Vec3Like: TypeAlias = Sequence[float] | NDArray[np.floating]
 deg: float = math.pi / 180.0
 """One degree in radians: ``90 * stark.deg``."""
 
+LARGEST = 1e150
+"""Of components of vectors, as in sim/validation.cpp: lengths are roots of sums of squares, which overflow
+beyond."""
+
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -30,7 +34,19 @@ def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
         raise InvalidArgument(f"{name} = {value!r}: must be three numbers, got the shape {result.shape}")
     if not np.isfinite(result).all():
         raise InvalidArgument(f"{name} = {value!r}: must be finite; check where it is computed")
+    if np.abs(result).max() >= LARGEST:
+        raise InvalidArgument(f"{name} = {value!r}: none must be beyond 1e150; check where it is computed")
     return result
+
+
+def check_places(places: NDArray[np.float64], name: str) -> None:
+    """That rows of positions (n, 3) [m] are finite and not beyond what can be computed with."""
+    wrong = np.flatnonzero(~(np.abs(places) < LARGEST).all(axis=1))  # also NaN
+    if wrong.size:
+        raise InvalidArgument(
+            f"{name}[{wrong[0]}] = {places[wrong[0]].tolist()} m: must be finite, none beyond 1e150; check "
+            f"where it is computed"
+        )
 
 
 def rotation(

@@ -450,6 +450,17 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             warnings.warn(message, StarkWarning, stacklevel=stacklevel)
         self._warned = len(found)
 
+    def _warn_of_simulation(self, body: Body, what: str) -> None:
+        """After a change of a body that one may take for a change of the simulation that it is in."""
+        latest = self._latest_simulation()
+        if latest is not None and body._index < latest._core.body_count:
+            warnings.warn(
+                f"'{body.name}': {what}: holds in simulations made from now on, not in the one that was "
+                f"made; {what} before stark.Simulation(scene) is made, or make a new one",
+                StarkWarning,
+                stacklevel=3,
+            )
+
     def _index(self, body: Body | str) -> int:
         if isinstance(body, Body):
             if body._scene is not self:

@@ -107,7 +107,7 @@ class Contacts:
 
 def contacts_of(simulation: Simulation) -> Contacts:
     """All contacts of the last step of a simulation."""
-    names = tuple(body.name for body in simulation.scene.bodies)
+    names = tuple(body.name for body in simulation.bodies)
     return Contacts(names=names, **_core.contacts(simulation._core))
 
 

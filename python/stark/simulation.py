@@ -6,6 +6,7 @@ import copyreg
 import warnings
 import weakref
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -13,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from stark import _core
 from stark._core import Error, InvalidArgument
-from stark.arguments import real_number, refuse_copy
-from stark.bodies import Body
+from stark.arguments import given_path, real_number, refuse_copy
+from stark.bodies import Body, _added_later
 from stark.scene import Scene, StarkWarning
 from stark.sensors import Contacts, contacts_of
 from stark.settings import Settings
@@ -92,8 +93,12 @@ class Simulation:
             warnings.warn(message, StarkWarning, stacklevel=2)
         for body in scene.bodies:
             body._bind(self)
+        # Of rows of targets: bodies of the scene may be pinned after this.
+        self._pins = [scene._core.pins(k) for k in range(len(scene))]
+        self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._latest_simulation = weakref.ref(self)
         self._live_values = [energy._live_values() for energy in scene.energies]
+        self._held: tuple[str, str] | None = None
         self._last_step: LastStep | None = None
         self._taken: TakenStep | None = None
         # The scene may grow after this: the simulation is of what it is now.
@@ -111,6 +116,7 @@ class Simulation:
         """One time step. A step that fails is a value: look at ``report.status``. Ctrl-C stops it between
         iterations and leaves the state as it was. ``max_time_step`` [s] shortens this step, to end at a given
         time."""
+        self._require_free("step()")
         if max_time_step is None:
             return self._step()
         limit = real_number(max_time_step, "step: max_time_step")
@@ -132,6 +138,7 @@ class Simulation:
     def _run(self, until: float) -> Iterator[StepReport]:
         # Times are sums of steps: what is left below a millionth of a step is rounding, not a step to take.
         while (rest := until - self.time) > 1e-6 * self._settings.time.step:
+            self._require_free("run()")
             whole = rest > (1.0 + 1e-6) * self._settings.time.step
             report = self._step() if whole else self._step(rest)
             yield report
@@ -152,6 +159,21 @@ class Simulation:
             pushed = [values.pushed() for values in self._live_values]
             self._last_step = LastStep(before, limit[0] if limit else None, pushed)
         return report
+
+    @contextmanager
+    def _held_still(self, caller: str, remedy: str) -> Iterator[None]:
+        """While the function ``caller`` of a scene file runs: refuses steps and other states, which the
+        recording of the run would not have."""
+        self._held = caller, remedy
+        try:
+            yield
+        finally:
+            self._held = None
+
+    def _require_free(self, what: str) -> None:
+        if self._held is not None:
+            caller, remedy = self._held
+            raise InvalidArgument(f"{caller} of the scene uses sim.{what} at {self.time:g} s: must {remedy}")
 
     def _followers(self) -> list[Follower]:
         """Of the bodies that this simulation has."""
@@ -187,6 +209,7 @@ class Simulation:
 
     @state.setter
     def state(self, state: State) -> None:
+        self._require_free("state = ...")
         if not isinstance(state, _core.State):
             raise InvalidArgument(
                 f"state = {state!r}: must be one that the state of a simulation of this scene gave"
@@ -200,7 +223,8 @@ class Simulation:
         written whole or not at all. Raises ``stark.CheckpointError`` when it cannot be written."""
         from stark.checkpoint import Checkpoint
 
-        Checkpoint.of(self, memory=memory).write(path)
+        file = given_path(path, "save: path")
+        Checkpoint.of(self, memory=memory).write(file)
 
     def load(self, path: str | PathLike[str], *, exact: bool = True) -> dict[str, Any]:
         """Goes on from a file that ``save`` wrote, of the same scene and settings; returns its ``memory``.
@@ -211,8 +235,9 @@ class Simulation:
         damaged or of another scene, and leaves everything as it was."""
         from stark.checkpoint import Checkpoint
 
-        checkpoint = Checkpoint.read(path)
-        checkpoint.put_into(self, exact=exact, owner=f"checkpoint '{path}'")
+        file = given_path(path, "load: path")
+        checkpoint = Checkpoint.read(file)
+        checkpoint.put_into(self, exact=exact, owner=f"checkpoint '{file}'")
         return checkpoint.memory
 
     def write_reproducer(self, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
@@ -248,7 +273,10 @@ class Simulation:
 
     def __getitem__(self, body: Body | str) -> Body:
         """The handle of a body, bound to this simulation."""
-        return self._scene.bodies[self._scene._index(body)]._bound_to(self)
+        found = self._scene.bodies[self._scene._index(body)]
+        if found._index >= self._core.body_count:
+            raise _added_later(found, f"sim['{found.name}']")
+        return found._bound_to(self)
 
     @property
     def layers(self) -> list[Layer]:

@@ -161,6 +161,11 @@ class Actuator:
 
     def _live(self, what: str) -> Any:
         core = self._core()
+        if core is self._scene._core and (self._simulation or self._scene._latest_simulation()) is not None:
+            raise InvalidArgument(
+                f"actuator '{self.name}': was added after the simulation was made: {what} needs one made "
+                f"after that; make a new stark.Simulation(scene)"
+            )
         if core is self._scene._core:
             raise InvalidArgument(
                 f"actuator '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) "

@@ -13,6 +13,15 @@ from .errors import CheckpointError
 Arrays = dict[str, NDArray[Any]]
 
 _DEEPEST = 50
+_LONGEST = 14_000  # bits: Python writes and reads integers of up to 4,300 digits as text
+
+
+def check(memory: Any) -> None:
+    """Before it is copied: what cannot be encoded may not be copied either."""
+    if not isinstance(memory, (dict, type(None))):
+        kind = type(memory).__name__
+        raise CheckpointError(f"memory is a {kind}: must be a dictionary of what a controller remembers")
+    encode(memory, {})
 
 
 def encode(value: Any, arrays: Arrays, *, place: str = "memory", depth: int = 0) -> Any:
@@ -25,6 +34,10 @@ def encode(value: Any, arrays: Arrays, *, place: str = "memory", depth: int = 0)
         return {"$array": name}
     if isinstance(value, np.generic):
         value = value.item()
+    if isinstance(value, int) and value.bit_length() > _LONGEST:
+        raise CheckpointError(
+            f"{place}: is an integer of {value.bit_length()} bits: must be at most {_LONGEST}"
+        )
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if isinstance(value, (list, tuple)):

@@ -6,7 +6,6 @@ import copy
 import warnings
 from dataclasses import dataclass, field
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,9 +13,11 @@ from numpy.typing import NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import given_path
 from stark.simulation import LastStep
 
 from . import differences
+from . import memory as memories
 from .errors import CheckpointError
 
 if TYPE_CHECKING:
@@ -52,7 +53,9 @@ class Checkpoint:
     def of(
         cls, sim: Simulation, *, memory: dict[str, Any] | None = None, run: dict[str, Any] | None = None
     ) -> Checkpoint:
-        """Takes a copy of everything, so that the simulation may go on."""
+        """Takes a copy of everything, so that the simulation may go on. Raises ``CheckpointError`` for a
+        memory that no file can hold."""
+        memories.check(memory)
         return cls(
             scene=sim.scene.name,
             stark_version=_core.__version__,
@@ -70,14 +73,14 @@ class Checkpoint:
         """Writes a file, whole or not at all."""
         from .file import write
 
-        write(self, Path(path))
+        write(self, given_path(path, "checkpoint: path"))
 
     @classmethod
     def read(cls, path: str | PathLike[str]) -> Checkpoint:
         """Raises ``CheckpointError`` for files that are missing, damaged or of another format."""
         from .file import read
 
-        return read(Path(path))
+        return read(given_path(path, "checkpoint: path"))
 
     def put_into(self, sim: Simulation, *, exact: bool = True, owner: str = "checkpoint") -> None:
         """Makes a simulation go on from here, bit for bit, with sensors that read what they read.
@@ -85,6 +88,7 @@ class Checkpoint:
         Raises ``CheckpointError`` and changes nothing when the scene or the settings are not the same; the
         number of threads and the back end may differ. ``exact=False`` accepts other materials, values,
         masses, rest shapes and settings, as long as bodies, joints and their numbers are the same."""
+        sim._require_free("load()")
         self._check_scene(sim, exact, owner)
         self._check_values(sim, owner)
         present, values = sim.state, [live.present() for live in sim._live_values]

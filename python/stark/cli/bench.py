@@ -53,7 +53,7 @@ def measure(
 
     from ..recording.format import surface
     from ..scenes import load
-    from ..scenes.runner import end_time, reached, status_of
+    from ..scenes.runner import DRIVE_RULE, end_time, reached, status_of
     from ..telemetry import report_to_dict
 
     scene_file = load(name)
@@ -70,7 +70,8 @@ def measure(
     wall, cpu = time.perf_counter(), time.process_time()
     sim = stark.Simulation(scene, **settings)
     while not reached(sim, end):
-        scene_file.drive(sim)
+        with sim._held_still("drive(sim)", DRIVE_RULE):
+            scene_file.drive(sim)
         report = sim.step()
         steps += 1
         values = report_to_dict(report)

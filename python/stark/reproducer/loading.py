@@ -12,6 +12,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import given_path
 from stark.array_file import DamageError, check_format, read_arrays
 from stark.bodies import Cloth, RigidBody, Solid
 from stark.checkpoint import memory
@@ -33,7 +34,7 @@ def load(path: str | PathLike[str]) -> Simulation:
 
     Energies that could not be written are left out, with a StarkWarning. Raises ReproducerError for files
     that are missing, damaged or of another version, and where other parts could not be written."""
-    path = Path(path)
+    path = given_path(path, "reproducer: path")
     path = path / DATA if path.is_dir() else path
     owner = f"reproducer '{path}'"
     header, arrays = _read(path, owner)

@@ -12,6 +12,7 @@ import numpy as np
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.arguments import given_path
 from stark.array_file import write_arrays
 from stark.checkpoint import CheckpointError, memory
 
@@ -60,6 +61,7 @@ def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False)
 
     Raises ReproducerError when no step was taken since the simulation was made, loaded or rewound, and when
     the folder cannot be written. Files of an earlier reproducer there are replaced."""
+    place = given_path(folder, "write_reproducer: folder")
     taken = sim._taken
     if taken is None:
         raise ReproducerError(
@@ -75,7 +77,6 @@ def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False)
                 header, arrays = smaller
                 left_out = [body.name for k, body in enumerate(sim.bodies) if k not in keep]
                 break
-    place = Path(folder)
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     try:
         place.mkdir(parents=True, exist_ok=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from os import PathLike
@@ -22,6 +23,9 @@ CHECKPOINT_PERIOD = 60.0
 
 #: Folder within a run that holds the step that failed (stark.reproducer).
 FAILURE = "failure"
+
+#: What a scene's drive(sim) must do.
+DRIVE_RULE = "set targets and live values only; the run takes the steps"
 
 #: What a result counts, kept when a run is resumed.
 COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
@@ -170,8 +174,9 @@ class Job:
 
     def advance(self, on_step: OnStep | None) -> RunResult:
         """Steps until the end. Whatever ends the loop, the last moment between two steps is saved."""
-        moment = self._moment()
+        moment = None
         try:
+            moment = self._moment()
             while not reached(self.sim, self.plan.until):
                 self._save(moment, only_when_due=True)
                 report = self._step()
@@ -193,11 +198,13 @@ class Job:
 
     def _step(self) -> Any:
         """One step with its telemetry and frame; its report, or None when it failed."""
-        self.scene_file.drive(self.sim)
+        with self.sim._held_still("drive(sim)", DRIVE_RULE):
+            self.scene_file.drive(self.sim)
         before = clock.perf_counter()
         report = self.sim.step()
         wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
-        measured = {} if failed else self.scene_file.measure(self.sim)
+        with self.sim._held_still("measure(sim)", "read only; the run takes the steps"):
+            measured = {} if failed else self.scene_file.measure(self.sim)
         self.recorder.report(report, wall=wall, **({"measured": measured} if measured else {}))
         self._count(report)
         if failed:
@@ -215,6 +222,14 @@ class Job:
             self.result.files.append(self.sim.write_reproducer(self.recorder.folder / FAILURE))
         except InvalidArgument as error:
             self.result.message += f"; no reproducer was written: {error}"
+
+    def _observables(self) -> dict[str, float]:
+        try:
+            with self.sim._held_still("observables(sim)", "read only; the run has come to its end"):
+                return self.scene_file.observables(self.sim)
+        except BaseException as error:
+            self.recorder.close("failed", f"{type(error).__name__}: {error}")
+            raise
 
     def _count(self, report: Any) -> None:
         self.result.steps += 1
@@ -266,7 +281,7 @@ class Job:
             "steps": result.steps,
             "rejected_steps": result.rejected_steps,
             "newton_iterations": result.newton_iterations,
-            "observables": self.scene_file.observables(self.sim) if complete else {},
+            "observables": self._observables() if complete else {},
         }
         self.recorder.close(result.status, result.message, summary)
         own_end = self.plan.until >= (self.scene_file.until or self.plan.until)
@@ -294,5 +309,15 @@ def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: boo
             scene_file.check(recording)
         except AssertionError as error:
             result.status, result.message = "wrong", f"the scene's check failed: {error}"
+        except Exception as error:  # code of the user may raise anything
+            told = _told(error, str(scene_file.module.__file__))
+            result.status, result.message = "wrong", f"the scene's check raised {told}"
         else:
             result.message = "check passed"
+
+
+def _told(error: Exception, file: str) -> str:
+    """Kind and text of what a check raised, and the line of the scene's file that it came from."""
+    lines = [row.lineno for row in traceback.extract_tb(error.__traceback__) if row.filename == file]
+    place = f" ({Path(file).name}, line {lines[-1]})" if lines else ""
+    return f"{type(error).__name__}: {error}{place}"
