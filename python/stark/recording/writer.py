@@ -49,6 +49,12 @@ def _word(value: Any) -> str:
     return str(getattr(value, "name", value)).lower()
 
 
+def _settings_of(sim: Any) -> dict[str, Any]:
+    """Those of the simulation; none of what only looks like one."""
+    settings = getattr(sim, "settings", None)
+    return {} if settings is None else dict(settings.to_dict())
+
+
 def _require_same_settings(
     folder: str | PathLike[str], before: Mapping[str, Any], now: Mapping[str, Any]
 ) -> None:
@@ -69,6 +75,7 @@ class Recorder:
 
     ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
     the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
+    ``settings`` are those of ``sim`` when not given.
     With ``certify``, ``record_state(sim)`` has to be called at the start and after every accepted step, for
     ``stark verify``.
     """
@@ -110,7 +117,7 @@ class Recorder:
             "frame_count": 0,
             "chunk_count": 0,
             "chunk_frames": chunk_frames,
-            "settings": _plain(dict(settings or {})),
+            "settings": _plain(_settings_of(sim) if settings is None else dict(settings)),
             "bodies": [entry.to_json() for entry in self._entries],
             "units": {"position": "m", **SERIES},
             "resumed": [],
