@@ -53,7 +53,7 @@ def measure(
 
     from ..recording.format import surface
     from ..scenes import load
-    from ..scenes.runner import end_time, reached, status_of
+    from ..scenes.runner import end_time, limit_of_step, reached, status_of
     from ..telemetry import report_to_dict
 
     scene_file = load(name)
@@ -71,7 +71,8 @@ def measure(
     sim = stark.Simulation(scene, **settings)
     while not reached(sim, end):
         scene_file.drive(sim)
-        report = sim.step()
+        limit = limit_of_step(sim, end)
+        report = sim.step() if limit is None else sim.step(max_time_step=limit)
         steps += 1
         values = report_to_dict(report)
         for key in totals:
