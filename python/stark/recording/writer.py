@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..array_file import remove_leftovers, write_arrays, write_atomically
+from ..array_file import WriteError, naming, remove_leftovers, write_arrays, write_atomically
 from ..telemetry import SERIES, TelemetryWriter, _plain
 from .format import (
     CHECKPOINT,
@@ -103,7 +103,11 @@ class Recorder:
         self.last_time = -np.inf
         self._closed = False
         self._synced = 0
-        self._prepare_folder()
+        try:
+            with naming(self.folder):
+                self._prepare_folder()
+        except WriteError as error:
+            raise RecordingError(f"recording {error}") from error
         bodies = drawn(sim)
         self._entries = [self._entry(body) for body in bodies]
         self._manifest: dict[str, Any] = {
@@ -333,9 +337,11 @@ class Recorder:
         self._manifest["status"] = status
         self._manifest["message"] = message
         self._manifest["summary"] = _plain(dict(summary or {}))
-        self.flush()
-        self._telemetry.close()
-        self._closed = True
+        self._closed = True  # what cannot be written now is not tried again
+        try:
+            self.flush()
+        finally:
+            self._telemetry.close()
 
     def __enter__(self) -> Recorder:
         return self

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from .._core import InvalidArgument
+from ..checkpoint import CheckpointError
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
 from .scene_file import SceneFile, SceneFileError, load
@@ -195,13 +197,18 @@ class Job:
         except KeyboardInterrupt:
             self.result.status, self.result.message = "interrupted", "stopped by the user"
         except BaseException as error:
-            try:
-                self._save(moment)
-            finally:
-                self.recorder.close("failed", f"{type(error).__name__}: {error}")
+            self._leave(moment, error)
             raise
         self._save(moment)
         return self.result
+
+    def _leave(self, moment: Any, error: BaseException) -> None:
+        """Saves what can be saved. A full disk may refuse that as well: what is raised is what went wrong
+        first."""
+        with suppress(OSError, CheckpointError):
+            self._save(moment)
+        with suppress(OSError):
+            self.recorder.close("failed", f"{type(error).__name__}: {error}")
 
     def _step(self, limit: float | None) -> Any:
         """One step of at most ``limit`` [s] with its telemetry and frame; its report, or None when it
