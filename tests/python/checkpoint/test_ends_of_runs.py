@@ -12,7 +12,6 @@ import stark
 from stark import scenes
 from stark.checkpoint import Checkpoint, CheckpointError
 from stark.cli import main
-from stark.cli.bench import measure
 from stark.recording import Recording
 
 QUIET = {"replay": False, "picture": False}
@@ -37,11 +36,6 @@ def test_the_end_of_a_scene_file_is_met_and_checked(tmp_path: Path) -> None:
     result = scenes.run(scene, out=tmp_path / "run", **QUIET)
     assert (result.simulated, result.steps) == (pytest.approx(0.377, abs=1e-12), 38)
     assert result.message == "check passed"
-
-
-def test_bench_ends_there_too(tmp_path: Path) -> None:
-    line = measure(str(write_scene(tmp_path)), until=0.037, settings={})
-    assert (line["sim_s"], line["steps"]) == (0.037, 4)
 
 
 @pytest.mark.parametrize("certify", [False, True])
