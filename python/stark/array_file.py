@@ -6,16 +6,20 @@ arrays or a ``DamageError``, and never takes more memory than a few times its ow
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import re
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._core import Error
 
 Array = NDArray[np.generic]
 
@@ -31,6 +35,44 @@ _MAGIC = b"\x93NUMPY\x01\x00"
 
 class DamageError(ValueError):
     """What is wrong with a file, without its name."""
+
+
+class WriteError(Error, OSError):
+    """A file or folder that cannot be written: names it, the reason and a remedy; ``errno`` is that of the
+    system."""
+
+
+#: Errors of a disk, not of what was asked for.
+DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+_REMEDIES = {
+    errno.ENOSPC: "make room, or choose another disk",
+    errno.EDQUOT: "make room, or choose another disk",
+    errno.ENOENT: "choose a folder that exists and takes files",
+}
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Turns what goes wrong with writing ``path`` into a WriteError."""
+    try:
+        yield
+    except WriteError:
+        raise
+    except OSError as error:
+        reason, remedy = error.strerror or str(error), _REMEDIES.get(error.errno, "choose another place")
+        named = WriteError(f"'{path}' cannot be written: {reason}; {remedy}")
+        named.errno = error.errno
+        raise named from error
+
+
+def refuse_special(path: Path) -> None:
+    """Raises WriteError for what exists and is no regular file: moving one into its place would do away with
+    a device, a pipe or a socket that others use."""
+    if path.exists() and not path.is_file():
+        what = "a folder" if path.is_dir() else "a device, pipe or socket"
+        refused = WriteError(f"'{path}' cannot be written: it is {what}, not a file; choose another name")
+        refused.errno = errno.EISDIR if path.is_dir() else errno.EEXIST
+        raise refused
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
@@ -64,16 +106,20 @@ def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
 
 
 def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
-    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        with open(temporary, "wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk.
+    Raises WriteError, also for what is no file to be replaced."""
+    with naming(path):
+        refuse_special(path)
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+        try:
+            with open(temporary, "wb") as file:
+                write(file)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, path)
+        finally:
+            with suppress(OSError):  # where it could not be made, it cannot be removed either
+                temporary.unlink(missing_ok=True)
 
 
 def remove_leftovers(folder: Path) -> None:

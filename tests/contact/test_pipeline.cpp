@@ -169,7 +169,7 @@ TEST_CASE("energy differences of trial points agree with brute force, near and f
     stiffness.begin_step({a, {}, {}}, bench.diagonal, ContactOptions{}.stiffness_factor);
     const auto fill = [&](ContactSet& set, std::span<const Vec3> x) {
       std::vector<Contact> contacts = bench.brute_force(x);
-      stiffness.assign(x, contacts);
+      stiffness.assign(bench.builder.surface, x, contacts);
       set.reset(std::move(contacts));
       set.evaluate_energies(x);
     };

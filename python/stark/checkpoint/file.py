@@ -60,7 +60,7 @@ def write(checkpoint: Checkpoint, path: Path) -> None:
     try:
         write_arrays(path, {"header": text, **arrays})
     except OSError as error:
-        raise CheckpointError(f"checkpoint '{path}' cannot be written: {error}") from error
+        raise CheckpointError(f"checkpoint {error}") from error
 
 
 def _plain(value: Any) -> Any:

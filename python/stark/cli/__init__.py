@@ -46,7 +46,8 @@ def _parser(verb: str | None) -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; returns the exit code: 0 good, 1 the simulation failed, 2 bad input, 130 interrupted."""
+    """Entry point; returns the exit code: 0 good, 1 the simulation or the disk failed, 2 bad input, 130
+    interrupted."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     verb = next((word for word in words if not word.startswith("-")), None)
     parser = _parser(verb if verb in VERBS else None)
@@ -65,4 +66,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_OK
     except (Error, ImportError, OSError) as error:
         print(f"stark: {' '.join(str(error).split())}", file=sys.stderr)
-        return EXIT_BAD_INPUT
+        return EXIT_FAILED if _is_of_the_disk(error) else EXIT_BAD_INPUT
+
+
+def _is_of_the_disk(error: BaseException | None) -> bool:
+    """Whether a disk that is full or broken is behind it, and not what was asked for."""
+    from ..array_file import DISK_ERRORS
+
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in DISK_ERRORS:
+            return True
+        error = error.__cause__
+    return False

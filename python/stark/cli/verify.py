@@ -12,8 +12,8 @@ from .progress import Progress
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
-        "exit codes: 0 certified; 1 a claim is violated; 2 the recording cannot be read; "
-        "3 nothing is violated, but not everything could be shown"
+        "exit codes: 0 certified; 1 a claim is violated; 2 the recording cannot be read, or the "
+        "certificate not written; 3 nothing is violated, but not everything could be shown"
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run, best of one with --certify")
     parser.add_argument("--out", type=Path, metavar="FILE", help="certificate; default: RUN/certificate.json")
@@ -22,6 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from ..array_file import naming, refuse_special
     from ..verify import UnreadableRecording, verify
 
     progress = Progress(1.0, quiet=args.quiet)
@@ -34,7 +35,13 @@ def run(args: argparse.Namespace) -> int:
     finally:
         progress.close()
     path = args.out or args.run / "certificate.json"
-    certificate.write(path)
+    try:
+        with naming(path):
+            refuse_special(path)
+            certificate.write(path)
+    except OSError as error:  # 1 would say that a claim is violated
+        print(f"stark: certificate {error}", file=sys.stderr)
+        return 2
     if args.json:
         print(json.dumps(certificate.to_json(), indent=1, allow_nan=False))
     elif not args.quiet:

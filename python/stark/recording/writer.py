@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..array_file import remove_leftovers, write_arrays, write_atomically
+from ..array_file import WriteError, naming, remove_leftovers, write_arrays, write_atomically
 from ..telemetry import SERIES, TelemetryWriter, _plain
 from .format import (
     CHECKPOINT,
@@ -49,6 +49,12 @@ def _word(value: Any) -> str:
     return str(getattr(value, "name", value)).lower()
 
 
+def _settings_of(sim: Any) -> dict[str, Any]:
+    """Those of the simulation; none of what only looks like one."""
+    settings = getattr(sim, "settings", None)
+    return {} if settings is None else dict(settings.to_dict())
+
+
 def _require_same_settings(
     folder: str | PathLike[str], before: Mapping[str, Any], now: Mapping[str, Any]
 ) -> None:
@@ -69,6 +75,7 @@ class Recorder:
 
     ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
     the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
+    ``settings`` are those of ``sim`` when not given.
     With ``certify``, ``record_state(sim)`` has to be called at the start and after every accepted step, for
     ``stark verify``.
     """
@@ -96,7 +103,11 @@ class Recorder:
         self.last_time = -np.inf
         self._closed = False
         self._synced = 0
-        self._prepare_folder()
+        try:
+            with naming(self.folder):
+                self._prepare_folder()
+        except WriteError as error:
+            raise RecordingError(f"recording {error}") from error
         bodies = drawn(sim)
         self._entries = [self._entry(body) for body in bodies]
         self._manifest: dict[str, Any] = {
@@ -110,7 +121,7 @@ class Recorder:
             "frame_count": 0,
             "chunk_count": 0,
             "chunk_frames": chunk_frames,
-            "settings": _plain(dict(settings or {})),
+            "settings": _plain(_settings_of(sim) if settings is None else dict(settings)),
             "bodies": [entry.to_json() for entry in self._entries],
             "units": {"position": "m", **SERIES},
             "resumed": [],
@@ -326,9 +337,11 @@ class Recorder:
         self._manifest["status"] = status
         self._manifest["message"] = message
         self._manifest["summary"] = _plain(dict(summary or {}))
-        self.flush()
-        self._telemetry.close()
-        self._closed = True
+        self._closed = True  # what cannot be written now is not tried again
+        try:
+            self.flush()
+        finally:
+            self._telemetry.close()
 
     def __enter__(self) -> Recorder:
         return self

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..array_file import naming, refuse_special
 from ..recording import Recording, RecordingError
 from .camera import Camera, auto_camera, scene_bounds
 from .picture import render
@@ -49,6 +50,7 @@ def write_video(
         camera = auto_camera(bounds, camera or "oblique", width / height)
     times = np.arange(recording.times[0], recording.times[-1] + 0.5 * speed / fps, speed / fps)
     path = Path(path)
+    refuse_special(path)
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
         with imageio.get_writer(temporary, fps=fps, macro_block_size=2, quality=8) as writer:
@@ -64,7 +66,8 @@ def write_video(
                 writer.append_data(picture)
                 if progress:
                     progress(done, len(times))
-        temporary.replace(path)
+        with naming(path):
+            temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
     return path

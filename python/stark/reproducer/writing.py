@@ -13,7 +13,7 @@ import numpy as np
 from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import given_path
-from stark.array_file import write_arrays
+from stark.array_file import naming, write_arrays, write_atomically
 from stark.checkpoint import CheckpointError, memory
 
 from . import reduction
@@ -79,12 +79,13 @@ def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False)
                 break
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     try:
-        place.mkdir(parents=True, exist_ok=True)
+        with naming(place):
+            place.mkdir(parents=True, exist_ok=True)
         write_arrays(place / DATA, {"header": text, **arrays})
         script = _script(sim, taken, left_out, header["missing"])
-        (place / SCRIPT).write_text(script, encoding="utf-8")
+        write_atomically(place / SCRIPT, lambda file: file.write(script.encode("utf-8")) and None)
     except OSError as error:
-        raise ReproducerError(f"reproducer '{place}' cannot be written: {error}") from error
+        raise ReproducerError(f"reproducer {error}") from error
     return place / SCRIPT
 
 

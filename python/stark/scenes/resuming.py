@@ -11,7 +11,7 @@ from typing import Any
 from ..checkpoint import Checkpoint, CheckpointError
 from ..recording import Recorder
 from ..recording.format import CHECKPOINT
-from .runner import COUNTS, Job, OnStep, Plan, RunResult, end_time, make_simulation, reached
+from .runner import COUNTS, Job, OnStep, Plan, RunResult, end_time, make_simulation
 from .scene_file import SceneFile, load
 
 
@@ -29,10 +29,11 @@ def resume(
     """Goes on with the run in ``folder`` from its last checkpoint; frames and telemetry after it are dropped
     and made again, so that the recording ends up as that of an uninterrupted run.
 
-    ``scene`` is needed when the scene file has been moved. ``until`` [s] replaces the end. ``settings`` are
-    changed from here on: with those that influence results the run is another one than without them. Raises
-    ``CheckpointError`` when there is no checkpoint, or one of another scene than the file now makes, and
-    ``RecordingError`` when the recording is damaged."""
+    ``scene`` is needed when the scene file has been moved. ``until`` [s] replaces the end; with a later one,
+    a step that was shortened to meet the old one is taken whole. ``settings`` are changed from here on: with
+    those that influence results the run is another one than without them. Raises ``CheckpointError`` when
+    there is no checkpoint, or one of another scene than the file now makes, and ``RecordingError`` when the
+    recording is damaged."""
     folder = Path(folder)
     checkpoint = read_checkpoint(folder)
     owner = f"checkpoint '{folder / CHECKPOINT}'"
@@ -47,7 +48,7 @@ def resume(
     )
     sim = make_simulation(scene_file, plan.settings)
     checkpoint.put_into(sim, exact=not _matter(changed), owner=owner)
-    if reached(sim, plan.until) and until is not None and sim.time > until + sim.time_step:
+    if until is not None and sim.time > until + 1e-6 * sim.time_step:
         raise CheckpointError(f"{owner}: is at {sim.time:g} s, after until = {until:g} s; give a later end")
     scene_file.recall(checkpoint.memory)
     recorder = Recorder.resume(folder, sim, **recorded)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import time as clock
 import traceback
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from .._core import InvalidArgument
+from ..checkpoint import CheckpointError
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
 from .scene_file import SceneFile, SceneFileError, load
@@ -86,6 +88,14 @@ def reached(sim: Any, end: float) -> bool:
     return sim.time >= end - 1e-6 * sim.time_step
 
 
+def limit_of_step(sim: Any, end: float) -> float | None:
+    """What the coming step has to be shortened to [s], not to go beyond ``end``; None when it is taken whole.
+    What differs from a whole step by rounding is one, so that ends between steps of a longer run change
+    nothing in it."""
+    rest = end - sim.time
+    return float(rest) if rest < (1.0 - 1e-6) * sim.time_step else None
+
+
 def run(
     scene: str | PathLike[str] | SceneFile,
     *,
@@ -100,7 +110,8 @@ def run(
     certify: bool = False,
     on_step: OnStep | None = None,
 ) -> RunResult:
-    """Runs a scene file until its end and leaves recording, replay page and a picture in ``out``.
+    """Runs a scene file until its end, which the last step is shortened to meet, and leaves recording, replay
+    page and a picture in ``out``.
 
     ``out`` defaults to ``out/<scene>``. ``settings`` go over those of the file. ``fps`` is the largest
     number of recorded frames per simulated second; the last state is always recorded. ``checkpoint_every``
@@ -173,35 +184,44 @@ class Job:
         self._wall_before = self.result.wall  # [s]
 
     def advance(self, on_step: OnStep | None) -> RunResult:
-        """Steps until the end. Whatever ends the loop, the last moment between two steps is saved."""
-        moment = None
+        """Steps until the end. Whatever ends the loop, the last moment between two steps is saved, but none
+        after a step that was shortened to meet the end: with a later end, that step is taken whole."""
+        moment, shortened = None, False
         try:
             moment = self._moment()
             while not reached(self.sim, self.plan.until):
                 self._save(moment, only_when_due=True)
-                report = self._step()
+                limit = limit_of_step(self.sim, self.plan.until)
+                report = self._step(limit)
                 if report is None:
                     break
-                moment = self._moment()
+                shortened = shortened or limit is not None
+                moment = moment if shortened else self._moment()
                 if on_step:
                     on_step(self.sim, report)
         except KeyboardInterrupt:
             self.result.status, self.result.message = "interrupted", "stopped by the user"
         except BaseException as error:
-            try:
-                self._save(moment)
-            finally:
-                self.recorder.close("failed", f"{type(error).__name__}: {error}")
+            self._leave(moment, error)
             raise
         self._save(moment)
         return self.result
 
-    def _step(self) -> Any:
-        """One step with its telemetry and frame; its report, or None when it failed."""
+    def _leave(self, moment: Any, error: BaseException) -> None:
+        """Saves what can be saved. A full disk may refuse that as well: what is raised is what went wrong
+        first."""
+        with suppress(OSError, CheckpointError):
+            self._save(moment)
+        with suppress(OSError):
+            self.recorder.close("failed", f"{type(error).__name__}: {error}")
+
+    def _step(self, limit: float | None) -> Any:
+        """One step of at most ``limit`` [s] with its telemetry and frame; its report, or None when it
+        failed."""
         with self.sim._held_still("drive(sim)", DRIVE_RULE):
             self.scene_file.drive(self.sim)
         before = clock.perf_counter()
-        report = self.sim.step()
+        report = self.sim.step() if limit is None else self.sim.step(max_time_step=limit)
         wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
         with self.sim._held_still("measure(sim)", "read only; the run takes the steps"):
             measured = {} if failed else self.scene_file.measure(self.sim)

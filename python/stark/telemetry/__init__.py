@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
+from ..array_file import naming
 
 __all__ = ["SERIES", "Telemetry", "TelemetryError", "TelemetryWriter", "report_to_dict"]
 
@@ -114,7 +115,8 @@ class TelemetryWriter:
         self.path = Path(path)
         if keep:
             _keep_lines(self.path, keep)
-        self._file = self.path.open("a" if keep else "w", encoding="utf-8", buffering=1)
+        with naming(self.path):
+            self._file = self.path.open("a" if keep else "w", encoding="utf-8", buffering=1)
         self._step = keep
 
     @property
@@ -124,17 +126,21 @@ class TelemetryWriter:
 
     def sync(self) -> None:
         """Returns when all lines are on disk."""
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        with naming(self.path):
+            self._file.flush()
+            os.fsync(self._file.fileno())
 
     def write(self, report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds."""
         line = {"step": self._step, **report_to_dict(report), **_plain(extra)}
-        self._file.write(json.dumps(line, separators=(",", ":"), allow_nan=False) + "\n")
+        text = json.dumps(line, separators=(",", ":"), allow_nan=False) + "\n"
+        with naming(self.path):
+            self._file.write(text)
         self._step += 1
 
     def close(self) -> None:
-        self._file.close()
+        with naming(self.path):
+            self._file.close()
 
     def __enter__(self) -> TelemetryWriter:
         return self

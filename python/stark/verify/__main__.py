@@ -21,11 +21,19 @@ def main() -> int:
     parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run")
     parser.add_argument("--out", type=Path, metavar="FILE", help="certificate; default: RUN/certificate.json")
     args = parser.parse_args()
+    path = args.out or args.run / "certificate.json"
     try:
         certificate = verify(args.run)
-        certificate.write(args.out or args.run / "certificate.json")
     except (UnreadableRecording, OSError) as error:
         print(f"verify: {error}", file=sys.stderr)
+        return 2
+    try:
+        certificate.write(path)
+    except OSError as error:
+        reason = error.strerror or error
+        print(
+            f"verify: certificate '{path}' cannot be written: {reason}; give another --out", file=sys.stderr
+        )
         return 2
     print(certificate.text())
     return certificate.exit_code

@@ -40,7 +40,7 @@ def verify(
         claims = _claims_of(run, progress)
     except UnreadableRecording:
         raise
-    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         reason = f"{type(error).__name__}: {error}"
         raise UnreadableRecording(f"'{folder}' lacks or breaks an entry ({reason})") from error
     recording = {

@@ -20,6 +20,7 @@ from .predicates import segments_meet_triangles
 from .reading import Run, State
 from .rigid_paths import between
 from .surface import PairList, Surface
+from .telemetry import number
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +57,7 @@ class GeometryCheck:
 
     def __post_init__(self) -> None:
         self.surface = Surface(self.run)
-        self.factor = float(self.run.settings.get("contact.min_separation_factor", 0.0))
+        self.factor = self.run.bound("contact.min_separation_factor") or 0.0
 
     def add(self, state: State) -> None:
         x = state.points()
@@ -89,14 +90,14 @@ class GeometryCheck:
             points = x[pairs.points]
             distance, direction = closest(kind, points)
             within = self.surface.distance[pairs.bodies].sum(axis=1)
-            rows = np.flatnonzero(distance < within)
+            rows = np.flatnonzero(~(distance >= within))
             if not len(rows):
                 continue
             least = min(least, float(distance[rows].min()))
             bound = lower_bound(kind, points[rows], direction[rows])
             required = (1.0 - _SLACK) * self.factor * within[rows]
             near = near or bool((distance[rows] < required).any())
-            unsure = unsure or bool(((bound < required) | (bound <= 0.0)).any())
+            unsure = unsure or bool((~(bound >= required) | ~(bound > 0.0)).any())
             self._keep_worst(state, kind, pairs[rows], bound, required)
         self.least.append(least)
         self.too_near += near
@@ -198,6 +199,8 @@ class GeometryCheck:
             detail = f"too near in {self.too_near} states"
         elif self.unsure:
             detail = f"rounding leaves the distance open in {self.unsure} states"
+        elif lacking := self.run.lacks("contact.min_separation_factor"):
+            status, detail = INCONCLUSIVE, lacking
         return Claim(
             "minimum_distance",
             "surfaces keep contact.min_separation_factor times the sum of their contact distances",
@@ -252,33 +255,40 @@ class GeometryCheck:
         Newton iteration, in which points move by less than newton.step_tolerance times the time step."""
         settings = self.run.settings
         current = all("last_motion" in row for row in self.run.rows)
-        speed = 0.0 if current else float(settings.get("newton.step_tolerance", 0.0))
+        speed = 0.0 if current else self.run.bound("newton.step_tolerance") or 0.0
         bounded = current or (speed > 0.0 and settings.get("newton.termination", "all") == "all")
         rim = np.unique(self.surface.distance[:, None] + self.surface.distance)
-        share, worst, allowed, where = 0.0, 0.0, 0.0, None
+        share, worst, allowed, where, detail = 0.0, 0.0, 0.0, None, ""
         for row, measured in zip(self.run.rows, self.least[1:], strict=False):
             given = row.get("min_distance")
-            reported = math.inf if given is None else float(given)
+            reported = math.inf if given is None else number(row, "min_distance")
+            if not reported >= 0.0 and not detail:
+                detail = f"step {row.get('step')} reports min_distance = {given!r} m: must be >= 0"
+                where = {"time": number(row, "time"), "reported": given, "measured": _finite(measured)}
             settled = current or row.get("solve_status") == "converged"
-            if reported == measured or math.isnan(measured) or not settled:
+            if detail or reported == measured or math.isnan(measured) or not settled:
                 continue
             least = min(reported, measured)
             # A pair at the very rim of its contact distance may be in contact for one and not for the other.
             other = max(reported, measured)
             difference = float(np.abs(rim - least).min()) if other == math.inf else other - least
-            limit = _REPORT_ROUNDING * least + 2.0 * speed * float(row.get("time_step") or 0.0)
-            if difference / limit > share:
-                share, worst, allowed = difference / limit, difference, limit
-                where = {"time": row.get("time"), "reported": given, "measured": _finite(measured)}
+            h = number(row, "time_step")
+            limit = _REPORT_ROUNDING * least + 2.0 * speed * (h if 0.0 < h < math.inf else 0.0)
+            # Where one says that surfaces touch and the other that they do not, no rounding explains it.
+            ratio = difference / limit if limit > 0.0 else math.inf
+            if ratio > share:
+                share, worst, allowed = ratio, difference, limit
+                where = {"time": number(row, "time"), "reported": given, "measured": _finite(measured)}
         return Claim(
             "reported_distance",
             "the least distance that the solver reports for a step is the one of its state",
-            VERIFIED if share <= 1.0 else VIOLATED if bounded else INCONCLUSIVE,
+            VIOLATED if detail else VERIFIED if share <= 1.0 else VIOLATED if bounded else INCONCLUSIVE,
             "states against telemetry",
-            worst,
-            allowed,
+            None if detail else worst,
+            None if detail else allowed,
             "m",
             where,
+            detail,
             required=False,
         )
 

@@ -5,14 +5,15 @@ masses come from mesh and density (recording/masses.py)."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
-from .reading import Body, Run, State
+from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .reading import Body, Run, State, need
 from .telemetry import number
 
 Floats = NDArray[np.float64]
@@ -49,13 +50,21 @@ class InertiaCheck:
             for b, w in zip(self.run.bodies, self.weights, strict=True)
             if w is None and b.motion == "dynamic"
         ]
-        self.gravity = np.array(self.run.settings.get("gravity", (0.0, 0.0, 0.0)), dtype=np.float64)
+        gravity = self.run.settings.get("gravity", (0.0, 0.0, 0.0))
+        self.gravity = np.array(gravity, dtype=np.float64)
+        need(
+            self.gravity.shape == (3,) and bool(np.isfinite(self.gravity).all()),
+            f"'{self.run.folder / 'manifest.json'}': setting gravity = {gravity!r} breaks an entry: "
+            f"must be three finite numbers",
+        )
+        #: Without them nothing can be compared.
+        self.lacking = self.run.lacks("gravity", "time.integrator")
         self.integrator = self.run.settings.get("time.integrator")
 
     def add(self, start: State, end: State, row: dict[str, Any]) -> None:
         h = number(row, "time_step")
         energy = row.get("energy")
-        if self.unknown or not h > 0.0 or not isinstance(energy, dict):
+        if self.unknown or self.lacking or not h > 0.0 or not isinstance(energy, dict):
             return
         sums = Sums()
         for i, weights in enumerate(self.weights):
@@ -112,7 +121,8 @@ class InertiaCheck:
     ) -> None:
         """Keeps the largest difference over what is allowed."""
         share = abs(reported - value) / max(allowed, 1e-300)
-        if not share <= self.worst.get(name, (-1.0, None))[0]:  # also NaN
+        share = math.inf if math.isnan(share) else share
+        if share > self.worst.get(name, (-1.0, None))[0]:
             self.worst[name] = share, {**where, "reported": reported, "measured": value}
 
     def claims(self) -> list[Claim]:
@@ -135,10 +145,12 @@ class InertiaCheck:
         if self.unknown:
             detail = f"masses of '{self.unknown[0]}' are not recorded"
             return Claim(name, statement, NOT_RECORDED, basis, detail=detail, required=False)
+        if self.lacking:
+            return Claim(name, statement, INCONCLUSIVE, basis, detail=self.lacking, required=False)
         if not found:
             detail = f"velocities of {self.integrator} steps are not differences of two states"
             return Claim(name, statement, NOT_APPLICABLE, basis, detail=detail, required=False)
-        part, worst, where = max(found, key=lambda entry: (entry[1] != entry[1], entry[1]))
+        part, worst, where = max(found, key=lambda entry: entry[1])
         status = VERIFIED if worst <= 1.0 else VIOLATED
         detail = "" if status == VERIFIED else f"{part} differs"
         if "kinetic" in parts and "kinetic" not in self.worst:

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .formulas import COORDINATES, Frames, UnknownFormula, evaluate
 from .reading import Run, State, pair_count
 from .stops import StopCheck
@@ -103,8 +103,10 @@ class _Worst:
     where: dict[str, Any] | None = None
 
     def keep(self, value: float, tolerance: float, unit: str, where: dict[str, Any]) -> None:
-        if not value / tolerance <= self.share:
-            self.share, self.value, self.tolerance, self.unit = value / tolerance, value, tolerance, unit
+        share = value / tolerance if tolerance > 0.0 else value / _ROUNDING
+        share = math.inf if math.isnan(share) else share
+        if share > self.share:
+            self.share, self.value, self.tolerance, self.unit = share, value, tolerance, unit
             self.where = where
 
     @property
@@ -123,8 +125,9 @@ class JointCheck:
 
     def __post_init__(self) -> None:
         settings = self.run.settings
-        self.length = float(settings.get("joints.length_tolerance", 1e-6))
-        self.angle = float(settings.get("joints.angle_tolerance", 1e-5))
+        self.length = self.run.bound("joints.length_tolerance") or 0.0
+        self.angle = self.run.bound("joints.angle_tolerance") or 0.0
+        self.lacking = self.run.lacks("joints.length_tolerance", "joints.angle_tolerance")
         #: Joints that cannot be looked at, and why.
         self.unknown: dict[str, str] = {}
         self.stops = StopCheck(self.run)
@@ -263,13 +266,16 @@ class JointCheck:
         joints = _claim("joints", "joints are held within the tolerances of the settings", basis, self.joints)
         if self.unknown and joints.status != VIOLATED:
             joints = Claim("joints", joints.statement, NOT_RECORDED, basis, detail=unknown)
-        return [
-            joints,
-            _claim(
-                "attachments", "attached points stay within joints.length_tolerance", basis, self.attachments
-            ),
-            *self.stops.claims(),
-        ]
+        statement = "attached points stay within joints.length_tolerance"
+        attachments = _claim("attachments", statement, basis, self.attachments)
+        claims = [joints, attachments, *self.stops.claims()]
+        return [self._without_tolerances(claim) for claim in claims] if self.lacking else claims
+
+    def _without_tolerances(self, claim: Claim) -> Claim:
+        """A claim that was looked at, but with no tolerance to compare with."""
+        if claim.status not in (VERIFIED, VIOLATED):
+            return claim
+        return replace(claim, status=INCONCLUSIVE, tolerance=None, detail=self.lacking)
 
 
 def _claim(name: str, statement: str, basis: str, worst: _Worst) -> Claim:
@@ -292,13 +298,15 @@ def _on_patch(before: Floats, now: Floats, places: Floats) -> Floats:
     u, v, w = before[:, 1] - before[:, 0], before[:, 2] - before[:, 0], places - before[:, 0]
     normal = np.cross(u, v)
     area = np.einsum("ni,ni->n", normal, normal)
-    beta = np.einsum("ni,ni->n", np.cross(w, v), normal) / area
-    gamma = np.einsum("ni,ni->n", np.cross(u, w), normal) / area
-    height = np.einsum("ni,ni->n", w, normal) / np.sqrt(area)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        beta = np.einsum("ni,ni->n", np.cross(w, v), normal) / area
+        gamma = np.einsum("ni,ni->n", np.cross(u, w), normal) / area
+        height = np.einsum("ni,ni->n", w, normal) / np.sqrt(area)
     weights = np.stack([1.0 - beta - gamma, beta, gamma], axis=1)
     up = _unit(np.cross(now[:, 1] - now[:, 0], now[:, 2] - now[:, 0]))
     return np.einsum("ni,nij->nj", weights, now) + height[:, None] * up
 
 
 def _unit(v: Floats) -> Floats:
-    return v / np.linalg.norm(v, axis=1)[:, None]
+    with np.errstate(invalid="ignore"):  # of nothing: not a number, which is violated
+        return v / np.linalg.norm(v, axis=1)[:, None]

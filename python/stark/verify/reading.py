@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -89,6 +90,24 @@ class Run:
     @property
     def settings(self) -> dict[str, Any]:
         return self.manifest.get("settings", {})
+
+    def bound(self, name: str) -> float | None:
+        """A setting that bounds something; None where the recording lacks it. What cannot bound anything is
+        damage: compared with it, everything would hold."""
+        if name not in self.settings:
+            return None
+        value = self.settings[name]
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        need(
+            is_number and math.isfinite(value) and value >= 0.0,
+            f"'{self.folder / 'manifest.json'}': setting {name} = {value!r} must be a finite number >= 0",
+        )
+        return float(value)
+
+    def lacks(self, *names: str) -> str:
+        """What a claim says that needs settings which the recording lacks; empty when it has all."""
+        missing = [name for name in names if name not in self.settings]
+        return f"the recording lacks the setting {missing[0]}" if missing else ""
 
     def states(self) -> Iterator[State]:
         """All states in order of time."""
@@ -265,6 +284,13 @@ def _read_scene(run: Run) -> None:
         bool(run.bodies) and ((pairs >= 0) & (pairs < len(run.bodies))).all(),
         f"'{path}' has no bodies, or a pair of bodies that it does not have",
     )
+    enabled = scene.get("contact_enabled")
+    need(isinstance(enabled, bool), f"'{path}': contact_enabled = {enabled!r} must be true or false")
+    setting = run.settings.get("contact.enabled", enabled)
+    need(
+        setting is enabled,
+        f"'{path}': contact_enabled = {enabled!r} must be contact.enabled of the manifest, {setting!r}",
+    )
     run.scene = scene
 
 
@@ -275,6 +301,10 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
         need(rows.ndim == 2 and rows.shape[1] == width, f"body '{name}': topology of the shape {rows.shape}")
         inside = rows.size == 0 or (rows.min() >= 0 and rows.max() < count)
         need(bool(inside), f"body '{name}': its topology names a vertex that it does not have")
+    distance = float(entry["contact_distance"])
+    need(
+        0.0 <= distance < math.inf, f"body '{name}': contact_distance = {distance} m must be finite and >= 0"
+    )
     masses, moments = arrays.get(f"masses_{i:04d}"), arrays.get(f"second_moments_{i:04d}")
     rigid = entry["kind"] != "rigid" or isinstance(entry["inertia"], dict)
     need(rigid, f"body '{name}': breaks an entry: inertia must be an object")
@@ -284,7 +314,7 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
         str(entry["kind"]),
         str(entry["motion"]),
         count,
-        float(entry["contact_distance"]),
+        distance,
         triangles.astype(np.int32),
         edges.astype(np.int32),
         np.array(entry["pins"], dtype=np.int32),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,8 +40,10 @@ class ShapeCheck:
             skew = max(skew, 1.0 - float(np.linalg.det(turn)))
             size = float(np.abs(x0).max() + np.abs(x).max()) + 1e-300
             error = float(np.abs(x - expected).max()) + skew * size
-            if error / (_ROUNDING * size) > self.share:
-                self.share, self.worst, self.allowed = error / (_ROUNDING * size), error, _ROUNDING * size
+            share = error / (_ROUNDING * size)
+            share = math.inf if math.isnan(share) else share
+            if share > self.share:
+                self.share, self.worst, self.allowed = share, error, _ROUNDING * size
                 self.where = {"time": state.time, "bodies": [body.name]}
 
     def claims(self) -> list[Claim]:

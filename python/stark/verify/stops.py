@@ -28,9 +28,8 @@ class StopCheck:
     _turned: dict[tuple[int, str], float] = field(default_factory=dict)  # angles over full turns
 
     def __post_init__(self) -> None:
-        settings = self.run.settings
-        self.length = float(settings.get("joints.length_tolerance", 1e-6))
-        self.angle = float(settings.get("joints.angle_tolerance", 1e-5))
+        self.length = self.run.bound("joints.length_tolerance") or 0.0
+        self.angle = self.run.bound("joints.angle_tolerance") or 0.0
         self.actuators = [a for a in self.run.scene["actuators"] if isinstance(a, dict)]
         if len(self.actuators) < len(self.run.scene["actuators"]):
             self.lacking = "actuators are recorded by name only"
@@ -73,11 +72,15 @@ class StopCheck:
             off = abs(q[0] - values["ratio"] * q[1] - values["offset"])
         else:
             off = max(values.get("lower", -math.inf) - q[0], q[0] - values.get("upper", math.inf))
-        size = max(abs(value) for value in (*q, *values.values()))
+        # One infinite bound is none; its rounding is not, and no bound is not a number.
+        size = max((abs(value) for value in (*q, *values.values()) if math.isfinite(value)), default=0.0)
+        off = math.nan if any(math.isnan(value) for value in values.values()) else off
         tolerance = (self.angle if unit == "rad" else self.length) * (1.0 + _SLACK) + _ROUNDING * size
         where = {"time": state.time, "actuator": actuator["name"], "coordinate": q[0]}
-        if not off / tolerance <= self.share:
-            self.share, self.worst = off / tolerance, (off, tolerance, unit, where)
+        share = off / tolerance if tolerance > 0.0 else math.copysign(math.inf, off)
+        share = math.inf if math.isnan(share) else share
+        if self.worst is None or share > self.share:
+            self.share, self.worst = share, (off, tolerance, unit, where)
 
     def claims(self) -> list[Claim]:
         name, statement = "stops", "stops and gears are held within the tolerances of joints"

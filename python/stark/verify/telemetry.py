@@ -35,7 +35,7 @@ def steps_claim(run: Run, broken_states: list[int]) -> Claim:
     time = None
     for k, row in enumerate(run.rows):
         end, h = number(row, "time"), number(row, "time_step")
-        if not (math.isfinite(end) and h > 0.0):
+        if not (math.isfinite(end) and 0.0 < h < math.inf):
             problems.append(f"step {k + 1} has no valid time and time_step")
             break
         if time is not None and abs(end - time - h) > _TIME_ROUNDING * h + 1e-12 * abs(end):
@@ -84,7 +84,7 @@ def residual_claim(run: Run) -> Claim:
     """Unbalanced forces, and the last motion of Newton's method over the time step, below the tolerances of
     the settings."""
     settings = run.settings
-    tolerances = {key: float(settings.get(name, 0.0)) for key, name in _TOLERANCES.items()}
+    tolerances = {key: run.bound(name) or 0.0 for key, name in _TOLERANCES.items()}
     has_motion = all("last_motion" in row for row in run.rows)
     by_motion = tolerances["last_motion"] > 0.0
     active = {
@@ -102,20 +102,25 @@ def residual_claim(run: Run) -> Claim:
             "unbalanced forces are below the tolerances of the settings",
             NOT_RECORDED,
             _BASIS,
-            detail="telemetry lacks the motion that newton.step_tolerance bounds" if lacks_motion else "",
+            detail="telemetry lacks the motion that newton.step_tolerance bounds"
+            if lacks_motion
+            else run.lacks(*_TOLERANCES.values()),
         )
     bounds = (" and " if every else " or ").join(_TOLERANCES[key] for key in active)
     statement = f"what is left to solve at the end of each step is below {bounds}"
     worst, where, failed, rounded = -1.0, None, 0, 0
+    impossible = _impossible(run.rows, tuple(_TOLERANCES))
     for row in run.rows:
         share = combine(_left(row, key) / value for key, value in active.items())
         if not share < 1.0:
             stopped_otherwise = row.get("solve_status") == "round_off" or (lacks_motion and not every)
             rounded, failed = rounded + stopped_otherwise, failed + (not stopped_otherwise)
         if share > worst:
-            worst, where = share, {"time": row.get("time"), "step": row.get("step")}
-    detail = ""
-    if failed:
+            worst, where = share, {"time": number(row, "time"), "step": row.get("step")}
+    detail = lacking = run.lacks(*_TOLERANCES.values(), "newton.termination")
+    if impossible:
+        detail = impossible
+    elif failed:
         detail = f"not so in {failed} steps"
     elif rounded and lacks_motion and not every:
         detail = f"{rounded} steps ended at rounding or by newton.step_tolerance, which is not recorded"
@@ -123,16 +128,28 @@ def residual_claim(run: Run) -> Claim:
         detail = f"{rounded} steps ended at rounding"
     elif lacks_motion:
         detail = "telemetry lacks the motion that newton.step_tolerance bounds"
-    status = VIOLATED if failed else INCONCLUSIVE if rounded else VERIFIED
+    status = VIOLATED if failed or impossible else INCONCLUSIVE if rounded or lacking else VERIFIED
     return Claim(name, statement, status, _BASIS, worst, 1.0, "of the tolerance", where, detail)
 
 
 def _left(row: Row, key: str) -> float:
-    """Residual [N], acceleration [m/s^2] or speed of the last motion [m/s]; infinite where there is none."""
+    """Residual [N], acceleration [m/s^2] or speed of the last motion [m/s]; infinite where there is none, or
+    none that could be."""
     value = number(row, key)
     if key == "last_motion":
-        value /= number(row, "time_step") or math.nan
-    return math.inf if math.isnan(value) else value
+        h = number(row, "time_step")
+        value = value / h if h > 0.0 else math.nan
+    return value if value >= 0.0 else math.inf
+
+
+def _impossible(rows: list[Row], keys: tuple[str, ...]) -> str:
+    """Names the first number of these keys that is negative, infinite or none; empty without one. A null is
+    no number, but what was not measured."""
+    for row in rows:
+        for key in keys:
+            if row.get(key) is not None and not 0.0 <= number(row, key) < math.inf:
+                return f"step {row.get('step')} reports {key} = {row[key]!r}: must be finite and >= 0"
+    return ""
 
 
 def ledger_claim(run: Run) -> Claim:
@@ -143,6 +160,8 @@ def ledger_claim(run: Run) -> Claim:
         return Claim(name, statement, NOT_RECORDED, _BASIS, detail="a step lacks energies")
     worst, bound, where, largest_growth = -math.inf, 0.0, None, 0.0
     violated, unexplained = 0, 0
+    if impossible := _impossible_energy(run.rows):
+        return Claim(name, statement, VIOLATED, _BASIS, detail=impossible)
     recorded = any(_CONTACT_AT_START in row for row in run.rows)
     for before, row in zip(run.rows, run.rows[1:], strict=False):
         contact = number(before["energy"], "contact")
@@ -166,7 +185,7 @@ def ledger_claim(run: Run) -> Claim:
         off = max(off, limits[0])
         if not off - rounding <= worst:
             worst, bound = off - rounding, rounding
-            where = {"time": row.get("time"), "step": row.get("step")}
+            where = {"time": number(row, "time"), "step": row.get("step")}
             where |= {"imbalance": imbalance, "contact": contact, "contact_at_start": at_start}
     own = bool(run.scene.get("energies"))
     status = VERIFIED
@@ -186,6 +205,18 @@ def _has_energies(row: Row) -> bool:
     )
 
 
+def _impossible_energy(rows: list[Row]) -> str:
+    """Names the first energy that none can be: one that is not finite, whose rounding would explain any
+    imbalance, or contact that stores less than nothing. Empty without one."""
+    for row in rows:
+        for key in _STORED + _TURNED_OVER:
+            value, least = row["energy"][key], 0.0 if key == "contact" else -math.inf
+            if not (math.isfinite(number(row["energy"], key)) and value >= least):
+                rule = "must be finite and >= 0" if key == "contact" else "must be finite"
+                return f"step {row.get('step')} reports the energy {key} = {value!r} J: {rule}"
+    return ""
+
+
 def _imbalance(before: Row, row: Row, contact: float) -> tuple[float, float]:
     """Stored energy that appears out of nowhere in a step which starts with this contact energy [J], and what
     rounding explains of it."""
@@ -201,6 +232,8 @@ def friction_claim(run: Run) -> Claim:
     more."""
     name, statement = "friction_dissipates", "friction gives back no more than its bristles stored before"
     integrator = run.settings.get("time.integrator")
+    if lacking := run.lacks("time.integrator"):
+        return Claim(name, statement, INCONCLUSIVE, _BASIS, detail=lacking, required=False)
     if integrator not in ("implicit_euler", "quasistatic"):
         return Claim(
             name, statement, NOT_APPLICABLE, _BASIS, detail=f"not implied by {integrator}", required=False
@@ -213,16 +246,25 @@ def friction_claim(run: Run) -> Claim:
         # The potential of the bristles is convex: grad(u) . (u - a) >= E(u) - E(a) >= -E(a).
         friction, stored = row["energy"]["friction"], number(row, _BRISTLES_AT_START)
         rounding = _BALANCE_ROUNDING * sum(abs(value) for value in row["energy"].values())
-        broken += not (friction + stored + rounding >= 0.0 and stored >= 0.0)
+        finite = math.isfinite(friction + stored + rounding)
+        broken += not (finite and friction + stored + rounding >= 0.0 and stored >= 0.0)
         if not friction + stored >= worst:
             worst, bound = friction + stored, -rounding
-            where = {"time": row.get("time"), "step": row.get("step"), "friction": friction, "stored": stored}
+            where = {
+                "time": number(row, "time"),
+                "step": row.get("step"),
+                "friction": friction,
+                "stored": stored,
+            }
     status = VIOLATED if broken else VERIFIED
     detail = f"not so in {broken} steps" if broken else ""
     return Claim(name, statement, status, _BASIS, worst, bound, "J", where, detail, required=False)
 
 
 def number(row: Row, key: str) -> float:
-    """A number of a row, NaN where there is none."""
+    """A number of a row, NaN where there is none; JSON has integers that no float can hold."""
     value = row.get(key)
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
+    try:
+        return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
+    except OverflowError:
+        return math.nan

@@ -53,8 +53,8 @@ def test_pins_beside_walls_still_stop() -> None:
 
 @pytest.mark.parametrize("rpm", [600, 3000, 3600, 9000])
 def test_fast_tables_drag_along(rpm: float) -> None:
-    """However many turns they would make in a time step: the box is dragged with mu g, along the table's way at
-    its place but for half of the turn of a step, a sixteenth of a turn at most."""
+    """However many turns they would make in a time step: the box is dragged with mu g, along the way of the
+    table at its place but for half of the turn of a step, a sixteenth of a turn at most."""
     scene = stark.Scene()
     speed = rpm * 2.0 * np.pi / 60.0
     scene.add_cylinder(0.5, 0.05, motion="scripted", position=(0, 0, -0.025), angular_velocity=(0, 0, speed))
