@@ -54,8 +54,8 @@ def inputs_of(formula: Any, rng: np.random.Generator) -> dict[str, Any]:
     return {**positions, "X": X.reshape(-1, 3), "values": values, "time_step": 0.01, "time": 0.2}
 
 
-# With a history of steps they measure rates from one place more, theory eq. (26b), which formulas of users do not
-# have. Without one that is what the copies say, but not in the same operations.
+# With a history of steps they measure rates from one place more, theory eq. (26b), which formulas of users do
+# not have. Without one that is what the copies say, but not in the same operations.
 OF_SECOND_ORDER = ("solid_damping", "membrane_damping")
 
 
