@@ -5,8 +5,7 @@ ipctk says whether anything intersects and whether the straight way is clear; wh
 from __future__ import annotations
 
 from enum import Enum
-from types import SimpleNamespace
-from typing import Any
+from pathlib import Path
 
 import ipctk
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 import stark
 from stark.verify.geometry import GeometryCheck
-from stark.verify.reading import Body, State
+from stark.verify.reading import Body, Run, State
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +62,7 @@ class Judge:
             return Way.STRAIGHT
         if not self._searching:
             return Way.OPEN
-        check = GeometryCheck(self._run())  # type: ignore[arg-type]
+        check = GeometryCheck(self._run())
         check._follow(start, self._last_state)
         if check.passed:
             return Way.THROUGH
@@ -80,7 +79,7 @@ class Judge:
         none = np.zeros(0, dtype=np.int8)
         return State(0, self._sim.time, positions, poses, [None] * len(poses), none, none)
 
-    def _run(self) -> Any:
+    def _run(self) -> Run:
         bodies = []
         for body in self._sim.bodies:
             distance = self._sim.contact_distance(body)
@@ -106,4 +105,4 @@ class Judge:
                 )
             )
         scene = {"pairs_without_contact": [], "contact_enabled": True, "attachments": []}
-        return SimpleNamespace(bodies=bodies, scene=scene, settings={})
+        return Run(Path(), manifest={}, rows=[], all_rows=0, bodies=bodies, scene=scene)
