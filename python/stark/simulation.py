@@ -196,7 +196,8 @@ class Simulation:
 
     @property
     def time_step(self) -> float:
-        """Length of the next step [s]."""
+        """Length of the next step [s]. It may come out shorter: what fails is halved, and scripted bodies
+        turn by a sixteenth of a turn in a step at most."""
         return self._core.time_step
 
     # --- state ---
