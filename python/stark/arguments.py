@@ -97,6 +97,21 @@ class NotCopyable(InvalidArgument, TypeError):  # noqa: N818 (says what it is)
     """What holds handles of the core was copied or pickled. Also a TypeError, as Python has it."""
 
 
+def needs_simulation(owner: str, what: str) -> InvalidArgument:
+    """For what only a simulation can tell of a part of a scene."""
+    return InvalidArgument(
+        f"{owner}: {what} needs a simulation; make one with stark.Simulation(scene) and keep it"
+    )
+
+
+def added_later(owner: str, what: str) -> InvalidArgument:
+    """For parts of a scene that the simulation was made without."""
+    return InvalidArgument(
+        f"{owner}: was added after the simulation was made: {what} needs one made after that; make a new "
+        f"stark.Simulation(scene)"
+    )
+
+
 def refuse_copy(what: str, instead: str) -> NoReturn:
     """For ``__reduce_ex__``, which copy, deepcopy and pickle call."""
     raise NotCopyable(f"{what} cannot be copied or pickled: {instead}")

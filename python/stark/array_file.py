@@ -105,7 +105,7 @@ def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
     write_atomically(path, lambda file: np.savez(file, **arrays))
 
 
-def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
+def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk.
     Raises WriteError, also for what is no file to be replaced."""
     with naming(path):

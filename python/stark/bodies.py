@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
-from stark.arguments import as_array, real_array
+from stark.arguments import added_later, as_array, needs_simulation, real_array
 from stark.layers import LayeredBody
 from stark.mesh import Indices, Points, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, check_places, vector
@@ -153,12 +153,9 @@ class Body(ContactSensors):
 
     def _require_simulation(self, what: str) -> Simulation:
         simulation = self._simulation()
-        if simulation is None and self._scene._latest_simulation() is not None:
-            raise _added_later(self, what)
         if simulation is None:
-            raise InvalidArgument(
-                f"'{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and keep it"
-            )
+            exists = self._scene._latest_simulation() is not None
+            raise (added_later if exists else needs_simulation)(f"'{self.name}'", what)
         return simulation
 
     def _require_of_scene(self, what: str) -> None:
@@ -203,13 +200,6 @@ class Body(ContactSensors):
 
 def _no_simulation() -> None:
     return None
-
-
-def _added_later(body: Body, what: str) -> InvalidArgument:
-    return InvalidArgument(
-        f"'{body.name}': was added after the simulation was made: {what} needs one made after that; make a "
-        f"new stark.Simulation(scene)"
-    )
 
 
 class _Deformable(Body):

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from stark import _core
 from stark._core import Error, InvalidArgument
-from stark.arguments import given_path, real_number, refuse_copy
-from stark.bodies import Body, _added_later
+from stark.arguments import added_later, given_path, real_number, refuse_copy
+from stark.bodies import Body
 from stark.scene import Scene, StarkWarning
 from stark.sensors import Contacts, contacts_of
 from stark.settings import Settings
@@ -276,7 +276,7 @@ class Simulation:
         """The handle of a body, bound to this simulation."""
         found = self._scene.bodies[self._scene._index(body)]
         if found._index >= self._core.body_count:
-            raise _added_later(found, f"sim['{found.name}']")
+            raise added_later(f"'{found.name}'", f"sim['{found.name}']")
         return found._bound_to(self)
 
     @property

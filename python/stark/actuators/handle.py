@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stark._core import InvalidArgument
-from stark.arguments import real_number
+from stark.arguments import added_later, needs_simulation, real_number
 
 if TYPE_CHECKING:
     from stark.actuators.definition import ActuatorFormula
@@ -161,16 +161,9 @@ class Actuator:
 
     def _live(self, what: str) -> Any:
         core = self._core()
-        if core is self._scene._core and (self._simulation or self._scene._latest_simulation()) is not None:
-            raise InvalidArgument(
-                f"actuator '{self.name}': was added after the simulation was made: {what} needs one made "
-                f"after that; make a new stark.Simulation(scene)"
-            )
         if core is self._scene._core:
-            raise InvalidArgument(
-                f"actuator '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) "
-                f"and keep it"
-            )
+            exists = (self._simulation or self._scene._latest_simulation()) is not None
+            raise (added_later if exists else needs_simulation)(f"actuator '{self.name}'", what)
         return core
 
     def _bound_to(self, simulation: Simulation) -> Actuator:

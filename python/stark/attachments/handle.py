@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import added_later, needs_simulation
 
 if TYPE_CHECKING:
     from stark.formulas.points import Points
@@ -84,15 +85,9 @@ class Attachment:
     def _core(self, what: str) -> Any:
         simulation = self._simulation or self._scene._latest_simulation()
         if simulation is None:
-            raise InvalidArgument(
-                f"attachment '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) "
-                f"and keep it"
-            )
+            raise needs_simulation(f"attachment '{self.name}'", what)
         if self._index >= simulation._core.attachment_count:
-            raise InvalidArgument(
-                f"attachment '{self.name}': was added after the simulation was made: {what} needs one made "
-                f"after that; make a new stark.Simulation(scene)"
-            )
+            raise added_later(f"attachment '{self.name}'", what)
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Attachment:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import added_later, needs_simulation
 from stark.formulas.parameters import Parameter, Value, check_range, numbers_of
 
 if TYPE_CHECKING:
@@ -84,15 +85,9 @@ class Energy:
     def _core(self, what: str) -> Any:
         simulation = self._simulation or self._scene._latest_simulation()
         if simulation is None:
-            raise InvalidArgument(
-                f"energy '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and "
-                f"keep it"
-            )
+            raise needs_simulation(f"energy '{self.name}'", what)
         if self._index >= len(simulation._live_values):
-            raise InvalidArgument(
-                f"energy '{self.name}': was added after the simulation was made: {what} needs one made after "
-                f"that; make a new stark.Simulation(scene)"
-            )
+            raise added_later(f"energy '{self.name}'", what)
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Energy:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
 from stark.actuators.joint_actuators import JointActuators
+from stark.arguments import added_later, needs_simulation
 
 if TYPE_CHECKING:
     from stark.joints.definition import JointFormula
@@ -126,15 +127,9 @@ class Joint(JointActuators):
     def _core(self, what: str) -> Any:
         simulation = self._simulation or self._scene._latest_simulation()
         if simulation is None:
-            raise InvalidArgument(
-                f"joint '{self.name}': {what} needs a simulation; make one with stark.Simulation(scene) and "
-                f"keep it"
-            )
+            raise needs_simulation(f"joint '{self.name}'", what)
         if self._index >= simulation._core.joint_count:
-            raise InvalidArgument(
-                f"joint '{self.name}': was added after the simulation was made: {what} needs one made after "
-                f"that; make a new stark.Simulation(scene)"
-            )
+            raise added_later(f"joint '{self.name}'", what)
         return simulation._core
 
     def _bound_to(self, simulation: Simulation) -> Joint:

@@ -124,11 +124,11 @@ def export(
         frame = recording.frame(index)
         data = writers[format](frame)
         path = folder / f"{stem}_{frame.index:06d}.{format}"
-        write_atomically(path, lambda file, data=data: file.write(data) and None)
+        write_atomically(path, lambda file, data=data: file.write(data))
         written.append(path)
         series.append((frame.time, path.name))
     if format == "vtu":
         index_path = folder / f"{stem}.pvd"
-        write_atomically(index_path, lambda file: file.write(pvd_bytes(series)) and None)
+        write_atomically(index_path, lambda file: file.write(pvd_bytes(series)))
         written.append(index_path)
     return written

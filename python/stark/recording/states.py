@@ -109,7 +109,7 @@ class StateWriter:
         self._begin(folder, chunk_states)
         self._folder.mkdir(parents=True, exist_ok=True)
         text = _description_text(sim)
-        write_atomically(self._folder / "scene.json", lambda file: file.write(text) and None)
+        write_atomically(self._folder / "scene.json", lambda file: file.write(text))
         write_arrays(self._folder / "mesh.npz", _mesh(sim))
 
     def _begin(self, folder: Path, chunk_states: int) -> None:

@@ -326,7 +326,7 @@ class Recorder:
         if self._states is not None:
             self._manifest["states"] = self._states.manifest
         text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"
-        write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()) and None)
+        write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()))
 
     def close(
         self, status: str = "complete", message: str = "", summary: Mapping[str, Any] | None = None

@@ -42,7 +42,7 @@ def png_bytes(picture: np.ndarray) -> bytes:
 def write_png(path: str | PathLike[str], picture: np.ndarray) -> None:
     """Writes a (height, width, 3) uint8 picture."""
     data = png_bytes(picture)
-    write_atomically(Path(path), lambda file: file.write(data) and None)
+    write_atomically(Path(path), lambda file: file.write(data))
 
 
 def read_png(path: str | PathLike[str]) -> np.ndarray:

@@ -101,5 +101,5 @@ def write_page(
     """
     target = recording.folder / "replay.html" if path is None else Path(path)
     page = assemble(encode(recording, stride=stride, max_megabytes=max_megabytes), recording.telemetry)
-    write_atomically(target, lambda file: file.write(page.encode("utf-8")) and None)
+    write_atomically(target, lambda file: file.write(page.encode("utf-8")))
     return target

@@ -83,7 +83,7 @@ def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False)
             place.mkdir(parents=True, exist_ok=True)
         write_arrays(place / DATA, {"header": text, **arrays})
         script = _script(sim, taken, left_out, header["missing"])
-        write_atomically(place / SCRIPT, lambda file: file.write(script.encode("utf-8")) and None)
+        write_atomically(place / SCRIPT, lambda file: file.write(script.encode("utf-8")))
     except OSError as error:
         raise ReproducerError(f"reproducer {error}") from error
     return place / SCRIPT

@@ -20,6 +20,11 @@ NOT_APPLICABLE = "not applicable"  # there is nothing of the kind in the scene
 EXIT_CERTIFIED, EXIT_VIOLATED, EXIT_UNREADABLE, EXIT_INCONCLUSIVE = 0, 1, 2, 3
 
 
+def comparable(share: float) -> float:
+    """A share of what is allowed; infinite for what is no number, which nothing allows."""
+    return math.inf if math.isnan(share) else share
+
+
 @dataclass(frozen=True)
 class Claim:
     """One statement about all accepted steps of a run.

@@ -5,14 +5,13 @@ masses come from mesh and density (recording/masses.py)."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .reading import Body, Run, State, need
 from .telemetry import number
 
@@ -120,8 +119,7 @@ class InertiaCheck:
         self, name: str, reported: float, value: float, allowed: float, where: dict[str, Any]
     ) -> None:
         """Keeps the largest difference over what is allowed."""
-        share = abs(reported - value) / max(allowed, 1e-300)
-        share = math.inf if math.isnan(share) else share
+        share = comparable(abs(reported - value) / max(allowed, 1e-300))
         if share > self.worst.get(name, (-1.0, None))[0]:
             self.worst[name] = share, {**where, "reported": reported, "measured": value}
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .formulas import COORDINATES, Frames, UnknownFormula, evaluate
 from .reading import Run, State, pair_count
 from .stops import StopCheck
@@ -103,8 +103,7 @@ class _Worst:
     where: dict[str, Any] | None = None
 
     def keep(self, value: float, tolerance: float, unit: str, where: dict[str, Any]) -> None:
-        share = value / tolerance if tolerance > 0.0 else value / _ROUNDING
-        share = math.inf if math.isnan(share) else share
+        share = comparable(value / (tolerance if tolerance > 0.0 else _ROUNDING))
         if share > self.share:
             self.share, self.value, self.tolerance, self.unit = share, value, tolerance, unit
             self.where = where

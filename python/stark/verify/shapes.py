@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .certificate import NOT_APPLICABLE, VERIFIED, VIOLATED, Claim
+from .certificate import NOT_APPLICABLE, VERIFIED, VIOLATED, Claim, comparable
 from .reading import Run, State
 
 #: Rounding of a pose times a vertex, over the size of the coordinates.
@@ -40,8 +39,7 @@ class ShapeCheck:
             skew = max(skew, 1.0 - float(np.linalg.det(turn)))
             size = float(np.abs(x0).max() + np.abs(x).max()) + 1e-300
             error = float(np.abs(x - expected).max()) + skew * size
-            share = error / (_ROUNDING * size)
-            share = math.inf if math.isnan(share) else share
+            share = comparable(error / (_ROUNDING * size))
             if share > self.share:
                 self.share, self.worst, self.allowed = share, error, _ROUNDING * size
                 self.where = {"time": state.time, "bodies": [body.name]}

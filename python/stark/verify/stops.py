@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .certificate import NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .reading import Run, State
 
 _SLACK = 1e-6  # of a tolerance, for the rounding of rotations
@@ -77,8 +77,7 @@ class StopCheck:
         off = math.nan if any(math.isnan(value) for value in values.values()) else off
         tolerance = (self.angle if unit == "rad" else self.length) * (1.0 + _SLACK) + _ROUNDING * size
         where = {"time": state.time, "actuator": actuator["name"], "coordinate": q[0]}
-        share = off / tolerance if tolerance > 0.0 else math.copysign(math.inf, off)
-        share = math.inf if math.isnan(share) else share
+        share = comparable(off / tolerance if tolerance > 0.0 else math.copysign(math.inf, off))
         if self.worst is None or share > self.share:
             self.share, self.worst = share, (off, tolerance, unit, where)
 

@@ -88,7 +88,7 @@ PotentialDefinition element_of(const ConstitutiveLaw<columns>& law, int points, 
   return definition;
 }
 
-using Point = symbolic::Vec3 (PotentialBuilder::*)(int);
+using Point = PotentialBuilder::Position;
 
 symbolic::Mat3 tet_edges(PotentialBuilder& b, Point p) {
   const symbolic::Vec3 p0 = (b.*p)(0), p1 = (b.*p)(1), p2 = (b.*p)(2), p3 = (b.*p)(3);
@@ -138,8 +138,7 @@ PotentialDefinition tet4(const SolidLaw& law) {
     const auto gradient = [&b](Point p) {
       return tet_edges(b, p) * inverse(tet_edges(b, &PotentialBuilder::X));
     };
-    const SolidDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
-                                       [&] { return gradient(&PotentialBuilder::x_prev); }, gradient};
+    const SolidDeformation deformation{gradient};
     const Scalar density = psi(b, deformation);
     return density * (determinant(tet_edges(b, &PotentialBuilder::X)) / 6.0);
   });
@@ -151,8 +150,7 @@ PotentialDefinition quadrature_point(const SolidLaw& law) {
         const auto gradient = [&b](Point p) {
           return symbolic::Mat3::from_columns((b.*p)(0), (b.*p)(1), (b.*p)(2));
         };
-        const SolidDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
-                                           [&] { return gradient(&PotentialBuilder::x_prev); }, gradient};
+        const SolidDeformation deformation{gradient};
         const Scalar density = psi(b, deformation);
         return density * b.data(kQuadratureWeight, "m^3", "rest volume that the point stands for");
       });
@@ -167,8 +165,7 @@ PotentialDefinition triangle3(const ShellLaw& law) {
         rest, isotropic ? rest.column(0)
                         : b.direction("warp_direction", "first axis of the cloth, in the rest mesh"));
     const auto gradient = [&](Point p) { return triangle_edges(b, p) * inverse(edges); };
-    const ShellDeformation deformation{[&] { return gradient(&PotentialBuilder::x); },
-                                       [&] { return gradient(&PotentialBuilder::x_prev); }, gradient};
+    const ShellDeformation deformation{gradient};
     const Scalar density = psi(b, deformation);
     return density * b.parameter("thickness", "m", "thickness of the sheet", positive()) * 0.5 *
            determinant(edges);

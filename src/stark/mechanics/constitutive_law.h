@@ -28,10 +28,9 @@ namespace stark {
 template <int columns>
 struct Deformation {
   using Gradient = symbolic::Mat<3, columns>;
-  std::function<Gradient()> F;       ///< at the end of the step
-  std::function<Gradient()> F_prev;  ///< at the start of the step
-  /// Of points as PotentialBuilder::reference names them: for measures of F whose rates count.
-  std::function<Gradient(symbolic::Vec3 (PotentialBuilder::*)(int))> F_of{};
+  std::function<Gradient(PotentialBuilder::Position)> F_of;            ///< see PotentialBuilder::reference
+  Gradient F() const { return F_of(&PotentialBuilder::x); }            ///< at the end of the step
+  Gradient F_prev() const { return F_of(&PotentialBuilder::x_prev); }  ///< at the start of the step
 };
 using SolidDeformation = Deformation<3>;
 using ShellDeformation = Deformation<2>;

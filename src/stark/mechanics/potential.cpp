@@ -69,40 +69,31 @@ const std::vector<Scalar>& PotentialBuilder::uniform_field(const UniformField& f
 
 symbolic::Vec3 PotentialBuilder::x(int point) { return x_.at(point); }
 
-symbolic::Vec3 PotentialBuilder::X(int point) {
-  return vector_of(element_field({.name = "X" + std::to_string(point),
+symbolic::Vec3 PotentialBuilder::position(const char* name, const char* doc, ElementField::Source source,
+                                          int point) {
+  return vector_of(element_field({.name = name + std::to_string(point),
                                   .unit = "m",
-                                  .doc = "rest position",
-                                  .source = ElementField::Source::Rest,
+                                  .doc = doc,
+                                  .source = source,
                                   .point = point,
                                   .width = 3}));
+}
+
+symbolic::Vec3 PotentialBuilder::X(int point) {
+  return position("X", "rest position", ElementField::Source::Rest, point);
 }
 
 symbolic::Vec3 PotentialBuilder::x_prev(int point) {
-  return vector_of(element_field({.name = "x_prev" + std::to_string(point),
-                                  .unit = "m",
-                                  .doc = "position at the start of the step",
-                                  .source = ElementField::Source::Previous,
-                                  .point = point,
-                                  .width = 3}));
+  return position("x_prev", "position at the start of the step", ElementField::Source::Previous, point);
 }
 
 symbolic::Vec3 PotentialBuilder::x_initial(int point) {
-  return vector_of(element_field({.name = "x_initial" + std::to_string(point),
-                                  .unit = "m",
-                                  .doc = "position in the world at time 0",
-                                  .source = ElementField::Source::Initial,
-                                  .point = point,
-                                  .width = 3}));
+  return position("x_initial", "position in the world at time 0", ElementField::Source::Initial, point);
 }
 
 symbolic::Vec3 PotentialBuilder::x_beyond(int point) {
-  return vector_of(element_field({.name = "x_beyond" + std::to_string(point),
-                                  .unit = "m",
-                                  .doc = "position at the start of the step and a way on",
-                                  .source = ElementField::Source::Beyond,
-                                  .point = point,
-                                  .width = 3}));
+  return position("x_beyond", "position at the start of the step and a way on", ElementField::Source::Beyond,
+                  point);
 }
 
 symbolic::Vec3 PotentialBuilder::x_behind(int point) { return 2.0 * x_prev(point) - x_beyond(point); }

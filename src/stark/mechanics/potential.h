@@ -83,6 +83,8 @@ class PotentialBuilder {
   /// `per_element`: names of parameters that differ from element to element in the batch at hand.
   explicit PotentialBuilder(int point_count, std::set<std::string> per_element = {});
 
+  /// One of x, X, x_prev, ...: which position of a point is meant.
+  using Position = symbolic::Vec3 (PotentialBuilder::*)(int);
   symbolic::Vec3 x(int point);          ///< unknown position [m]
   symbolic::Vec3 X(int point);          ///< rest position, in the frame of its body [m]
   symbolic::Vec3 x_prev(int point);     ///< position at the start of the step [m]
@@ -93,7 +95,7 @@ class PotentialBuilder {
 
   /// What the change of a measure g within the step is to be taken from, so that (g(x) - reference) / h is
   /// its rate to the order of the integrator: with a history, g at the extrapolated x_prev is not the
-  /// extrapolated g. [theory eq. 26b] `measure` maps one of &x_prev, &x_beyond and &x_behind to a value.
+  /// extrapolated g. [theory eq. 26b] `measure` maps a Position, x_prev, x_beyond or x_behind, to a value.
   template <typename Measure>
   auto reference(const Measure& measure) {
     const auto at = measure(&PotentialBuilder::x_prev);
@@ -126,6 +128,7 @@ class PotentialBuilder {
   const std::vector<UniformField>& uniform_fields() const { return uniform_fields_; }
 
  private:
+  symbolic::Vec3 position(const char* name, const char* doc, ElementField::Source source, int point);
   const std::vector<symbolic::Scalar>& element_field(const ElementField& field);
   const std::vector<symbolic::Scalar>& uniform_field(const UniformField& field);
 

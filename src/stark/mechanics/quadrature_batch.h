@@ -44,8 +44,6 @@ class QuadratureBatch {
   void set_beyond(std::span<const Vec3> x_beyond);  ///< by site [m]
   void set_time(double h, double time) { law_.set_time(h, time); }
 
-  /// Columns of F of all points if the law uses a field of the source, nothing otherwise.
-  std::vector<Vec3> columns_for(ElementField::Source source, std::span<const Vec3> x) const;
   /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.
   const double* gradients(int64_t element, int point) const {
     return gradients_.data() + (element * points_ + point) * 3 * padded_nodes();
@@ -62,6 +60,8 @@ class QuadratureBatch {
  private:
   /// Column j of F at a point.
   Vec3 column(int64_t element, int point, int j, std::span<const Vec3> x) const;
+  /// Columns of F of all points if the law uses a field of the source, nothing otherwise.
+  std::vector<Vec3> columns_for(ElementField::Source source, std::span<const Vec3> x) const;
 
   int node_count_ = 0, points_ = 0;
   int64_t size_ = 0;

@@ -10,7 +10,7 @@ using symbolic::Scalar;
 
 namespace {
 
-using Point = symbolic::Vec3 (PotentialBuilder::*)(int);
+using Point = PotentialBuilder::Position;
 
 /// Edge in the middle of a segment and turn of its frames; not yet per rest length.
 struct SegmentStrain {

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <stark/base/rotation.h>
 #include <stark/sim/body_checks.h>
@@ -22,10 +21,6 @@ constexpr double kFarMotion = 0.5;
 
 /// Part of the full time step down to which steps are refused that lead around something.
 constexpr double kShortestStraight = 1.0 / 16.0;
-
-/// Angle that scripted bodies turn by in a step at most: from half a turn on, nothing would tell the sense,
-/// and friction sees chords, which are off from the way at their end by half of it.
-constexpr double kLargestTurn = std::numbers::pi / 8.0;
 
 /// Value of script_remaining for a scripted body that rests at the last pose it was given.
 constexpr double kAtPose = -1.0;
@@ -126,18 +121,6 @@ const StepReport& Simulation::step(double max_time_step) {
       return report_;
     }
   }
-}
-
-double Simulation::longest_turning_step() const {
-  const DofLayout& layout = model_->map().layout();
-  double longest = std::numeric_limits<double>::infinity();
-  for (size_t b = 0; b < state_.body_rotation.size(); ++b) {
-    const bool is_free = layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock;
-    if (!is_free && state_.script_remaining[b] == 0.0)
-      longest = std::min(longest, kLargestTurn / norm(axial(state_.body_rotation_rate[b] *
-                                                            transpose(state_.body_rotation[b]))));
-  }
-  return longest;
 }
 
 void Simulation::set_deadline() {
@@ -296,40 +279,6 @@ std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
     std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9,
                 diagonal[b].m.data());
   return diagonal;
-}
-
-Configuration Simulation::start_configuration() const {
-  return {state_.point_position, state_.body_position, state_.body_rotation};
-}
-
-Configuration Simulation::target_configuration(double h) const {
-  Configuration target = start_configuration();
-  if (state_.pin_remaining > 0.0) {
-    const double fraction = std::min(1.0, h / state_.pin_remaining);
-    const auto& blocks = model_->map().layout().point_block;
-    for (size_t p = 0; p < blocks.size(); ++p)
-      if (blocks[p] == kNoBlock) {
-        const Vec3& from = target.point_position[p];
-        target.point_position[p] =
-            fraction >= 1.0 ? state_.pin_target[p] : from + (state_.pin_target[p] - from) * fraction;
-      }
-  }
-  for (size_t b = 0; b < target.body_position.size(); ++b) {
-    const DofLayout& layout = model_->map().layout();
-    if (layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock) continue;
-    if (state_.script_remaining[b] > 0.0) {
-      const double fraction = std::min(1.0, h / state_.script_remaining[b]);
-      target.body_position[b] += (state_.script_position[b] - target.body_position[b]) * fraction;
-      target.body_rotation[b] = fraction >= 1.0 ? state_.script_rotation[b]
-                                                : interpolate_rotation(target.body_rotation[b],
-                                                                       state_.script_rotation[b], fraction);
-    } else if (state_.script_remaining[b] == 0.0) {
-      const Vec3 turn = axial(state_.body_rotation_rate[b] * transpose(state_.body_rotation[b])) * h;
-      target.body_position[b] += state_.body_velocity[b] * h;
-      target.body_rotation[b] = exp_rotation(turn) * target.body_rotation[b];
-    }
-  }
-  return target;
 }
 
 void Simulation::predict(double h) {

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from _recorded_runs import edit_rows, edit_states, mechanism, record, sheet_on_box
+from _recorded_runs import edit_rows, edit_states, record, sheet_on_box
 
 import stark
 from stark.cli import main
@@ -20,27 +20,6 @@ from stark.recording import Recorder
 from stark.verify import UnreadableRecording, verify
 
 _NAN, _INFINITE = float("nan"), float("inf")
-
-
-@pytest.fixture(scope="module")
-def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("sheet") / "run"
-    record(folder, sheet_on_box(), 20, time_step=0.01, contact_distance=0.001)
-    assert verify(folder).verdict == "certified"
-    return folder
-
-
-@pytest.fixture(scope="module")
-def joined(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("joints") / "run"
-    record(folder, mechanism(), 3, time_step=0.01, contact_distance=0.0005)
-    assert verify(folder).verdict == "certified"
-    return folder
-
-
-@pytest.fixture
-def run(good: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(good, tmp_path / "run"))
 
 
 def _edit_json(run: Path, name: str, change: Callable[[Any], Any]) -> None:

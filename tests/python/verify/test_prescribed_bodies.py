@@ -3,7 +3,6 @@ is found."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -67,11 +66,6 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
             recorder.report(report)
             recorder.record_state(sim)
     return folder
-
-
-@pytest.fixture
-def run(good: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(good, tmp_path / "run"))
 
 
 def test_prescribed_motion_is_certified(good: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -44,11 +43,6 @@ def thin() -> stark.Scene:
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(tmp_path_factory.mktemp("thin") / "run", thin(), 12, time_step=0.01)
-
-
-@pytest.fixture
-def run(good: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(good, tmp_path / "run"))
 
 
 def _onto(height: float, state: int = 8, rest: bool = False) -> Callable[[np.ndarray, np.ndarray], None]:

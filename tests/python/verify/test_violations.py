@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from _recorded_runs import edit_rows, edit_states, mechanism, record, sheet_on_box
+from _recorded_runs import edit_rows, edit_states, record
 
 import stark
 from stark.verify import Certificate, verify
@@ -20,27 +20,6 @@ from stark.verify.reading import read
 
 _BOX, _SHEET, _PLATE, _CUBE = range(4)
 _STEPS = 20
-
-
-@pytest.fixture(scope="module")
-def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("sheet") / "run"
-    record(folder, sheet_on_box(), _STEPS, time_step=0.01, contact_distance=0.001)
-    assert verify(folder).verdict == "certified"
-    return folder
-
-
-@pytest.fixture(scope="module")
-def joined(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("joints") / "run"
-    record(folder, mechanism(), 10, time_step=0.01, contact_distance=0.0005)
-    assert verify(folder).verdict == "certified"
-    return folder
-
-
-@pytest.fixture
-def run(good: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(good, tmp_path / "run"))
 
 
 def _move(body: int, rows: slice, shift: tuple[float, float, float]) -> list[tuple[str, Callable[..., None]]]:
