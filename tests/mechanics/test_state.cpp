@@ -181,8 +181,8 @@ TEST_CASE("lengths and numbers that no state can have are found") {
   CHECK(find_invalid_number(good) == "");
   CHECK(first_length_difference(good, good) == "");
   State bad = good;
-  shorten(bad.previous_body_rotation_rate);
-  CHECK(first_length_difference(good, bad) == "previous_body_rotation_rate");
+  shorten(bad.previous_body_angular_velocity);
+  CHECK(first_length_difference(good, bad) == "previous_body_angular_velocity");
   const auto found = [&](auto change) {
     State state = good;
     change(state);

@@ -73,7 +73,8 @@ TEST_CASE("every joint holds between two bodies, a body and the world, a body an
         const StepReport& report = simulation.step();
         REQUIRE_MESSAGE(report.status == StepStatus::Accepted, report.message);
         CHECK(largest(simulation.joint_residuals(joint)) < 1e-5);
-        CHECK(report.solve.iterations < 30);
+        // Most where a cube whips about a point on an axis, 0.24 rad in a step.
+        CHECK(report.solve.iterations < 40);
       }
     }
   }

@@ -107,8 +107,8 @@ TEST_CASE("states with arrays of other lengths or numbers that no state can have
   const State good = sim.state();
   State bad = good;
   SUBCASE("every array") {
-    bad.body_rotation_rate.pop_back();
-    CHECK_THROWS_WITH_AS(sim.set_state(bad), doctest::Contains("'body_rotation_rate' is not as long"),
+    bad.body_angular_velocity.pop_back();
+    CHECK_THROWS_WITH_AS(sim.set_state(bad), doctest::Contains("'body_angular_velocity' is not as long"),
                          InvalidArgument);
   }
   SUBCASE("not finite") {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <stark/collision/intersection.h>
+#include <stark/mechanics/free_rotation.h>
 #include <stark/sim/simulation.h>
 
 namespace stark::test {
@@ -21,14 +22,10 @@ inline Vec3 linear_momentum(const Simulation& sim) {
   return p;
 }
 
-/// Angular momentum of rigid body `b` about its centre of mass [kg m^2/s]: sum of second moments times d x d'
-/// over its principal directions d.
+/// Angular momentum of rigid body `b` about its centre of mass [kg m^2/s].
 inline Vec3 spin(const Simulation& sim, int b) {
-  Vec3 L;
-  for (int k = 0; k < 3; ++k)
-    L += cross(sim.state().body_rotation[b].column(k), sim.state().body_rotation_rate[b].column(k)) *
-         sim.model().rigid_masses()[b].second_moments[k];
-  return L;
+  return angular_momentum(sim.state().body_rotation[b], sim.model().rigid_masses()[b].moments,
+                          sim.state().body_angular_velocity[b]);
 }
 
 /// Solid angle of a triangle seen from p, positive on the side of its normal [van Oosterom and Strackee

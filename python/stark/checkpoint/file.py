@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from stark._core import State
 
 FORMAT_NAME = "stark-checkpoint"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 Arrays = dict[str, NDArray[Any]]
 

@@ -17,7 +17,7 @@ MANIFEST = "manifest.json"
 TELEMETRY = "telemetry.jsonl"
 TOPOLOGY = "frames/topology.npz"
 STATES = "states"
-STATES_VERSION = 1
+STATES_VERSION = 2
 #: Where a run can be resumed from, see stark.checkpoint.
 CHECKPOINT = "checkpoint.stark"
 KINDS = ("cloth", "solid", "rigid", "rod", "skin", "fibres")

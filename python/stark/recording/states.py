@@ -7,7 +7,8 @@ Layout, beside the frames::
     states/mesh.npz            triangles_0000 (m, 3) and edges_0000 (k, 2) int32, masses_0000 (n,) [kg]
     states/chunk_000000.npz    times (k,), positions_0000 (k, n, 3) float64 [m]; poses_0000 (k, 4, 3) of rigid
                                bodies (position, then the rows of the rotation); frames_0000 (k, n, 3, 3) of
-                               rods; joints (k, j), attachments (k, p) and actuators (k, m): what was
+                               rods; angular_velocities_0000 (k, 3) [rad/s] of rigid bodies, (k, n, 3) of the
+                               frames of rods; joints (k, j), attachments (k, p) and actuators (k, m): what was
                                enabled; actuator_values (k, v): those of all actuators in a row
 
 A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
@@ -157,8 +158,12 @@ class StateWriter:
     def write(self, sim: Any) -> bool:
         """Adds a state; returns whether that wrote a chunk."""
         state: dict[str, np.ndarray] = {"times": np.float64(sim.time)}
-        for i, body in enumerate(sim.bodies):
+        turning = sim._core.state.arrays()["body_angular_velocity"]
+        for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
             state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
+            if body.kind in ("rigid", "rod"):
+                rows = turning[place[2] : place[2] + place[3]]
+                state[f"angular_velocities_{i:04d}"] = rows[0] if body.kind == "rigid" else rows
             if body.kind == "rigid":
                 position, rotation = body.pose
                 state[f"poses_{i:04d}"] = np.vstack([position, rotation])

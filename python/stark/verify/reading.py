@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
-_READABLE = 1  # version of recordings and of their states
+_READABLE, _READABLE_STATES = 1, 2  # versions of recordings and of their states
 _CACHED_CHUNKS = 2
 
 
@@ -47,13 +47,14 @@ class Body:
 
 @dataclass(frozen=True)
 class State:
-    """An accepted state. Lists are by body; ``poses`` and ``frames`` are None where a body has none."""
+    """An accepted state. Lists are by body, with None where a body has no such thing."""
 
     index: int
     time: float  # [s]
     positions: list[Floats]  # (n, 3) [m]
     poses: list[Floats | None]  # (4, 3): position, rows of the rotation
     frames: list[Floats | None]  # (n, 3, 3)
+    angular_velocities: list[Floats | None]  # (3,) of rigid bodies, (n, 3) of the frames of rods [rad/s]
     joints: NDArray[np.int8]  # enabled
     attachments: NDArray[np.int8]  # 1 held, 0 released, -1 broken; pairs of all attachments in a row
     actuators: NDArray[np.int8] | None = None  # enabled; None in recordings of older versions
@@ -65,7 +66,8 @@ class State:
 
     def parts(self) -> list[Floats]:
         """All arrays of numbers."""
-        return [a for a in (*self.positions, *self.poses, *self.frames) if a is not None]
+        parts = (*self.positions, *self.poses, *self.frames, *self.angular_velocities)
+        return [a for a in parts if a is not None]
 
 
 @dataclass
@@ -128,6 +130,7 @@ class Run:
             [at(f"positions_{i:04d}") for i in count],
             [at(f"poses_{i:04d}") for i in count],
             [at(f"frames_{i:04d}") for i in count],
+            [at(f"angular_velocities_{i:04d}") for i in count],
             at("joints"),
             at("attachments"),
             at("actuators"),
@@ -148,8 +151,9 @@ class Run:
         need(times.ndim == 1 and np.isfinite(times).all() and times.size > 0, f"'{path}' has no valid times")
         for i, body in enumerate(self.bodies):
             shapes = {"positions": (body.vertex_count, 3)}
-            shapes |= {"poses": (4, 3)} if body.kind == "rigid" else {}
-            shapes |= {"frames": (body.vertex_count, 3, 3)} if body.kind == "rod" else {}
+            n = body.vertex_count
+            shapes |= {"poses": (4, 3), "angular_velocities": (3,)} if body.kind == "rigid" else {}
+            shapes |= {"frames": (n, 3, 3), "angular_velocities": (n, 3)} if body.kind == "rod" else {}
             for name, shape in shapes.items():
                 rows = arrays.get(f"{name}_{i:04d}")
                 fits = rows is not None and rows.shape[1:] == shape and len(rows) in (1, len(times))
@@ -271,7 +275,8 @@ def _telemetry(path: Path, cut_allowed: bool) -> list[dict[str, Any]]:
 def _read_scene(run: Run) -> None:
     path = run.folder / "states/scene.json"
     scene = read_json(path)
-    need(scene.get("version") == _READABLE, f"'{path}' has version {scene.get('version')}, not {_READABLE}")
+    version = scene.get("version")
+    need(version == _READABLE_STATES, f"'{path}' has version {version}, not {_READABLE_STATES}")
     arrays = read_npz(run.folder / "states/mesh.npz")
     try:
         run.bodies = [_body(entry, i, arrays) for i, entry in enumerate(scene["bodies"])]

@@ -96,8 +96,7 @@ void Model::Builder::set_initial_state() {
     state.body_position.push_back(rigid.position + rigid.rotation * body.centre);
     state.body_velocity.push_back(moves ? rigid.velocity : Vec3{});
     state.body_rotation.push_back(rigid.rotation * body.axes);
-    state.body_rotation_rate.push_back(moves ? skew(rigid.angular_velocity) * state.body_rotation.back()
-                                             : Mat3{});
+    state.body_angular_velocity.push_back(moves ? rigid.angular_velocity : Vec3{});
   }
   set_initial_rods();
   set_initial_fibres();
@@ -111,7 +110,7 @@ void Model::Builder::set_initial_state() {
   state.previous_body_position = state.body_position;
   state.previous_body_velocity = state.body_velocity;
   state.previous_body_rotation = state.body_rotation;
-  state.previous_body_rotation_rate = state.body_rotation_rate;
+  state.previous_body_angular_velocity = state.body_angular_velocity;
 }
 
 void Model::Builder::set_initial_sites() {

@@ -39,6 +39,7 @@ struct RigidMass {
   double resistance =
       0.0;  ///< what torques are measured against: the smallest moment; rods: m reach^2 [kg m^2]
   double linear_damping = 0.0, angular_damping = 0.0;  ///< [1/s]
+  bool is_frame = false;                               ///< of a node of a rod or of fibres
 };
 
 /// A batch and what it means to the time step and the energy ledger.

@@ -1,4 +1,5 @@
 // Joints of a model: sites of their frames, one group for each definition and kinds of frames.
+#include <stark/base/rotation.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -135,7 +136,7 @@ void Model::Builder::set_initial_rates(std::span<const Vec3> x) {
     before.point_position[p] -= state.point_velocity[p] * h;
   for (size_t b = 0; b < before.body_position.size(); ++b) {
     before.body_position[b] -= state.body_velocity[b] * h;
-    before.body_rotation[b] = before.body_rotation[b] - state.body_rotation_rate[b] * h;
+    before.body_rotation[b] = exp_rotation(state.body_angular_velocity[b] * -h) * before.body_rotation[b];
   }
   std::vector<Vec3> x_before(x.size());
   model.map_.positions(before, x_before);

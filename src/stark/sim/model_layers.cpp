@@ -51,6 +51,7 @@ void Model::Builder::add_fibre_frames() {
         const Vec3& s = node.second_moments;
         node.moments = {s.y, s.x, s.x + s.y};
         node.resistance = node_masses[n] * node.reach * node.reach;  // as of rods
+        node.is_frame = true;
         node.angular_damping = fibres.material.mass_damping;
         model.rigid_masses_.push_back(node);
         body_prescribed.push_back(true);
@@ -132,15 +133,15 @@ void Model::Builder::set_initial_fibres() {
   State& state = model.initial_state_;
   for (const FibresDescription& fibres : scene.fibres()) {
     if (!fibres.bending) continue;
-    const Mat3 turning =
-        skew(scene.kind(fibres.body) == BodyKind::Cloth ? scene.cloth(fibres.body).angular_velocity
-                                                        : scene.solid(fibres.body).angular_velocity);
+    const Vec3& turning = scene.kind(fibres.body) == BodyKind::Cloth
+                              ? scene.cloth(fibres.body).angular_velocity
+                              : scene.solid(fibres.body).angular_velocity;
     for (const PathFrames& frames : path_frames(scene, fibres))
       for (const Mat3& frame : frames.initial) {
         state.body_position.push_back({});
         state.body_velocity.push_back({});
         state.body_rotation.push_back(frame);
-        state.body_rotation_rate.push_back(turning * frame);
+        state.body_angular_velocity.push_back(turning);
       }
   }
 }

@@ -56,6 +56,7 @@ void Model::Builder::add_rod_nodes(BodyId id) {
     node.moments = {s.y, s.x, s.x + s.y};
     // The inertia of a slender section is negligible: torques act on the nodes next to it through the edges.
     node.resistance = node.mass * node.reach * node.reach;
+    node.is_frame = true;
     node.linear_damping = node.angular_damping = rod.material.mass_damping;
     model.rigid_masses_.push_back(node);
     const auto is_in = [v](const std::vector<int32_t>& list) {
@@ -108,13 +109,12 @@ void Model::Builder::set_initial_rods() {
     const ModelBody& body = model.bodies_[i];
     const std::vector<Vec3> x = scene.initial_positions(id), v = scene.initial_velocities(id);
     const std::vector<Mat3> frames = scene.initial_frames(id);
-    const Mat3 turning = skew(scene.rod(id).angular_velocity);
     for (int32_t node = 0; node < body.site_count; ++node) {
       const int32_t b = body.rigid_index + node;
       state.body_position.push_back(x[node]);
       state.body_velocity.push_back(body_prescribed[b] ? Vec3{} : v[node]);
       state.body_rotation.push_back(frames[node]);
-      state.body_rotation_rate.push_back(rotation_prescribed[b] ? Mat3{} : turning * frames[node]);
+      state.body_angular_velocity.push_back(rotation_prescribed[b] ? Vec3{} : scene.rod(id).angular_velocity);
     }
   }
 }

@@ -171,7 +171,7 @@ std::vector<Vec3> Simulation::velocities(BodyId body) const {
   for (int32_t i = 0; i < b.site_count; ++i)
     v[i] = b.kind == BodyKind::Rigid
                ? state_.body_velocity[b.rigid_index] +
-                     state_.body_rotation_rate[b.rigid_index] * model_->map().site(b.first_site + i).local
+                     turning_velocity(b.rigid_index, model_->map().site(b.first_site + i).local)
                : state_.point_velocity[b.first_site + i];
   return v;
 }
@@ -204,8 +204,7 @@ Vec3 Simulation::linear_velocity(BodyId body) const {
 }
 
 Vec3 Simulation::angular_velocity(BodyId body) const {
-  const ModelBody& b = rigid(body, "angular velocity");
-  return axial(state_.body_rotation_rate[b.rigid_index] * transpose(state_.body_rotation[b.rigid_index]));
+  return state_.body_angular_velocity[rigid(body, "angular velocity").rigid_index];
 }
 
 double Simulation::checked_duration(const std::string& owner, std::optional<double> duration) const {
@@ -250,7 +249,7 @@ void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& ang
   check_finite(owner, "angular_velocity", angular_velocity, "rad/s");
   state_.script_remaining[b.rigid_index] = 0.0;
   state_.body_velocity[b.rigid_index] = velocity;
-  state_.body_rotation_rate[b.rigid_index] = skew(angular_velocity) * state_.body_rotation[b.rigid_index];
+  state_.body_angular_velocity[b.rigid_index] = angular_velocity;
 }
 
 void Simulation::set_interrupt(std::function<bool()> interrupted) {

@@ -180,6 +180,17 @@ class Simulation {
   Configuration target_configuration(double h) const;
   /// Sets what the velocities of a step of length h are measured from.
   void set_reference(double h);
+  /// Rotations and angular momenta of free bodies at the end of a step of length h if nothing acted in it.
+  void set_free_rotations(double h);
+  /// Angular impulse of a step over its scale [N m] on each body with a free rotation; call it before
+  /// anything of the step is taken over.
+  std::vector<Vec3> torques();
+  /// Takes over the rotation that body b has at the end of a step of length h.
+  void commit_rotation(int32_t b, const Vec3& torque, double h);
+  /// Angular momentum of body b about its centre of mass [kg m^2/s].
+  Vec3 spin(size_t b) const;
+  /// Velocity of a point of body b given in its principal frame, relative to the centre of mass [m/s].
+  Vec3 turning_velocity(int32_t b, const Vec3& local) const;
   /// Coordinates of joints that their rates are measured from, angles up to full turns [m, rad].
   std::vector<double> reference_coordinates() const;
   /// Gives a batch the positions that it measures velocities and rates from.
@@ -233,6 +244,8 @@ class Simulation {
     Configuration place;
     std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
     std::vector<Mat3> body_rotation_rate;             ///< [1/s]
+    std::vector<Mat3> free_rotation;                  ///< where the inertia of free bodies brings them
+    std::vector<Vec3> angular_momentum;               ///< theirs without what acts in the step [kg m^2/s]
     std::vector<double> joint_rate;                   ///< [m/s, rad/s]
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
     // Empty without a history:

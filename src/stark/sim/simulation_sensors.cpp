@@ -12,11 +12,9 @@ Vec3 Simulation::acceleration(BodyId body, const Vec3& point) const {
   const ModelBody& b = rigid(body, "acceleration");
   if (step_start_.empty()) return {};
   const Vec3 local = transpose(b.axes) * (point - b.centre);
-  const auto velocity = [&](const std::vector<Vec3>& linear, const std::vector<Mat3>& rate) {
-    return linear[b.rigid_index] + rate[b.rigid_index] * local;
-  };
-  return (velocity(state_.body_velocity, state_.body_rotation_rate) -
-          velocity(reference_.body_velocity, reference_.body_rotation_rate)) /
+  const Vec3 before =
+      reference_.body_velocity[b.rigid_index] + reference_.body_rotation_rate[b.rigid_index] * local;
+  return (state_.body_velocity[b.rigid_index] + turning_velocity(b.rigid_index, local) - before) /
          reference_.stencil.scale;
 }
 

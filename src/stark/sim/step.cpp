@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <stark/base/rotation.h>
 #include <stark/sim/body_checks.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/step_evidence.h>
@@ -306,18 +305,20 @@ void Simulation::predict(double h, double duration, double scale) {
     const bool is_rotation = batch.batch.potential().name() == "point_inertia";
     for (int64_t e = 0; e < batch.batch.size(); ++e) {
       const int32_t subject = batch.subject[e];
-      Vec3 velocity;
+      Vec3 predicted;
       if (is_rotation)
-        velocity = reference_.body_rotation_rate[subject / 3].column(subject % 3);
+        predicted = reference_.free_rotation[subject / 3].column(subject % 3);
       else
-        velocity = subject >= 0 ? reference_.point_velocity[subject] : reference_.body_velocity[-1 - subject];
-      const Vec3 predicted = x[batch.batch.stencil(e)[0]] + velocity * duration;
+        predicted =
+            x[batch.batch.stencil(e)[0]] + duration * (subject >= 0 ? reference_.point_velocity[subject]
+                                                                    : reference_.body_velocity[-1 - subject]);
       batch.batch.set(field, e, {&predicted.x, 3});
     }
   }
 }
 
 void Simulation::commit(double h) {
+  const std::vector<Vec3> torque = torques();
   const PhaseTimer::Scope scope(*timer_, Phase::Commit);
   const Configuration& end = potential_->configuration();
   const DofLayout& layout = model_->map().layout();
@@ -336,21 +337,7 @@ void Simulation::commit(double h) {
     else if (!keeps_velocity)
       state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
     state_.body_position[b] = end.body_position[b];
-    if (layout.rotation_block[b] != kNoBlock) {
-      const Mat3 rotation = orthonormalized(end.body_rotation[b]);
-      state_.body_rotation_rate[b] = (rotation - from.body_rotation[b]) * (1.0 / s);
-      state_.body_rotation[b] = rotation;
-    } else if (keeps_velocity) {
-      // The world axes of the angular velocity stay the same: the rate turns along with the body.
-      const Mat3 W = state_.body_rotation_rate[b] * transpose(state_.body_rotation[b]);
-      state_.body_rotation[b] = end.body_rotation[b];
-      state_.body_rotation_rate[b] = W * state_.body_rotation[b];
-    } else {
-      // Following poses, or resting at the last one: the velocities tell what it did.
-      const Vec3 turn = log_rotation(end.body_rotation[b] * transpose(state_.body_rotation[b]));
-      state_.body_rotation_rate[b] = skew(turn / h) * end.body_rotation[b];
-      state_.body_rotation[b] = end.body_rotation[b];
-    }
+    commit_rotation(static_cast<int32_t>(b), torque[b], h);
     if (state_.script_remaining[b] > 0.0)
       state_.script_remaining[b] =
           arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;

@@ -33,7 +33,7 @@ void Simulation::set_reference(double h) {
   extrapolate(r.stencil, s.body_rotation, s.previous_body_rotation, r.place.body_rotation);
   extrapolate(r.stencil, s.point_velocity, s.previous_point_velocity, r.point_velocity);
   extrapolate(r.stencil, s.body_velocity, s.previous_body_velocity, r.body_velocity);
-  extrapolate(r.stencil, s.body_rotation_rate, s.previous_body_rotation_rate, r.body_rotation_rate);
+  set_free_rotations(h);
   extrapolate(r.stencil, s.joint_rate, s.previous_joint_rate, r.joint_rate);
   r.sites.resize(model_->map().site_count());
   model_->map().positions(r.place, r.sites);
@@ -76,7 +76,7 @@ void Simulation::remember_state(double h) {
   state_.previous_body_position = state_.body_position;
   state_.previous_body_velocity = state_.body_velocity;
   state_.previous_body_rotation = state_.body_rotation;
-  state_.previous_body_rotation_rate = state_.body_rotation_rate;
+  state_.previous_body_angular_velocity = state_.body_angular_velocity;
   state_.previous_joint_rate = state_.joint_rate;
 }
 

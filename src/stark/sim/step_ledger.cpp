@@ -37,8 +37,8 @@ EnergyLedger Simulation::stored_energies(std::span<const Vec3> x) const {
   for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
     const RigidMass& mass = model_->rigid_masses()[b];
     const DofLayout& layout = model_->map().layout();
-    for (int k = 0; k < 3 && layout.rotation_block[b] != kNoBlock; ++k)
-      ledger.kinetic += 0.5 * mass.second_moments[k] * squared_norm(state_.body_rotation_rate[b].column(k));
+    if (layout.rotation_block[b] != kNoBlock)
+      ledger.kinetic += 0.5 * dot(state_.body_angular_velocity[b], spin(b));
     if (layout.body_block[b] == kNoBlock) continue;
     ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
@@ -156,9 +156,7 @@ Momentum Simulation::momentum() const {
   for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
     const RigidMass& mass = model_->rigid_masses()[b];
     const DofLayout& layout = model_->map().layout();
-    for (int k = 0; k < 3 && layout.rotation_block[b] != kNoBlock; ++k)
-      total.angular += cross(state_.body_rotation[b].column(k), state_.body_rotation_rate[b].column(k)) *
-                       mass.second_moments[k];
+    if (layout.rotation_block[b] != kNoBlock) total.angular += spin(b);
     if (layout.body_block[b] == kNoBlock) continue;
     const Vec3 momentum = state_.body_velocity[b] * mass.mass;
     total.linear += momentum;

@@ -14,16 +14,23 @@ namespace {
 /// and friction sees chords, which are off from the way at their end by half of it.
 constexpr double kLargestTurn = std::numbers::pi / 8.0;
 
+/// The same for free bodies: inertia resists a turn away from free motion by the sine of its angle, which
+/// falls again from a quarter turn on.
+constexpr double kLargestFreeTurn = std::numbers::pi / 2.0;
+
 }  // namespace
 
 double Simulation::longest_turning_step() const {
   const DofLayout& layout = model_->map().layout();
   double longest = std::numeric_limits<double>::infinity();
   for (size_t b = 0; b < state_.body_rotation.size(); ++b) {
-    const bool is_free = layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock;
-    if (!is_free && state_.script_remaining[b] == 0.0)
-      longest = std::min(longest, kLargestTurn / norm(axial(state_.body_rotation_rate[b] *
-                                                            transpose(state_.body_rotation[b]))));
+    if (model_->rigid_masses()[b].is_frame) continue;
+    const bool is_free = layout.rotation_block[b] != kNoBlock;
+    if (is_free ? settings_.time.integrator == Integrator::Quasistatic : state_.script_remaining[b] != 0.0)
+      continue;
+    const double speed = norm(state_.body_angular_velocity[b]);
+    const double turn = is_free ? kLargestFreeTurn : kLargestTurn;
+    longest = std::min(longest, std::max(settings_.time.min_step, turn / speed));
   }
   return longest;
 }
@@ -54,9 +61,8 @@ Configuration Simulation::target_configuration(double h) const {
                                                 : interpolate_rotation(target.body_rotation[b],
                                                                        state_.script_rotation[b], fraction);
     } else if (state_.script_remaining[b] == 0.0) {
-      const Vec3 turn = axial(state_.body_rotation_rate[b] * transpose(state_.body_rotation[b])) * h;
       target.body_position[b] += state_.body_velocity[b] * h;
-      target.body_rotation[b] = exp_rotation(turn) * target.body_rotation[b];
+      target.body_rotation[b] = exp_rotation(state_.body_angular_velocity[b] * h) * target.body_rotation[b];
     }
   }
   return target;

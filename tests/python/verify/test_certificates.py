@@ -109,7 +109,7 @@ def test_masses_of_the_recording_are_those_of_the_solver(tmp_path: Path) -> None
     check = InertiaCheck(run)
     for k in range(3):
         check.add(run.state(k), run.state(k + 1), run.rows[k])
-    assert set(check.worst) == {"kinetic", "gravity", "momentum", "angular_momentum"}
+    assert set(check.worst) == {"kinetic", "gravity", "momentum", "angular_momentum", "turning"}
     for name, (share, where) in check.worst.items():
         assert share < 1.0, (name, where)
 

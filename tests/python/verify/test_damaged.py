@@ -50,7 +50,7 @@ def _edit_json(name: str, change: Callable[[Any], None]) -> Callable[[Path], Non
         (_edit_json("manifest.json", lambda m: m["states"].update(count="x")), "states.count is not a count"),
         (_edit_json("manifest.json", lambda m: m.update(version=9)), "not the manifest of a Stark recording"),
         (_edit_json("manifest.json", lambda m: m.pop("settings")), "has no settings"),
-        (_edit_json("states/scene.json", lambda s: s.update(version=9)), "has version 9, not 1"),
+        (_edit_json("states/scene.json", lambda s: s.update(version=9)), "has version 9, not 2"),
         (_edit_json("states/scene.json", lambda s: s.pop("joints")), "lacks or breaks an entry"),
         (_edit_json("states/scene.json", lambda s: s["bodies"].pop()), "a pair of bodies"),
         (_edit_json("states/scene.json", lambda s: s["bodies"][3].update(inertia=None)), "breaks an entry"),

@@ -292,7 +292,7 @@ def stops() -> stark.Scene:
     )
     bolt.add_limit(lower=-0.01)
     wheel = scene.add_hinge(None, boxes[3], (1.5, 0.0, 0.0), (1, 0, 0), name="wheel")
-    wheel.add_effort(-4.0)
+    wheel.add_effort(-1.0)
     wheel.add_limit(lower=-7.0)
     return scene
 
@@ -465,3 +465,14 @@ def test_values_of_energies_of_the_scene_may_change_the_balance(tmp_path: Path) 
     assert verify(run)["energy_ledger"].status == "verified"
     edit_rows(run, _set(2, "energy", "elastic", factor=2.0))
     assert verify(run)["energy_ledger"].status == "inconclusive"
+
+
+def test_spins_that_no_torque_explains(run: Path) -> None:
+    """Angular velocities are recorded; they must change as the rotations of the steps say."""
+
+    def faster(array: np.ndarray, times: np.ndarray) -> None:
+        array[5:] += (0.0, 0.0, 1e-3)
+
+    edit_states(run, f"angular_velocities_{_CUBE:04d}", faster)
+    claim = verify(run)["reported_momentum"]
+    assert claim.status == "violated"

@@ -1,0 +1,104 @@
+// Rotation of rigid bodies and of frames of rods: what free motion brings them to, and what the torques of a
+// step make of it (step phases 1 and 6). [theory eq. 9a, 9b, 26a]
+#include <stark/base/rotation.h>
+#include <stark/mechanics/free_rotation.h>
+#include <stark/sim/simulation.h>
+
+namespace stark {
+
+namespace {
+
+/// Torque that holds R against inertia, whose energy is least at R_free: the gradient of (9) with respect to
+/// a rotation, the sum of m_k (R_free e_k) x (R e_k) / s^2 [N m].
+Vec3 inertial_torque(const Mat3& R, const Mat3& R_free, const Vec3& second_moments, double s) {
+  Vec3 sum;
+  for (int k = 0; k < 3; ++k) sum += cross(R_free.column(k), R.column(k)) * second_moments[k];
+  return sum / (s * s);
+}
+
+}  // namespace
+
+void Simulation::set_free_rotations(double h) {
+  const State& s = state_;
+  Reference& r = reference_;
+  r.free_rotation = s.body_rotation;
+  r.angular_momentum.assign(s.body_rotation.size(), Vec3{});
+  r.body_rotation_rate.resize(s.body_rotation.size());
+  const std::vector<int32_t>& blocks = model_->map().layout().rotation_block;
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    const Mat3 rate = skew(s.body_angular_velocity[b]) * s.body_rotation[b];
+    r.body_rotation_rate[b] = r.stencil.history == 0.0
+                                  ? rate
+                                  : r.stencil.reference(rate, skew(s.previous_body_angular_velocity[b]) *
+                                                                  s.previous_body_rotation[b]);
+    if (blocks[b] == kNoBlock) continue;
+    const Vec3& J = model_->rigid_masses()[b].moments;
+    const Mat3& R = s.body_rotation[b];
+    const Vec3 L = spin(b);
+    r.free_rotation[b] = free_rotation(R, J, L, h);
+    r.angular_momentum[b] = L;
+    const double c = r.stencil.history;
+    if (c == 0.0) continue;
+    // What is not free motion in the last step, as a turn and as momentum, goes on.
+    const Mat3& R_before = s.previous_body_rotation[b];
+    const Vec3 L_before = angular_momentum(R_before, J, s.previous_body_angular_velocity[b]);
+    const Vec3 turn = log_rotation(R_before * transpose(free_rotation(R, J, L, -s.previous_time_step)));
+    const Vec3 speed = velocity_of_momentum(R, J, L_before - L);
+    r.free_rotation[b] = exp_rotation((turn + speed * r.stencil.scale) * -c) * r.free_rotation[b];
+    r.angular_momentum[b] = L + (L - L_before) * c;
+  }
+}
+
+std::vector<Vec3> Simulation::torques() {
+  const DofLayout& layout = model_->map().layout();
+  const Configuration& end = potential_->configuration();
+  std::vector<Vec3> result(layout.rotation_block.size());
+  const auto is_free = [&](size_t b) { return layout.rotation_block[b] != kNoBlock; };
+  bool has_rigid = false;
+  for (size_t b = 0; b < result.size(); ++b) {
+    if (!is_free(b)) continue;
+    const RigidMass& mass = model_->rigid_masses()[b];
+    result[b] = inertial_torque(end.body_rotation[b], reference_.free_rotation[b], mass.second_moments,
+                                reference_.stencil.scale);
+    has_rigid = has_rigid || !mass.is_frame;
+  }
+  // Frames take what their inertia balances. Rigid bodies take the torques themselves: the residual that
+  // Newton's method leaves is then an error of their place, not of their angular momentum.
+  if (!has_rigid || settings_.time.integrator == Integrator::Quasistatic) return result;
+  scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
+  potential_->evaluate_gradient(scratch_gradient_);
+  for (size_t b = 0; b < result.size(); ++b) {
+    if (!is_free(b) || model_->rigid_masses()[b].is_frame) continue;
+    const double* residual = scratch_gradient_.data() + 3 * layout.rotation_block[b];
+    result[b] -= {residual[0], residual[1], residual[2]};
+  }
+  return result;
+}
+
+void Simulation::commit_rotation(int32_t b, const Vec3& torque, double h) {
+  const Mat3 end = potential_->configuration().body_rotation[b];
+  const bool is_free = model_->map().layout().rotation_block[b] != kNoBlock;
+  const bool keeps_velocity = !is_free && state_.script_remaining[b] == 0.0;
+  if (is_free && settings_.time.integrator != Integrator::Quasistatic) {
+    state_.body_rotation[b] = orthonormalized(end);
+    state_.body_angular_velocity[b] =
+        velocity_of_momentum(state_.body_rotation[b], model_->rigid_masses()[b].moments,
+                             reference_.angular_momentum[b] + torque * reference_.stencil.scale);
+    return;
+  }
+  // Following poses, resting at the last one, or without inertia: the velocity tells what it did.
+  if (!keeps_velocity)
+    state_.body_angular_velocity[b] = log_rotation(end * transpose(state_.body_rotation[b])) / h;
+  state_.body_rotation[b] = is_free ? orthonormalized(end) : end;
+}
+
+Vec3 Simulation::spin(size_t b) const {
+  return angular_momentum(state_.body_rotation[b], model_->rigid_masses()[b].moments,
+                          state_.body_angular_velocity[b]);
+}
+
+Vec3 Simulation::turning_velocity(int32_t b, const Vec3& local) const {
+  return cross(state_.body_angular_velocity[b], state_.body_rotation[b] * local);
+}
+
+}  // namespace stark
