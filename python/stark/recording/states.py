@@ -8,8 +8,8 @@ Layout, beside the frames::
     states/chunk_000000.npz    times (k,), positions_0000 (k, n, 3) float64 [m]; poses_0000 (k, 4, 3) of rigid
                                bodies (position, then the rows of the rotation); frames_0000 (k, n, 3, 3) of
                                rods; angular_velocities_0000 (k, 3) [rad/s] of rigid bodies, (k, n, 3) of the
-                               frames of rods; joints (k, j), attachments (k, p) and actuators (k, m): what was
-                               enabled; actuator_values (k, v): those of all actuators in a row
+                               frames of rods; joints (k, j), attachments (k, p) and actuators (k, m): what
+                               was enabled; actuator_values (k, v): those of all actuators in a row
 
 A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
 """
