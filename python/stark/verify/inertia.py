@@ -1,8 +1,8 @@
 """Kinetic and gravitational energy and momentum of the states, against what the solver reported.
 
 Velocities are differences of positions over the time step, which is what they are in implicit Euler steps;
-angular velocities are recorded, and must follow from the rotations (rotation.py). Masses come from mesh and density
-(recording/masses.py)."""
+angular velocities are recorded, and must follow from the rotations (rotation.py). Masses come from mesh and
+density (recording/masses.py)."""
 
 from __future__ import annotations
 
@@ -118,8 +118,8 @@ class InertiaCheck:
     def _add_turning(
         self, sums: Sums, weights: _Weights, states: tuple[State, State], i: int, row: dict[str, Any]
     ) -> tuple[float, float]:
-        """Adds rotation, and returns the largest change of an angular momentum that the rotations do not explain,
-        with what is allowed [kg m^2/s]."""
+        """Adds rotation, and returns the largest change of an angular momentum that the rotations do not
+        explain, with what is allowed [kg m^2/s]."""
         turning = weights.turning(*states, i)
         if turning is None:
             return 0.0, 0.0
@@ -129,8 +129,9 @@ class InertiaCheck:
         sums.kinetic += 0.5 * float((after * w1).sum())
         sums.angular += after.sum(axis=0)
         sums.angular_error += _RELATIVE * float(np.abs(after).sum())
-        # What Newton's method leaves unbalanced is an error of the rotation; free motion is known to the accuracy
-        # of a midpoint rule with substeps of 0.05 rad; the rest is rounding, of penalties of joints, too.
+        # What Newton's method leaves unbalanced is an error of the rotation; free motion is known to the
+        # accuracy of a midpoint rule with substeps of 0.05 rad; the rest is rounding, of penalties of joints,
+        # too.
         wrong = np.linalg.norm(after - before - impulse(R0, R1, moments, before, h), axis=1)
         allowed = _RELATIVE * np.linalg.norm(before, axis=1) + moments.sum(axis=1) * _TURNING_ROUNDING / h
         allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(w0, before), axis=1)
@@ -157,8 +158,8 @@ class InertiaCheck:
             ),
             self._claim(
                 "reported_momentum",
-                "linear and angular momentum that the solver reports are those of the states, and angular momenta "
-                "change as the rotations say",
+                "linear and angular momentum that the solver reports are those of the states, and angular "
+                "momenta change as the rotations say",
                 ("momentum", "angular_momentum", "turning"),
             ),
         ]
@@ -213,8 +214,8 @@ class _Weights:
         return [(np.array([self.mass]), before[None], after[None])]
 
     def turning(self, start: State, end: State, i: int) -> _Turning | None:
-        """Moments of inertia (n, 3), then rotations of the principal axes and angular velocities at the start and
-        at the end; None for bodies whose points only move."""
+        """Moments of inertia (n, 3), then rotations of the principal axes and angular velocities at the start
+        and at the end; None for bodies whose points only move."""
         states = start, end
         if self.body.kind == "rigid":
             second = self.moments[None]
@@ -234,8 +235,8 @@ class _Weights:
         return moments, (rotations[0], rates[0]), (rotations[1], rates[1])
 
     def inertia_per_reach(self, state: State, i: int) -> float:
-        """Torque that accelerates the surface of a rigid body by 1 m/s^2 [kg m]: the smallest moment of inertia
-        over the largest distance of a vertex from the centre of mass."""
+        """Torque that accelerates the surface of a rigid body by 1 m/s^2 [kg m]: the smallest moment of
+        inertia over the largest distance of a vertex from the centre of mass."""
         pose = state.poses[i]
         if pose is None:
             return 0.0

@@ -1,7 +1,9 @@
-"""Angular momentum of rigid bodies and frames of rods, and how a step changes it: an implicit Euler step holds a
-body against its free motion, sum of m_k (R_free e_k) x (R e_k) / h^2, with the torques that change its momentum.
+"""Angular momentum of rigid bodies and frames of rods, and how a step changes it: an implicit Euler step
+holds a body against its free motion, sum of m_k (R_free e_k) x (R e_k) / h^2, with the torques that change its
+momentum.
 
-Many bodies at once: rotations (n, 3, 3) map principal axes to the world, moments (n, 3) are those of inertia."""
+Many bodies at once: rotations (n, 3, 3) map principal axes to the world, moments (n, 3) are those of inertia.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,8 @@ def momentum(rotations: Floats, moments: Floats, angular_velocities: Floats) -> 
 
 
 def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, h: float) -> Floats:
-    """Change of the angular momenta ``before`` (n, 3) in an implicit Euler step of length h that brought the
-    rotations from ``start`` to ``end`` (n, 3) [kg m^2/s]."""
+    """Change of the angular momenta ``before`` (n, 3) in an implicit Euler step of length h that brought
+    the rotations from ``start`` to ``end`` (n, 3) [kg m^2/s]."""
     free = free_rotation(start, moments, before, h)
     second = 0.5 * moments.sum(axis=1, keepdims=True) - moments
     torques: Floats = (np.cross(free, end, axis=1).transpose(0, 2, 1) * second[:, :, None]).sum(axis=1)

@@ -58,8 +58,8 @@ def test_angular_momentum_of_a_free_body_is_kept(integrator: str, h: float) -> N
 
 @pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
 def test_tumbling_keeps_its_energy(integrator: str) -> None:
-    """Moments 1 : 2 : 3 about the middle axis, 10 rad/s, 10 s of steps of 1/60 s. The midpoint rule on the group
-    is symmetric: its energy swings by (w k)^2/24 where a substep k turns by 0.05 rad, without drift."""
+    """Moments 1 : 2 : 3 about the middle axis, 10 rad/s, 10 s of steps of 1/60 s. The midpoint rule on the
+    group is symmetric: its energy swings by (w k)^2/24 where a substep k turns by 0.05 rad, without drift."""
     scene = stark.Scene()
     inertia = (1.0, (0.0, 0.0, 0.0), np.diag([0.01, 0.02, 0.03]))
     scene.add_box(0.1, inertia=inertia, angular_velocity=(0.01, 10.0, 0.01))
