@@ -1,6 +1,6 @@
 """Angular momentum of rigid bodies and frames of rods, and how a step changes it: an implicit Euler step
-holds a body against its free motion, sum of m_k (R_free e_k) x (R e_k) / h^2, with the torques that change its
-momentum.
+holds a body against its free motion, sum of m_k (R_free e_k) x (R e_k) / h^2, with the torques that change
+its momentum.
 
 Many bodies at once: rotations (n, 3, 3) map principal axes to the world, moments (n, 3) are those of inertia.
 """
