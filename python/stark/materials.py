@@ -187,7 +187,9 @@ def _flat(fields: _Fields, law: _Law | None) -> dict[str, tuple[NDArray[np.float
     }
 
 
-def _text(value: float | NDArray[np.float64]) -> str:
+def _text(value: float | str | NDArray[np.float64]) -> str:
+    if isinstance(value, str):
+        return repr(value)
     return f"{value:g}" if np.ndim(value) == 0 else f"<array of shape {np.shape(value)}>"
 
 
@@ -207,6 +209,8 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
     poissons_ratio: float
     strain_limit: float
     strain_limit_stiffness: float
+    strain_limit_hardening: float
+    strain_limit_law: str
     bending_stiffness: float
     flexural_rigidity: float
     mass_damping: float
@@ -225,6 +229,8 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
     poissons_ratio: float
     strain_limit: float
     strain_limit_stiffness: float
+    strain_limit_hardening: float
+    strain_limit_law: str
     mass_damping: float
     strain_damping: float
 

@@ -145,3 +145,36 @@ TEST_CASE("the reference of a measure is its own extrapolation: exact for square
   CHECK(std::fabs(error(2, 0.1)) < 1e-15);
   CHECK(error(4, 0.1) / error(4, 0.05) == doctest::Approx(8.0).epsilon(0.2));
 }
+
+TEST_CASE("of a one-sided potential only blocks with energy are evaluated, with the same bits") {
+  PotentialDefinition definition = define_potential("one_sided", 1, "", [](PotentialBuilder& b) {
+    const auto excess = symbolic::max(b.x(0)[0] - b.parameter("limit", "1", ""), 0.0);
+    return excess * excess * excess;
+  });
+  definition.translation_invariant = definition.rotation_invariant = false;
+  for (const bool one_sided : {false, true}) {
+    definition.one_sided = one_sided;
+    std::vector<int32_t> stencils;
+    std::vector<Vec3> x;
+    for (int e = 0; e < 60; ++e) {
+      stencils.push_back(e);
+      const bool acts =
+          e == 3 || (e >= 16 && e < 40) || e == 59;  // blocks 0, 2, 3, 4 and 7, the last one short
+      x.push_back({acts ? 1.0 + 0.1 * e : 0.5, 0.0, 0.0});
+    }
+    PotentialBatch batch = make_batch(definition, stencils);
+    batch.set_uniform("limit", 1.0);
+    const int outputs = batch.potential().kernel().output_count(Order::Hessian);
+    AlignedVector<double> all(static_cast<size_t>(8) * outputs * kLanes), some(all.size());
+    batch.evaluate(Order::Hessian, x, 0, 8, all.data());
+    const PotentialBatch::ActiveBlocks active = batch.evaluate_active(Order::Hessian, x, 0, 8, some.data());
+    const std::vector<int64_t> expected =
+        one_sided ? std::vector<int64_t>{0, 2, 3, 4, 7} : std::vector<int64_t>{0, 1, 2, 3, 4, 5, 6, 7};
+    REQUIRE(active.count == static_cast<int>(expected.size()));
+    for (int k = 0; k < active.count; ++k) {
+      CHECK(active.blocks[k] == expected[k]);
+      for (int64_t i = 0; i < outputs * kLanes; ++i)
+        CHECK(some[k * outputs * kLanes + i] == all[expected[k] * outputs * kLanes + i]);
+    }
+  }
+}

@@ -19,6 +19,7 @@ TEST_CASE("presets have the documented numbers") {
   CHECK(cotton.poissons_ratio == 0.3);
   CHECK(cotton.strain_limit == 0.1);
   CHECK(cotton.strain_limit_stiffness == 1e6);
+  CHECK(cotton.strain_limit_law == StrainLimitLaw::GreenStrain);
   CHECK(cotton.bending_stiffness == 1e-6);
   CHECK(cotton.mass_damping == 0.1);
   CHECK(cotton.strain_damping == 0.5);
@@ -45,6 +46,7 @@ TEST_CASE("every parameter refuses values outside its range and keeps the defaul
     using Material = decltype(material);
     CHECK_NOTHROW(validate(material, "default"));
     for (const Field& field : Material::fields().fields()) {
+      if (field.type != FieldType::Real) continue;
       CAPTURE(field.name);
       for (const double bad : {-1.0, nan, -std::numeric_limits<double>::infinity()}) {
         Material changed = material;

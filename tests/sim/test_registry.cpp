@@ -212,6 +212,22 @@ TEST_CASE("no energy prefers a direction of space: all vectors turned together l
   });
 }
 
+TEST_CASE("potentials declared one-sided have no derivatives where they have no energy") {
+  int tested = 0;
+  sweep([&](const PotentialDefinition& definition, const Potential& potential, const FilledSample& sample) {
+    if (!definition.one_sided) return;
+    CHECK(energy(potential, sample, sample.x) > 0.0);
+    CHECK(potential.is_one_sided());
+    std::vector<Vec3> shrunk;
+    for (const Vec3& p : sample.X) shrunk.push_back(p * 0.9);
+    CHECK(energy(potential, sample, shrunk) == 0.0);
+    CHECK(largest(gradient(potential, sample, shrunk)) == 0.0);
+    CHECK(largest(hessian(potential, sample, shrunk)) == 0.0);
+    ++tested;
+  });
+  CHECK(tested >= 3 * kSamples);
+}
+
 TEST_CASE("potentials declared zero at rest have neither energy nor force there") {
   int tested = 0;
   sweep([&](const PotentialDefinition& definition, const Potential& potential, const FilledSample& sample) {

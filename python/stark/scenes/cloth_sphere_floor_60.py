@@ -4,7 +4,7 @@ from typing import Any
 
 import stark
 
-from ._common import bench_settings, heights
+from ._common import bench_cotton, bench_settings, heights
 
 until = 0.5  # [s]
 
@@ -16,7 +16,7 @@ def settings() -> dict[str, object]:
 def build() -> stark.Scene:
     scene = stark.Scene()
     cloth = scene.add_cloth(
-        stark.mesh.grid(1.0, 1.0, cells=60), stark.materials.cotton, name="cloth", position=(0.01, 0.02, 0.53)
+        stark.mesh.grid(1.0, 1.0, cells=60), bench_cotton(), name="cloth", position=(0.01, 0.02, 0.53)
     )
     sphere = scene.add_sphere(0.25, subdivisions=3, name="sphere", position=(0.0, 0.0, 0.26), motion="fixed")
     floor = scene.add_box((4.0, 4.0, 0.1), name="floor", position=(0.0, 0.0, -0.05), motion="fixed")

@@ -6,7 +6,7 @@ import numpy as np
 
 import stark
 
-from ._common import bench_settings, heights
+from ._common import bench_cotton, bench_settings, heights
 
 until = 3.0  # [s]
 
@@ -18,7 +18,7 @@ def settings() -> dict[str, object]:
 def build() -> stark.Scene:
     scene = stark.Scene()
     mesh = stark.mesh.grid(1.0, 1.0, cells=50)
-    cloth = scene.add_cloth(mesh, stark.materials.cotton, name="cloth")
+    cloth = scene.add_cloth(mesh, bench_cotton(), name="cloth")
     x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
     cloth.pin(np.flatnonzero((np.abs(np.abs(x) - 0.5) < 1e-9) & (np.abs(y - 0.5) < 1e-9)))
     return scene

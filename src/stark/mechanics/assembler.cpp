@@ -15,7 +15,8 @@ using symbolic::Order;
 namespace {
 
 constexpr int64_t kChunkBlocks = 32;  ///< blocks of lanes in a task: 256 elements
-constexpr int64_t kGroupBlocks = 8;   ///< blocks whose Hessians are kept in cache together
+constexpr int64_t kGroupBlocks =
+    PotentialBatch::kGroupBlocks;  ///< blocks whose Hessians are kept in cache together
 
 /// Blocks of lanes in a coloured chunk. Large chunks reuse the rows of the matrix while they are in cache;
 /// small meshes get smaller ones, so that there are some for each thread. Depends on the mesh only.
@@ -174,10 +175,12 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
   const int64_t last_block = (chunk.last + kLanes - 1) / kLanes;
   for (int64_t group = chunk.first / kLanes; group < last_block; group += kGroupBlocks) {
     const int64_t group_end = std::min(group + kGroupBlocks, last_block);
-    batch.evaluate(Order::Hessian, x, group, group_end, out.data());
-    if (options.project) projected_count_ += project_blocks(batch.potential(), group_end - group, out.data());
-    for (int64_t block = group; block < group_end; ++block) {
-      const double* lanes = out.data() + (block - group) * outputs * kLanes;
+    const auto active = batch.evaluate_active(Order::Hessian, x, group, group_end, out.data());
+    if (options.project) projected_count_ += project_blocks(batch.potential(), active.count, out.data());
+    std::fill(plan.energies.begin() + group * kLanes, plan.energies.begin() + group_end * kLanes, 0.0);
+    for (int k = 0; k < active.count; ++k) {
+      const int64_t block = active.blocks[k];
+      const double* lanes = out.data() + k * outputs * kLanes;
       const int64_t first = block * kLanes, count = lanes_used(batch, block);
       std::copy_n(lanes, count, plan.energies.data() + first);
       scatter_gradients(lanes + kLanes, points, count, plan.blocks.data() + first * points,

@@ -67,6 +67,7 @@ ConstitutiveLaw<columns> sum_of(std::string name, const std::vector<Constitutive
     total.zero_at_rest = total.zero_at_rest && law.zero_at_rest;
     total.objective = total.objective && law.objective;
     total.isotropic = total.isotropic && law.isotropic;
+    total.one_sided = total.one_sided && law.one_sided;
   }
   return total;
 }
@@ -79,6 +80,7 @@ PotentialDefinition element_of(const ConstitutiveLaw<columns>& law, int points, 
       define_potential(law.name, points, law.doc + " of " + element, std::move(energy));
   definition.zero_at_rest = law.zero_at_rest;
   definition.rotation_invariant = law.objective;
+  definition.one_sided = law.one_sided;
   if (law.sample)
     definition.sample = [sample = law.sample](std::mt19937_64& random) {
       PotentialSample result;

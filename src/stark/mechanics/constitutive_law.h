@@ -47,6 +47,7 @@ struct ConstitutiveLaw {
   /// Declared: the material directions are equivalent, so that any frame of a shell will do. Shells of other
   /// laws get the parameter `warp_direction`.
   bool isotropic = true;
+  bool one_sided = false;  ///< declared, see PotentialDefinition
   /// Values of parameters for the automatic tests; those left out are in [0.5, 1.5].
   std::function<std::map<std::string, std::vector<double>>(std::mt19937_64&)> sample;
 };

@@ -194,7 +194,9 @@ Potential::Potential(const PotentialDefinition& definition, symbolic::Backend ba
     : Potential([&] {
         PotentialBuilder builder(definition.point_count, per_element);
         const Scalar energy = definition.energy(builder);
-        return Potential(definition.name, builder, energy, backend, definition.translation_invariant);
+        Potential result(definition.name, builder, energy, backend, definition.translation_invariant);
+        result.one_sided_ = definition.one_sided;
+        return result;
       }()) {}
 
 Potential::Potential(std::string name, const PotentialBuilder& builder, const Scalar& energy,
@@ -232,6 +234,7 @@ PotentialDefinition compose(std::string name, const std::vector<PotentialDefinit
     sum.translation_invariant = sum.translation_invariant && term.translation_invariant;
     sum.rotation_invariant = sum.rotation_invariant && term.rotation_invariant;
     sum.zero_at_rest = sum.zero_at_rest && term.zero_at_rest;
+    sum.one_sided = sum.one_sided && term.one_sided;
   }
   return sum;
 }

@@ -74,6 +74,9 @@ struct PotentialDefinition {
   bool translation_invariant = true;  ///< declared; checked by the registry sweep
   bool rotation_invariant = true;     ///< declared; checked by the registry sweep
   bool zero_at_rest = false;  ///< declared: no energy and no force at x = x_prev = X; checked likewise
+  /// Declared: where the energy is exactly zero, so are gradient and Hessian, as of a penalty that does not
+  /// act. Elements without energy are then left out of assembly; checked likewise.
+  bool one_sided = false;
   std::function<PotentialSample(std::mt19937_64&)> sample;  ///< empty: the defaults of PotentialSample
 };
 
@@ -153,6 +156,7 @@ class Potential {
   const std::string& name() const { return name_; }
   int point_count() const { return point_count_; }
   bool is_translation_invariant() const { return translation_invariant_; }
+  bool is_one_sided() const { return one_sided_; }
   int element_width() const { return element_width_; }
   int uniform_width() const { return uniform_width_; }
   const std::vector<ElementField>& element_fields() const { return element_fields_; }
@@ -163,6 +167,7 @@ class Potential {
   std::string name_;
   int point_count_ = 0;
   bool translation_invariant_ = true;
+  bool one_sided_ = false;
   int element_width_ = 0, uniform_width_ = 0;
   std::vector<ElementField> element_fields_;
   std::vector<UniformField> uniform_fields_;

@@ -107,16 +107,45 @@ void PotentialBatch::gather(std::span<const Vec3> x, int64_t first, int64_t last
 
 void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                               double* out) const {
-  // Gathering at least 64 elements before running the kernel avoids store-forwarding stalls (docs/theory.md).
-  constexpr int64_t kGroup = 8;
   thread_local AlignedVector<double> unknowns;
-  unknowns.resize(static_cast<size_t>(kGroup) * 3 * point_count() * kLanes);
+  unknowns.resize(static_cast<size_t>(kGroupBlocks) * 3 * point_count() * kLanes);
   const int outputs = potential_->kernel().output_count(order);
-  for (int64_t group = first; group < last; group += kGroup) {
-    const int64_t group_end = std::min(group + kGroup, last);
+  for (int64_t group = first; group < last; group += kGroupBlocks) {
+    const int64_t group_end = std::min(group + kGroupBlocks, last);
     gather(x, group, group_end, unknowns.data());
     evaluate_lanes(order, unknowns.data(), group, group_end, out + (group - first) * outputs * kLanes);
   }
+}
+
+PotentialBatch::ActiveBlocks PotentialBatch::evaluate_active(symbolic::Order order, std::span<const Vec3> x,
+                                                             int64_t first, int64_t last, double* out) const {
+  STARK_CHECK(last - first <= kGroupBlocks);
+  ActiveBlocks active;
+  if (!potential_->is_one_sided()) {
+    evaluate(order, x, first, last, out);
+    for (int64_t block = first; block < last; ++block) active.blocks[active.count++] = block;
+    return active;
+  }
+  thread_local AlignedVector<double> unknowns, energies;
+  const int64_t width = static_cast<int64_t>(3) * point_count() * kLanes;
+  unknowns.resize(static_cast<size_t>(kGroupBlocks * width));
+  energies.resize(static_cast<size_t>(kGroupBlocks) * kLanes);
+  gather(x, first, last, unknowns.data());
+  evaluate_lanes(symbolic::Order::Energy, unknowns.data(), first, last, energies.data());
+  const auto acts = [&](int64_t block) {  // energies that are not numbers count
+    const double* lanes = energies.data() + (block - first) * kLanes;
+    return !std::all_of(lanes, lanes + kLanes, [](double energy) { return energy == 0.0; });
+  };
+  const int outputs = potential_->kernel().output_count(order);
+  for (int64_t run = first; run < last;) {
+    int64_t end = run;
+    for (; end < last && acts(end); ++end) active.blocks[active.count++] = end;
+    if (end > run)
+      evaluate_lanes(order, unknowns.data() + (run - first) * width, run, end,
+                     out + (active.count - (end - run)) * outputs * kLanes);
+    run = end + 1;
+  }
+  return active;
 }
 
 void PotentialBatch::evaluate_lanes(symbolic::Order order, const double* unknowns, int64_t first,

@@ -3,6 +3,7 @@
 // phase 4c).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,6 +16,10 @@ namespace stark {
 
 class PotentialBatch {
  public:
+  /// Blocks of lanes that are gathered before the kernel runs: 64 elements at least avoid store-forwarding
+  /// stalls.
+  static constexpr int64_t kGroupBlocks = 8;
+
   explicit PotentialBatch(std::shared_ptr<const Potential> potential);
 
   const Potential& potential() const { return *potential_; }
@@ -58,6 +63,15 @@ class PotentialBatch {
   /// lanes of the last block repeat the last element.
   void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                 double* out) const;
+  /// The same of the blocks that act, one after another; returns how many there are and which. Of a one-sided
+  /// potential those without energy do not: their derivatives are zero, and nothing is written for them. At
+  /// most kGroupBlocks blocks.
+  struct ActiveBlocks {
+    int count = 0;
+    std::array<int64_t, kGroupBlocks> blocks{};
+  };
+  ActiveBlocks evaluate_active(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
+                               double* out) const;
   /// Outputs of an order for all elements, [element][output].
   std::vector<double> evaluate(symbolic::Order order, std::span<const Vec3> x) const;
   /// Outputs of a function of the same inputs for all elements, [element][output].

@@ -120,6 +120,11 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
   stiffness.values.resize(static_cast<size_t>(9) * batch_.node_count() * batch_.padded_nodes());
   for (int64_t first = chunk.first; first < chunk.last; first += kGroupElements) {
     const int64_t group = first / kGroupElements;
+    if (potential.is_one_sided() && !has_energy(x, group, law)) {
+      std::fill(energies_.begin() + first, energies_.begin() + std::min(first + kGroupElements, chunk.last),
+                0.0);
+      continue;
+    }
     batch_.evaluate(Order::Hessian, x, group, group + 1, law.data());
     const int64_t blocks = batch_.block_of_group(group + 1) - batch_.block_of_group(group);
     if (target.project) target.projected_count += project_blocks(potential, blocks, law.data());
@@ -131,6 +136,13 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
       add_element(e, stiffness, target);
     }
   }
+}
+
+bool QuadraturePlan::has_energy(std::span<const Vec3> x, int64_t group, std::span<double> work) const {
+  batch_.evaluate(Order::Energy, x, group, group + 1, work.data());
+  const int64_t blocks = batch_.block_of_group(group + 1) - batch_.block_of_group(group);
+  const auto energies = work.first(static_cast<size_t>(blocks * kLanes));
+  return std::ranges::any_of(energies, [](double energy) { return energy != 0.0; });
 }
 
 void QuadraturePlan::compute_gradient(int64_t element, const double* law, int outputs, int64_t first_lane,

@@ -44,6 +44,8 @@ class QuadraturePlan {
 
  private:
   void assemble_chunk(const Chunk& chunk, std::span<const Vec3> x, const Target& target);
+  /// Whether some point of a group has energy. `work`: a number for each lane.
+  bool has_energy(std::span<const Vec3> x, int64_t group, std::span<double> work) const;
   /// `law`: outputs of the group's blocks of lanes; element numbers count from the group's first.
   /// Sum of the stresses at the points times the gradients of the shape functions: [3 i][padded a].
   void compute_gradient(int64_t element, const double* law, int outputs, int64_t first_lane,

@@ -17,10 +17,19 @@ const FieldTable& ShellMaterial::fields() {
        field(&S::youngs_modulus, "youngs_modulus", "Pa", positive(), "Young's modulus of the membrane"),
        field(&S::poissons_ratio, "poissons_ratio", "1", half_open_interval(0.0, 0.5),
              "Poisson's ratio of the membrane"),
-       field(&S::strain_limit, "strain_limit", "1", positive_or_infinity(),
-             "stretch of an edge minus 1 above which the membrane stiffens"),
+       field(
+           &S::strain_limit, "strain_limit", "1", positive_or_infinity(),
+           "strain above which the membrane stiffens: Green strain in any direction, or by the law edges the "
+           "stretch of edges minus 1"),
        field(&S::strain_limit_stiffness, "strain_limit_stiffness", "Pa", non_negative(),
              "stiffness above the strain limit"),
+       field(&S::strain_limit_hardening, "strain_limit_hardening", "1", non_negative(),
+             "growth of that stiffness once the excess reaches the limit itself, as a factor; 0: none; not "
+             "of the "
+             "law edges"),
+       field(
+           &S::strain_limit_law, "strain_limit_law",
+           "what is limited: green_strain, its eigenvalues, or edges, the stretch of the edges of the mesh"),
        field(&S::bending_stiffness, "bending_stiffness", "J", non_negative(),
              "bending stiffness of the hinges, cheap but dependent on the mesh"),
        field(
@@ -43,9 +52,17 @@ const FieldTable& SolidMaterial::fields() {
        field(&S::youngs_modulus, "youngs_modulus", "Pa", positive(), "Young's modulus"),
        field(&S::poissons_ratio, "poissons_ratio", "1", half_open_interval(0.0, 0.5), "Poisson's ratio"),
        field(&S::strain_limit, "strain_limit", "1", positive_or_infinity(),
-             "stretch of an edge minus 1 above which the solid stiffens"),
+             "strain above which the solid stiffens: Green strain in any direction, or by the law edges the "
+             "stretch of edges minus 1"),
        field(&S::strain_limit_stiffness, "strain_limit_stiffness", "Pa", non_negative(),
              "stiffness above the strain limit"),
+       field(&S::strain_limit_hardening, "strain_limit_hardening", "1", non_negative(),
+             "growth of that stiffness once the excess reaches the limit itself, as a factor; 0: none; not "
+             "of the "
+             "law edges"),
+       field(
+           &S::strain_limit_law, "strain_limit_law",
+           "what is limited: green_strain, its eigenvalues, or edges, the stretch of the edges of the mesh"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "Pa s", non_negative(),
              "damping of the rate of Green strain")});
@@ -224,7 +241,10 @@ RodMaterial steel_wire() {
 
 const std::vector<Preset<ShellMaterial>>& shell_presets() {
   static const std::vector<Preset<ShellMaterial>> presets = {
-      {"cotton", "light woven cotton as in the public preset Cotton_Fabric of the paper's authors", cotton()},
+      {"cotton",
+       "light woven cotton as in the public preset Cotton_Fabric of the paper's authors, which has no "
+       "strain_limit_hardening",
+       cotton()},
       {"towel", "terry towel measured for the robot experiments of the Stark paper, section IV-A", towel()},
       {"paper",
        "office paper, 80 g/m^2 and 0.1 mm; modulus of the two directions averaged, Alava and Niskanen 2006",
@@ -239,7 +259,9 @@ const std::vector<Preset<ShellMaterial>>& shell_presets() {
 
 const std::vector<Preset<SolidMaterial>>& solid_presets() {
   static const std::vector<Preset<SolidMaterial>> presets = {
-      {"soft_rubber", "very soft rubber as in the public preset Soft_Rubber of the paper's authors",
+      {"soft_rubber",
+       "very soft rubber as in the public preset Soft_Rubber of the paper's authors, which has no "
+       "strain_limit_hardening",
        soft_rubber()},
       {"silicone", "soft platinum-cure silicone, Smooth-On Ecoflex 00-30 data sheet", silicone()},
       {"foam",

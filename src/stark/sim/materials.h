@@ -12,6 +12,14 @@
 
 namespace stark {
 
+/// What a strain limit bounds: the eigenvalues of the Green strain (s^2 - 1)/2 of a stretch s, in every
+/// direction; or the stretch minus 1 of the edges of the mesh, which leaves directions without edges free.
+enum class StrainLimitLaw : uint8_t { GreenStrain, Edges };
+template <>
+struct EnumNames<StrainLimitLaw> {
+  static constexpr std::array<std::string_view, 2> kNames{"green_strain", "edges"};
+};
+
 /// Cloth and thin shells. Membrane: Neo-Hookean with thickness h; bending: discrete hinges with a stiffness
 /// in joules [Bergou 2006]; above strain_limit a stiffening term acts; damping is relative to the strain and
 /// bending rates.
@@ -20,14 +28,15 @@ struct ShellMaterial {
   double thickness = 1e-3;      ///< [m] of the membrane energy only; contact has its own distance
   double youngs_modulus = 5e3;  ///< [Pa]
   double poissons_ratio = 0.3;
-  double strain_limit =
-      std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
-  double strain_limit_stiffness = 1e6;          ///< [Pa]
-  double bending_stiffness = 1e-6;              ///< [J] of hinges, cheap but dependent on the mesh
-  double flexural_rigidity = 0.0;               ///< [N m] of a plate; where positive, in place of the hinges
-  double mass_damping = 0.0;                    ///< [1/s]
-  double strain_damping = 0.0;                  ///< [N s/m]
-  double bending_damping = 0.0;                 ///< [J s]
+  double strain_limit = std::numeric_limits<double>::infinity();  ///< see StrainLimitLaw; infinity: no limit
+  double strain_limit_stiffness = 1e6;                            ///< [Pa]
+  double strain_limit_hardening = 500.0;  ///< growth of that stiffness, as a factor; 0: as published
+  StrainLimitLaw strain_limit_law = StrainLimitLaw::GreenStrain;
+  double bending_stiffness = 1e-6;  ///< [J] of hinges, cheap but dependent on the mesh
+  double flexural_rigidity = 0.0;   ///< [N m] of a plate; where positive, in place of the hinges
+  double mass_damping = 0.0;        ///< [1/s]
+  double strain_damping = 0.0;      ///< [N s/m]
+  double bending_damping = 0.0;     ///< [J s]
   static const FieldTable& fields();
 };
 
@@ -36,11 +45,12 @@ struct SolidMaterial {
   double density = 1000.0;      ///< [kg/m^3]
   double youngs_modulus = 1e4;  ///< [Pa]
   double poissons_ratio = 0.3;
-  double strain_limit =
-      std::numeric_limits<double>::infinity();  ///< stretch of an edge minus 1; infinity: no limit
-  double strain_limit_stiffness = 1e2;          ///< [Pa]
-  double mass_damping = 0.0;                    ///< [1/s]
-  double strain_damping = 0.0;                  ///< [Pa s]
+  double strain_limit = std::numeric_limits<double>::infinity();  ///< see StrainLimitLaw; infinity: no limit
+  double strain_limit_stiffness = 1e2;                            ///< [Pa]
+  double strain_limit_hardening = 500.0;  ///< growth of that stiffness, as a factor; 0: as published
+  StrainLimitLaw strain_limit_law = StrainLimitLaw::GreenStrain;
+  double mass_damping = 0.0;    ///< [1/s]
+  double strain_damping = 0.0;  ///< [Pa s]
   static const FieldTable& fields();
 };
 

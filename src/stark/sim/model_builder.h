@@ -65,8 +65,12 @@ struct Model::Builder {
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
                             std::span<const int32_t> stencils, const std::string& body);
   void add_plate_bending(const ClothDescription& cloth, const ModelBody& body, const std::string& name);
-  void add_strain_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
-                        const ModelBody& body, const std::string& name);
+  void add_elements(const SolidMesh& mesh, const ElasticEnergy& energy, const ModelBody& body,
+                    const std::string& name);
+  void add_strain_limit(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
+  void add_strain_limit(const SolidDescription& solid, const ModelBody& body, const std::string& name);
+  void add_edge_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
+                      const ModelBody& body, const std::string& name);
   void add_inertia();
 
   // The user's own energies (model_energies.cpp)

@@ -29,6 +29,19 @@ WeightedEdges solid_edges(const SolidMesh& mesh) {
   return result;
 }
 
+template <typename Material>
+bool limits_strain(const Material& material) {
+  return std::isfinite(material.strain_limit) && material.strain_limit_stiffness > 0.0;
+}
+
+/// Parameters of the limit of the Green strain.
+template <typename Material>
+ParameterValues limit_values(const Material& material) {
+  return {{"strain_limit", {{material.strain_limit}, false}},
+          {"strain_limit_stiffness", {{material.strain_limit_stiffness}, false}},
+          {"strain_limit_hardening", {{material.strain_limit_hardening}, false}}};
+}
+
 }  // namespace
 
 void Model::Builder::add_deformables() {
@@ -71,14 +84,42 @@ void Model::Builder::set_masses(const ModelBody& body, std::span<const double> m
   }
 }
 
-void Model::Builder::add_strain_limit(const WeightedEdges& edges, double scale, double limit,
-                                      double stiffness, const ModelBody& body, const std::string& name) {
-  if (!std::isfinite(limit)) return;
+void Model::Builder::add_edge_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,
+                                    const ModelBody& body, const std::string& name) {
   PotentialBatch& batch =
-      add_batch(models::strain_limit(), offset_stencils(edges.edges, body.first_site), name);
+      add_batch(models::edge_strain_limit(), offset_stencils(edges.edges, body.first_site), name);
   for (int64_t e = 0; e < batch.size(); ++e) batch.set("volume", e, scale * edges.weights[e]);
   batch.set_uniform("strain_limit", limit);
   batch.set_uniform("strain_limit_stiffness", stiffness);
+}
+
+void Model::Builder::add_strain_limit(const ClothDescription& sheet, const ModelBody& body,
+                                      const std::string& name) {
+  const ShellMaterial& material = sheet.material;
+  if (!limits_strain(material)) return;
+  const std::vector<Index3>& triangles = sheet.mesh.triangles;
+  if (material.strain_limit_law == StrainLimitLaw::Edges) {
+    const std::vector<Index2> edges = find_edges(std::span<const Index3>(triangles));
+    add_edge_limit({edges, compute_edge_areas(sheet.mesh.vertices, triangles, edges)}, material.thickness,
+                   material.strain_limit, material.strain_limit_stiffness, body, name);
+    return;
+  }
+  ParameterValues values = limit_values(material);
+  values["thickness"] = {{material.thickness}, false};
+  add_batch(models::membrane_strain_limit(), offset_stencils(triangles, body.first_site), name, values);
+}
+
+void Model::Builder::add_strain_limit(const SolidDescription& solid, const ModelBody& body,
+                                      const std::string& name) {
+  const SolidMaterial& material = solid.material;
+  if (!limits_strain(material)) return;
+  if (material.strain_limit_law == StrainLimitLaw::Edges) {
+    add_edge_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness, body,
+                   name);
+  } else {
+    const auto element = solid.mesh.type == ElementType::Tet4 ? tet4 : quadrature_point;
+    add_elements(solid.mesh, {element(models::strain_limit()), limit_values(material)}, body, name);
+  }
 }
 
 void Model::Builder::add_cloth_energies(BodyId id) {
@@ -102,9 +143,7 @@ void Model::Builder::add_shell_energies(const ClothDescription& sheet, const Mod
     bending.set_uniform("bending_stiffness", material.bending_stiffness);
     bending.set_uniform("bending_damping", material.bending_damping);
   }
-  const std::vector<Index2> edges = find_edges(std::span<const Index3>(triangles));
-  add_strain_limit({edges, compute_edge_areas(sheet.mesh.vertices, triangles, edges)}, material.thickness,
-                   material.strain_limit, material.strain_limit_stiffness, body, name);
+  add_strain_limit(sheet, body, name);
 }
 
 void Model::Builder::add_plate_bending(const ClothDescription& cloth, const ModelBody& body,
@@ -160,19 +199,19 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
 
 void Model::Builder::add_solid_energies(BodyId id) {
   const SolidDescription& solid = scene.solid(id);
-  const SolidMaterial& material = solid.material;
   const ModelBody& body = model.bodies_[id.index];
-  const std::string& name = scene.name(id);
+  add_elements(solid.mesh, elastic_energy(solid), body, scene.name(id));
+  add_strain_limit(solid, body, scene.name(id));
+}
 
-  const ElasticEnergy elastic = elastic_energy(solid);
-  std::vector<int32_t> stencils = solid.mesh.elements;
+void Model::Builder::add_elements(const SolidMesh& mesh, const ElasticEnergy& energy, const ModelBody& body,
+                                  const std::string& name) {
+  std::vector<int32_t> stencils = mesh.elements;
   for (int32_t& site : stencils) site += body.first_site;
-  if (solid.mesh.type == ElementType::Tet4)
-    add_batch(elastic.definition, stencils, name, elastic.values);
+  if (mesh.type == ElementType::Tet4)
+    add_batch(energy.definition, stencils, name, energy.values);
   else
-    add_quadrature_batch(solid.mesh, elastic, stencils, name);
-  add_strain_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness, body,
-                   name);
+    add_quadrature_batch(mesh, energy, stencils, name);
 }
 
 }  // namespace stark

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include <stark/base/error.h>
+#include <stark/geometry/edge_directions.h>
 #include <stark/geometry/polyline.h>
 #include <stark/geometry/topology.h>
 
@@ -257,6 +259,30 @@ void check_edge_lengths(const std::string& owner, const std::string& what, std::
     if (!(lengths[i] > kShortestEdge * longest))
       fail_mesh(owner, what + ": edge " + std::to_string(i) + " has a length of " +
                            quantity_text(lengths[i], "m") + ": must not be degenerate; remove a point");
+}
+
+void warn_about_free_directions(std::string_view owner, const TriangleMesh& mesh,
+                                const ShellMaterial& material, std::vector<std::string>& warnings) {
+  if (material.strain_limit_law != StrainLimitLaw::Edges || !std::isfinite(material.strain_limit)) return;
+  constexpr double kFree = 75.0 * std::numbers::pi / 180.0;  // stretch by 1/cos(kFree/2) - 1 = 26 %
+  const std::vector<double> gaps = compute_direction_gaps(mesh.vertices, mesh.triangles);
+  const std::vector<double> areas = compute_triangle_areas(mesh.vertices, mesh.triangles);
+  double total = 0.0, free = 0.0, widest = 0.0;
+  for (size_t t = 0; t < gaps.size(); ++t) {
+    total += areas[t];
+    if (gaps[t] <= kFree) continue;
+    free += areas[t];
+    widest += areas[t] * gaps[t];
+  }
+  if (!(free > 0.1 * total)) return;
+  const auto percent = [](double share) { return std::to_string(std::lround(100.0 * share)) + " %"; };
+  warnings.push_back(
+      std::string(owner) +
+      ": strain_limit_law = edges with strain_limit = " + to_text(material.strain_limit) +
+      " on a mesh whose edges leave a direction free on " + percent(free / total) +
+      " of its area, where the sheet can stretch by " + percent(1.0 / std::cos(0.5 * widest / free) - 1.0) +
+      " before an edge does; use strain_limit_law = green_strain, or a mesh with diagonals in both "
+      "directions");
 }
 
 void check_polyline(const std::string& owner, const std::string& what, std::span<const Vec3> points) {

@@ -12,6 +12,7 @@
 #include <stark/base/settings.h>
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/solid_mesh.h>
+#include <stark/sim/materials.h>
 
 namespace stark {
 
@@ -33,6 +34,11 @@ void check_solid_mesh(std::string_view owner, const SolidMesh& mesh);
 /// Triangles on the vertices of a mesh: as above; none twice, not all vertices need to be used.
 void check_layer_triangles(std::string_view owner, const TriangleMesh& mesh,
                            std::vector<std::string>& warnings);
+
+/// Warns of a limit on the stretch of edges where edges leave a direction free on more than a tenth of the
+/// area of a sheet.
+void warn_about_free_directions(std::string_view owner, const TriangleMesh& mesh,
+                                const ShellMaterial& material, std::vector<std::string>& warnings);
 
 /// At least two finite points, no edge much shorter than the longest one, no bend too sharp for frames along
 /// it. `what` says which polyline it is.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -33,19 +34,35 @@ def load(p: stark.Point, force: stark.Vec3):
     return -(force @ p.x)
 
 
-def stretch_of_strip(force: float) -> float:
+LAWS: dict[str, dict[str, Any]] = {
+    "green": {"strain_limit_hardening": 0.0},
+    "hardening": {"strain_limit_hardening": 500.0},
+    "edges": {"strain_limit_law": "edges"},
+}
+
+
+def limit_stress(name: str, a: float) -> float:
+    """Nominal stress of the limit at the stretch a [Pa]."""
+    if name == "edges":  # of the area of a cell its two edges along the load stand for a third
+        return STIFFNESS / 3 * max(a - 1 - LIMIT, 0.0) ** 2
+    excess = max((a**2 - 1) / 2 - LIMIT, 0.0)
+    v = (excess / LIMIT) ** 3
+    return STIFFNESS * a * excess**2 * (1 + LAWS[name]["strain_limit_hardening"] * v * (2 + v) / (1 + v) ** 2)
+
+
+def stretch_of_strip(name: str, force: float) -> float:
     """Without lateral contraction the strip only gets longer. Its cells are ten times wider than long, so
-    that diagonals stay below the limit; of the area of a cell its two edges along the load stand for a
-    third."""
+    that diagonals stay below the limit."""
 
     def resultant(a: float) -> float:
-        membrane = MODULUS / 2 * (a - 1 / a)
-        return THICKNESS * WIDTH * (membrane + STIFFNESS / 3 * max(a - 1 - LIMIT, 0.0) ** 2)
+        return THICKNESS * WIDTH * (MODULUS / 2 * (a - 1 / a) + limit_stress(name, a))
 
     return brentq(lambda a: resultant(a) - force, 1.0, 3.0, xtol=1e-14)
 
 
-def test_strip_beyond_its_strain_limit() -> None:
+@pytest.mark.filterwarnings("ignore:.*leave a direction free:stark.StarkWarning")
+@pytest.mark.parametrize("name", LAWS)
+def test_strip_beyond_its_strain_limit(name: str) -> None:
     grid = stark.mesh.grid(WIDTH, LENGTH, (1, 50))
     y = grid.vertices[:, 1]
     material = stark.ShellMaterial(
@@ -55,6 +72,7 @@ def test_strip_beyond_its_strain_limit() -> None:
         strain_limit=LIMIT,
         strain_limit_stiffness=STIFFNESS,
         bending_stiffness=1e-9,
+        **LAWS[name],
     )
     measured = []
     for force in LOADS:
@@ -68,9 +86,54 @@ def test_strip_beyond_its_strain_limit() -> None:
         assert report.status == "accepted", report.message
         # The cells next to the clamp too: without lateral contraction the field is uniform.
         measured.append(np.ptp(strip.positions[:, 1]) / np.ptp(start[:, 1] / 1.01))
-    expected = [stretch_of_strip(force) for force in LOADS]
+    expected = [stretch_of_strip(name, force) for force in LOADS]
     assert measured == pytest.approx(expected, abs=1e-6)
-    validate("V11.stretch", measured)
+    validate(f"V11.stretch_{name}", measured)
+
+
+# --- V11: strains of sheets at rest ---
+
+
+def largest_green_strain(mesh: stark.TriangleMesh, positions: np.ndarray) -> float:
+    """Largest eigenvalue of the Green strain in any triangle."""
+    at_rest, now = mesh.vertices[mesh.triangles], positions[mesh.triangles]
+    D = np.stack([at_rest[:, 1] - at_rest[:, 0], at_rest[:, 2] - at_rest[:, 0]], -1)[:, :2]
+    d = np.stack([now[:, 1] - now[:, 0], now[:, 2] - now[:, 0]], -1)
+    F = d @ np.linalg.inv(D)
+    return float(np.linalg.eigvalsh(0.5 * (np.swapaxes(F, 1, 2) @ F - np.eye(2))).max())
+
+
+def hung_by_corners(cells: int, **changes: Any) -> float:
+    """Largest Green strain of a cotton sheet of 1 m that hangs at rest by two corners."""
+    scene = stark.Scene()
+    mesh = stark.mesh.grid(1.0, 1.0, cells=cells)
+    x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
+    cotton = stark.materials.cotton.replace(mass_damping=2.0, **changes)
+    cloth = scene.add_cloth(mesh, cotton, pins=(np.abs(np.abs(x) - 0.5) < 1e-9) & (np.abs(y - 0.5) < 1e-9))
+    sim = stark.Simulation(scene, time_step=1 / 30, **{"contact.enabled": False})
+    assert not sim.run_until(4.0).failed
+    return largest_green_strain(mesh, cloth.positions)
+
+
+def test_sheets_that_hang_by_corners_keep_their_limit() -> None:
+    """The stress at a corner grows as the mesh is refined; a cubic alone lets strains grow with it."""
+    strains = [hung_by_corners(25), hung_by_corners(50)]
+    assert max(strains) < 1.5 * LIMIT
+    published = hung_by_corners(50, strain_limit_hardening=0.0)
+    assert published > 1.5 * LIMIT
+    validate("V11.corner", strains)
+    validate("V11.corner_as_published", published)
+
+
+def test_a_limit_on_edges_warns_of_free_directions() -> None:
+    scene = stark.Scene()
+    edges = stark.materials.cotton.replace(strain_limit_law="edges")
+    with pytest.warns(stark.StarkWarning, match=r"leave a direction free on 100 % .* stretch by 41 %"):
+        scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells=4), edges)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells=4), stark.materials.cotton, position=(0, 0, 1))
+        scene.add_cloth(stark.mesh.sphere(1.0, 2), edges, position=(0, 0, 4))
 
 
 # --- V12: balloon ---

@@ -46,7 +46,8 @@ RUBBER = SOLIDS["stable_neo_hookean"][1]
 MOTIONS: dict[str, Motion] = {name: cube(heavy(material)) for name, (_, material) in SOLIDS.items()}
 MOTIONS["solid_strain_damping"] = cube(heavy(RUBBER, strain_damping=500.0))
 MOTIONS["solid_mass_damping"] = cube(heavy(RUBBER, mass_damping=2.0))
-MOTIONS["solid_strain_limit"] = cube(heavy(RUBBER, strain_limit=0.05, strain_limit_stiffness=1e4))
+LIMIT = {"strain_limit": 0.05, "strain_limit_stiffness": 1e4, "strain_limit_hardening": 0.0}
+MOTIONS["solid_strain_limit"] = cube(heavy(RUBBER, **LIMIT))
 
 
 # --- cloth: eight triangles of 1 m2, one edge held ---
@@ -75,9 +76,7 @@ def rolled(X: np.ndarray) -> np.ndarray:
 MOTIONS |= {name: sheet(heavy(m), stretched_in_plane) for name, (_, m) in MEMBRANES.items()}
 FABRIC = heavy(MEMBRANES["membrane"][1])
 MOTIONS["membrane_strain_damping"] = sheet(FABRIC.replace(strain_damping=200.0), stretched_in_plane)
-MOTIONS["membrane_strain_limit"] = sheet(
-    FABRIC.replace(strain_limit=0.05, strain_limit_stiffness=1e4), stretched_in_plane
-)
+MOTIONS["membrane_strain_limit"] = sheet(FABRIC.replace(**LIMIT), stretched_in_plane)
 # 1 kg/m2, so soft in its plane that steps resolve its motion there too.
 PLATE: dict[str, float] = {"density": 1.0, "thickness": 1.0, "youngs_modulus": 10.0}
 HINGE = stark.ShellMaterial(**PLATE, bending_stiffness=0.1)

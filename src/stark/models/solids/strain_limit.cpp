@@ -1,30 +1,29 @@
-// Strain limiting of edges: E = V k/3 max(0, |e|/L - 1 - limit)^3, C2 at the limit, V the volume that the
-// edge stands for. [paper sec. IV-A: "edge-length based strain limiting"] For cloth and solids alike.
-#include <stark/mechanics/define.h>
+// Limit of the strain of solids: psi = k/3 S (1 + hardening S/(S + limit^3)), S = sum_i max(0, e_i - limit)^3
+// over the eigenvalues e_i of the Green strain; published without hardening. [theory eq. 14]
+#include <stark/models/strain_excess.h>
 
 namespace stark::models {
 
-PotentialDefinition strain_limit() {
-  PotentialDefinition definition =
-      define_potential("strain_limit", 2, "strain limiting of edges", [](PotentialBuilder& b) {
-        const Scalar volume = b.data("volume", "m^3", "volume that the edge stands for");
-        const Scalar limit = b.parameter("strain_limit", "1", "stretch beyond which the penalty acts");
-        const Scalar k = b.parameter("strain_limit_stiffness", "Pa", "stiffness of the penalty");
-        const Scalar strain = norm(b.x(1) - b.x(0)) / norm(b.X(1) - b.X(0)) - 1.0;
-        const Scalar excess = max(strain - limit, 0.0);
-        return volume * k / 3.0 * excess * excess * excess;
+SolidLaw strain_limit() {
+  SolidLaw law = define_solid_law(
+      "strain_limit", "limit of the eigenvalues of the Green strain",
+      [](PotentialBuilder& b, const SolidDeformation& deformation) {
+        const Scalar limit = strain_limit_parameter(b);
+        const Mat3 F = deformation.F();
+        const Mat3 A = 0.5 * (transpose(F) * F) - (0.5 + limit) * Mat3::identity();
+        const Scalar xx = square(A(0, 1)), yy = square(A(1, 2)), zz = square(A(0, 2));
+        const Scalar I1 = trace(A);
+        const Scalar I2 = A(0, 0) * A(1, 1) - xx + A(1, 1) * A(2, 2) - yy + A(2, 2) * A(0, 0) - zz;
+        const Scalar I3 = A(0, 0) * A(1, 1) * A(2, 2) + 2.0 * A(0, 1) * A(1, 2) * A(0, 2) - A(0, 0) * yy -
+                          A(1, 1) * zz - A(2, 2) * xx;
+        return strain_limit_density(b, limit, positive_cubes(I1, I2, I3));
       });
-  definition.zero_at_rest = true;
-  definition.sample = [](std::mt19937_64& random) {
-    std::uniform_real_distribution<double> stretch(0.8, 1.6);
-    PotentialSample sample;
-    sample.X = {{0, 0, 0}, {1, 0.2, -0.3}};
-    sample.x = {{0.1, 0.2, 0.3}, {0.1 + stretch(random), 0.5, 0.0}};
-    sample.x_prev = sample.X;
-    sample.values["strain_limit"] = {0.1};
-    return sample;
+  law.one_sided = true;
+  law.sample = [](std::mt19937_64& random) {
+    std::uniform_real_distribution<double> limit(0.01, 0.1);
+    return std::map<std::string, std::vector<double>>{{"strain_limit", {limit(random)}}};
   };
-  return definition;
+  return law;
 }
 
 }  // namespace stark::models
