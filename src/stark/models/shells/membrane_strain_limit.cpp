@@ -21,7 +21,7 @@ PotentialDefinition membrane_strain_limit() {
   definition.zero_at_rest = true;
   definition.one_sided = true;
   definition.sample = [](std::mt19937_64& random) {
-    std::uniform_real_distribution<double> limit(0.01, 0.1);
+    std::uniform_real_distribution<double> limit(0.002, 0.02);
     PotentialSample sample;
     sample.values["strain_limit"] = {limit(random)};
     return sample;

@@ -20,7 +20,7 @@ SolidLaw strain_limit() {
       });
   law.one_sided = true;
   law.sample = [](std::mt19937_64& random) {
-    std::uniform_real_distribution<double> limit(0.01, 0.1);
+    std::uniform_real_distribution<double> limit(0.002, 0.02);
     return std::map<std::string, std::vector<double>>{{"strain_limit", {limit(random)}}};
   };
   return law;
