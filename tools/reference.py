@@ -117,7 +117,10 @@ def actuator_rows(name: str) -> list[str]:
 
 def values(material: stark.ShellMaterial | stark.SolidMaterial | stark.RodMaterial) -> str:
     """All parameters of a material in one cell of a table."""
-    return ", ".join(f"{name} {value:.6g}" for name, value in material.to_dict().items())
+    return ", ".join(
+        f"{name} {value if isinstance(value, str) else format(value, '.6g')}"
+        for name, value in material.to_dict().items()
+    )
 
 
 def main() -> int:
