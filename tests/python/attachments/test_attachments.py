@@ -156,7 +156,7 @@ def peeled(threads: int = 1) -> tuple[stark.Scene, stark.Simulation]:
 def test_rewinding_resuming_and_threads_give_the_same_bits() -> None:
     scene, sim = peeled()
     (glue,) = scene.attachments
-    run(sim, 10)
+    run(sim, 8)
     state, broken = sim.state, glue.broken
     run(sim, 3)
     end = sim.state

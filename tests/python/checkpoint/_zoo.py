@@ -194,7 +194,7 @@ CASES = {
     "clutter_pcg": Case(clutter, settings={"contact_distance": 1e-3, "linear.solver": "pcg"}),
     "mechanism": Case(mechanism, control_mechanism, NO_CONTACT),
     "mechanism_bdf2": Case(mechanism, control_mechanism, {**NO_CONTACT, "time.integrator": "bdf2"}),
-    "peel": Case(peel, settings={"contact.distance": 1e-3}, halves=(10, 4)),
+    "peel": Case(peel, settings={"contact.distance": 1e-3}, halves=(8, 4)),
     "scripted": Case(scripted, move_plate),
     "energies": Case(energies, tune_energies, NO_CONTACT),
     "energies_quasistatic": Case(energies, tune_energies, {**NO_CONTACT, "time.integrator": "quasistatic"}),

@@ -51,7 +51,7 @@ def test_cases_do_what_their_names_say() -> None:
         assert len(sim.contacts) > 0, name
     case = CASES["peel"]
     sim = case.simulate()
-    advance(case, sim, {}, 10)
+    advance(case, sim, {}, 8)
     broken = sim.attachments[0].broken.sum()
     advance(case, sim, {}, 4)
     assert 0 < broken < sim.attachments[0].broken.sum()
