@@ -231,7 +231,8 @@ void bind_state(nb::module_& m) {
       .def_prop_ro(
           "time", [](const State& s) { return s.time; }, "Simulated time [s].")
       .def_prop_ro(
-          "time_step", [](const State& s) { return s.time_step; }, "Length of the next step [s].")
+          "time_step", [](const State& s) { return s.time_step; },
+          "Length of the next step, or less for the next mark [s].")
       .def_prop_ro(
           "step_count", [](const State& s) { return s.step_count; }, "Accepted steps so far.")
       .def_prop_ro(
@@ -373,7 +374,14 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro(
           "report", [](const Simulation& s) { return s.report(); }, "Report of the last step.")
       .def_prop_ro("time", &Simulation::time)
-      .def_prop_ro("time_step", [](const Simulation& s) { return s.state().time_step; })
+      .def_prop_ro("time_step", [](const Simulation& s) { return s.next_step().length; })
+      .def(
+          "next_step",
+          [](const Simulation& s, std::optional<double> limit) {
+            const PlannedStep planned = s.next_step(limit.value_or(1e300));
+            return nb::make_tuple(planned.length, planned.end);
+          },
+          "max_time_step"_a = nb::none(), "Length of the coming step and the time at its end [s].")
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
       .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copyreg
+import math
 import warnings
 import weakref
 from collections.abc import Callable, Iterator
@@ -52,6 +53,31 @@ class TakenStep(NamedTuple):
     before: State
     limit: float | None  #: [s]
     report: StepReport
+
+
+#: Share of a step below which a difference of times is rounding, not a step to take.
+TIME_SLIVER = 1e-9
+
+
+def _time_rounding(sim: Simulation) -> float:
+    return max(TIME_SLIVER * sim.time_step, 4.0 * math.ulp(sim.time))
+
+
+def reached(sim: Simulation, end: float) -> bool:
+    """Whether a simulation has come to the time ``end`` [s], up to rounding."""
+    return sim.time >= end - _time_rounding(sim)
+
+
+def limit_of_step(sim: Simulation, end: float) -> float | None:
+    """What the coming step has to be shortened to [s], not to go beyond ``end``; None when it is taken whole.
+    What differs from a whole step by rounding is one, so that ends between steps of a longer run change
+    nothing in it."""
+    rest = float(end) - sim.time
+    if rest >= sim.time_step - _time_rounding(sim):
+        return None
+    # Rounded so that the sum is the end, in every bit.
+    candidates = (rest, math.nextafter(rest, 0.0), math.nextafter(rest, math.inf))
+    return next((limit for limit in candidates if sim.time + limit == end), rest)
 
 
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
@@ -136,11 +162,10 @@ class Simulation:
         return self._run(end)
 
     def _run(self, until: float) -> Iterator[StepReport]:
-        # Times are sums of steps: what is left below a millionth of a step is rounding, not a step to take.
-        while (rest := until - self.time) > 1e-6 * self._settings.time.step:
+        while not reached(self, until):
             self._require_free("run()")
-            whole = rest > (1.0 + 1e-6) * self._settings.time.step
-            report = self._step() if whole else self._step(rest)
+            limit = limit_of_step(self, until)
+            report = self._step() if limit is None else self._step(limit)
             yield report
             if report.failed:
                 raise StepFailed(report)
@@ -149,9 +174,9 @@ class Simulation:
         for values in self._live_values:
             values.push(self._core)
         if self._scene._followers:
-            duration = min((self._core.time_step, *limit))
+            duration, end = self._core.next_step(*limit)
             for follower in self._followers():
-                follower.apply(self, self._core.time + duration, duration)
+                follower.apply(self, end, duration)
         before, self._last_step, self._taken = self._core.state, None, None
         report = self._core.step(*limit)
         self._taken = TakenStep(before, limit[0] if limit else None, report)
@@ -191,13 +216,14 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Simulated time [s]."""
+        """Simulated time [s]: after n whole steps of length h exactly ``n * h``, rounded once."""
         return self._core.time
 
     @property
     def time_step(self) -> float:
-        """Length of the next step [s]. It may come out shorter: what fails is halved, and scripted bodies
-        turn by a sixteenth of a turn in a step at most."""
+        """Length of the next step [s]. It may come out shorter: what fails is halved, in parts that end where
+        the whole step would have ended, and scripted bodies turn by a sixteenth of a turn in a step at
+        most."""
         return self._core.time_step
 
     # --- state ---

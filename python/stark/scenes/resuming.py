@@ -48,7 +48,7 @@ def resume(
     )
     sim = make_simulation(scene_file, plan.settings)
     checkpoint.put_into(sim, exact=not _matter(changed), owner=owner)
-    if until is not None and sim.time > until + 1e-6 * sim.time_step:
+    if until is not None and sim.time > until + 1e-9 * sim.time_step:
         raise CheckpointError(f"{owner}: is at {sim.time:g} s, after until = {until:g} s; give a later end")
     scene_file.recall(checkpoint.memory)
     recorder = Recorder.resume(folder, sim, **recorded)

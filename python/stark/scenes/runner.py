@@ -15,6 +15,7 @@ from .._core import InvalidArgument
 from ..checkpoint import CheckpointError
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
+from ..simulation import limit_of_step, reached
 from .scene_file import SceneFile, SceneFileError, load
 
 #: An interrupted run still gets its replay page when its recording is smaller than this.
@@ -81,19 +82,6 @@ def end_time(scene_file: SceneFile, until: float | None) -> float:
 def status_of(report: Any) -> str:
     """``accepted``, ``retried`` or ``failed``."""
     return str(getattr(report.status, "name", report.status)).lower()
-
-
-def reached(sim: Any, end: float) -> bool:
-    """Whether the time of a simulation, a sum of steps, has come to ``end`` [s], up to rounding."""
-    return sim.time >= end - 1e-6 * sim.time_step
-
-
-def limit_of_step(sim: Any, end: float) -> float | None:
-    """What the coming step has to be shortened to [s], not to go beyond ``end``; None when it is taken whole.
-    What differs from a whole step by rounding is one, so that ends between steps of a longer run change
-    nothing in it."""
-    rest = end - sim.time
-    return float(rest) if rest < (1.0 - 1e-6) * sim.time_step else None
 
 
 def run(

@@ -116,9 +116,9 @@ NumberRule rule_of(const std::string& field) {
   // Infinity switches caps off; memories are what users' formulas make of them.
   if (field == "actuator_value" || field == "actuator_memory")
     return {"must be a number", [](double v) { return !std::isnan(v); }};
-  if (field == "time_step")
+  if (field == "time_step" || field == "mark_step")
     return {"must be > 0 and finite", [](double v) { return v > 0.0 && std::isfinite(v); }};
-  if (field == "time" || field == "previous_time_step")
+  if (field == "time" || field == "mark_origin" || field == "previous_time_step")
     return {"must be >= 0 and finite", [](double v) { return v >= 0.0 && std::isfinite(v); }};
   return {"must be finite", [](double v) { return std::isfinite(v); }};
 }
@@ -181,7 +181,9 @@ State make_state(std::span<const StateArray> arrays) {
 }
 
 std::string find_invalid_number(const State& state) {
-  if (state.step_count < 0) return "step_count = " + std::to_string(state.step_count) + ": must be >= 0";
+  for (const auto& [name, count] :
+       {std::pair{"step_count", state.step_count}, std::pair{"mark_count", state.mark_count}})
+    if (count < 0) return std::string(name) + " = " + std::to_string(count) + ": must be >= 0";
   for (const StateArray& array : arrays_of(state)) {
     if (array.is_integer) continue;
     const auto* numbers = static_cast<const double*>(array.data);

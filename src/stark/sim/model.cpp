@@ -79,7 +79,7 @@ void Model::Builder::set_block_scales() {
 
 void Model::Builder::set_initial_state() {
   State& state = model.initial_state_;
-  state.time_step = settings.time.step;
+  state.time_step = state.mark_step = settings.time.step;
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId id{i};
     if (scene.kind(id) == BodyKind::Rigid || scene.kind(id) == BodyKind::Rod) continue;

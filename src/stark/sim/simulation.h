@@ -10,6 +10,7 @@
 #include <stark/mechanics/time_integrator.h>
 #include <stark/sim/model.h>
 #include <stark/sim/step_report.h>
+#include <stark/sim/time_marks.h>
 #include <stark/solve/newton.h>
 
 namespace stark {
@@ -28,6 +29,8 @@ class Simulation {
   const StepReport& report() const { return report_; }
 
   double time() const { return state_.time; }
+  /// The coming step, if nothing fails and no scripted body turns too far in it.
+  PlannedStep next_step(double max_time_step = 1e300) const;
   const State& state() const { return state_; }
   /// Findings about the state that do not prevent a step: bodies within a hundredth of the distance at which
   /// contact starts to push them apart, elements that are inverted.
@@ -209,8 +212,8 @@ class Simulation {
   void remember_state(double h);
   bool attempt(double h, bool straight, SolveReport& total);
   void set_deadline();
-  /// Ends the step with the last attempt, of length h.
-  void accept(double h);
+  /// Ends the step with the last attempt, of length h; `is_cut`: at the limit of the caller.
+  void accept(double h, bool is_cut);
   void add_caveats(double h);
   void fail();
   /// Of the last attempt.

@@ -48,6 +48,7 @@ void Simulation::set_state(const State& state) {
   State next = state;
   // What belongs to the scene and its settings, not to time: walls may stand elsewhere, steps be shorter.
   next.time_step = std::min(state.time_step, settings_.time.step);
+  set_mark_step(next, settings_.time.step);
   for (int32_t b = 0; b < scene_.body_count(); ++b)
     if (scene_.kind(BodyId{b}) == BodyKind::Rigid && scene_.motion(BodyId{b}) == Motion::Fixed)
       copy_place(model_->initial_state(), model_->bodies()[b].rigid_index, next);

@@ -90,11 +90,12 @@ const StepReport& Simulation::step(double max_time_step) {
   load_ = {state_.contact_bodies, state_.contact_factor};
   linear_solver_->begin_step();
   set_deadline();
-  double h = std::min({state_.time_step, max_time_step, longest_turning_step()});
+  const PlannedStep planned = plan_step(state_, max_time_step, longest_turning_step());
+  double h = planned.length;
   double detour = 0.0;  // length of the longest step refused as one [s]
   while (true) {
     if (attempt(h, detour >= 0.0, report_.solve)) {
-      accept(h);
+      accept(h, planned.is_cut && h == planned.length);
       return report_;
     }
     const SolveStatus status = report_.solve.status;
@@ -133,9 +134,11 @@ void Simulation::set_deadline() {
   newton_->set_deadline(deadline);
 }
 
-void Simulation::accept(double h) {
+void Simulation::accept(double h, bool is_cut) {
   add_caveats(h);
   commit(h);
+  advance_time(state_, h, is_cut);
+  ++state_.step_count;
   {
     const PhaseTimer::Scope scope(*timer_, Phase::Commit);
     report_.energy = balance(energies_before_, h);
@@ -143,12 +146,12 @@ void Simulation::accept(double h) {
     report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
   }
   report_.time_step = h;
-  // A halved step grows back towards the one asked for; a step cut short by the caller does not shrink
-  // the next.
+  // A halved step grows back towards the one asked for, whose mark it must not miss; a step cut short by the
+  // caller does not shrink the next.
   if (report_.rejected_steps > 0)
     state_.time_step = h;
-  else if (h >= state_.time_step)
-    state_.time_step = std::min(settings_.time.step, h * settings_.time.growth);
+  else if (!is_cut)
+    state_.time_step = std::min(settings_.time.step, state_.time_step * settings_.time.growth);
   finish_report(report_.rejected_steps > 0 ? StepStatus::Retried : StepStatus::Accepted);
 }
 
@@ -287,7 +290,7 @@ void Simulation::predict(double h) {
 
 void Simulation::predict(double h, double duration, double scale) {
   const std::span<const Vec3> x = reference_.sites;
-  const double time = state_.time + h;
+  const double time = end_of_step(state_, h);
   for (ConstraintGroup& group : model_->constraints().groups()) {
     group.batch.set_previous(x);
     group.batch.set_time(scale, time);
@@ -354,8 +357,6 @@ void Simulation::commit(double h) {
     state_.contact_factor = std::move(memory.load.factor);
   }
   commit_joints();
-  state_.time += h;
-  ++state_.step_count;
 }
 
 void Simulation::finish_report(StepStatus status) {

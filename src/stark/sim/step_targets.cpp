@@ -35,6 +35,10 @@ double Simulation::longest_turning_step() const {
   return longest;
 }
 
+PlannedStep Simulation::next_step(double max_time_step) const {
+  return plan_step(state_, max_time_step, std::numeric_limits<double>::infinity());
+}
+
 Configuration Simulation::start_configuration() const {
   return {state_.point_position, state_.body_position, state_.body_rotation};
 }
