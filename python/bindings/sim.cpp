@@ -79,6 +79,7 @@ nb::dict report_dict(const StepReport& r) {
   d["projected_iterations"] = r.solve.projected_iterations;
   d["rejected_steps"] = r.rejected_steps;
   d["solve_status"] = to_string(r.solve.status);
+  d["at_rounding"] = r.solve.is_at_rounding;
   d["residual"] = r.solve.residual;
   d["acceleration"] = r.solve.acceleration;
   d["last_motion"] = r.solve.last_motion;
@@ -274,6 +275,9 @@ void bind_report(nb::module_& m) {
       .def_prop_ro(
           "solve_status", [](const StepReport& r) { return to_string(r.solve.status); },
           "How the last attempt ended: 'converged', 'round_off', 'max_iterations', 'blocked', ...")
+      .def_prop_ro(
+          "at_rounding", [](const StepReport& r) { return r.solve.is_at_rounding; },
+          "Whether it converged because all that is left is rounding: tolerances ask for less.")
       .def_prop_ro("caveats", caveat_names,
                    "What is not quite as asked of a step that was accepted: 'round_off' (the tolerances are "
                    "not met, forces are rounding), 'old_friction' (friction or joints are a refresh behind), "

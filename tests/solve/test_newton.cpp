@@ -45,6 +45,10 @@ class Analytic final : public Objective {
     residuals.push_back(force);
     return {force, force};
   }
+  Residual residual_beyond_rounding(std::span<const double> gradient, const BlockMatrix&) const override {
+    const double force = norm(Vec3{gradient[0], gradient[1], gradient[2]});
+    return force <= rounding ? Residual{} : Residual{force, force};
+  }
   double motion(std::span<const double> d) const override { return norm(Vec3{d[0], d[1], d[2]}); }
   double bound_step(std::span<const double>, double) override { return bound; }
   TrialEnergy try_step(std::span<const double> d, double alpha) override {
@@ -64,7 +68,7 @@ class Analytic final : public Objective {
 
   Vec3 x, trial;
   bool pending = false, feasible = true;
-  double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0;
+  double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0;
   int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, lag_rounds = 0;
   mutable std::vector<double> residuals;
 
@@ -459,6 +463,57 @@ TEST_CASE("where energies are all rounding the minimisation ends well") {
   const SolveReport report = solver.minimize(objective);
   CHECK(is_success(report.status));
   CHECK(report.iterations < 30);
+}
+
+TEST_CASE("tolerances below rounding are met where nothing but rounding is left, and not before") {
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-30;
+  // Forces that are known to 1e-10, of energies that are known to 1e-16.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value = cosh_sum(x);
+    value.gradient.x += 1e-10 * std::sin(1e18 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  objective.rounding = 2e-10;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.is_at_rounding);
+  CHECK(report.residual < 2e-10);
+  CHECK(report.iterations < 12);
+  // Without the floor the same ends at round-off, in more iterations.
+  Analytic endless(rough, {2.0, -1.5, 1.0});
+  Solver other(settings);
+  const SolveReport longer = other.minimize(endless);
+  CHECK(longer.status == SolveStatus::RoundOff);
+  CHECK_FALSE(longer.is_at_rounding);
+  CHECK(longer.iterations > report.iterations);
+  // A floor changes nothing where tolerances are met.
+  Analytic met(cosh_sum, {2.0, -1.5, 1.0}), same(cosh_sum, {2.0, -1.5, 1.0});
+  met.rounding = 1e9;
+  Solver third(tight()), fourth(tight());
+  const SolveReport with = third.minimize(met), without = fourth.minimize(same);
+  CHECK_FALSE(with.is_at_rounding);
+  CHECK(with.iterations == without.iterations);
+  CHECK(met.x == same.x);
+}
+
+TEST_CASE("where the decrease is below the noise of energies, full steps are taken at once") {
+  // Rounding of 3e-13 in energies of 1 J: 300 times what their magnitude shows.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value = cosh_sum(x);
+    value.energy += 3e-13 * std::sin(1e15 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-13;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.residual < 1e-13);
+  CHECK(report.iterations < 12);
 }
 
 TEST_CASE("pending motion: not converged before it is done, however small the residual") {

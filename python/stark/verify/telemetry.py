@@ -113,7 +113,8 @@ def residual_claim(run: Run) -> Claim:
     for row in run.rows:
         share = combine(_left(row, key) / value for key, value in active.items())
         if not share < 1.0:
-            stopped_otherwise = row.get("solve_status") == "round_off" or (lacks_motion and not every)
+            at_rounding = row.get("solve_status") == "round_off" or row.get("at_rounding") is True
+            stopped_otherwise = at_rounding or (lacks_motion and not every)
             rounded, failed = rounded + stopped_otherwise, failed + (not stopped_otherwise)
         if share > worst:
             worst, where = share, {"time": number(row, "time"), "step": row.get("step")}

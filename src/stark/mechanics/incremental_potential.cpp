@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <stark/base/error.h>
+#include <stark/mechanics/force_rounding.h>
 
 namespace stark {
 
@@ -12,6 +13,9 @@ namespace {
 Vec3 block_of(std::span<const double> values, int32_t block) {
   return {values[3 * block], values[3 * block + 1], values[3 * block + 2]};
 }
+
+/// Forces of rounding, over those of positions that are known to their last bit: sums of terms that cancel.
+constexpr double kRoundingFactor = 4.0;
 
 /// Part of a safe fraction that is used: what remains keeps the next iteration from starting in contact.
 constexpr double kSafeFraction = 0.95;
@@ -125,6 +129,19 @@ Residual IncrementalPotential::residual(std::span<const double> gradient) const 
   Residual residual;
   for (int32_t block = 0; block < block_count(); ++block) {
     const double force = norm(block_of(gradient, block));
+    residual.force = std::max(residual.force, force * scales_[block].inverse_length);
+    residual.acceleration = std::max(residual.acceleration, force * scales_[block].inverse_inertia);
+  }
+  return residual;
+}
+
+Residual IncrementalPotential::residual_beyond_rounding(std::span<const double> gradient,
+                                                        const BlockMatrix& hessian) const {
+  const std::vector<double> rounding = force_rounding(hessian, block_positions_, map_.layout());
+  Residual residual;
+  for (int32_t block = 0; block < block_count(); ++block) {
+    const double force = norm(block_of(gradient, block));
+    if (force <= kRoundingFactor * rounding[block]) continue;
     residual.force = std::max(residual.force, force * scales_[block].inverse_length);
     residual.acceleration = std::max(residual.acceleration, force * scales_[block].inverse_inertia);
   }

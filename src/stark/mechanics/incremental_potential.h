@@ -56,6 +56,8 @@ class IncrementalPotential final : public Objective {
   void evaluate_gradient(std::span<double> out_gradient) override;
   bool has_pending_motion() const override { return progress_ < 1.0; }
   Residual residual(std::span<const double> gradient) const override;
+  Residual residual_beyond_rounding(std::span<const double> gradient,
+                                    const BlockMatrix& hessian) const override;
   double motion(std::span<const double> direction) const override;
   double bound_step(std::span<const double> direction, double max_rotation) override;
   TrialEnergy try_step(std::span<const double> direction, double alpha) override;

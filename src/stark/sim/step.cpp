@@ -80,6 +80,26 @@ const char* failure_text(SolveStatus status) {
   return "";
 }
 
+/// The next number of one digit above twice a value.
+double rounded_up(double value) {
+  const double digit = std::pow(10.0, std::floor(std::log10(2.0 * value)));
+  return std::ceil(2.0 * value / digit) * digit;
+}
+
+/// "; newton.acceleration_tolerance = 0.3 m/s^2 would fit" for those that are not met.
+std::string fitting_tolerances(const NewtonSettings& newton, const SolveReport& solve, double h) {
+  std::string text;
+  const auto check = [&](const char* name, const char* unit, double tolerance, double reached) {
+    if (tolerance > 0.0 && !(reached < tolerance))
+      text +=
+          std::string(text.empty() ? "; " : ", ") + name + " = " + quantity_text(rounded_up(reached), unit);
+  };
+  check("newton.acceleration_tolerance", "m/s^2", newton.acceleration_tolerance, solve.acceleration);
+  check("newton.residual_tolerance", "N", newton.residual_tolerance, solve.residual);
+  check("newton.step_tolerance", "m/s", newton.step_tolerance, solve.last_motion / h);
+  return text.empty() ? text : text + " would fit";
+}
+
 }  // namespace
 
 const StepReport& Simulation::step(double max_time_step) {
@@ -164,7 +184,8 @@ void Simulation::add_caveats(double h) {
   if (solve.status == SolveStatus::RoundOff)
     add(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
                               quantity_text(solve.residual, "N") + ", acceleration " +
-                              quantity_text(solve.acceleration, "m/s^2"));
+                              quantity_text(solve.acceleration, "m/s^2") +
+                              fitting_tolerances(settings_.newton, solve, h));
   if (solve.is_settled)
     add(Caveat::OldFriction,
         "accepted with friction or joints one refresh behind: after it, Newton's method did not converge");

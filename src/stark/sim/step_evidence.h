@@ -34,9 +34,4 @@ std::vector<NarrowGap> find_narrow_gaps(const Scene& scene, const Model& model,
 /// What owns each block of unknowns, with its vertex; bodies are named as owner_text() does.
 std::vector<BodyVertices> block_owners(const Scene& scene, const Model& model);
 
-/// Part of the unbalanced forces that is rounding, by block [N, N m]: positions x are known to eps |x|, and
-/// the matrix says what forces that makes, sum_j |H_ij| eps |x_j|. Rotations are known to eps.
-std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
-                                   const DofLayout& layout);
-
 }  // namespace stark

@@ -12,6 +12,7 @@ constexpr int kProjectedIterations =
     4;  ///< kept projected after an indefinite matrix (Newton slows down otherwise)
 constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy differences are rounding errors
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
+constexpr double kNoiseRise = 1e3;         ///< rise over the noise that may be rounding where steps are tiny
 constexpr int kRoundingProbe = 10;         ///< halvings after which the energy shows whether it is rounding
 constexpr int kUnsureSteps = 8;            ///< full steps on the word of the gradient, between refreshes
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
@@ -62,6 +63,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
       report.residual = settled.residual;
       report.acceleration = settled.acceleration;
       report.last_motion = settled.last_motion;
+      report.is_at_rounding = settled.is_at_rounding;
     }
     return report;
   };
@@ -78,7 +80,10 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
         return finish(SolveStatus::LinearSolveFailed);
     }
     report.last_motion = objective.motion(direction_);
-    const bool converged = !pending && is_converged(report, time_step);
+    report.is_at_rounding = false;
+    const bool converged =
+        !pending && (is_converged(report, time_step) ||
+                     (round_off_steps > 0 && is_at_rounding(objective, report, time_step)));
     if (!converged && report.iterations >= settings_.max_iterations)
       return finish(pending ? SolveStatus::Blocked : SolveStatus::MaxIterations);
 
@@ -249,6 +254,15 @@ bool NewtonSolver::is_converged(const SolveReport& report, double time_step) con
   return settings_.termination == Termination::All ? all : any;
 }
 
+bool NewtonSolver::is_at_rounding(const Objective& objective, SolveReport& report, double time_step) const {
+  const Residual beyond = objective.residual_beyond_rounding(gradient_, hessian_);
+  SolveReport without = report;
+  without.residual = beyond.force;
+  without.acceleration = beyond.acceleration;
+  report.is_at_rounding = is_converged(without, time_step);
+  return report.is_at_rounding;
+}
+
 SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report) {
   const bool pending = objective.has_pending_motion();
   double alpha = 0.0;
@@ -261,10 +275,14 @@ SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report)
   for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
     const TrialEnergy trial = objective.try_step(direction_, alpha);
     const double noise = kEnergyRounding * trial.magnitude;
-    if (trial.feasible && (pending || trial.difference <= settings_.armijo * alpha * decrease + noise)) {
+    // What the step should lower the energy by is below its rounding, which stiff elements show as more than
+    // their magnitude tells: only the gradient knows better, and it asks for the whole step.
+    const bool is_below_noise = !pending && -decrease < noise;
+    const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
+    if (trial.feasible && (pending || trial.difference <= allowed)) {
       objective.accept_trial();
       report.last_step_length = alpha;
-      return !pending && -decrease < noise ? SolveStatus::RoundOff : SolveStatus::Converged;
+      return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
     }
     ++report.backtracks;
     // A tiny part of the step that raises the energy by more than all of it should lower it: differences are

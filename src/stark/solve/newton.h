@@ -37,6 +37,8 @@ class NewtonSolver {
   bool find_simplified_direction(Objective& objective, double time_step, SolveReport& report);
   void read_gradient(const Objective& objective, SolveReport& report);
   bool is_converged(const SolveReport& report, double time_step) const;
+  /// Whether nothing but rounding keeps the tolerances from being met.
+  bool is_at_rounding(const Objective& objective, SolveReport& report, double time_step) const;
   SolveStatus line_search(Objective& objective, SolveReport& report);
   /// A full step on the word of the gradient, where energies do not show the decrease.
   bool take_unsure_step(Objective& objective, SolveReport& report);

@@ -46,6 +46,12 @@ class Objective {
   virtual bool has_pending_motion() const = 0;
 
   virtual Residual residual(std::span<const double> gradient) const = 0;
+  /// The same of the blocks where more is left than rounding: what no iterate can balance, because unknowns
+  /// are known to their last bit only, does not count. `hessian`: at the iterate or near it.
+  virtual Residual residual_beyond_rounding(std::span<const double> gradient,
+                                            const BlockMatrix& hessian) const {
+    return static_cast<void>(hessian), residual(gradient);
+  }
   /// Largest motion of a material point under the full increment [m].
   virtual double motion(std::span<const double> direction) const = 0;
 

@@ -50,6 +50,7 @@ struct SolveReport {
   double lag_residual = 0.0;  ///< change of the lagged forces at their last update [N]
   double last_motion = 0.0;   ///< of the last full Newton step [m]
   double last_step_length = 1.0;
+  bool is_at_rounding = false;  ///< converged: tolerances ask for less than what doubles resolve
   bool is_settled = false;  ///< the last refresh of lagged quantities did not converge; the one before counts
 };
 

@@ -1,0 +1,18 @@
+// What doubles leave of the balance of forces (step phase 4j): no tolerance can ask for less.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <stark/base/math.h>
+#include <stark/linalg/block_matrix.h>
+#include <stark/mechanics/dof_layout.h>
+
+namespace stark {
+
+/// Part of the unbalanced forces that is rounding, by block [N, N m]: positions x are known to eps |x|, and
+/// the matrix says what forces that makes, sum_j |H_ij| eps |x_j|. Rotations are known to eps.
+std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
+                                   const DofLayout& layout);
+
+}  // namespace stark
