@@ -1,0 +1,87 @@
+// Newton's method where rounding hides the decrease of energies or is all that is left of forces.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include <support/analytic_objective.h>
+
+using namespace stark;
+using namespace stark::test;
+
+TEST_CASE("where rounding hides the decrease, full steps are taken on the word of the gradient") {
+  // Rounding of 1e-9, a million times what the magnitude of the energies shows.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value = cosh_sum(x);
+    value.energy += 1e-9 * std::sin(1e15 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations < 12);
+  CHECK(norm(cosh_sum(objective.x).gradient) < 1e-9);
+}
+
+TEST_CASE("where energies are all rounding the minimisation ends well") {
+  // A residual tolerance that no arithmetic reaches, and energies of 1e20 J elsewhere.
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-300;
+  Analytic objective([](const Vec3& x) { return cosh_sum(x); }, {2.0, -1.5, 1.0});
+  objective.extra_magnitude = 1e20;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(is_success(report.status));
+  CHECK(report.iterations < 30);
+}
+
+TEST_CASE("tolerances below rounding are met where nothing but rounding is left, and not before") {
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-30;
+  // Forces that are known to 1e-10, of energies that are known to 1e-16.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value = cosh_sum(x);
+    value.gradient.x += 1e-10 * std::sin(1e18 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  objective.rounding = 2e-10;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.is_at_rounding);
+  CHECK(report.residual < 2e-10);
+  CHECK(report.iterations < 12);
+  // Without the floor the same ends at round-off, in more iterations.
+  Analytic endless(rough, {2.0, -1.5, 1.0});
+  Solver other(settings);
+  const SolveReport longer = other.minimize(endless);
+  CHECK(longer.status == SolveStatus::RoundOff);
+  CHECK_FALSE(longer.is_at_rounding);
+  CHECK(longer.iterations > report.iterations);
+  // A floor changes nothing where tolerances are met.
+  Analytic met(cosh_sum, {2.0, -1.5, 1.0}), same(cosh_sum, {2.0, -1.5, 1.0});
+  met.rounding = 1e9;
+  Solver third(tight()), fourth(tight());
+  const SolveReport with = third.minimize(met), without = fourth.minimize(same);
+  CHECK_FALSE(with.is_at_rounding);
+  CHECK(with.iterations == without.iterations);
+  CHECK(met.x == same.x);
+}
+
+TEST_CASE("where the decrease is below the noise of energies, full steps are taken at once") {
+  // Rounding of 3e-13 in energies of 1 J: 300 times what their magnitude shows.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value = cosh_sum(x);
+    value.energy += 3e-13 * std::sin(1e15 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-13;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.residual < 1e-13);
+  CHECK(report.iterations < 12);
+}
