@@ -15,9 +15,11 @@ PotentialDefinition barrier_mollified_edge_edge();
 PotentialDefinition friction_2();
 PotentialDefinition friction_3();
 PotentialDefinition friction_4();
+PotentialDefinition friction_5();
 PotentialDefinition anisotropic_friction_2();
 PotentialDefinition anisotropic_friction_3();
 PotentialDefinition anisotropic_friction_4();
+PotentialDefinition anisotropic_friction_5();
 
 }  // namespace stark::models
 

@@ -1,8 +1,9 @@
 // Smoothed Coulomb friction with lagged normal force and tangent plane: E = mu lambda f0(|u_T|), u_T the
-// tangential part of u = sum_i w_i (x_i - x_i^ref) + a, w the lagged weights of the closest points and a the
-// deflection of the bristles at the start of the step [docs/theory.md, Friction]. f0(y) = y^2/eps - y^3/(3
-// eps^2) + eps/3 below eps = stick_displacement, y above [Li et al. 2020, eq. 17]: C1 with bounded curvature,
-// so the force has magnitude mu lambda whenever the contact slips.
+// tangential part of u = sum_i w_i d_i + s_i (m . d_i) + a, d_i = x_i - x_i^ref the motions, w the lagged
+// weights of the points where friction acts, s what the turning of a triangle of unit normal m moves them by
+// (friction_stencil.h) and a the deflection of the bristles at the start of the step [docs/theory.md,
+// Friction]. f0(y) = y^2/eps - y^3/(3 eps^2) + eps/3 below eps = stick_displacement, y above [Li et al. 2020,
+// eq. 17]: C1 with bounded curvature, so the force has magnitude mu lambda whenever the contact slips.
 //
 // f0 is concave in y^2, so the parabola mu lambda/2 (f0'(y_k)/y_k) |u_T|^2 through an iterate k has its force
 // and lies above the energy [Hunter and Lange 2004, majorisation]. Newton's method takes its curvature where
@@ -22,8 +23,17 @@ namespace {
 /// How far the bristles are bent at the iterate [m].
 Vec3 deflection(PotentialBuilder& b) {
   Vec3 u = b.data3("deflection", "m", "deflection of the bristles at the start of the step");
-  for (int i = 0; i < b.point_count(); ++i)
-    u = u + b.data("weight" + std::to_string(i), "1", "signed weight of the point") * (b.x(i) - b.x_prev(i));
+  // Two points have no triangle.
+  const bool turns = b.point_count() > 2;
+  const Vec3 facing = turns ? b.data3("facing", "1", "unit normal of the triangle that carries the point")
+                            : Vec3{Scalar(0.0), Scalar(0.0), Scalar(0.0)};
+  for (int i = 0; i < b.point_count(); ++i) {
+    const std::string index = std::to_string(i);
+    const Vec3 motion = b.x(i) - b.x_prev(i);
+    u = u + b.data("weight" + index, "1", "signed weight of the point") * motion;
+    if (turns)
+      u = u + b.data3("slope" + index, "1", "motion by that of the point along facing") * dot(facing, motion);
+  }
   return u;
 }
 
@@ -73,7 +83,11 @@ PotentialDefinition friction_potential(const std::string& name, int point_count,
       sample.x_prev.push_back(sample.X.back());
       sample.x.push_back(sample.X.back() + random_vector() * 0.5);
       sample.values["weight" + std::to_string(i)] = {i == 0 ? 1.0 : -1.0 / (point_count - 1)};
+      const stark::Vec3 slope = i == 0 ? stark::Vec3{} : random_vector() * 0.2;
+      if (point_count > 2) sample.values["slope" + std::to_string(i)] = {slope.x, slope.y, slope.z};
     }
+    const stark::Vec3 facing = normalized(random_vector());
+    if (point_count > 2) sample.values["facing"] = {facing.x, facing.y, facing.z};
     const stark::Vec3 n = normalized(random_vector()), a = random_vector() * 0.3;
     const stark::Vec3 t = normalized(cross(n, random_vector())), q = cross(n, t) * 0.3;
     sample.values["normal"] = {n.x, n.y, n.z};
@@ -102,8 +116,10 @@ PotentialDefinition anisotropic_friction(int point_count) {
 PotentialDefinition friction_2() { return isotropic_friction(2); }
 PotentialDefinition friction_3() { return isotropic_friction(3); }
 PotentialDefinition friction_4() { return isotropic_friction(4); }
+PotentialDefinition friction_5() { return isotropic_friction(5); }
 PotentialDefinition anisotropic_friction_2() { return anisotropic_friction(2); }
 PotentialDefinition anisotropic_friction_3() { return anisotropic_friction(3); }
 PotentialDefinition anisotropic_friction_4() { return anisotropic_friction(4); }
+PotentialDefinition anisotropic_friction_5() { return anisotropic_friction(5); }
 
 }  // namespace stark::models

@@ -63,6 +63,7 @@ FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_disp
 
 void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
                              DisplacementReference reference) {
+  if (mesh_ != &mesh) carriers_ = FrictionCarriers(mesh, rigid_sites_);
   mesh_ = &mesh;
   memory_ = std::move(memory);
   x_start_.assign(x.begin(), x.end());
@@ -75,7 +76,10 @@ void FrictionSet::begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std
 
 FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionCoefficient& mu,
                                          const Vec3& force, std::span<const Vec3> x) const {
-  Pair pair{.contact = contact, .normal = normalized(force), .force = norm(force)};
+  Pair pair{.contact = contact,
+            .stencil = carriers_.stencil(*mesh_, contact, x),
+            .normal = normalized(force),
+            .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
   const int64_t known = memory_.find(contact.key);
@@ -89,6 +93,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
   }
   if (resets_ >= kGeometryResets && before != nullptr) {
     pair.contact = before->contact;
+    pair.stencil = carriers_.stencil(*mesh_, pair.contact, x);
     pair.normal = before->normal;
     pair.deflection = before->deflection;
     pair.along = before->along;
@@ -157,7 +162,8 @@ void FrictionSet::restore() {
 void FrictionSet::sort_by_point_count() {
   for (auto& members : members_) members.clear();
   for (size_t i = 0; i < pairs_.size(); ++i)
-    members_[pairs_[i].contact.point_count - 2 + (pairs_[i].is_anisotropic ? 3 : 0)].push_back(i);
+    members_[pairs_[i].stencil.point_count - 2 + (pairs_[i].is_anisotropic ? FrictionPotentials::kCounts : 0)]
+        .push_back(i);
   fill(batches_);
 }
 
@@ -167,12 +173,7 @@ const FrictionSet::Pair* FrictionSet::find(const PairKey& key) const {
 }
 
 Vec3 FrictionSet::deflection(const Pair& pair, std::span<const Vec3> x) const {
-  Vec3 u;
-  for (int p = 0; p < pair.contact.point_count; ++p) {
-    const int32_t site = pair.contact.sites[p];
-    u += (x[site] - reference_.positions[site]) * pair.contact.weights[p];
-  }
-  u = u * reference_.scale + pair.deflection;
+  const Vec3 u = pair.stencil.motion(x, reference_.positions) * reference_.scale + pair.deflection;
   return u - pair.normal * dot(pair.normal, u);
 }
 
@@ -234,18 +235,22 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
   for (size_t k = 0; k < batches.size(); ++k) {
     PotentialBatch& batch = batches[k];
     const int points = batch.point_count();
-    const bool is_anisotropic = k >= 3;
+    const bool is_anisotropic = k >= FrictionPotentials::kCounts;
     std::vector<int32_t> stencils;
     for (const size_t i : members_[k])
-      stencils.insert(stencils.end(), pairs_[i].contact.sites.begin(),
-                      pairs_[i].contact.sites.begin() + points);
+      stencils.insert(stencils.end(), pairs_[i].stencil.sites.begin(),
+                      pairs_[i].stencil.sites.begin() + points);
     batch.resize(stencils);
     batch.set_previous(reference_.positions);
     const int limit = batch.field_index("limit"), deflection = batch.field_index("deflection");
     const int first = batch.field_index(is_anisotropic ? "along" : "normal");
     const int second = is_anisotropic ? batch.field_index("across") : -1;
-    std::array<int, 4> weights{};
-    for (int p = 0; p < points; ++p) weights[p] = batch.field_index("weight" + std::to_string(p));
+    const int facing = points > 2 ? batch.field_index("facing") : -1;
+    std::array<int, kFrictionPoints> weights{}, slopes{};
+    for (int p = 0; p < points; ++p) {
+      weights[p] = batch.field_index("weight" + std::to_string(p));
+      if (points > 2) slopes[p] = batch.field_index("slope" + std::to_string(p));
+    }
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Pair& pair = pairs_[members_[k][e]];
       const Vec3 start = pair.deflection / reference_.scale;
@@ -253,7 +258,10 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
       batch.set(first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
       if (is_anisotropic) batch.set(second, e, {&pair.across.x, 3});
       batch.set(deflection, e, {&start.x, 3});
-      for (int p = 0; p < points; ++p) batch.set(weights[p], e, {&pair.contact.weights[p], 1});
+      for (int p = 0; p < points; ++p) batch.set(weights[p], e, {&pair.stencil.weights[p], 1});
+      if (points == 2) continue;
+      batch.set(facing, e, {&pair.stencil.facing.x, 3});
+      for (int p = 0; p < points; ++p) batch.set(slopes[p], e, {&pair.stencil.slopes[p].x, 3});
     }
   }
 }
@@ -278,34 +286,33 @@ std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<Pote
 
 std::vector<const PotentialBatch*> FrictionSet::majorants(std::span<const Vec3> x) {
   fill(majorants_);
-  const double eps = stick_displacement_ / reference_.scale;
   for (size_t k = 0; k < majorants_.size(); ++k) {
     const int field = majorants_[k].field_index("slope");
     for (int64_t e = 0; e < majorants_[k].size(); ++e) {
       const Pair& pair = pairs_[members_[k][e]];
-      const double y = measure(pair, deflection(pair, x)) / reference_.scale;
-      const double slope = y < eps ? (2.0 - y / eps) / eps : 1.0 / y;
+      const double slope = slope_at(measure(pair, deflection(pair, x)) / reference_.scale);
       majorants_[k].set(field, e, {&slope, 1});
     }
   }
   return non_empty(majorants_);
 }
 
-std::map<PairKey, Vec3> FrictionSet::forces(std::span<const Vec3> x) const {
-  std::map<PairKey, Vec3> forces;
-  for (size_t k = 0; k < batches_.size(); ++k) {
-    const std::vector<double> values = batches_[k].evaluate(Order::Gradient, x);
-    const int outputs = 1 + 3 * batches_[k].point_count();
-    for (size_t e = 0; e < members_[k].size(); ++e) {
-      const Contact& contact = pairs_[members_[k][e]].contact;
-      const double sign = orientation(*mesh_, contact);
-      for (int p = 0; p < contact.side_a_count; ++p) {
-        const double* g = values.data() + e * outputs + 1 + 3 * p;
-        forces[contact.key] -= Vec3{g[0], g[1], g[2]} * sign;
-      }
-    }
+double FrictionSet::slope_at(double y) const {
+  const double eps = stick_displacement_ / reference_.scale;
+  return y < eps ? (2.0 - y / eps) / eps : 1.0 / y;
+}
+
+std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const Vec3> x) const {
+  std::map<PairKey, PairMotion> motions;
+  for (const Pair& pair : pairs_) {
+    const Vec3 u = deflection(pair, x) / reference_.scale;
+    const Vec3 direction =
+        pair.is_anisotropic ? pair.along * dot(pair.along, u) + pair.across * dot(pair.across, u) : u;
+    const double sign = orientation(*mesh_, pair.contact);
+    motions[pair.contact.key] = {.force = direction * (-sign * pair.limit * slope_at(measure(pair, u))),
+                                 .motion = pair.stencil.motion(x, reference_.positions) * sign};
   }
-  return forces;
+  return motions;
 }
 
 double FrictionSet::energy_at_start() const {

@@ -6,10 +6,13 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <stark/contact/contact_set.h>
 #include <stark/contact/friction_coefficient.h>
 #include <stark/contact/friction_memory.h>
+#include <stark/contact/friction_stencil.h>
 #include <stark/contact/surface_directions.h>
 
 namespace stark {
@@ -17,10 +20,11 @@ namespace stark {
 /// Coulomb's coefficients of a pair of groups.
 using FrictionTable = std::function<FrictionCoefficient(int32_t group_a, int32_t group_b)>;
 
-/// Friction of 2, 3 and 4 points.
+/// Friction of 2 to 5 points.
 struct FrictionPotentials {
-  std::array<std::shared_ptr<const Potential>, 3> isotropic;
-  std::array<std::shared_ptr<const Potential>, 3> anisotropic{};  ///< null where no pair asks for it
+  static constexpr int kCounts = kFrictionPoints - 1;
+  std::array<std::shared_ptr<const Potential>, kCounts> isotropic;
+  std::array<std::shared_ptr<const Potential>, kCounts> anisotropic{};  ///< null where no pair asks for it
 };
 
 /// How displacements of a step are measured: from `positions` [m], times `scale`. The integrator's reference
@@ -36,6 +40,9 @@ class FrictionSet {
   /// depends on the direction, in that of the larger coefficient.
   FrictionSet(const FrictionPotentials& potentials, double stick_displacement,
               SurfaceDirections directions = {});
+
+  /// Sites whose bodies are rigid, true by site; none by default.
+  void set_rigid_sites(std::vector<bool> rigid) { rigid_sites_ = std::move(rigid); }
 
   /// Starts a step at site positions x with what is remembered of the last one.
   void begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
@@ -65,8 +72,12 @@ class FrictionSet {
   std::vector<const PotentialBatch*> batches() const { return non_empty(batches_); }
   /// Parabolas above the energies that have their gradients at x.
   std::vector<const PotentialBatch*> majorants(std::span<const Vec3> x);
-  /// Forces on the first primitives of the pairs at site positions x [N].
-  std::map<PairKey, Vec3> forces(std::span<const Vec3> x) const;
+  struct PairMotion {
+    Vec3 force;   ///< on the first primitive [N]
+    Vec3 motion;  ///< of the first primitive against the second since the reference, where friction acts [m]
+  };
+  /// Friction of the pairs at site positions x.
+  std::map<PairKey, PairMotion> motions(std::span<const Vec3> x) const;
   bool empty() const { return pairs_.empty(); }
   /// Energy in the bristles as they were bent at the start of the step, with the limits of now, above that of
   /// straight ones [J]. By convexity the work that friction gives back in the step is no more.
@@ -79,6 +90,7 @@ class FrictionSet {
  private:
   struct Pair {
     Contact contact;
+    FrictionStencil stencil;
     Vec3 normal;         ///< unit, to side A
     Vec3 deflection;     ///< at the start of the step, of side A against side B [m]
     double force = 0.0;  ///< normal force [N]
@@ -96,6 +108,8 @@ class FrictionSet {
   Vec3 limited(const Pair& pair, Vec3 deflection) const;
   const Pair* find(const PairKey& key) const;
   Vec3 deflection(const Pair& pair, std::span<const Vec3> x) const;
+  /// f0'(y) / y of a deflection of measure y [1/m].
+  double slope_at(double y) const;
   struct Change {
     double largest_change = 0.0, largest_limit = 0.0;  ///< [N]
   };
@@ -113,6 +127,8 @@ class FrictionSet {
 
   double stick_displacement_;  ///< [m]
   SurfaceDirections directions_;
+  std::vector<bool> rigid_sites_;
+  FrictionCarriers carriers_;  ///< of the mesh
   const SurfaceMesh* mesh_ = nullptr;
   FrictionMemory memory_;
   DisplacementReference reference_;
@@ -122,7 +138,7 @@ class FrictionSet {
   std::vector<Pair> kept_;
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
   int resets_ = 0;                               ///< in this step
-  std::vector<PotentialBatch> batches_;  ///< of 2, 3 and 4 points, then the anisotropic ones if there are any
+  std::vector<PotentialBatch> batches_;  ///< of 2 to 5 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> majorants_;
   std::vector<std::vector<size_t>> members_;  ///< pairs of their elements
   std::vector<double> remembered_;

@@ -47,6 +47,9 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     group_separation_.push_back(options.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
   geometry_.mesh = &broad_phase_.mesh();
+  std::vector<bool> rigid;
+  for (int32_t i = 0; i < map.site_count(); ++i) rigid.push_back(map.site(i).kind == SiteKind::RigidPoint);
+  friction_.set_rigid_sites(std::move(rigid));
 }
 
 void ContactPipeline::begin_step(const Configuration& configuration, std::span<const Vec3> x,
@@ -188,7 +191,7 @@ double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<con
 std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> x) const {
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
-  const std::map<PairKey, Vec3> frictions = friction_.forces(x);
+  const auto frictions = friction_.motions(x);
   std::vector<ContactForce> result;
   for (size_t c = 0; c < forces.size(); ++c) {
     ContactForce entry{.contact = contacts()[c], .normal_force = forces[c]};
@@ -200,9 +203,12 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       motion += (x[site] - x_reference_[site]) * weight;
     }
     const Vec3 n = normalized(entry.point_a - entry.point_b);
+    if (const auto found = frictions.find(entry.contact.key); found != frictions.end()) {
+      const double side = orientation(mesh(), entry.contact);
+      entry.friction = found->second.force * side;
+      motion = found->second.motion * side;
+    }
     entry.slip = (motion - n * dot(n, motion)) / duration_;
-    if (const auto found = frictions.find(entry.contact.key); found != frictions.end())
-      entry.friction = found->second * orientation(mesh(), entry.contact);
     result.push_back(entry);
   }
   return result;

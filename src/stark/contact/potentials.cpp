@@ -14,9 +14,11 @@ PotentialDefinition barrier_mollified_edge_edge();
 PotentialDefinition friction_2();
 PotentialDefinition friction_3();
 PotentialDefinition friction_4();
+PotentialDefinition friction_5();
 PotentialDefinition anisotropic_friction_2();
 PotentialDefinition anisotropic_friction_3();
 PotentialDefinition anisotropic_friction_4();
+PotentialDefinition anisotropic_friction_5();
 }  // namespace models
 
 ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic) {
@@ -30,11 +32,11 @@ ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool ani
                    compile(models::barrier_mollified_point_edge()),
                    compile(models::barrier_mollified_edge_edge())},
       .friction = {.isotropic = {compile(models::friction_2()), compile(models::friction_3()),
-                                 compile(models::friction_4())}}};
+                                 compile(models::friction_4()), compile(models::friction_5())}}};
   if (anisotropic)
-    potentials.friction.anisotropic = {compile(models::anisotropic_friction_2()),
-                                       compile(models::anisotropic_friction_3()),
-                                       compile(models::anisotropic_friction_4())};
+    potentials.friction.anisotropic = {
+        compile(models::anisotropic_friction_2()), compile(models::anisotropic_friction_3()),
+        compile(models::anisotropic_friction_4()), compile(models::anisotropic_friction_5())};
   return potentials;
 }
 

@@ -444,9 +444,12 @@ def barrier_mollified_edge_edge(
     return mollifier(x, parallel_threshold) * barrier(edge_edge(*x), stiffness, contact_distance)
 
 
-def deflected(points: list, weights: list, u: object) -> object:
-    for p, weight in zip(points, weights, strict=True):
-        u = u + weight * (p.x - p.x_prev)
+def deflected(points: list, weights: list, u: object, facing: object = None, slopes: tuple = ()) -> object:
+    for i, (p, weight) in enumerate(zip(points, weights, strict=True)):
+        motion = p.x - p.x_prev
+        u = u + weight * motion
+        if slopes:
+            u = u + slopes[i] * stark.dot(facing, motion)
     return u
 
 
@@ -466,14 +469,24 @@ def coulomb(
     u: object,
     slope: object,
     majorant: object,
+    facing: object = None,
+    slopes: tuple = (),
 ) -> object:
-    u = deflected(points, weights, u)
+    u = deflected(points, weights, u, facing, slopes)
     tangential = u - normal * stark.dot(normal, u)
     return coulomb_smoothed(stark.squared_norm(tangential), limit, eps, slope, majorant)
 
 
-def in_ellipse(points: list, weights: list, along: object, across: object, u: object) -> object:
-    u = deflected(points, weights, u)
+def in_ellipse(
+    points: list,
+    weights: list,
+    along: object,
+    across: object,
+    u: object,
+    facing: object = None,
+    slopes: tuple = (),
+) -> object:
+    u = deflected(points, weights, u, facing, slopes)
     return stark.square(stark.dot(along, u)) + stark.square(stark.dot(across, u))
 
 
@@ -500,14 +513,19 @@ def friction_3(
     normal: stark.Vec3,
     stick_displacement: float,
     deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
     slope: float,
     majorant: float,
-    weight0: float,
-    weight1: float,
-    weight2: float,
 ):
-    weights = [weight0, weight1, weight2]
-    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
+    weights, slopes = [weight0, weight1, weight2], (slope0, slope1, slope2)
+    kept = (limit, normal, stick_displacement, deflection, slope, majorant)
+    return coulomb(list(s), weights, *kept, facing, slopes)
 
 
 @stark.energy
@@ -517,15 +535,47 @@ def friction_4(
     normal: stark.Vec3,
     stick_displacement: float,
     deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
+    weight3: float,
+    slope3: stark.Vec3,
     slope: float,
     majorant: float,
-    weight0: float,
-    weight1: float,
-    weight2: float,
-    weight3: float,
 ):
-    weights = [weight0, weight1, weight2, weight3]
-    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
+    weights, slopes = [weight0, weight1, weight2, weight3], (slope0, slope1, slope2, slope3)
+    kept = (limit, normal, stick_displacement, deflection, slope, majorant)
+    return coulomb(list(s), weights, *kept, facing, slopes)
+
+
+@stark.energy
+def friction_5(
+    s: stark.Stencil[5],
+    limit: float,
+    normal: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
+    weight3: float,
+    slope3: stark.Vec3,
+    weight4: float,
+    slope4: stark.Vec3,
+    slope: float,
+    majorant: float,
+):
+    weights, slopes = [weight0, weight1, weight2, weight3, weight4], (slope0, slope1, slope2, slope3, slope4)
+    kept = (limit, normal, stick_displacement, deflection, slope, majorant)
+    return coulomb(list(s), weights, *kept, facing, slopes)
 
 
 @stark.energy
@@ -553,13 +603,18 @@ def anisotropic_friction_3(
     across: stark.Vec3,
     stick_displacement: float,
     deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
     slope: float,
     majorant: float,
-    weight0: float,
-    weight1: float,
-    weight2: float,
 ):
-    square = in_ellipse(list(s), [weight0, weight1, weight2], along, across, deflection)
+    weights, slopes = [weight0, weight1, weight2], (slope0, slope1, slope2)
+    square = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
     return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
 
 
@@ -571,14 +626,47 @@ def anisotropic_friction_4(
     across: stark.Vec3,
     stick_displacement: float,
     deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
+    weight3: float,
+    slope3: stark.Vec3,
     slope: float,
     majorant: float,
-    weight0: float,
-    weight1: float,
-    weight2: float,
-    weight3: float,
 ):
-    square = in_ellipse(list(s), [weight0, weight1, weight2, weight3], along, across, deflection)
+    weights, slopes = [weight0, weight1, weight2, weight3], (slope0, slope1, slope2, slope3)
+    square = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
+    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+
+
+@stark.energy
+def anisotropic_friction_5(
+    s: stark.Stencil[5],
+    limit: float,
+    along: stark.Vec3,
+    across: stark.Vec3,
+    stick_displacement: float,
+    deflection: stark.Vec3,
+    facing: stark.Vec3,
+    weight0: float,
+    slope0: stark.Vec3,
+    weight1: float,
+    slope1: stark.Vec3,
+    weight2: float,
+    slope2: stark.Vec3,
+    weight3: float,
+    slope3: stark.Vec3,
+    weight4: float,
+    slope4: stark.Vec3,
+    slope: float,
+    majorant: float,
+):
+    weights, slopes = [weight0, weight1, weight2, weight3, weight4], (slope0, slope1, slope2, slope3, slope4)
+    square = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
     return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
 
 

@@ -1,0 +1,147 @@
+#include <stark/contact/friction_stencil.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace stark {
+
+namespace {
+
+/// Twice the area of a triangle over its squared size below which it has no normal to speak of.
+constexpr double kFlattest = 1e-8;
+
+struct Frame {
+  std::array<Vec3, 3> gradient;  ///< of the barycentric coordinates [1/m]
+  Vec3 centre, normal;
+  double shape = 0.0;  ///< twice the area over the squared size
+};
+
+Frame frame_of(const Index3& triangle, std::span<const Vec3> x) {
+  const std::array<Vec3, 3> v{x[triangle[0]], x[triangle[1]], x[triangle[2]]};
+  const Vec3 area = cross(v[1] - v[0], v[2] - v[0]);
+  const double twice = norm(area);
+  const double size =
+      std::max({squared_norm(v[1] - v[0]), squared_norm(v[2] - v[1]), squared_norm(v[0] - v[2])});
+  Frame frame{.gradient = {}, .centre = (v[0] + v[1] + v[2]) / 3.0, .normal = {}};
+  if (!(twice > kFlattest * size)) return frame;
+  frame.shape = twice / size;
+  frame.normal = area / twice;
+  for (int k = 0; k < 3; ++k)
+    frame.gradient[k] = cross(frame.normal, v[(k + 2) % 3] - v[(k + 1) % 3]) / twice;
+  return frame;
+}
+
+Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
+
+void add(FrictionStencil& stencil, int32_t site, double weight, const Vec3& slope) {
+  int k = 0;
+  while (k < stencil.point_count && stencil.sites[k] != site) ++k;
+  if (k == stencil.point_count) ++stencil.point_count;
+  stencil.sites[k] = site;
+  stencil.weights[k] += weight;
+  stencil.slopes[k] += slope;
+}
+
+}  // namespace
+
+Vec3 FrictionStencil::motion(std::span<const Vec3> x, std::span<const Vec3> reference) const {
+  Vec3 u;
+  for (int p = 0; p < point_count; ++p) {
+    const Vec3 d = x[sites[p]] - reference[sites[p]];
+    u += d * weights[p] + slopes[p] * dot(facing, d);
+  }
+  return u;
+}
+
+FrictionStencil closest_points(const Contact& contact) {
+  FrictionStencil stencil;
+  for (int p = 0; p < contact.point_count; ++p) add(stencil, contact.sites[p], contact.weights[p], {});
+  return stencil;
+}
+
+FrictionCarriers::FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites)
+    : rigid_sites_(std::move(rigid_sites)),
+      triangles_of_edge_(mesh.edges.size(), {-1, -1}),
+      triangle_of_vertex_(mesh.vertex_count, -1) {
+  std::vector<std::pair<Index2, int32_t>> edges;
+  for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
+    edges.push_back({sorted(mesh.edges[e][0], mesh.edges[e][1]), e});
+  std::ranges::sort(edges);
+  for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+      if (triangle_of_vertex_[a] < 0) triangle_of_vertex_[a] = t;
+      const auto edge = std::ranges::lower_bound(edges, sorted(a, b), {}, &std::pair<Index2, int32_t>::first);
+      if (edge == edges.end() || edge->first != sorted(a, b)) continue;
+      Index2& both = triangles_of_edge_[edge->second];
+      (both[0] < 0 ? both[0] : both[1]) = t;
+    }
+}
+
+int32_t FrictionCarriers::triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,
+                                           std::span<const Vec3> x) const {
+  const auto [a, b] = triangles_of_edge_[edge];
+  if (b < 0) return a;
+  const auto suits = [&](int32_t triangle) {
+    const Frame frame = frame_of(mesh.triangles[triangle], x);
+    return frame.shape * std::fabs(dot(frame.normal, gap));
+  };
+  return suits(b) > suits(a) ? b : a;
+}
+
+FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, const Contact& contact,
+                                                       std::span<const Vec3> x) const {
+  const PairKey& key = contact.key;
+  Vec3 gap;
+  for (int p = 0; p < contact.point_count; ++p) gap += x[contact.sites[p]] * contact.weights[p];
+  if (key.list == 0) return {key.second, {key.first, -1}};
+  // Edges and points: a triangle beside them, which is of a rigid body. Those that deform would be bent by
+  // it, and soft bodies pressed together took half as many Newton iterations again.
+  const auto at_edge = [&](int32_t edge) {
+    return is_rigid(mesh.edges[edge][0]) ? triangle_at_edge(mesh, edge, gap, x) : -1;
+  };
+  const auto at_vertex = [&](int32_t v) { return is_rigid(v) ? triangle_of_vertex_[v] : -1; };
+  if (key.list == 1) {
+    if (const int32_t t = at_edge(key.second); t >= 0) return {t, mesh.edges[key.first]};
+    return {at_edge(key.first), mesh.edges[key.second]};
+  }
+  if (key.list == 2) {
+    if (const int32_t t = at_edge(key.second); t >= 0) return {t, {key.first, -1}};
+    return {at_vertex(key.first), mesh.edges[key.second]};
+  }
+  if (const int32_t t = at_vertex(key.second); t >= 0) return {t, {key.first, -1}};
+  return {at_vertex(key.first), {key.second, -1}};
+}
+
+FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
+                                          std::span<const Vec3> x) const {
+  const Carrier carrier = carrier_of(mesh, contact, x);
+  if (carrier.triangle < 0) return closest_points(contact);
+  const Index3& triangle = mesh.triangles[carrier.triangle];
+  const Frame frame = frame_of(triangle, x);
+  if (frame.shape == 0.0) return closest_points(contact);
+  FrictionStencil stencil{.facing = frame.normal};
+  Vec3 point;         // of friction, on the other side
+  double side = 0.0;  // 1 where that is A, -1 where it is B
+  for (int p = 0; p < contact.point_count; ++p) {
+    const int32_t site = contact.sites[p];
+    if (site != carrier.other[0] && site != carrier.other[1]) continue;
+    add(stencil, site, contact.weights[p], {});
+    point += x[site] * contact.weights[p];
+    side += contact.weights[p];
+  }
+  side = side > 0.0 ? 1.0 : -1.0;
+  const Vec3 from_centre = point * side - frame.centre;
+  const double height = dot(frame.normal, from_centre);
+  double rest = side;
+  for (int k = 2; k >= 0; --k) {
+    const double share = side * (1.0 / 3.0 + dot(frame.gradient[k], from_centre));
+    const double weight = k > 0 ? share : rest;  // sums of shares are one in every bit
+    add(stencil, triangle[k], -weight, frame.gradient[k] * (side * height));
+    rest -= weight;
+  }
+  return stencil;
+}
+
+}  // namespace stark

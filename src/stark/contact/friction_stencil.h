@@ -1,0 +1,63 @@
+// Where friction acts (step phase 2). The closest points of a pair are a gap apart, so friction between them
+// would be a couple. It acts at the closest point of one side on both: the triangle of the other side carries
+// a point there, as if it were fixed to it. Total force and torque of the pair are zero then (theory eq.
+// 19a).
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <stark/base/math.h>
+#include <stark/collision/candidates.h>
+#include <stark/contact/contact_set.h>
+
+namespace stark {
+
+/// Largest number of points of a friction stencil: an edge and a triangle.
+inline constexpr int kFrictionPoints = 5;
+
+/// Motion of side A against side B at the point of friction, linear in the motions d_i of the sites:
+///     u = sum_i weight_i d_i + slope_i (facing . d_i).
+struct FrictionStencil {
+  int8_t point_count = 0;
+  std::array<int32_t, kFrictionPoints> sites{};
+  std::array<double, kFrictionPoints> weights{};  ///< sum to zero
+  std::array<Vec3, kFrictionPoints> slopes{};     ///< sum to zero; the turning of the carrying triangle
+  Vec3 facing;                                    ///< its unit normal, zero when nothing carries
+
+  Vec3 motion(std::span<const Vec3> x, std::span<const Vec3> reference) const;
+};
+
+/// The closest points of a contact as they are, a gap apart.
+FrictionStencil closest_points(const Contact& contact);
+
+/// Triangles of the surfaces that carry points of friction.
+class FrictionCarriers {
+ public:
+  FrictionCarriers() = default;
+  /// rigid_sites: by site, whether its body is rigid; none where it is empty.
+  explicit FrictionCarriers(const SurfaceMesh& mesh, std::vector<bool> rigid_sites = {});
+
+  /// Stencil of a contact at site positions x. Points against triangles, and edges of which one is of a rigid
+  /// body; otherwise the closest points as they are.
+  FrictionStencil stencil(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
+
+ private:
+  struct Carrier {
+    int32_t triangle = -1;
+    std::array<int32_t, 2> other{-1, -1};  ///< vertices of the primitive of the other side
+  };
+  Carrier carrier_of(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
+  /// Of the two at an edge the one that faces the gap.
+  int32_t triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,
+                           std::span<const Vec3> x) const;
+
+  bool is_rigid(int32_t site) const { return !rigid_sites_.empty() && rigid_sites_[site]; }
+
+  std::vector<bool> rigid_sites_;
+  std::vector<Index2> triangles_of_edge_;    ///< -1 where there is none
+  std::vector<int32_t> triangle_of_vertex_;  ///< one of them, -1 where there is none
+};
+
+}  // namespace stark
