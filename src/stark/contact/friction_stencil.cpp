@@ -95,7 +95,7 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   const PairKey& key = contact.key;
   Vec3 gap;
   for (int p = 0; p < contact.point_count; ++p) gap += x[contact.sites[p]] * contact.weights[p];
-  if (key.list == 0) return {key.second, {key.first, -1}};
+  if (key.list == 0) return {key.second, {contact.sites[0], -1}};
   // Edges and points: a triangle beside them, which is of a rigid body. Those that deform would be bent by
   // it, and soft bodies pressed together took half as many Newton iterations again.
   const auto at_edge = [&](int32_t edge) {
