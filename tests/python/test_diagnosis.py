@@ -217,16 +217,18 @@ def test_steps_that_succeed_have_no_diagnosis() -> None:
     assert "diagnosis" not in report.to_dict()
 
 
-def test_a_step_at_round_off_says_so() -> None:
+def test_a_step_whose_forces_are_rounding_has_converged_and_says_so() -> None:
     scene = stark.Scene()
     cube = scene.add_solid(stark.mesh.tet_box(0.1, 3), position=(0, 0, 0.052), name="cube")
     cube.pin([0])
     sim = stark.Simulation(scene, time_step=0.02, **{"newton.residual_tolerance": 1e-25})
     report = sim.step()
     assert report.status == "accepted"
-    assert report.caveats == ["round_off"]
-    assert "short of the tolerances" in report.message
-    assert report.to_dict()["caveats"] == ["round_off"]
+    assert report.caveats == []
+    assert report.solve_status == "converged"
+    assert report.at_rounding
+    assert report.to_dict()["at_rounding"] is True
+    assert 1e-25 < report.residual < 1e-9
 
 
 def test_the_guide_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
