@@ -77,7 +77,8 @@ class Judge:
         ]
         positions = [np.array(body.positions) for body in self._sim.bodies]
         none = np.zeros(0, dtype=np.int8)
-        return State(0, self._sim.time, positions, poses, [None] * len(poses), none, none)
+        nothing: list[None] = [None] * len(poses)
+        return State(0, self._sim.time, positions, poses, nothing, nothing, none, none)
 
     def _run(self) -> Run:
         bodies = []

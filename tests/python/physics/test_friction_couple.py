@@ -25,7 +25,7 @@ def _change(friction: float, gap: float, step: float, integrator: str) -> float:
 
 @pytest.mark.parametrize("gap", [0.01, 0.001])
 def test_free_boxes_keep_their_angular_momentum(gap: float) -> None:
-    """At 0.1 ms the error of the integrator is 1e-8; a couple of friction and gap would be 1.6e-2 at 10 mm."""
+    """At 0.1 ms the integrator errs by 1e-8; a couple of friction and gap would be 1.6e-2 at 10 mm."""
     assert abs(_change(0.0, gap, 1e-4, "bdf2")) < 1e-7
     assert abs(_change(0.5, gap, 1e-4, "bdf2")) < 1e-7
 
@@ -42,7 +42,7 @@ def test_implicit_euler_loses_no_more_with_friction_than_without() -> None:
 
 
 def test_a_box_that_tilts_with_its_board_does_not_slip() -> None:
-    """Turning together is no slip: a board and the box on it turn by 20 degrees, and bristles hold the load."""
+    """Turning together is no slip: a board and the box on it turn by 20 degrees, bristles hold the load."""
     scene = stark.Scene()
     scene.default_friction = 1.0
     board = scene.add_box((1.0, 1.0, 0.1), motion="scripted", name="board")
