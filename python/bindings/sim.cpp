@@ -72,6 +72,7 @@ nb::dict report_dict(const StepReport& r) {
   d["step"] = r.step;
   d["time"] = r.time;
   d["time_step"] = r.time_step;
+  d["integrator"] = to_string(r.integrator);
   d["newton_iterations"] = r.solve.iterations;
   d["linear_iterations"] = r.solve.linear_iterations;
   d["factorizations"] = r.solve.factorizations;
@@ -288,6 +289,10 @@ void bind_report(nb::module_& m) {
       .def_ro("step", &StepReport::step, "Number of the step, from 1.")
       .def_ro("time", &StepReport::time, "Time at its end [s].")
       .def_ro("time_step", &StepReport::time_step, "[s]")
+      .def_prop_ro(
+          "integrator", [](const StepReport& r) { return to_string(r.integrator); },
+          "What the step was taken with: 'implicit_euler', 'bdf2' or 'quasistatic'. Steps of bdf2 are "
+          "'implicit_euler' at the start and after impacts, where it has no history.")
       .def_ro("rejected_steps", &StepReport::rejected_steps)
       .def_ro("contact_count", &StepReport::contact_count)
       .def_ro("min_distance", &StepReport::min_distance,

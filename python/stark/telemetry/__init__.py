@@ -81,6 +81,7 @@ _REPORT_FIELDS = (
     "status",
     "time",
     "time_step",
+    "integrator",
     "newton_iterations",
     "linear_iterations",
     "factorizations",

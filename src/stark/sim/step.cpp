@@ -166,6 +166,8 @@ void Simulation::accept(double h, bool is_cut) {
     report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
   }
   report_.time_step = h;
+  if (settings_.time.integrator == Integrator::Quasistatic) report_.integrator = Integrator::Quasistatic;
+  if (reference_.stencil.history > 0.0) report_.integrator = Integrator::Bdf2;
   // A halved step grows back towards the one asked for, whose mark it must not miss; a step cut short by the
   // caller does not shrink the next.
   if (report_.rejected_steps > 0)

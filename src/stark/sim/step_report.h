@@ -9,6 +9,7 @@
 #include <stark/base/math.h>
 #include <stark/base/timer.h>
 #include <stark/sim/diagnosis.h>
+#include <stark/sim/settings.h>
 #include <stark/solve/report.h>
 
 namespace stark {
@@ -58,6 +59,8 @@ struct StepReport {
   int64_t step = 0;             ///< number of this step, from 1
   double time = 0.0;            ///< at its end [s]
   double time_step = 0.0;       ///< [s]
+  /// What this step was taken with: implicit Euler, too, where bdf2 has no history.
+  Integrator integrator = Integrator::ImplicitEuler;
   int rejected_steps = 0;       ///< attempts thrown away before this one
   SolveReport solve;            ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;

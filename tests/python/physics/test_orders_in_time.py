@@ -112,15 +112,6 @@ MOTIONS["rod_mass_damping"] = rod(**SIDEWAYS, mass_damping=2.0)
 # --- rigid bodies and springs ---
 
 
-def spinning(scene: stark.Scene) -> Observed:
-    """About no axis in particular, by two radians."""
-    body = scene.add_box((0.1, 0.06, 0.02), mass=1.0, angular_velocity=(1.0, 2.5, 1.5))
-    return lambda: body.rotation
-
-
-MOTIONS["rotation"] = spinning
-
-
 def block(scene: stark.Scene, **options: Any) -> Any:
     return scene.add_box((0.3, 0.2, 0.1), mass=1.0, **options)
 
