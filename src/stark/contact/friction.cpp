@@ -78,12 +78,15 @@ PotentialDefinition friction_potential(const std::string& name, int point_count,
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     const auto random_vector = [&] { return stark::Vec3{unit(random), unit(random), unit(random)}; };
     PotentialSample sample;
+    stark::Vec3 sum;  // of the slopes: zero, as of the weights, so that translations bend no bristles
     for (int i = 0; i < point_count; ++i) {
       sample.X.push_back(random_vector());
       sample.x_prev.push_back(sample.X.back());
       sample.x.push_back(sample.X.back() + random_vector() * 0.5);
       sample.values["weight" + std::to_string(i)] = {i == 0 ? 1.0 : -1.0 / (point_count - 1)};
-      const stark::Vec3 slope = i == 0 ? stark::Vec3{} : random_vector() * 0.2;
+      const bool is_last = i + 1 == point_count;
+      const stark::Vec3 slope = i == 0 ? stark::Vec3{} : is_last ? sum * -1.0 : random_vector() * 0.2;
+      sum += slope;
       if (point_count > 2) sample.values["slope" + std::to_string(i)] = {slope.x, slope.y, slope.z};
     }
     const stark::Vec3 facing = normalized(random_vector());

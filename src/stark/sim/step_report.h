@@ -61,8 +61,8 @@ struct StepReport {
   double time_step = 0.0;       ///< [s]
   /// What this step was taken with: implicit Euler, too, where bdf2 has no history.
   Integrator integrator = Integrator::ImplicitEuler;
-  int rejected_steps = 0;       ///< attempts thrown away before this one
-  SolveReport solve;            ///< of the accepted attempt; counters include the rejected ones
+  int rejected_steps = 0;  ///< attempts thrown away before this one
+  SolveReport solve;       ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;
   double min_distance = 0.0;  ///< of the active contacts [m], infinity without any
   /// Largest difference of a friction limit in this step from mu times the normal force at its end [N].
