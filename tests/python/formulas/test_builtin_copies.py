@@ -58,8 +58,8 @@ def inputs_of(formula: Any, rng: np.random.Generator) -> dict[str, Any]:
 # not have. Without one that is what the copies say, but not in the same operations.
 OF_SECOND_ORDER = ("solid_damping", "membrane_damping")
 
-# Inputs of several points that enter alike leave ties in the canonical numbering: the graph of the Hessian may
-# have one or two operations more or less, the code that runs is the same to the instruction.
+# Inputs of several points that enter alike leave ties in the canonical numbering: the graph of the Hessian
+# may have one or two operations more or less, the code that runs is the same to the instruction.
 WITH_TIES = tuple(f"{name}_{count}" for name in ("friction", "anisotropic_friction") for count in (3, 4, 5))
 
 

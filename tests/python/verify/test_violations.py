@@ -411,7 +411,7 @@ def _set(
         (_set(_STEPS - 1, "contact_energy_at_start", factor=1.0 + 1e-6), "energy_ledger"),
         (_set(_STEPS - 1, "contact_energy_at_start", value=-1e-9), "energy_ledger"),
         (_set(_STEPS - 1, "contact_energy_at_start", value=None, factor=float("nan")), "energy_ledger"),
-        (_set(_STEPS - 1, "energy", "friction", value=-1e-7), "friction_dissipates"),
+        (_set(_STEPS - 1, "energy", "friction", value=-1e-6), "friction_dissipates"),
         (_set(_STEPS - 1, "bristle_energy_at_start", value=-1e-12), "friction_dissipates"),
         (_set(9, "momentum", "z", factor=1.0 + 1e-6), "reported_momentum"),
         (_set(9, "angular_momentum", "x", value=1e-6), "reported_momentum"),
