@@ -209,6 +209,7 @@ Description description_of(const nb::dict& given, std::string& out_owner, const 
   body.velocity = vector_of(given["velocity"], owner + ": velocity");
   body.angular_velocity = vector_of(given["angular_velocity"], owner + ": angular_velocity");
   body.contact_distance = number_of(given["contact_distance"], owner + ": contact_distance");
+  body.contact_stiffness = number_of(given["contact_stiffness"], owner + ": contact_stiffness");
   body.friction = number_of(given["friction"], owner + ": friction");
   if (!given["color"].is_none()) {
     const Vec3 c = vector_of(given["color"], owner + ": color");
@@ -419,6 +420,9 @@ void bind_scene_class(nb::module_& m) {
           "motion", [](const Scene& s, int32_t body) { return to_string(s.motion({body})); }, "body"_a)
       .def(
           "contact_distance", [](const Scene& s, int32_t body) { return s.contact_distance({body}); },
+          "body"_a)
+      .def(
+          "contact_stiffness", [](const Scene& s, int32_t body) { return s.contact_stiffness({body}); },
           "body"_a)
       .def(
           "initial_positions",

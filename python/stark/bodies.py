@@ -127,6 +127,12 @@ class Body(ContactSensors):
         return self._scene._core.contact_distance(self._index)
 
     @property
+    def contact_stiffness(self) -> float | None:
+        """Pressure [Pa] at which the gap is half of the contact distance; None: ``contact.stiffness`` of the
+        settings, which by default follows from the weight of each body."""
+        return self._scene._core.contact_stiffness(self._index)
+
+    @property
     def surface_direction(self) -> NDArray[np.float64] | None:
         """Direction of the surface, for ``stark.Anisotropic`` friction: the nap of a fabric, the grooves of a
         belt. One vector (3,), or one for each of the ``surface_triangles`` (m, 3), in the frame of the mesh;

@@ -75,6 +75,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         pins: ArrayLike | None = None,
         self_contact: bool = True,
         contact_distance: float | None = None,
+        contact_stiffness: float | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Cloth:
@@ -99,6 +100,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             velocity,
             angular_velocity,
             contact_distance,
+            contact_stiffness,
             friction,
             color,
         )
@@ -134,6 +136,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         pins: ArrayLike | None = None,
         self_contact: bool = True,
         contact_distance: float | None = None,
+        contact_stiffness: float | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Solid:
@@ -152,6 +155,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             velocity,
             angular_velocity,
             contact_distance,
+            contact_stiffness,
             friction,
             color,
         )
@@ -189,6 +193,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         clamps: ArrayLike | None = None,
         self_contact: bool = True,
         contact_distance: float | None = None,
+        contact_stiffness: float | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Rod:
@@ -213,6 +218,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             velocity,
             angular_velocity,
             contact_distance,
+            contact_stiffness,
             friction,
             color,
         )
@@ -254,6 +260,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
         contact_distance: float | None = None,
+        contact_stiffness: float | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> RigidBody:
@@ -273,6 +280,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             velocity,
             angular_velocity,
             contact_distance,
+            contact_stiffness,
             friction,
             color,
         )
@@ -416,6 +424,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         velocity: ArrayLike,
         angular_velocity: ArrayLike,
         contact_distance: float | None,
+        contact_stiffness: float | None,
         friction: float | None,
         color: ArrayLike | None,
     ) -> dict[str, Any]:
@@ -427,6 +436,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             "velocity": velocity,
             "angular_velocity": angular_velocity,
             "contact_distance": contact_distance,
+            "contact_stiffness": contact_stiffness,
             "friction": friction,
             "color": color,
         }

@@ -144,7 +144,7 @@ class Classifier {
     contact.key = key;
     contact.group_a = group_a;
     contact.group_b = group_b;
-    contact.contact_distance = geometry_.group_distance[group_a] + geometry_.group_distance[group_b];
+    contact.contact_distance = geometry_.distance(group_a, group_b);
   }
 
   static bool within(Contact& contact, double squared_distance) {
@@ -183,6 +183,20 @@ void keep_nearest_of_faces(std::span<const int32_t> face, std::vector<Contact>& 
 }
 
 }  // namespace
+
+int64_t group_code(int32_t group_a, int32_t group_b) {
+  const auto [a, b] = std::minmax(group_a, group_b);
+  return (static_cast<int64_t>(a) << 32) | b;
+}
+
+double ContactGeometry::distance(int32_t group_a, int32_t group_b) const {
+  if (!close.bodies.empty()) {
+    const int64_t code = group_code(group_a, group_b);
+    const auto found = std::ranges::lower_bound(close.bodies, code);
+    if (found != close.bodies.end() && *found == code) return close.distance[found - close.bodies.begin()];
+  }
+  return group_distance[group_a] + group_distance[group_b];
+}
 
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
                    ThreadPool& pool, std::vector<Contact>& out) {

@@ -27,7 +27,8 @@ inline constexpr int kStencilKindCount = static_cast<int>(StencilKind::kCount);
 
 /// Identity of a pair of primitives, in the order of the candidate lists.
 struct PairKey {
-  uint8_t list = 0;  ///< 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point
+  /// 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point, 4 what a point has beside (closest_features).
+  uint8_t list = 0;
   int32_t first = 0, second = 0;
   auto operator<=>(const PairKey&) const = default;
 };
@@ -40,10 +41,22 @@ struct Contact {
   int32_t group_a = 0, group_b = 0;
   std::array<int32_t, 4> sites{};   ///< as the barrier of `kind` orders them
   std::array<double, 4> weights{};  ///< separation = sum_i weights_i x_i, + on side A
+  /// How often the energy of the stencil counts: see contact/closest_features.h.
+  int32_t multiplicity = 1;
   double distance = 0.0;            ///< [m]
   double contact_distance = 0.0;    ///< [m]
   double parallel_threshold = 0.0;  ///< [m^4], edge-edge only
   double stiffness = 0.0;           ///< [N/m]
+};
+
+/// Number of an unordered pair of groups.
+int64_t group_code(int32_t group_a, int32_t group_b);
+
+/// Pairs of bodies that started within their contact distance, and the smaller one that they have until they
+/// part. Part of the State; sorted, without doubles.
+struct CloseBodies {
+  std::vector<int64_t> bodies;    ///< group_code()
+  std::vector<double> distance{};  ///< [m]
 };
 
 /// What classification needs to know about the surfaces.
@@ -53,7 +66,12 @@ struct ContactGeometry {
   std::vector<double> edge_squared_length;  ///< of the rest shape, per edge [m^2]
   /// Per triangle the one that stands for its convex flat face, of which a point has one contact: that with
   /// the nearest triangle. Empty: each is a face.
-  std::vector<int32_t> face;
+  std::vector<int32_t> face{};
+  CloseBodies close{};
+  std::vector<uint8_t> prescribed{};  ///< by site, 1 where no force moves it; none: all are free
+
+  /// Contact distance of two groups [m].
+  double distance(int32_t group_a, int32_t group_b) const;
 };
 
 /// Contacts among the candidates at site positions x, in the order of the lists. Stiffness is left at zero.

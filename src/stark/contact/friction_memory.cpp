@@ -30,6 +30,12 @@ int64_t pack(const PairKey& key) {
          (static_cast<int64_t>(key.first) << kPrimitiveBits) | static_cast<int64_t>(key.second);
 }
 
+PairKey unpack(int64_t code) {
+  constexpr int64_t kMask = (int64_t{1} << kPrimitiveBits) - 1;
+  return {static_cast<uint8_t>(code >> (2 * kPrimitiveBits)),
+          static_cast<int32_t>((code >> kPrimitiveBits) & kMask), static_cast<int32_t>(code & kMask)};
+}
+
 void FrictionMemory::append(const PairKey& key, const Vec3& pair_deflection, double normal_force) {
   pair.push_back(pack(key));
   deflection.push_back(pair_deflection);

@@ -23,6 +23,7 @@ struct FrictionMemory {
 
 /// Order-preserving number of a pair: two bits for the list and thirty for each primitive.
 int64_t pack(const PairKey& key);
+PairKey unpack(int64_t code);
 
 /// Angle by which the material of a pair (its triangle or an edge) turns about the unit normal while sites
 /// move from x0 to x1 [rad]; 0 for pairs of points and for edges along the normal, which show no turning.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <stark/base/error.h>
+#include <stark/geometry/distance.h>
 
 namespace stark {
 
@@ -13,6 +14,38 @@ namespace {
 /// A list is built with this part of the contact distance as motion budget. Longer motions are swept once
 /// instead of enlarging the list that all energy evaluations read.
 constexpr double kMarginFactor = 0.5;
+
+/// Part of their contact distance that bodies keep however close they start.
+constexpr double kClosest = 0.01;
+
+/// Rounding of a gap that does not count as closer.
+constexpr double kRounding = 1e-9;
+
+ContactLaw make_law(const ContactSurfaces& surfaces) {
+  std::vector<BodyStiffness> bodies = surfaces.stiffness;
+  if (bodies.empty()) bodies.assign(surfaces.group_distance.size(), {.pressure = 1.0, .is_given = false});
+  return {AreaWeights(surfaces.mesh, surfaces.rest_positions, surfaces.patch, surfaces.is_sheet,
+                      surfaces.group_distance),
+          std::move(bodies), surfaces.group_distance};
+}
+
+/// Distance of the primitives of a pair with sites at x [m].
+double pair_distance(const SurfaceMesh& mesh, const PairKey& key, std::span<const Vec3> x) {
+  double squared = 0.0;
+  if (key.list == 0) {
+    const Index3& t = mesh.triangles[key.second];
+    squared = point_triangle_squared_distance(x[key.first], x[t[0]], x[t[1]], x[t[2]]);
+  } else if (key.list == 1) {
+    const Index2 &a = mesh.edges[key.first], &b = mesh.edges[key.second];
+    squared = edge_edge_squared_distance(x[a[0]], x[a[1]], x[b[0]], x[b[1]]);
+  } else if (key.list == 2) {
+    const Index2& e = mesh.edges[key.second];
+    squared = point_edge_squared_distance(x[key.first], x[e[0]], x[e[1]]);
+  } else {
+    squared = squared_norm(x[key.first] - x[key.second]);
+  }
+  return std::sqrt(squared);
+}
 
 std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
   std::vector<int32_t> sites(mesh.points);
@@ -32,7 +65,9 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       options_(options),
       pool_(pool),
       timer_(timer),
-      stiffness_(map),
+      law_(make_law(surfaces)),
+      cells_(surfaces.mesh, surfaces.face),
+      rest_positions_(std::move(surfaces.rest_positions)),
       active_(potentials.barriers, pool),
       trial_(potentials.barriers, pool),
       friction_(potentials.friction, options.stick_displacement,
@@ -40,9 +75,11 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   surface_sites_ = find_surface_sites(surfaces.mesh);
   for (const Index2& edge : surfaces.mesh.edges)
     geometry_.edge_squared_length.push_back(
-        squared_norm(surfaces.rest_positions[edge[1]] - surfaces.rest_positions[edge[0]]));
+        squared_norm(rest_positions_[edge[1]] - rest_positions_[edge[0]]));
   geometry_.group_distance = surfaces.group_distance;
   geometry_.face = std::move(surfaces.face);
+  for (int32_t site = 0; site < map.site_count(); ++site)
+    geometry_.prescribed.push_back(map.is_prescribed(site) ? 1 : 0);
   for (const double d : surfaces.group_distance)
     group_separation_.push_back(options.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
@@ -52,34 +89,87 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   friction_.set_rigid_sites(std::move(rigid));
 }
 
-void ContactPipeline::begin_step(const Configuration& configuration, std::span<const Vec3> x,
-                                 std::span<const Mat3> diagonal, const VelocityReference& reference,
+void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReference& reference,
                                  ContactMemory memory) {
   x_reference_.assign(reference.positions.begin(), reference.positions.end());
   duration_ = reference.duration;
+  names_.clear();
+  for (const int64_t code : memory.friction.pair)
+    if (const PairKey key = unpack(code); is_name(key)) names_.push_back(key);
   friction_.begin_step(mesh(), std::move(memory.friction), x,
                        {x_reference_, reference.step / reference.duration});
-  {
-    const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
-    stiffness_.begin_step(configuration, diagonal, options_.stiffness_factor, std::move(memory.load));
-  }
+  geometry_.close = std::move(memory.close);
+  law_.begin_step(std::move(memory.load));
   update(x);
   if (options_.friction) freeze_friction(x);
 }
 
-ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double share) {
+ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration) {
   if (!std::ranges::equal(x, x_active_)) update(x);
-  std::vector<Vec3> forces;
-  active_.evaluate_forces(x, forces);
-  friction_residual_ = friction_.residual(contacts(), forces, friction_coefficient_);
-  return {friction_.end_step(x), stiffness_.end_step(contacts(), forces, share)};
+  const std::vector<Vec3> all = forces(x, true);
+  friction_residual_ = friction_.residual(contacts(), forces(x, false), friction_coefficient_);
+  ContactMemory memory{friction_.end_step(x), law_.end_step(contacts(), all, duration)};
+  memory.close = parted(x);
+  return memory;
 }
 
 LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x) {
   if (!std::ranges::equal(x, x_active_)) update(x);
+  return law_.raised(contacts(), forces(x, true));
+}
+
+bool ContactPipeline::is_name(const PairKey& key) const {
+  const size_t seconds = key.list == 0 ? mesh().triangles.size() : key.list == 2 ? mesh().edges.size() : 0;
+  return key.first < mesh().vertex_count && static_cast<size_t>(key.second) < seconds;
+}
+
+std::vector<Vec3> ContactPipeline::forces(std::span<const Vec3> x, bool with_negative) const {
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
-  return stiffness_.raised(contacts(), forces);
+  for (size_t c = 0; c < forces.size() && !with_negative; ++c)
+    if (contacts()[c].multiplicity < 0) forces[c] = {};
+  return forces;
+}
+
+std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x) {
+  const CloseBodies close = std::exchange(geometry_.close, {});
+  std::map<int64_t, double> gaps;
+  for (const Contact& contact : find_contacts_at(x)) {
+    if (contact.group_a == contact.group_b &&
+        pair_distance(mesh(), contact.key, rest_positions_) < contact.contact_distance)
+      continue;
+    const int64_t code = group_code(contact.group_a, contact.group_b);
+    const double gap = std::max(contact.distance, kClosest * contact.contact_distance);
+    const auto [entry, is_new] = gaps.try_emplace(code, gap);
+    entry->second = std::min(entry->second, gap);
+  }
+  geometry_.close = close;
+  return gaps;
+}
+
+CloseBodies ContactPipeline::find_close_bodies(std::span<const Vec3> x) {
+  CloseBodies close;
+  for (const auto& [code, gap] : smallest_gaps(x)) {
+    const double whole = geometry_.group_distance[code >> 32] + geometry_.group_distance[code & 0xffffffff];
+    if (gap > (1.0 - kRounding) * whole) continue;
+    close.bodies.push_back(code);
+    close.distance.push_back(gap);
+  }
+  return close;
+}
+
+CloseBodies ContactPipeline::parted(std::span<const Vec3> x) {
+  CloseBodies close;
+  if (geometry_.close.bodies.empty()) return close;
+  const std::map<int64_t, double> gaps = smallest_gaps(x);
+  for (size_t k = 0; k < geometry_.close.bodies.size(); ++k) {
+    const int64_t code = geometry_.close.bodies[k];
+    const auto gap = gaps.find(code);
+    if (gap == gaps.end()) continue;  // farther apart than their contact distance
+    close.bodies.push_back(code);
+    close.distance.push_back(std::max(geometry_.close.distance[k], gap->second));
+  }
+  return close;
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
@@ -108,7 +198,8 @@ void ContactPipeline::build(std::span<const Vec3> x, Candidates& out) {
 void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out) {
   std::vector<Contact> contacts;
   find_contacts(geometry_, list, x, pool_, contacts);
-  stiffness_.assign(mesh(), x, contacts);
+  merge_by_feature(geometry_, cells_, names_, x, contacts);
+  law_.assign(mesh(), x, contacts);
   out.reset(std::move(contacts));
   out.evaluate_energies(x);
 }
@@ -167,10 +258,12 @@ double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
 
 double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  std::vector<Vec3> forces;
-  active_.evaluate_forces(x, forces);
-  const double change = friction_.reset(active_.contacts(), forces, friction_coefficient_, x);
+  const double change = friction_.reset(contacts(), forces(x, false), friction_coefficient_, x);
   friction_.remember(x);
+  for (const Contact& contact : contacts())
+    if (is_name(contact.key)) names_.push_back(contact.key);
+  std::ranges::sort(names_);
+  names_.erase(std::ranges::unique(names_).begin(), names_.end());
   return change;
 }
 

@@ -7,14 +7,14 @@
 #include <stark/base/timer.h>
 #include <stark/collision/broad_phase.h>
 #include <stark/collision/ccd.h>
+#include <stark/contact/closest_features.h>
+#include <stark/contact/contact_law.h>
 #include <stark/contact/friction_set.h>
-#include <stark/contact/stiffness.h>
 #include <stark/mechanics/active_set.h>
 
 namespace stark {
 
 struct ContactOptions {
-  double stiffness_factor = 300.0;
   double min_separation_factor = 1e-3;
   double stick_displacement = 1e-5;  ///< [m]
   bool friction = true;
@@ -29,6 +29,9 @@ struct ContactSurfaces {
   FrictionTable friction;
   std::vector<TangentComponents> directions;  ///< by triangle; none where no surface has a direction
   std::vector<int32_t> face;                  ///< by triangle, see ContactGeometry; none: each is a face
+  std::vector<BodyStiffness> stiffness{};     ///< by group; none: 1 Pa for all
+  std::vector<int32_t> patch{};               ///< by triangle, see AreaWeights; none: each is a patch
+  std::vector<uint8_t> is_sheet{};            ///< by group, see AreaWeights
 };
 
 struct ContactPotentials {
@@ -53,6 +56,7 @@ struct ContactForce {
 struct ContactMemory {
   FrictionMemory friction;
   LoadMemory load;
+  CloseBodies close{};
 };
 
 struct ContactCounters {
@@ -72,11 +76,14 @@ class ContactPipeline final : public ActiveSet {
     double duration = 0.0;
     double step = 0.0;
   };
-  /// Freezes stiffness and friction for a step that starts at site positions x. diagonal: see PairStiffness.
-  void begin_step(const Configuration& configuration, std::span<const Vec3> x, std::span<const Mat3> diagonal,
-                  const VelocityReference& reference, ContactMemory memory);
-  /// Takes the end of a step at site positions x: contacts are those there. share: of the full time step.
-  ContactMemory end_step(std::span<const Vec3> x, double share = 1.0);
+  /// Freezes areas and friction for a step that starts at site positions x.
+  void begin_step(std::span<const Vec3> x, const VelocityReference& reference, ContactMemory memory);
+  /// Takes the end of a step at site positions x: contacts are those there. duration: see ContactLaw.
+  ContactMemory end_step(std::span<const Vec3> x, double duration = 1.0);
+
+  /// Pairs of bodies that are within their contact distance at x, with the gaps between them; of a body with
+  /// itself, those of parts that are farther apart in its rest shape.
+  CloseBodies find_close_bodies(std::span<const Vec3> x);
 
   /// Factors of the barriers for another attempt at a step, after one that failed at x.
   LoadMemory raised_load(std::span<const Vec3> x);
@@ -106,7 +113,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Smallest distance of an active contact [m], infinity when there is none.
   double min_distance() const;
-  /// Contacts with sites at x, without their stiffness; the active ones stay as they are.
+  /// Contacts of all pairs of primitives with sites at x, without their stiffness; the active ones stay as
+  /// they are.
   std::vector<Contact> find_contacts_at(std::span<const Vec3> x);
   /// Largest approach along the normal of an active contact while its sites moved from x0 to x1, over its
   /// contact distance.
@@ -125,6 +133,12 @@ class ContactPipeline final : public ActiveSet {
   bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
   void build(std::span<const Vec3> x, Candidates& out);
   double freeze_friction(std::span<const Vec3> x);
+  /// Forces on sides A of the active contacts [N]; of those that take energy away only where asked for.
+  std::vector<Vec3> forces(std::span<const Vec3> x, bool with_negative) const;
+  /// Whether it is the key of a contact of a point with a cell.
+  bool is_name(const PairKey& key) const;
+  std::map<int64_t, double> smallest_gaps(std::span<const Vec3> x);
+  CloseBodies parted(std::span<const Vec3> x);
   void fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out);
 
   BroadPhase broad_phase_;
@@ -133,7 +147,10 @@ class ContactPipeline final : public ActiveSet {
   ContactOptions options_;
   ThreadPool& pool_;
   PhaseTimer& timer_;
-  PairStiffness stiffness_;
+  ContactLaw law_;
+  SurfaceCells cells_;
+  std::vector<PairKey> names_;  ///< of contacts of points, sorted: see merge_by_feature
+  std::vector<Vec3> rest_positions_;
   ContactSet active_, trial_;
   FrictionSet friction_;
   Candidates candidates_, trial_candidates_;

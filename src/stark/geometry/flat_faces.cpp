@@ -44,6 +44,7 @@ class FaceFinder {
     for (size_t v = 0; v < x_.size(); ++v)
       if (used[v] && !on_border[v]) faces.inner_vertices.push_back(static_cast<int32_t>(v));
     faces.face = convex_faces();
+    faces.patch = face_;
     return faces;
   }
 
@@ -139,9 +140,10 @@ class FaceFinder {
 }  // namespace
 
 FlatFaces separate_faces(std::span<const Index3> triangles) {
-  FlatFaces faces{.edges = find_edges(triangles), .inner_vertices = {}, .face = {}};
+  FlatFaces faces{.edges = find_edges(triangles), .inner_vertices = {}, .face = {}, .patch = {}};
   faces.face.resize(triangles.size());
   std::iota(faces.face.begin(), faces.face.end(), 0);
+  faces.patch = faces.face;
   return faces;
 }
 

@@ -17,6 +17,7 @@ struct FlatFaces {
   /// For each triangle the lowest one of its face where the face is convex, so that there is one nearest
   /// point; else the triangle itself.
   std::vector<int32_t> face;
+  std::vector<int32_t> patch;  ///< for each triangle the lowest one of its face, convex or not
 };
 
 /// Triangles are of one flat face when they share edges (of two triangles each), are oriented alike and their

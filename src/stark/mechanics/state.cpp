@@ -206,6 +206,7 @@ std::string first_length_difference(const State& a, const State& b) {
   if (a.friction_deflection.size() != a.friction_pair.size()) return "friction_deflection";
   if (a.friction_force.size() != a.friction_pair.size()) return "friction_force";
   if (a.contact_factor.size() != a.contact_bodies.size()) return "contact_factor";
+  if (a.contact_close_distance.size() != a.contact_close_bodies.size()) return "contact_close_distance";
   const std::vector<StateArray> of_a = arrays_of(a), of_b = arrays_of(b);
   for (size_t k = 0; k < of_a.size(); ++k) {
     const bool by_contact = of_a[k].name.starts_with("friction_") || of_a[k].name.starts_with("contact_");

@@ -27,6 +27,9 @@ void check_common(const std::string& owner, const Description& body) {
   if (body.contact_distance)
     check_number(owner, "contact_distance", *body.contact_distance, "m", positive(),
                  "leave it out to use contact.distance of the settings");
+  if (body.contact_stiffness)
+    check_number(owner, "contact_stiffness", *body.contact_stiffness, "Pa", positive(),
+                 "leave it out to use contact.stiffness of the settings");
   if (body.friction)
     check_number(owner, "friction", *body.friction, "1", non_negative(),
                  "leave it out to use the scene's default");

@@ -9,6 +9,7 @@
 #include <stark/geometry/flat_faces.h>
 #include <stark/geometry/topology.h>
 #include <stark/sim/contact_distance.h>
+#include <stark/sim/contact_stiffness.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -163,6 +164,7 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
     mesh.triangles.push_back({body.first_site + v0, body.first_site + v1, body.first_site + v2});
     mesh.triangle_group.push_back(group);
     out.face.push_back(first_triangle + (has_faces ? faces.face[t] : static_cast<int32_t>(t)));
+    out.patch.push_back(first_triangle + faces.patch[t]);
   }
   for (const std::span<const Index2> edges :
        {std::span<const Index2>(faces.edges), std::span<const Index2>(body.edges)})
@@ -200,6 +202,8 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     const bool has_faces = scene.surface_directions(id).size() <= 1;
     add_surface(bodies_[b], id.index, rest_positions_, has_faces, surfaces);
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
+    surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
+    surfaces.is_sheet.push_back(bodies_[b].kind == BodyKind::Cloth || bodies_[b].kind == BodyKind::Rod);
   }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));

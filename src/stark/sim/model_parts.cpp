@@ -153,10 +153,11 @@ void Model::Builder::list_energies() {
 }
 
 void Model::Builder::list_contact() {
-  Hash64 friction, pairs, distances;
+  Hash64 friction, pairs, distances, stiffness;
   for (int32_t a = 0; a < scene.body_count(); ++a) {
     // Unset: the one of the settings, which are not a part of the model.
     distances.append(scene.contact_distance(BodyId{a}).value_or(-1.0));
+    stiffness.append(scene.contact_stiffness(BodyId{a}).value_or(-1.0));
     for (int32_t b = 0; b <= a; ++b) {
       append_friction(friction, scene.friction(BodyId{a}, BodyId{b}));
       pairs.append(scene.contact_enabled(BodyId{a}, BodyId{b}));
@@ -165,6 +166,7 @@ void Model::Builder::list_contact() {
   add_part("coefficients of friction", false, friction);
   add_part("pairs of bodies without contact", false, pairs);
   add_part("contact distances of bodies", false, distances);
+  add_part("contact stiffness of bodies", false, stiffness);
   if (!scene.has_anisotropic_friction()) return;
   Hash64 directions;
   for (int32_t a = 0; a < scene.body_count(); ++a) {

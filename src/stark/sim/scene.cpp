@@ -294,6 +294,10 @@ std::optional<double> Scene::contact_distance(BodyId body) const {
   return visit_body(*this, body, [](const auto& b) { return b.contact_distance; });
 }
 
+std::optional<double> Scene::contact_stiffness(BodyId body) const {
+  return visit_body(*this, body, [](const auto& b) { return b.contact_stiffness; });
+}
+
 std::optional<double> Scene::body_friction(BodyId body) const {
   return visit_body(*this, body, [](const auto& b) { return b.friction; });
 }

@@ -61,8 +61,9 @@ struct ClothDescription {
   std::vector<Vec3> initial_positions{};     ///< [m] in the frame of the body; empty: the rest shape
   Vec3 velocity{};                           ///< [m/s] at time 0
   Vec3 angular_velocity{};                   ///< [rad/s] at time 0, world axes, about `position`
-  std::optional<double> contact_distance{};  ///< [m]; unset: settings.contact.distance
-  std::optional<double> friction{};          ///< unset: Scene::default_friction
+  std::optional<double> contact_distance{};   ///< [m]; unset: settings.contact.distance
+  std::optional<double> contact_stiffness{};  ///< [Pa]; unset: settings.contact.stiffness
+  std::optional<double> friction{};           ///< unset: Scene::default_friction
   bool self_contact = true;
   RestAngles rest_angles = RestAngles::Flat;
   std::optional<Color> color{};
@@ -80,6 +81,7 @@ struct SolidDescription {
   Vec3 velocity{};
   Vec3 angular_velocity{};
   std::optional<double> contact_distance{};
+  std::optional<double> contact_stiffness{};
   std::optional<double> friction{};
   bool self_contact = true;
   std::optional<Color> color{};
@@ -106,6 +108,7 @@ struct RodDescription {
   Vec3 velocity{};
   Vec3 angular_velocity{};
   std::optional<double> contact_distance{};  ///< [m]; unset: the radius, or half the thickness
+  std::optional<double> contact_stiffness{};
   std::optional<double> friction{};
   bool self_contact = true;
   std::optional<Color> color{};
@@ -134,6 +137,7 @@ struct RigidDescription {
   double linear_damping = 0.0;   ///< [1/s]
   double angular_damping = 0.0;  ///< [1/s]
   std::optional<double> contact_distance{};
+  std::optional<double> contact_stiffness{};
   std::optional<double> friction{};
   std::optional<Color> color{};
 };
@@ -252,6 +256,7 @@ class Scene {
   const Pins& pins(BodyId body) const { return pins_[at_index(body)]; }
   std::optional<double> contact_distance(
       BodyId body) const;  ///< unset: settings.contact.distance; rods have one
+  std::optional<double> contact_stiffness(BodyId body) const;  ///< unset: settings.contact.stiffness
   std::optional<double> body_friction(BodyId body) const;
   std::optional<Color> color(BodyId body) const;
 

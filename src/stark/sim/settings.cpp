@@ -73,8 +73,12 @@ const FieldTable& ContactSettings::fields() {
              "theirs; 0: automatic, 1 mm but at most 1 % of the size of the body and half the smallest "
              "height of "
              "triangles that can touch their own body"),
+       field(&S::stiffness, "stiffness", "Pa", at_least(0.0),
+             "contact stiffness of bodies without their own: the pressure at which the gap is half of the "
+             "contact distance; 0: automatic, by the weight of the body"),
        field(&S::stiffness_factor, "stiffness_factor", "1", positive(),
-             "stiffness of the contact barrier over the natural scale of mass and time step"),
+             "automatic contact stiffness over the weight of the body per area: weight under standard "
+             "gravity, half of the surface"),
        field(&S::min_separation_factor, "min_separation_factor", "1", open_interval(0.0, 0.5),
              "distance that collision detection keeps, over the contact distance of the pair"),
        field(&S::stick_velocity, "stick_velocity", "m/s", positive(),

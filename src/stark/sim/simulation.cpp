@@ -25,8 +25,7 @@ LinearSolverSettings to_solver_settings(const LinearSettings& linear) {
 }
 
 ContactOptions to_options(const ContactSettings& contact, const TimeSettings& time) {
-  return {.stiffness_factor = contact.stiffness_factor,
-          .min_separation_factor = contact.min_separation_factor,
+  return {.min_separation_factor = contact.min_separation_factor,
           .stick_displacement = contact.stick_velocity * time.step,
           .friction = contact.friction};
 }
@@ -68,6 +67,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(sc
                                                  to_options(settings_.contact, settings_.time), model_->map(),
                                                  *pool_, *timer_);
     check_initial_state();
+    const CloseBodies close = contact_->find_close_bodies(site_positions());
+    state_.contact_close_bodies = close.bodies;
+    state_.contact_close_distance = close.distance;
   }
   check_energies();
   check_joints();

@@ -177,8 +177,7 @@ class Simulation {
   bool moved_far(const ModelBody& body) const;
   bool leads_through_something();
   bool may_refuse_detours(double h) const;
-  /// Diagonal blocks of inertia and elasticity at the start of a step: what barriers and joints are measured
-  /// against.
+  /// Diagonal blocks of inertia and elasticity at the start of a step: what joints are measured against.
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
   /// Sets what the velocities of a step of length h are measured from.

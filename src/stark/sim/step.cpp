@@ -30,6 +30,9 @@ constexpr double kTimeRounding = 1e-12;
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
 constexpr int kAttemptsBeforeRaise = 2;
 
+/// Time in which contact may grow twice as stiff under a load [s], and the most of it that a step counts.
+constexpr double kLoadTime = 1.0 / 60.0, kLongestLoad = 4.0;
+
 /// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
 bool is_stuck(SolveStatus status) {
   return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
@@ -217,28 +220,28 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
     potential_->begin(start, target_configuration(h));
     step_start_.assign(potential_->site_positions().begin(), potential_->site_positions().end());
     set_reference(h);
-    // Barriers and joints are measured against the inertia of the full time step: one cut short would stiffen
-    // them under what already rests on them and throw it off. Quasistatic steps have no other measure of
-    // rigid bodies.
+    // Joints are measured against the inertia of the full time step: one cut short would stiffen them under
+    // what already rests on them and throw it off. Quasistatic steps have no other measure of rigid bodies.
     const double full = reference_.stencil.scale * settings_.time.step / h;
-    if (contact_ || has_joints)
+    if (has_joints)
       predict(h, full, full);
     else
       predict(h);
     energies_before_ = stored_energies(step_start_);
     begin_actuators(h);
   }
-  if (contact_ || has_joints) {
-    const std::vector<Mat3> diagonal = natural_stiffness(start);
-    if (has_joints) begin_joints(diagonal);
-    if (contact_)
-      contact_->begin_step(
-          start, potential_->site_positions(), diagonal,
-          {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
-          {{state_.friction_pair, state_.friction_deflection, state_.friction_force}, load_});
-    if (contact_) energies_before_.contact = contact_->energy();
+  if (has_joints) {
+    begin_joints(natural_stiffness(start));
     const PhaseTimer::Scope scope(*timer_, Phase::Predict);
     predict(h);
+  }
+  if (contact_) {
+    contact_->begin_step(potential_->site_positions(),
+                         {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
+                         {{state_.friction_pair, state_.friction_deflection, state_.friction_force},
+                          load_,
+                          {state_.contact_close_bodies, state_.contact_close_distance}});
+    energies_before_.contact = contact_->energy();
   }
   SolveReport solved = newton_->minimize(*potential_, h);
   may_refuse_ = straight;
@@ -371,13 +374,17 @@ void Simulation::commit(double h) {
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   if (contact_) {
-    const double share = std::min(1.0, h / settings_.time.step);
-    ContactMemory memory = contact_->end_step(potential_->site_positions(), share);
+    // Quasistatic steps have no time: each counts as a full one.
+    const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
+    const double duration = std::min(h / (has_time ? kLoadTime : settings_.time.step), kLongestLoad);
+    ContactMemory memory = contact_->end_step(potential_->site_positions(), duration);
     state_.friction_pair = std::move(memory.friction.pair);
     state_.friction_deflection = std::move(memory.friction.deflection);
     state_.friction_force = std::move(memory.friction.force);
     state_.contact_bodies = std::move(memory.load.bodies);
     state_.contact_factor = std::move(memory.load.factor);
+    state_.contact_close_bodies = std::move(memory.close.bodies);
+    state_.contact_close_distance = std::move(memory.close.distance);
   }
   commit_joints();
 }

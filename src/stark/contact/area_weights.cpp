@@ -1,0 +1,212 @@
+#include <stark/contact/area_weights.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace stark {
+
+namespace {
+
+/// Weight of a pair of edges where both surfaces are flat: a barrier, and next to no pressure.
+constexpr double kFlatWeight = 0.005;
+
+/// Least part of a share that faces any normal: an edge of a sheet has no area across it.
+constexpr double kSmallestFacing = 0.1;
+
+/// Length of the vector area of a vertex over its area: 1 flat; sharp from here on, the corner of a box.
+constexpr double kSharpVertex = 0.6;
+
+Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
+
+Vec3 area_vector(const Index3& t, std::span<const Vec3> x) {
+  return cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]) * 0.5;
+}
+
+/// A flat face, or a triangle of its own.
+struct Patch {
+  std::vector<int32_t> triangles;
+  double area = 0.0;
+  int32_t largest = -1;  ///< triangle that tells the normal
+};
+
+std::vector<Patch> collect_patches(const SurfaceMesh& mesh, std::span<const Vec3> rest,
+                                   std::span<const int32_t> patch) {
+  std::vector<Patch> patches(mesh.triangles.size());
+  std::vector<double> largest(mesh.triangles.size(), -1.0);
+  for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t) {
+    const int32_t p = patch.empty() ? t : patch[t];
+    const double area = norm(area_vector(mesh.triangles[t], rest));
+    patches[p].triangles.push_back(t);
+    patches[p].area += area;
+    if (area > largest[p]) {
+      largest[p] = area;
+      patches[p].largest = t;
+    }
+  }
+  return patches;
+}
+
+/// Border of a patch with the lengths of its edges.
+std::vector<std::pair<Index2, double>> border_of(const Patch& patch, const SurfaceMesh& mesh,
+                                                 std::span<const Vec3> rest) {
+  std::map<Index2, int> count;
+  for (const int32_t t : patch.triangles)
+    for (int k = 0; k < 3; ++k) ++count[sorted(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3])];
+  std::vector<std::pair<Index2, double>> border;
+  for (const auto& [edge, n] : count)
+    if (n == 1) border.push_back({edge, norm(rest[edge[1]] - rest[edge[0]])});
+  return border;
+}
+
+double sharpness_of_angle(double angle) { return std::min(1.0, angle / (0.5 * std::numbers::pi)); }
+
+}  // namespace
+
+AreaWeights::AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
+                         std::span<const uint8_t> is_sheet, std::span<const double> group_distance)
+    : is_sheet_(is_sheet.begin(), is_sheet.end()) {
+  vertices_.plain.assign(mesh.vertex_count, 0.0);
+  edges_.plain.assign(mesh.edges.size(), 0.0);
+  share_triangles(mesh, rest, patch);
+  share_rods(mesh, rest, group_distance);
+  find_sharpness(mesh, rest);
+}
+
+void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3> rest,
+                                  std::span<const int32_t> patch) {
+  std::map<Index2, int32_t> edge_of;
+  for (size_t e = 0; e < mesh.edges.size(); ++e)
+    edge_of[sorted(mesh.edges[e][0], mesh.edges[e][1])] = static_cast<int32_t>(e);
+  std::vector<std::vector<Share>> of_vertex(mesh.vertex_count), of_edge(mesh.edges.size());
+  const int32_t groups = mesh.triangle_group.empty() ? 0 : *std::ranges::max_element(mesh.triangle_group) + 1;
+  std::vector<double> total(groups, 0.0);
+  cell_area_.assign(groups, 0.0);
+  for (const Patch& p : collect_patches(mesh, rest, patch)) {
+    if (p.triangles.empty()) continue;
+    const auto border = border_of(p, mesh, rest);
+    double length = 0.0;
+    for (const auto& [edge, l] : border) length += l;
+    const bool is_triangle = p.triangles.size() == 1;
+    for (const auto& [edge, l] : border) {
+      const double area = p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
+      for (const int32_t v : edge) of_vertex[v].push_back({p.largest, 0.5 * area});
+      if (const auto e = edge_of.find(edge); e != edge_of.end())
+        of_edge[e->second].push_back({p.largest, area});
+    }
+    // A mesh of triangles has half as many vertices as triangles, one of quadrilaterals has as many.
+    const int32_t group = mesh.triangle_group[p.largest];
+    total[group] += p.area;
+    cell_area_[group] += p.area * p.area * (is_triangle ? 2.0 : 1.0);
+  }
+  for (int32_t g = 0; g < groups; ++g)
+    if (total[g] > 0.0) cell_area_[g] /= total[g];
+  const auto flatten = [](const std::vector<std::vector<Share>>& lists, Shares& out) {
+    out.offsets = {0};
+    for (const auto& list : lists) {
+      out.entries.insert(out.entries.end(), list.begin(), list.end());
+      out.offsets.push_back(static_cast<int32_t>(out.entries.size()));
+    }
+  };
+  flatten(of_vertex, vertices_);
+  flatten(of_edge, edges_);
+}
+
+void AreaWeights::share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest,
+                             std::span<const double> radius) {
+  cell_area_.resize(radius.size(), 0.0);
+  std::vector<double> length(radius.size(), 0.0);
+  std::vector<bool> has_triangles(radius.size(), false);
+  for (const int32_t g : mesh.triangle_group) has_triangles[g] = true;
+  for (size_t e = 0; e < mesh.edges.size(); ++e) {
+    const int32_t g = mesh.edge_group[e];
+    if (has_triangles[g]) continue;
+    const double l = norm(rest[mesh.edges[e][1]] - rest[mesh.edges[e][0]]), diameter = 2.0 * radius[g];
+    for (const int32_t v : mesh.edges[e]) vertices_.plain[v] += 0.5 * l * diameter;
+    edges_.plain[e] = std::min(l, diameter) * diameter;  // rods that cross touch over their thickness
+    length[g] += l;
+    cell_area_[g] += l * l * diameter;
+  }
+  for (size_t g = 0; g < length.size(); ++g)
+    if (length[g] > 0.0) cell_area_[g] /= length[g];
+  for (const int32_t v : mesh.points) {
+    const int32_t g = mesh.vertex_group[v];
+    if (vertices_.plain[v] > 0.0 || !vertices_.of(v).empty()) continue;
+    vertices_.plain[v] = 4.0 * radius[g] * radius[g];
+    if (cell_area_[g] == 0.0) cell_area_[g] = vertices_.plain[v];
+  }
+}
+
+void AreaWeights::find_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
+  const auto normal = [&](const Share& share) {
+    const Vec3 a = area_vector(mesh.triangles[share.triangle], rest);
+    return norm(a) > 0.0 ? normalized(a) : Vec3{};
+  };
+  vertices_.sharpness.assign(mesh.vertex_count, 0.0);
+  for (int32_t v = 0; v < mesh.vertex_count; ++v) {
+    if (vertices_.plain[v] > 0.0) vertices_.sharpness[v] = 1.0;
+    if (vertices_.of(v).empty() || !is_directed(mesh.vertex_group[v])) continue;
+    Vec3 sum;
+    double total = 0.0;
+    for (const Share& share : vertices_.of(v)) {
+      sum += normal(share) * share.area;
+      total += share.area;
+    }
+    if (total > 0.0)
+      vertices_.sharpness[v] = std::clamp((1.0 - norm(sum) / total) / (1.0 - kSharpVertex), 0.0, 1.0);
+  }
+  edges_.sharpness.assign(mesh.edges.size(), 1.0);
+  for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e) {
+    const std::span<const Share> shares = edges_.of(e);
+    const bool is_sheet = !is_directed(mesh.edge_group[e]);
+    if (shares.empty() || (shares.size() != 2 && !is_sheet)) continue;
+    if (is_sheet) {
+      // Sheets bend: creases of their rest shape are none, and along their borders vertices integrate as well.
+      edges_.sharpness[e] = 0.0;
+      continue;
+    }
+    const Vec3 a = normal(shares[0]), b = normal(shares[1]);
+    edges_.sharpness[e] = sharpness_of_angle(std::atan2(norm(cross(a, b)), dot(a, b)));
+  }
+}
+
+double AreaWeights::area(const SurfaceMesh& mesh, const Shares& shares, int32_t i, int32_t group,
+                         const Vec3& n, std::span<const Vec3> x) const {
+  double total = shares.plain[i], front = 0.0, back = 0.0;
+  for (const Share& share : shares.of(i)) {
+    total += share.area;
+    if (!is_directed(group)) continue;
+    const Vec3 a = area_vector(mesh.triangles[share.triangle], x);
+    const double cosine = norm(a) > 0.0 ? dot(a, n) / norm(a) : 1.0;
+    (cosine > 0.0 ? front : back) += share.area * std::fabs(cosine);
+  }
+  if (shares.of(i).empty() || !is_directed(group)) return total;
+  return std::max({front, back, kSmallestFacing * total});
+}
+
+double AreaWeights::part(int32_t group, int32_t other) const {
+  if (group == other) return 0.5;
+  const double ratio = std::pow(cell_area_[group] / cell_area_[other], 4);
+  return 1.0 / (1.0 + ratio);
+}
+
+double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n,
+                         std::span<const Vec3> x) const {
+  const auto [list, first, second] = contact.key;
+  if (list == 1) {
+    const int32_t a = mesh.edge_group[first], b = mesh.edge_group[second];
+    const double sharpness = 0.5 * (edges_.sharpness[first] + edges_.sharpness[second]);
+    return std::pow(kFlatWeight, 1.0 - sharpness) * (part(a, b) * area(mesh, edges_, first, a, n, x) +
+                                                     part(b, a) * area(mesh, edges_, second, b, n, x));
+  }
+  const int32_t group = mesh.vertex_group[first];
+  const int32_t other = list == 3 ? mesh.vertex_group[second] : contact.group_b;
+  // No vertex is without a barrier, however fine the other mesh: a corner may press between its vertices.
+  const double least = std::pow(kFlatWeight, 1.0 - 0.5 * vertices_.sharpness[first]);
+  const double whole = list == 3 ? std::min(vertices_.plain[first], vertices_.plain[second])
+                                 : area(mesh, vertices_, first, group, n, x);
+  return whole * (list == 3 ? 1.0 : std::max(part(group, other), least));
+}
+
+}  // namespace stark

@@ -1,0 +1,64 @@
+// How much surface a contact stands for, so that pressure times area is the same on every mesh (step phase 4b).
+//
+// Triangles give a third of their rest area to each vertex and edge, flat faces of rigid bodies theirs to what
+// is left of them: the vertices and edges of their border, by length. What counts against a normal n is the
+// part of the share that faces it, max(sum a_t (n_t . n)+, sum a_t (n_t . n)-): at the corner of a box on a floor
+// a quarter of its lower face. Sheets and rods have the whole share whatever the normal. Two surfaces see each
+// place from both sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 + l_B^8) with the
+// lengths l of the meshes, half for equal ones. Pairs of edges add nothing to what vertices integrate where
+// surfaces are flat, and all of it where they are sharp: theta^(1 - (r_a + r_b)/2), with r from the rest
+// dihedral angles, 0 flat, 1 at 90 degrees. [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <stark/contact/contact_set.h>
+
+namespace stark {
+
+class AreaWeights {
+ public:
+  AreaWeights() = default;
+  /// patch: by triangle the lowest of its flat face; none: each is one. is_sheet: by group, 1 for surfaces with
+  /// two sides; none: closed ones. group_distance: the radius of rods [m].
+  AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
+              std::span<const uint8_t> is_sheet, std::span<const double> group_distance);
+
+  /// Area [m^2] that the first primitive of a point-triangle, point-edge or point-point contact, or both edges
+  /// of an edge pair, stand for against the unit normal n at site positions x.
+  double area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n, std::span<const Vec3> x) const;
+  /// Whether the area of a point of this group depends on the normal.
+  bool is_directed(int32_t group) const { return is_sheet_.empty() || is_sheet_[group] == 0; }
+
+ private:
+  /// Part of a triangle's area, by its normal.
+  struct Share {
+    int32_t triangle;
+    double area;  ///< [m^2]
+  };
+  struct Shares {
+    std::vector<int32_t> offsets;
+    std::vector<Share> entries;
+    std::vector<double> plain;      ///< of what has no triangles [m^2]
+    std::vector<double> sharpness;  ///< 0 flat, 1 sharp
+    std::span<const Share> of(int32_t i) const {
+      return std::span(entries).subspan(offsets[i], offsets[i + 1] - offsets[i]);
+    }
+  };
+
+  void share_triangles(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch);
+  void share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const double> radius);
+  void find_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest);
+  double area(const SurfaceMesh& mesh, const Shares& shares, int32_t i, int32_t group, const Vec3& n,
+              std::span<const Vec3> x) const;
+  /// Part of the contact of two groups that is integrated on the first.
+  double part(int32_t group, int32_t other) const;
+
+  std::vector<uint8_t> is_sheet_;
+  Shares vertices_, edges_;
+  std::vector<double> cell_area_;  ///< by group: of the mesh, weighted by area [m^2]
+};
+
+}  // namespace stark

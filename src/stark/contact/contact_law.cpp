@@ -1,0 +1,140 @@
+#include <stark/contact/contact_law.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stark {
+
+namespace {
+
+/// -b'(r) of b = -(r - 1)^2 ln r.
+double slope(double r) { return 2.0 * (r - 1.0) * std::log(r) + (1.0 - r) * (1.0 - r) / r; }
+
+/// |b'(1/2)| = ln 2 + 1/2.
+const double kMiddleSlope = slope(0.5);
+
+/// Part of the contact distance at which the largest lasting pressure is carried.
+constexpr double kLoadedGap = 0.1;
+
+/// Growth and decay of a factor in the duration of end_step(): an impact is not a load, and a load that moves
+/// from contact to contact must not pump.
+constexpr double kGrowth = 2.0, kDecay = 0.9;
+
+/// A factor stays while the load asks for no less than this part of it and no more than its inverse: a body
+/// at rest is to rest. Gaps follow it one to one.
+constexpr double kEnough = 0.99;
+
+/// Growth of a factor after an attempt that failed, and where that ends.
+constexpr double kRaise = 1e3, kHighest = 1e9;
+
+double next_factor(double factor, double wanted, double duration) {
+  if (wanted > factor / kEnough) return std::min(wanted, std::pow(kGrowth, duration) * factor);
+  return wanted < kEnough * factor ? std::max(wanted, std::pow(kDecay, duration) * factor) : factor;
+}
+
+int64_t code_of(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }
+
+Vec3 normal_of(const Contact& contact, std::span<const Vec3> x) {
+  Vec3 n;
+  for (int p = 0; p < contact.point_count; ++p) n += x[contact.sites[p]] * contact.weights[p];
+  return normalized(n);
+}
+
+/// Pairs of edges, or vertices with all of a body, which have one area.
+PairKey area_key(const Contact& contact) {
+  return contact.key.list == 1 ? contact.key : PairKey{0, contact.key.first, contact.group_b};
+}
+
+}  // namespace
+
+double relative_pressure(double r) { return r < 1.0 ? slope(r) / kMiddleSlope : 0.0; }
+
+void LoadMemory::add(int64_t code, double value) {
+  if (!(value > 1.0)) return;
+  bodies.push_back(code);
+  factor.push_back(value);
+}
+
+double LoadMemory::find(int64_t code) const {
+  const auto found = std::ranges::lower_bound(bodies, code);
+  return found != bodies.end() && *found == code ? factor[found - bodies.begin()] : 1.0;
+}
+
+ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance)
+    : areas_(std::move(areas)), bodies_(std::move(bodies)), distance_(std::move(distance)) {}
+
+void ContactLaw::begin_step(LoadMemory memory) {
+  memory_ = std::move(memory);
+  frozen_.clear();
+}
+
+double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {
+  const bool is_given = this->is_given(group_a, group_b);
+  // Where only one side was given, the other counts as rigid: what is measured is what was given.
+  const auto compliance = [&](int32_t g) {
+    return is_given && !bodies_[g].is_given ? 0.0 : distance_[g] / bodies_[g].pressure;
+  };
+  const double compliances = compliance(group_a) + compliance(group_b);
+  return (distance_[group_a] + distance_[group_b]) / compliances;
+}
+
+bool ContactLaw::depends_on_normal(const Contact& contact) const {
+  if (contact.key.list == 1) return areas_.is_directed(contact.group_a) || areas_.is_directed(contact.group_b);
+  return areas_.is_directed(contact.group_a);
+}
+
+void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                              const std::vector<Contact>& contacts) {
+  std::map<PairKey, const Contact*> nearest;
+  for (const Contact& contact : contacts) {
+    if (!depends_on_normal(contact) || frozen_.contains(area_key(contact))) continue;
+    const Contact*& known = nearest[area_key(contact)];
+    if (known == nullptr || contact.distance < known->distance) known = &contact;
+  }
+  for (const auto& [key, contact] : nearest)
+    frozen_[key] = areas_.area(mesh, *contact, normal_of(*contact, x), x);
+}
+
+void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {
+  freeze_areas(mesh, x, contacts);
+  for (Contact& contact : contacts) {
+    const double area = depends_on_normal(contact) ? frozen_.at(area_key(contact))
+                                                   : areas_.area(mesh, contact, Vec3{}, x);
+    contact.stiffness = contact.multiplicity * area * pressure(contact.group_a, contact.group_b) *
+                        memory_.find(code_of(contact)) / (kMiddleSlope * contact.contact_distance);
+  }
+}
+
+std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contacts,
+                                             std::span<const Vec3> forces) const {
+  std::map<int64_t, double> wanted;
+  for (const int64_t bodies : memory_.bodies) wanted[bodies] = 0.0;
+  const double loaded = slope(kLoadedGap);
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    if (!(contacts[c].stiffness > 0.0)) continue;
+    const double natural = contacts[c].stiffness / memory_.find(code_of(contacts[c]));
+    double& largest = wanted[code_of(contacts[c])];
+    largest = std::max(largest, norm(forces[c]) / (loaded * contacts[c].contact_distance * natural));
+  }
+  return wanted;
+}
+
+LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                double duration) const {
+  LoadMemory memory;
+  for (const auto& [bodies, asked] : wanted(contacts, forces))
+    if (!is_given(static_cast<int32_t>(bodies >> 32), static_cast<int32_t>(bodies & 0xffffffff)))
+      memory.add(bodies, next_factor(memory_.find(bodies), asked, duration));
+  return memory;
+}
+
+LoadMemory ContactLaw::raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const {
+  LoadMemory memory;
+  for (const auto& [bodies, asked] : wanted(contacts, forces)) {
+    const double now = memory_.find(bodies);
+    memory.add(bodies, std::clamp(asked, now, std::max(now, std::min(kRaise * now, kHighest))));
+  }
+  return memory;
+}
+
+}  // namespace stark

@@ -1,0 +1,86 @@
+// The law of contact: pressure [Pa] against the gap between two surfaces, the same for every time step and
+// mesh (step phase 2).
+//
+// p(g) = P beta(g/d) with the pressure P of the pair at which the gap is half of the contact distance d, and
+// beta(r) = -b'(r)/-b'(1/2) of the barrier b(r) = -(r - 1)^2 ln r. A contact that stands for the area A has the
+// stiffness kappa = m P A/(|b'(1/2)| d), m its multiplicity. Two bodies are in series, d/P = d_A/P_A + d_B/P_B.
+// [theory eq. 16a, 18]
+//
+// Where P was given to neither body, it says nothing of what is stacked on them: under a load that lasts, all
+// contacts between two bodies get stiffer until the largest pressure is carried at a tenth of the contact
+// distance. [theory eq. 18a]
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include <stark/contact/area_weights.h>
+#include <stark/contact/contact_set.h>
+
+namespace stark {
+
+/// Pairs of bodies whose load asks for stiffer contact, and by how much. One factor for all contacts of two
+/// bodies: were each to follow its own load, all would be carried at the same gap and nothing would hold the
+/// distribution of a load over many contacts. Part of the State; sorted, without doubles.
+struct LoadMemory {
+  std::vector<int64_t> bodies;  ///< group_code()
+  std::vector<double> factor;   ///< > 1
+
+  double find(int64_t code) const;       ///< 1 when nothing is known
+  void add(int64_t code, double value);  ///< codes in ascending order; values up to 1 need not be known
+};
+
+/// Contact stiffness of a body: the pressure at which the gap is half of the contact distance.
+struct BodyStiffness {
+  double pressure = 0.0;  ///< [Pa], infinity for what does not give way
+  bool is_given = false;  ///< by the user: then it is a law, and no load changes it
+};
+
+/// -b'(r) / -b'(1/2) of the barrier on the unit interval: pressure over contact stiffness at the gap r d.
+double relative_pressure(double r);
+
+class ContactLaw {
+ public:
+  ContactLaw() = default;
+  /// By group: stiffness and contact distance [m].
+  ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance);
+
+  /// Forgets the areas of the last step.
+  void begin_step(LoadMemory memory = {});
+
+  /// Sets the stiffness of each contact at x. Areas that depend on the normal are those of the first contact
+  /// in the step of a vertex with a body, or of two edges. mesh: see PairKey.
+  void assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts);
+
+  /// Pressure at half of the contact distance of two bodies, without the factor of their load [Pa].
+  double pressure(int32_t group_a, int32_t group_b) const;
+  /// Whether it is that of a user.
+  bool is_given(int32_t group_a, int32_t group_b) const {
+    return bodies_[group_a].is_given || bodies_[group_b].is_given;
+  }
+
+  /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N];
+  /// duration: of the step, over that in which a factor doubles.
+  LoadMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                      double duration = 1.0) const;
+
+  /// The factors of this step, raised to what contacts ask that were met on the way of a step which failed:
+  /// an impact that presses a contact to a gap where Newton's method finds nothing any more. end_step()
+  /// forgets them where the user gave the law.
+  LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+
+ private:
+  /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.
+  std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+  void freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x, const std::vector<Contact>& contacts);
+  bool depends_on_normal(const Contact& contact) const;
+
+  AreaWeights areas_;
+  std::vector<BodyStiffness> bodies_;
+  std::vector<double> distance_;
+  LoadMemory memory_;
+  std::map<PairKey, double> frozen_;  ///< areas by pairs of edges, or by vertex and body [m^2]
+};
+
+}  // namespace stark
