@@ -209,7 +209,8 @@ Description description_of(const nb::dict& given, std::string& out_owner, const 
   body.velocity = vector_of(given["velocity"], owner + ": velocity");
   body.angular_velocity = vector_of(given["angular_velocity"], owner + ": angular_velocity");
   body.contact_distance = number_of(given["contact_distance"], owner + ": contact_distance");
-  body.contact_stiffness = number_of(given["contact_stiffness"], owner + ": contact_stiffness");
+  if (given.contains("contact_stiffness"))  // descriptions of older recordings have none
+    body.contact_stiffness = number_of(given["contact_stiffness"], owner + ": contact_stiffness");
   body.friction = number_of(given["friction"], owner + ": friction");
   if (!given["color"].is_none()) {
     const Vec3 c = vector_of(given["color"], owner + ": color");

@@ -394,6 +394,17 @@ void bind_simulation(nb::module_& m) {
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
       .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")
+      .def(
+          "close_bodies",
+          [](const Simulation& s) {
+            nb::list pairs;
+            for (size_t k = 0; k < s.state().contact_close_bodies.size(); ++k) {
+              const int64_t code = s.state().contact_close_bodies[k];
+              pairs.append(nb::make_tuple(code >> 32, code & 0xffffffff, s.state().contact_close_distance[k]));
+            }
+            return pairs;
+          },
+          "Pairs of bodies that started within their contact distance, and the one that they have now [m].")
       .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })

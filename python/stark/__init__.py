@@ -16,7 +16,7 @@ from stark._cpu import require_supported_processor
 
 require_supported_processor()
 
-from stark import materials, mesh  # noqa: E402
+from stark import materials, mesh, surfaces  # noqa: E402
 from stark._core import (  # noqa: E402
     Error,
     InitialIntersection,
@@ -38,6 +38,7 @@ from stark.scene import Scene, StarkWarning  # noqa: E402
 from stark.sensors import Contacts, Imu  # noqa: E402
 from stark.settings import Settings  # noqa: E402
 from stark.simulation import Simulation, StepFailed  # noqa: E402
+from stark.surfaces import Surface  # noqa: E402
 
 # Tracebacks and pickles name the public place of the exceptions.
 for _exception in (
@@ -126,6 +127,7 @@ __all__ = [
     "SolidMesh",
     "StarkWarning",
     "StepFailed",
+    "Surface",
     "TetMesh",
     "TraceError",
     "TriangleMesh",
@@ -134,5 +136,6 @@ __all__ = [
     "materials",
     "mesh",
     "rotation",
+    "surfaces",
     "to_quaternion",
 ]

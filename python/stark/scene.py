@@ -23,6 +23,7 @@ from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
 from stark.scene_record import RecordedScene
+from stark.surfaces import Surface
 
 if TYPE_CHECKING:
     from stark.actuators.handle import Actuator
@@ -76,6 +77,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         self_contact: bool = True,
         contact_distance: float | None = None,
         contact_stiffness: float | None = None,
+        surface: Surface | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Cloth:
@@ -86,33 +88,35 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame of the
         mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of
         the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
-        ``contact_distance`` [m]: half of the gap that it keeps to bodies of the same value,
-        ``contact.distance`` of the settings if left out."""
+        ``contact_distance`` [m] and ``contact_stiffness`` [Pa]: within the sum of their contact distances bodies
+        press on each other, at half of it with the contact stiffness; ``contact.distance`` and
+        ``contact.stiffness`` of the settings if left out. ``surface`` gives both (``stark.surfaces``)."""
         _require(material, ShellMaterial, "cloth", "stark.materials.cotton")
-        surface = meshes.as_triangle_mesh(mesh, _title("cloth", name))
+        shape = meshes.as_triangle_mesh(mesh, _title("cloth", name))
         if mass is not None:
-            material = material._with_mass(mass, _size(surface, "area"), _title("cloth", name))
+            material = material._with_mass(mass, _size(shape, "area"), _title("cloth", name))
         given = self._description(
             name,
-            surface.vertices,
+            shape.vertices,
             position,
             rotation,
             velocity,
             angular_velocity,
             contact_distance,
             contact_stiffness,
+            surface,
             friction,
             color,
         )
         given |= {
-            "triangles": surface.triangles,
+            "triangles": shape.triangles,
             "initial_positions": initial_positions,
             "self_contact": given_flag(self_contact, f"{_title('cloth', name)}: self_contact"),
             "rest_angles": given_word(rest_angles, f"{_title('cloth', name)}: rest_angles"),
             **material._description(),
         }
-        _check_pins(pins, len(surface.vertices), _title("cloth", name))
-        cloth = Cloth(self, self._core.add_cloth(given, material._core), surface, color)
+        _check_pins(pins, len(shape.vertices), _title("cloth", name))
+        cloth = Cloth(self, self._core.add_cloth(given, material._core), shape, color)
         cloth._shared["material"] = material
         if initial_positions is not None:
             cloth._rest_placement = given["position"], given["rotation"]
@@ -137,6 +141,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         self_contact: bool = True,
         contact_distance: float | None = None,
         contact_stiffness: float | None = None,
+        surface: Surface | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Solid:
@@ -156,6 +161,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             angular_velocity,
             contact_distance,
             contact_stiffness,
+            surface,
             friction,
             color,
         )
@@ -194,6 +200,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         self_contact: bool = True,
         contact_distance: float | None = None,
         contact_stiffness: float | None = None,
+        surface: Surface | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Rod:
@@ -219,6 +226,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             angular_velocity,
             contact_distance,
             contact_stiffness,
+            surface,
             friction,
             color,
         )
@@ -261,6 +269,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         angular_damping: float = 0.0,
         contact_distance: float | None = None,
         contact_stiffness: float | None = None,
+        surface: Surface | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> RigidBody:
@@ -271,16 +280,17 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         tensor about it (3, 3) [kg m^2], in the frame of the mesh). ``motion="fixed"`` never moves;
         ``motion="scripted"`` follows the poses that are assigned to it, or its constant ``velocity`` [m/s]
         and ``angular_velocity`` [rad/s] until one is. ``linear_damping`` and ``angular_damping`` in 1/s."""
-        surface = meshes.as_triangle_mesh(mesh, _title("rigid body", name))
+        shape = meshes.as_triangle_mesh(mesh, _title("rigid body", name))
         given = self._description(
             name,
-            surface.vertices,
+            shape.vertices,
             position,
             rotation,
             velocity,
             angular_velocity,
             contact_distance,
             contact_stiffness,
+            surface,
             friction,
             color,
         )
@@ -290,7 +300,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
                 f"must be (mass, centre of mass, 3x3 tensor)"
             )
         given |= {
-            "triangles": surface.triangles,
+            "triangles": shape.triangles,
             "motion": str(motion),
             "mass": mass,
             "density": density,
@@ -298,7 +308,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             "linear_damping": linear_damping,
             "angular_damping": angular_damping,
         }
-        body = RigidBody(self, self._core.add_rigid(given), surface, color)
+        body = RigidBody(self, self._core.add_rigid(given), shape, color)
         self._append(body)
         return body
 
@@ -425,9 +435,18 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         angular_velocity: ArrayLike,
         contact_distance: float | None,
         contact_stiffness: float | None,
+        surface: Surface | None,
         friction: float | None,
         color: ArrayLike | None,
     ) -> dict[str, Any]:
+        if surface is not None:
+            if not isinstance(surface, Surface):
+                raise InvalidArgument(
+                    f"{'body' if name is None else repr(name)}: surface = {surface!r}: must be a stark.Surface, "
+                    f"for instance stark.surfaces.rubber"
+                )
+            contact_distance = surface.thickness if contact_distance is None else contact_distance
+            contact_stiffness = surface.stiffness if contact_stiffness is None else contact_stiffness
         return {
             "name": given_name(name),
             "vertices": vertices,

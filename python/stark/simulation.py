@@ -338,6 +338,13 @@ class Simulation:
         of two bodies; ``sim["cup"].contact_force`` and its siblings sum them up."""
         return contacts_of(self)
 
+    @property
+    def close_bodies(self) -> dict[tuple[str, str], float]:
+        """Bodies that started within their contact distance, by their names, with the smaller one [m] that they have
+        until they part: the smallest gap that there was between them (docs/surfaces.md)."""
+        bodies = self._scene.bodies
+        return {(bodies[a].name, bodies[b].name): d for a, b, d in self._core.close_bodies()}
+
     def __reduce_ex__(self, protocol: object) -> NoReturn:
         refuse_copy(
             "a simulation",

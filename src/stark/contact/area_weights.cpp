@@ -60,18 +60,16 @@ std::vector<std::pair<Index2, double>> border_of(const Patch& patch, const Surfa
   return border;
 }
 
-double sharpness_of_angle(double angle) { return std::min(1.0, angle / (0.5 * std::numbers::pi)); }
-
 }  // namespace
 
 AreaWeights::AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
                          std::span<const uint8_t> is_sheet, std::span<const double> group_distance)
     : is_sheet_(is_sheet.begin(), is_sheet.end()) {
-  vertices_.plain.assign(mesh.vertex_count, 0.0);
-  edges_.plain.assign(mesh.edges.size(), 0.0);
+  vertices_.whole.assign(mesh.vertex_count, 0.0);
+  edges_.whole.assign(mesh.edges.size(), 0.0);
   share_triangles(mesh, rest, patch);
   share_rods(mesh, rest, group_distance);
-  find_sharpness(mesh, rest);
+  weigh(mesh, rest);
 }
 
 void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3> rest,
@@ -123,8 +121,8 @@ void AreaWeights::share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest
     const int32_t g = mesh.edge_group[e];
     if (has_triangles[g]) continue;
     const double l = norm(rest[mesh.edges[e][1]] - rest[mesh.edges[e][0]]), diameter = 2.0 * radius[g];
-    for (const int32_t v : mesh.edges[e]) vertices_.plain[v] += 0.5 * l * diameter;
-    edges_.plain[e] = std::min(l, diameter) * diameter;  // rods that cross touch over their thickness
+    for (const int32_t v : mesh.edges[e]) vertices_.whole[v] += 0.5 * l * diameter;
+    edges_.whole[e] = std::min(l, diameter) * diameter;  // rods that cross touch over their thickness
     length[g] += l;
     cell_area_[g] += l * l * diameter;
   }
@@ -132,63 +130,70 @@ void AreaWeights::share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest
     if (length[g] > 0.0) cell_area_[g] /= length[g];
   for (const int32_t v : mesh.points) {
     const int32_t g = mesh.vertex_group[v];
-    if (vertices_.plain[v] > 0.0 || !vertices_.of(v).empty()) continue;
-    vertices_.plain[v] = 4.0 * radius[g] * radius[g];
-    if (cell_area_[g] == 0.0) cell_area_[g] = vertices_.plain[v];
+    if (vertices_.whole[v] > 0.0 || !vertices_.of(v).empty()) continue;
+    vertices_.whole[v] = 4.0 * radius[g] * radius[g];
+    if (cell_area_[g] == 0.0) cell_area_[g] = vertices_.whole[v];
   }
 }
 
-void AreaWeights::find_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
-  const auto normal = [&](const Share& share) {
-    const Vec3 a = area_vector(mesh.triangles[share.triangle], rest);
-    return norm(a) > 0.0 ? normalized(a) : Vec3{};
-  };
-  vertices_.sharpness.assign(mesh.vertex_count, 0.0);
+namespace {
+
+Vec3 rest_normal(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t triangle) {
+  const Vec3 a = area_vector(mesh.triangles[triangle], rest);
+  return norm(a) > 0.0 ? normalized(a) : Vec3{};
+}
+
+}  // namespace
+
+double AreaWeights::vertex_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t v) const {
+  if (vertices_.of(v).empty()) return 1.0;
+  if (!is_directed(mesh.vertex_group[v])) return 0.0;
+  Vec3 sum;
+  double total = 0.0;
+  for (const Share& share : vertices_.of(v)) {
+    sum += rest_normal(mesh, rest, share.triangle) * share.area;
+    total += share.area;
+  }
+  return total > 0.0 ? std::clamp((1.0 - norm(sum) / total) / (1.0 - kSharpVertex), 0.0, 1.0) : 0.0;
+}
+
+double AreaWeights::edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const {
+  const std::span<const Share> shares = edges_.of(e);
+  if (shares.empty()) return 1.0;
+  // Sheets bend: creases of their rest shape are none, and along their borders vertices integrate as well.
+  if (!is_directed(mesh.edge_group[e])) return 0.0;
+  if (shares.size() != 2) return 1.0;
+  const Vec3 a = rest_normal(mesh, rest, shares[0].triangle), b = rest_normal(mesh, rest, shares[1].triangle);
+  return std::min(1.0, std::atan2(norm(cross(a, b)), dot(a, b)) / (0.5 * std::numbers::pi));
+}
+
+void AreaWeights::weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
+  vertices_.whole.resize(mesh.vertex_count, 0.0);
   for (int32_t v = 0; v < mesh.vertex_count; ++v) {
-    if (vertices_.plain[v] > 0.0) vertices_.sharpness[v] = 1.0;
-    if (vertices_.of(v).empty() || !is_directed(mesh.vertex_group[v])) continue;
-    Vec3 sum;
-    double total = 0.0;
-    for (const Share& share : vertices_.of(v)) {
-      sum += normal(share) * share.area;
-      total += share.area;
-    }
-    if (total > 0.0)
-      vertices_.sharpness[v] = std::clamp((1.0 - norm(sum) / total) / (1.0 - kSharpVertex), 0.0, 1.0);
+    for (const Share& share : vertices_.of(v)) vertices_.whole[v] += share.area;
+    vertices_.weight.push_back(std::pow(kFlatWeight, 1.0 - 0.5 * vertex_sharpness(mesh, rest, v)));
   }
-  edges_.sharpness.assign(mesh.edges.size(), 1.0);
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e) {
-    const std::span<const Share> shares = edges_.of(e);
-    const bool is_sheet = !is_directed(mesh.edge_group[e]);
-    if (shares.empty() || (shares.size() != 2 && !is_sheet)) continue;
-    if (is_sheet) {
-      // Sheets bend: creases of their rest shape are none, and along their borders vertices integrate as well.
-      edges_.sharpness[e] = 0.0;
-      continue;
-    }
-    const Vec3 a = normal(shares[0]), b = normal(shares[1]);
-    edges_.sharpness[e] = sharpness_of_angle(std::atan2(norm(cross(a, b)), dot(a, b)));
+    for (const Share& share : edges_.of(e)) edges_.whole[e] += share.area;
+    edges_.weight.push_back(std::pow(kFlatWeight, 0.5 * (1.0 - edge_sharpness(mesh, rest, e))));
   }
+  const size_t groups = cell_area_.size();
+  for (size_t a = 0; a < groups; ++a)
+    for (size_t b = 0; b < groups; ++b)
+      part_.push_back(a == b ? 0.5 : 1.0 / (1.0 + std::pow(cell_area_[a] / cell_area_[b], 4)));
 }
 
 double AreaWeights::area(const SurfaceMesh& mesh, const Shares& shares, int32_t i, int32_t group,
                          const Vec3& n, std::span<const Vec3> x) const {
-  double total = shares.plain[i], front = 0.0, back = 0.0;
-  for (const Share& share : shares.of(i)) {
-    total += share.area;
-    if (!is_directed(group)) continue;
+  const std::span<const Share> of_primitive = shares.of(i);
+  if (of_primitive.empty() || !is_directed(group)) return shares.whole[i];
+  double front = 0.0, back = 0.0;
+  for (const Share& share : of_primitive) {
     const Vec3 a = area_vector(mesh.triangles[share.triangle], x);
     const double cosine = norm(a) > 0.0 ? dot(a, n) / norm(a) : 1.0;
     (cosine > 0.0 ? front : back) += share.area * std::fabs(cosine);
   }
-  if (shares.of(i).empty() || !is_directed(group)) return total;
-  return std::max({front, back, kSmallestFacing * total});
-}
-
-double AreaWeights::part(int32_t group, int32_t other) const {
-  if (group == other) return 0.5;
-  const double ratio = std::pow(cell_area_[group] / cell_area_[other], 4);
-  return 1.0 / (1.0 + ratio);
+  return std::max({front, back, kSmallestFacing * shares.whole[i]});
 }
 
 double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n,
@@ -196,17 +201,14 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const 
   const auto [list, first, second] = contact.key;
   if (list == 1) {
     const int32_t a = mesh.edge_group[first], b = mesh.edge_group[second];
-    const double sharpness = 0.5 * (edges_.sharpness[first] + edges_.sharpness[second]);
-    return std::pow(kFlatWeight, 1.0 - sharpness) * (part(a, b) * area(mesh, edges_, first, a, n, x) +
-                                                     part(b, a) * area(mesh, edges_, second, b, n, x));
+    return edges_.weight[first] * edges_.weight[second] *
+           (part(a, b) * area(mesh, edges_, first, a, n, x) + part(b, a) * area(mesh, edges_, second, b, n, x));
   }
+  if (list == 3) return std::min(vertices_.whole[first], vertices_.whole[second]);
   const int32_t group = mesh.vertex_group[first];
-  const int32_t other = list == 3 ? mesh.vertex_group[second] : contact.group_b;
   // No vertex is without a barrier, however fine the other mesh: a corner may press between its vertices.
-  const double least = std::pow(kFlatWeight, 1.0 - 0.5 * vertices_.sharpness[first]);
-  const double whole = list == 3 ? std::min(vertices_.plain[first], vertices_.plain[second])
-                                 : area(mesh, vertices_, first, group, n, x);
-  return whole * (list == 3 ? 1.0 : std::max(part(group, other), least));
+  return area(mesh, vertices_, first, group, n, x) *
+         std::max(part(group, contact.group_b), vertices_.weight[first]);
 }
 
 }  // namespace stark

@@ -41,8 +41,8 @@ class AreaWeights {
   struct Shares {
     std::vector<int32_t> offsets;
     std::vector<Share> entries;
-    std::vector<double> plain;      ///< of what has no triangles [m^2]
-    std::vector<double> sharpness;  ///< 0 flat, 1 sharp
+    std::vector<double> whole;   ///< whatever the normal, also of what has no triangles [m^2]
+    std::vector<double> weight;  ///< of an edge in a pair, least of a vertex: 1 sharp, less where it is flat
     std::span<const Share> of(int32_t i) const {
       return std::span(entries).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
@@ -50,15 +50,18 @@ class AreaWeights {
 
   void share_triangles(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch);
   void share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const double> radius);
-  void find_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest);
+  void weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest);
+  double vertex_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t v) const;
+  double edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const;
   double area(const SurfaceMesh& mesh, const Shares& shares, int32_t i, int32_t group, const Vec3& n,
               std::span<const Vec3> x) const;
   /// Part of the contact of two groups that is integrated on the first.
-  double part(int32_t group, int32_t other) const;
+  double part(int32_t group, int32_t other) const { return part_[group * cell_area_.size() + other]; }
 
   std::vector<uint8_t> is_sheet_;
   Shares vertices_, edges_;
   std::vector<double> cell_area_;  ///< by group: of the mesh, weighted by area [m^2]
+  std::vector<double> part_;       ///< by two groups
 };
 
 }  // namespace stark

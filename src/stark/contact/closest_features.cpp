@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <stark/geometry/distance.h>
 
@@ -10,17 +11,23 @@ namespace stark {
 
 namespace {
 
+/// Distance between closest points over the contact distance below which they are one.
+constexpr double kSamePlace = 1e-5;
+
+/// Mollifier of a pair of edges below which it has no energy worth a stencil.
+constexpr double kParallel = 1e-9;
+
 constexpr uint8_t kOther = 4;  ///< list of contacts that no cell is left to name
 
 Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
 
-/// Sites of a closest feature, ascending, -1 where there are fewer than three.
+/// Sites of a closest feature, descending, -1 where there are fewer than three.
 using Feature = std::array<int32_t, 3>;
 
 Feature feature_of(const Contact& contact) {
   Feature feature{-1, -1, -1};
   std::copy(contact.sites.begin() + 1, contact.sites.begin() + contact.point_count, feature.begin());
-  std::sort(feature.begin(), feature.begin() + (contact.point_count - 1));
+  std::ranges::sort(feature, std::ranges::greater{});
   return feature;
 }
 
@@ -30,20 +37,26 @@ struct Term {
   std::vector<int32_t> cells;  ///< that have this closest feature
 };
 
-/// The contacts of one point with the cells of one body.
+/// The contacts of a point with the cells of a body. Used for one after the other.
 class PointContacts {
  public:
   PointContacts(const ContactGeometry& geometry, const SurfaceCells& cells, std::span<const PairKey> names,
-                std::span<const Vec3> x, std::span<const Contact> raw)
-      : geometry_(geometry), cells_(cells), names_(names), x_(x), raw_(raw) {}
+                std::span<const Vec3> x)
+      : geometry_(geometry), cells_(cells), names_(names), x_(x) {}
 
-  void append_to(std::vector<Contact>& out) {
+  /// Merges the contacts of one point with one body.
+  void append_to(std::span<const Contact> raw, std::vector<Contact>& out) {
+    raw_ = raw;
+    terms_.clear();
+    all_edges_.clear();
+    corners_.clear();
+    edges_.clear();
+    vertices_.clear();
     for (const Contact& contact : raw_) add(contact, 1);
     count_edges_and_vertices();
-    for (const auto& [edge, count] : edge_count_)
-      if (count != 1) add_edge(edge, 1 - count);
-    for (const auto& [vertex, coefficient] : vertex_coefficient_)
-      if (coefficient != 0) add_vertex(vertex, coefficient);
+    for (const auto& [edge, coefficient] : edges_) add_edge(edge, coefficient);
+    for (const auto& [vertex, coefficient] : vertices_) add_vertex(vertex, coefficient);
+    join_places();
     std::erase_if(terms_, [](const Term& term) { return term.contact.multiplicity == 0; });
     name();
     for (const Term& term : terms_) out.push_back(term.contact);
@@ -70,25 +83,39 @@ class PointContacts {
     if (multiplicity > 0 && contact.key.list != kOther) term->cells.push_back(contact.key.second);
   }
 
-  /// Vertex coefficients: 1 minus those of its cells and of its edges.
+  /// Edges with the number of their cells; vertices with their coefficients, 1 minus those of the cells and
+  /// edges that meet there.
   void count_edges_and_vertices() {
     for (const Contact& contact : raw_) {
+      const size_t first = corners_.size();
       if (!on_triangles()) {
-        for (const int32_t v : geometry_.mesh->edges[contact.key.second])
-          --vertex_coefficient_.try_emplace(v, 1).first->second;
+        for (const int32_t v : geometry_.mesh->edges[contact.key.second]) corners_.push_back({v, -1});
         continue;
       }
-      std::vector<int32_t> vertices;
       for (const Index2& edge : cells_.edges(contact.key.second)) {
-        ++edge_count_[edge];
-        vertices.insert(vertices.end(), edge.begin(), edge.end());
+        all_edges_.push_back(edge);
+        for (const int32_t v : edge) corners_.push_back({v, -1});
       }
-      std::ranges::sort(vertices);
-      vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
-      for (const int32_t v : vertices) --vertex_coefficient_.try_emplace(v, 1).first->second;
+      const auto of_cell = std::ranges::subrange(corners_.begin() + static_cast<ptrdiff_t>(first), corners_.end());
+      std::ranges::sort(of_cell);
+      const auto doubles = std::ranges::unique(of_cell);
+      corners_.erase(doubles.begin(), doubles.end());
     }
-    for (const auto& [edge, count] : edge_count_)
-      for (const int32_t v : edge) vertex_coefficient_[v] -= 1 - count;
+    std::ranges::sort(all_edges_);
+    for (size_t e = 0, end = 0; e < all_edges_.size(); e = end) {
+      while (end < all_edges_.size() && all_edges_[end] == all_edges_[e]) ++end;
+      const int32_t coefficient = 1 - static_cast<int32_t>(end - e);
+      if (coefficient == 0) continue;
+      edges_.push_back({all_edges_[e], coefficient});
+      for (const int32_t v : all_edges_[e]) corners_.push_back({v, -coefficient});
+    }
+    std::ranges::sort(corners_);
+    for (size_t c = 0, end = 0; c < corners_.size(); c = end) {
+      int32_t coefficient = 1;
+      for (; end < corners_.size() && corners_[end].first == corners_[c].first; ++end)
+        coefficient += corners_[end].second;
+      if (coefficient != 0) vertices_.push_back({corners_[c].first, coefficient});
+    }
   }
 
   Contact other(double squared_distance) const {
@@ -124,6 +151,28 @@ class PointContacts {
     contact.sites = {point(), v};
     contact.weights = {1.0, -1.0};
     add(contact, coefficient);
+  }
+
+  Vec3 place(const Contact& contact) const {
+    Vec3 at;
+    for (int p = 1; p < contact.point_count; ++p) at -= x_[contact.sites[p]] * contact.weights[p];
+    return at;
+  }
+
+  /// A point above a vertex or an edge is above what rounding makes of it, and above something else for each
+  /// cell: such terms are one, of the largest feature.
+  void join_places() {
+    std::ranges::stable_sort(terms_, std::ranges::greater{},
+                             [](const Term& t) { return t.contact.point_count; });
+    for (size_t i = 0; i < terms_.size(); ++i)
+      for (size_t j = i + 1; j < terms_.size(); ++j) {
+        Contact &a = terms_[i].contact, &b = terms_[j].contact;
+        if (a.multiplicity == 0 || b.multiplicity == 0) continue;
+        if (norm(place(a) - place(b)) > kSamePlace * a.contact_distance) continue;
+        a.multiplicity += std::exchange(b.multiplicity, 0);
+        terms_[i].cells.insert(terms_[i].cells.end(), terms_[j].cells.begin(), terms_[j].cells.end());
+        if (a.multiplicity == 0) break;
+      }
   }
 
   // Names: keys that stay the same while a point slides.
@@ -207,8 +256,10 @@ class PointContacts {
   std::span<const Vec3> x_;
   std::span<const Contact> raw_;
   std::vector<Term> terms_;
-  std::map<Index2, int32_t> edge_count_;
-  std::map<int32_t, int32_t> vertex_coefficient_;
+  std::vector<Index2> all_edges_;                       ///< one by one
+  std::vector<std::pair<int32_t, int32_t>> corners_;    ///< vertices with parts of their coefficients
+  std::vector<std::pair<Index2, int32_t>> edges_;       ///< with coefficients other than 0
+  std::vector<std::pair<int32_t, int32_t>> vertices_;   ///< the same
 };
 
 /// Whether no force moves any vertex of the pair of primitives.
@@ -245,6 +296,81 @@ SurfaceCells::SurfaceCells(const SurfaceMesh& mesh, std::span<const int32_t> fac
   }
 }
 
+namespace {
+
+/// Takes a closest point of an edge that is all but at an end as that end: which one rounding finds depends on
+/// the edge.
+void snap_to_ends(std::span<const Vec3> x, Contact& contact) {
+  const auto at_end = [&](int i) {
+    const double length = norm(x[contact.sites[i + 1]] - x[contact.sites[i]]);
+    for (int k = 0; k < 2; ++k)
+      if (std::fabs(contact.weights[i + 1 - k]) * length < kSamePlace * contact.contact_distance) return k;
+    return -1;
+  };
+  if (contact.kind == StencilKind::EdgeEdge) {
+    const int a = at_end(0), b = at_end(2);
+    if (a < 0 && b < 0) return;
+    if (a < 0) {  // the point comes first
+      std::swap(contact.group_a, contact.group_b);
+      contact.sites = {contact.sites[2 + b], contact.sites[0], contact.sites[1], 0};
+      contact.weights = {1.0, -contact.weights[0], -contact.weights[1], 0.0};
+    } else {
+      contact.sites = {contact.sites[a], contact.sites[2], contact.sites[3], 0};
+      contact.weights = {1.0, contact.weights[2], contact.weights[3], 0.0};
+    }
+    contact.kind = StencilKind::PointEdge;
+    contact.point_count = 3;
+    contact.side_a_count = 1;
+  }
+  if (contact.kind != StencilKind::PointEdge) return;
+  const int end = at_end(1);
+  if (end < 0) return;
+  contact.kind = StencilKind::PointPoint;
+  contact.point_count = 2;
+  contact.sites = {contact.sites[0], contact.sites[1 + end], 0, 0};
+  contact.weights = {1.0, -1.0, 0.0, 0.0};
+}
+
+bool is_mollified(const Contact& contact) { return contact.kind >= StencilKind::MollifiedPointPoint; }
+
+/// Mollified pairs of edges without energy.
+bool is_parallel(std::span<const Vec3> x, const Contact& contact) {
+  const auto& s = contact.sites;
+  return squared_norm(cross(x[s[1]] - x[s[0]], x[s[3]] - x[s[2]])) < kParallel * contact.parallel_threshold;
+}
+
+/// Sites in an order that does not tell by which edges they were found.
+std::array<int32_t, 4> stencil_of(const Contact& contact) {
+  std::array<int32_t, 4> stencil{-1, -1, -1, -1};
+  std::copy_n(contact.sites.begin(), contact.point_count, stencil.begin());
+  if (contact.point_count == 3 && stencil[1] > stencil[2]) std::swap(stencil[1], stencil[2]);
+  // Of two vertices either may come first.
+  if (contact.point_count == 2 && stencil[0] > stencil[1]) std::swap(stencil[0], stencil[1]);
+  return stencil;
+}
+
+}  // namespace
+
+void merge_equal_stencils(std::span<const Vec3> x, std::vector<Contact>& contacts) {
+  std::map<std::array<int32_t, 4>, size_t> known;
+  size_t count = 0;
+  for (Contact& contact : contacts) {
+    if (contact.key.list == 1 && is_mollified(contact) && is_parallel(x, contact)) continue;
+    if (contact.key.list == 1 && !is_mollified(contact)) {
+      snap_to_ends(x, contact);
+      if (contact.kind != StencilKind::EdgeEdge) {
+        const auto [entry, is_new] = known.try_emplace(stencil_of(contact), count);
+        if (!is_new) {
+          contacts[entry->second].stiffness += contact.stiffness;
+          continue;
+        }
+      }
+    }
+    contacts[count++] = contact;
+  }
+  contacts.resize(count);
+}
+
 void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells,
                       std::span<const PairKey> names, std::span<const Vec3> x,
                       std::vector<Contact>& contacts) {
@@ -252,6 +378,7 @@ void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells
     std::erase_if(contacts, [&](const Contact& c) { return is_prescribed(geometry, c.key); });
   std::vector<Contact> merged;
   merged.reserve(contacts.size());
+  PointContacts merger(geometry, cells, names, x);
   const auto same_surface = [](const Contact& a, const Contact& b) {
     return a.key.list == b.key.list && a.key.first == b.key.first && a.group_b == b.group_b;
   };
@@ -267,7 +394,7 @@ void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells
       merged.push_back(contacts[i]);
       continue;
     }
-    PointContacts(geometry, cells, names, x, std::span(contacts).subspan(i, end - i)).append_to(merged);
+    merger.append_to(std::span(contacts).subspan(i, end - i), merged);
   }
   contacts = std::move(merged);
   std::ranges::stable_sort(contacts, {}, &Contact::key);

@@ -42,4 +42,8 @@ void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells
                       std::span<const PairKey> names, std::span<const Vec3> x,
                       std::vector<Contact>& contacts);
 
+/// Merges pairs of edges that are nearest at the same ends into one with the sum of their stiffness, and drops
+/// those that are parallel, which have no energy.
+void merge_equal_stencils(std::span<const Vec3> x, std::vector<Contact>& contacts);
+
 }  // namespace stark

@@ -27,7 +27,12 @@ constexpr double kEnough = 0.99;
 /// Growth of a factor after an attempt that failed, and where that ends.
 constexpr double kRaise = 1e3, kHighest = 1e9;
 
+/// Where a factor starts that the load asks for. It acts from 1 on, after six times the duration of
+/// end_step(): what is over by then was an impact, which must not meet a stiffer law on its way out.
+constexpr double kStart = 1.0 / 64.0;
+
 double next_factor(double factor, double wanted, double duration) {
+  if (factor <= 1.0 && wanted <= 1.0) return 0.0;
   if (wanted > factor / kEnough) return std::min(wanted, std::pow(kGrowth, duration) * factor);
   return wanted < kEnough * factor ? std::max(wanted, std::pow(kDecay, duration) * factor) : factor;
 }
@@ -41,8 +46,10 @@ Vec3 normal_of(const Contact& contact, std::span<const Vec3> x) {
 }
 
 /// Pairs of edges, or vertices with all of a body, which have one area.
-PairKey area_key(const Contact& contact) {
-  return contact.key.list == 1 ? contact.key : PairKey{0, contact.key.first, contact.group_b};
+int64_t area_code(const Contact& contact) {
+  const bool is_edges = contact.key.list == 1;
+  const int64_t second = is_edges ? contact.key.second : contact.group_b;
+  return (static_cast<int64_t>(is_edges) << 62) | (static_cast<int64_t>(contact.key.first) << 31) | second;
 }
 
 }  // namespace
@@ -50,15 +57,17 @@ PairKey area_key(const Contact& contact) {
 double relative_pressure(double r) { return r < 1.0 ? slope(r) / kMiddleSlope : 0.0; }
 
 void LoadMemory::add(int64_t code, double value) {
-  if (!(value > 1.0)) return;
+  if (!(value > 0.0)) return;
   bodies.push_back(code);
   factor.push_back(value);
 }
 
-double LoadMemory::find(int64_t code) const {
+double LoadMemory::pending(int64_t code) const {
   const auto found = std::ranges::lower_bound(bodies, code);
-  return found != bodies.end() && *found == code ? factor[found - bodies.begin()] : 1.0;
+  return found != bodies.end() && *found == code ? factor[found - bodies.begin()] : kStart;
 }
+
+double LoadMemory::find(int64_t code) const { return std::max(1.0, pending(code)); }
 
 ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance)
     : areas_(std::move(areas)), bodies_(std::move(bodies)), distance_(std::move(distance)) {}
@@ -85,23 +94,29 @@ bool ContactLaw::depends_on_normal(const Contact& contact) const {
 
 void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
                               const std::vector<Contact>& contacts) {
-  std::map<PairKey, const Contact*> nearest;
+  std::map<int64_t, const Contact*> nearest;
   for (const Contact& contact : contacts) {
-    if (!depends_on_normal(contact) || frozen_.contains(area_key(contact))) continue;
-    const Contact*& known = nearest[area_key(contact)];
+    if (!depends_on_normal(contact) || frozen_.contains(area_code(contact))) continue;
+    const Contact*& known = nearest[area_code(contact)];
     if (known == nullptr || contact.distance < known->distance) known = &contact;
   }
-  for (const auto& [key, contact] : nearest)
-    frozen_[key] = areas_.area(mesh, *contact, normal_of(*contact, x), x);
+  for (const auto& [code, contact] : nearest)
+    frozen_[code] = areas_.area(mesh, *contact, normal_of(*contact, x), x);
 }
 
 void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {
   freeze_areas(mesh, x, contacts);
+  int64_t bodies = -1;
+  double pressure = 0.0;  // of these bodies, under their load
   for (Contact& contact : contacts) {
-    const double area = depends_on_normal(contact) ? frozen_.at(area_key(contact))
+    if (const int64_t code = code_of(contact); code != bodies) {
+      bodies = code;
+      pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
+    }
+    const double area = depends_on_normal(contact) ? frozen_.at(area_code(contact))
                                                    : areas_.area(mesh, contact, Vec3{}, x);
-    contact.stiffness = contact.multiplicity * area * pressure(contact.group_a, contact.group_b) *
-                        memory_.find(code_of(contact)) / (kMiddleSlope * contact.contact_distance);
+    contact.stiffness =
+        contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
   }
 }
 
@@ -122,17 +137,21 @@ std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contact
 LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                 double duration) const {
   LoadMemory memory;
-  for (const auto& [bodies, asked] : wanted(contacts, forces))
-    if (!is_given(static_cast<int32_t>(bodies >> 32), static_cast<int32_t>(bodies & 0xffffffff)))
-      memory.add(bodies, next_factor(memory_.find(bodies), asked, duration));
+  const auto count = static_cast<int64_t>(bodies_.size());
+  for (const auto& [bodies, asked] : wanted(contacts, forces)) {
+    const int64_t a = bodies >> 32, b = bodies & 0xffffffff;
+    const bool exists = a >= 0 && a < count && b < count;  // states may name any
+    if (exists && !is_given(static_cast<int32_t>(a), static_cast<int32_t>(b)))
+      memory.add(bodies, next_factor(memory_.pending(bodies), asked, duration));
+  }
   return memory;
 }
 
 LoadMemory ContactLaw::raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const {
   LoadMemory memory;
   for (const auto& [bodies, asked] : wanted(contacts, forces)) {
-    const double now = memory_.find(bodies);
-    memory.add(bodies, std::clamp(asked, now, std::max(now, std::min(kRaise * now, kHighest))));
+    const double now = memory_.find(bodies), highest = std::max(now, std::min(kRaise * now, kHighest));
+    memory.add(bodies, asked > 1.0 ? std::clamp(asked, now, highest) : memory_.pending(bodies));
   }
   return memory;
 }

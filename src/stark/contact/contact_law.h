@@ -13,6 +13,7 @@
 
 #include <map>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include <stark/contact/area_weights.h>
@@ -25,10 +26,11 @@ namespace stark {
 /// distribution of a load over many contacts. Part of the State; sorted, without doubles.
 struct LoadMemory {
   std::vector<int64_t> bodies;  ///< group_code()
-  std::vector<double> factor;   ///< > 1
+  std::vector<double> factor;   ///< up to 1 the load has not lasted long enough
 
-  double find(int64_t code) const;       ///< 1 when nothing is known
-  void add(int64_t code, double value);  ///< codes in ascending order; values up to 1 need not be known
+  double find(int64_t code) const;      ///< that acts: at least 1
+  double pending(int64_t code) const;   ///< as it is known, the smallest one when nothing is
+  void add(int64_t code, double value);  ///< codes in ascending order
 };
 
 /// Contact stiffness of a body: the pressure at which the gap is half of the contact distance.
@@ -80,7 +82,7 @@ class ContactLaw {
   std::vector<BodyStiffness> bodies_;
   std::vector<double> distance_;
   LoadMemory memory_;
-  std::map<PairKey, double> frozen_;  ///< areas by pairs of edges, or by vertex and body [m^2]
+  std::unordered_map<int64_t, double> frozen_;  ///< areas of pairs of edges, or of a vertex and a body [m^2]
 };
 
 }  // namespace stark

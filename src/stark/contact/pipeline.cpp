@@ -200,6 +200,7 @@ void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, C
   find_contacts(geometry_, list, x, pool_, contacts);
   merge_by_feature(geometry_, cells_, names_, x, contacts);
   law_.assign(mesh(), x, contacts);
+  merge_equal_stencils(x, contacts);
   out.reset(std::move(contacts));
   out.evaluate_energies(x);
 }

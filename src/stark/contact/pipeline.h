@@ -102,6 +102,9 @@ class ContactPipeline final : public ActiveSet {
   const std::vector<Contact>& contacts() const { return active_.contacts(); }
   const ContactSet& active_set() const { return active_; }
   const SurfaceMesh& mesh() const { return broad_phase_.mesh(); }
+  /// Names of contacts of points and the law with the areas of this step.
+  std::span<const PairKey> names() const { return names_; }
+  const ContactLaw& law() const { return law_; }
   const PairFilter& filter() const { return broad_phase_.filter(); }
   const ContactCounters& counters() const { return counters_; }
   /// The active contacts at x, where the last update() was.

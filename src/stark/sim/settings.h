@@ -56,7 +56,7 @@ struct ContactSettings {
       0.0;  ///< [m] of bodies without their own, 0: automatic; a pair acts within the sum of the two
   /// [Pa] pressure at half the contact distance of bodies without their own; 0: by their weight
   double stiffness = 0.0;
-  double stiffness_factor = 40.0;  ///< automatic stiffness over the weight of a body per area
+  double stiffness_factor = 100.0;  ///< automatic stiffness over the weight of a body per area
   double min_separation_factor =
       1e-3;  ///< distance kept by the collision detection, over the pair's contact distance
   double stick_velocity = 1e-3;  ///< [m/s] below it friction is sticking, regularised

@@ -10,7 +10,7 @@ namespace stark {
 
 namespace {
 
-/// Distance over contact distance below which contact is far stiffer than what bodies are made of.
+/// Distance over contact distance below which bodies that start there are pushed apart (contact/pipeline).
 constexpr double kOverlap = 0.01;
 constexpr size_t kMostGaps = 10000, kMostElements = 1000;
 

@@ -374,9 +374,9 @@ void Simulation::commit(double h) {
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   if (contact_) {
-    // Quasistatic steps have no time: each counts as a full one.
+    // Quasistatic steps have no time.
     const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
-    const double duration = std::min(h / (has_time ? kLoadTime : settings_.time.step), kLongestLoad);
+    const double duration = has_time ? std::min(h / kLoadTime, kLongestLoad) : kLongestLoad;
     ContactMemory memory = contact_->end_step(potential_->site_positions(), duration);
     state_.friction_pair = std::move(memory.friction.pair);
     state_.friction_deflection = std::move(memory.friction.deflection);

@@ -1,0 +1,119 @@
+// Pressure against gap: the law itself, bodies in series, factors of lasting loads.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <stark/geometry/shapes.h>
+#include <support/collision_scenes.h>
+#include <support/contact_potentials.h>
+
+using namespace stark;
+using namespace stark::test;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Two sheets of 1 m by 1 m with cells of 0.25 m, parallel to each other.
+struct Sheets {
+  explicit Sheets(std::vector<BodyStiffness> bodies) {
+    builder.add_mesh(make_grid(1.0, 1.0, 4, 4));
+    builder.add_mesh(make_grid(1.0, 1.0, 4, 4), {0, 0, 0.1});
+    law = {AreaWeights(builder.surface, builder.x, {}, std::vector<uint8_t>{1, 1}, distance), bodies, distance};
+  }
+  /// Vertex 12 in the middle of the lower sheet against the vertex above.
+  Contact middle(double gap) {
+    Contact contact;
+    contact.key = {0, 12, 0};
+    contact.sites = {12, 37, 0, 0};
+    contact.weights = {1.0, -1.0, 0.0, 0.0};
+    contact.group_b = 1;
+    contact.distance = gap;
+    contact.contact_distance = distance[0] + distance[1];
+    return contact;
+  }
+  SceneBuilder builder;
+  std::vector<double> distance{0.01, 0.03};
+  ContactLaw law;
+};
+
+double pressure(const BodyStiffness& a, const BodyStiffness& b) { return Sheets({a, b}).law.pressure(0, 1); }
+
+}  // namespace
+
+TEST_CASE("relative pressure is the slope of the barrier, 1 at half of the contact distance") {
+  CHECK(relative_pressure(0.5) == doctest::Approx(1.0));
+  CHECK(relative_pressure(1.0) == 0.0);
+  CHECK(relative_pressure(2.0) == 0.0);
+  for (const double r : {1e-6, 0.1, 0.3, 0.9})
+    CHECK(relative_pressure(r) == doctest::Approx(barrier_slope(r, 1.0) / barrier_slope(0.5, 1.0)));
+  CHECK(barrier_slope(0.5, 1.0) == doctest::Approx(-(std::log(2.0) + 0.5)).epsilon(1e-12));
+}
+
+TEST_CASE("bodies are in series, by their parts of the contact distance") {
+  CHECK(pressure({100.0}, {100.0}) == doctest::Approx(100.0));
+  CHECK(pressure({100.0}, {300.0}) == doctest::Approx(0.04 / (0.01 / 100.0 + 0.03 / 300.0)));
+  CHECK(pressure({100.0}, {kInfinity}) == doctest::Approx(400.0));
+}
+
+TEST_CASE("where one side was given, the other does not give way") {
+  CHECK(pressure({100.0, true}, {1.0}) == doctest::Approx(400.0));
+  CHECK(pressure({1.0}, {300.0, true}) == doctest::Approx(400.0));
+  CHECK(pressure({100.0, true}, {300.0, true}) == doctest::Approx(0.04 / (0.01 / 100.0 + 0.03 / 300.0)));
+}
+
+TEST_CASE("the force of a contact is the pressure on its area") {
+  Sheets sheets({{100.0}, {100.0}});
+  for (const double gap : {0.004, 0.02, 0.035}) {
+    sheets.builder.x[37].z = gap;
+    std::vector<Contact> contacts{sheets.middle(gap)};
+    sheets.law.begin_step();
+    sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+    // Both sheets are alike, so each integrates half of it.
+    CHECK(contacts[0].stiffness * -barrier_slope(gap, 0.04) ==
+          doctest::Approx(100.0 * relative_pressure(gap / 0.04) * 0.5 * 0.0625));
+  }
+}
+
+TEST_CASE("a load that lasts makes contact stiffer, an impact does not") {
+  Sheets sheets({{100.0}, {100.0}});
+  const int64_t code = group_code(0, 1);
+  LoadMemory memory;
+  const auto step = [&](double times, double duration) {
+    sheets.law.begin_step(memory);
+    std::vector<Contact> contacts{sheets.middle(0.004)};
+    sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+    const double natural = contacts[0].stiffness / memory.find(code);
+    const Vec3 force{0, 0, times * natural * -barrier_slope(0.004, 0.04)};
+    memory = sheets.law.end_step(contacts, std::vector<Vec3>{force}, duration);
+    return memory.find(code);
+  };
+  for (int k = 0; k < 5; ++k) CHECK(step(3.0, 1.0) == 1.0);
+  CHECK(step(0.5, 1.0) == 1.0);  // over: it starts anew
+  for (int k = 0; k < 5; ++k) CHECK(step(3.0, 1.0) == 1.0);
+  CHECK(step(3.0, 1.0) == doctest::Approx(1.0));
+  CHECK(step(3.0, 1.0) == doctest::Approx(2.0));
+  CHECK(step(3.0, 1.0) == doctest::Approx(3.0));
+  CHECK(step(3.02, 1.0) == doctest::Approx(3.0));  // enough: what rests is to rest
+  CHECK(step(0.5, 1.0) == doctest::Approx(2.7));
+  CHECK(step(0.5, 2.0) == doctest::Approx(2.7 * 0.81));
+  for (int k = 0; k < 20; ++k) step(0.5, 1.0);
+  CHECK(memory.bodies.empty());
+}
+
+TEST_CASE("a law that was given stays as it is, whatever the load; a failed attempt changes it for that step") {
+  Sheets sheets({{100.0, true}, {100.0}});
+  std::vector<Contact> contacts{sheets.middle(0.004)};
+  sheets.law.begin_step();
+  sheets.law.assign(sheets.builder.surface, sheets.builder.x, contacts);
+  const std::vector<Vec3> forces{{0, 0, 100.0 * contacts[0].stiffness}};
+  CHECK(sheets.law.end_step(contacts, forces, 100.0).bodies.empty());
+  const LoadMemory raised = sheets.law.raised(contacts, forces);
+  CHECK(raised.find(group_code(0, 1)) > 100.0);
+  sheets.law.begin_step(raised);
+  std::vector<Contact> again{sheets.middle(0.004)};
+  sheets.law.assign(sheets.builder.surface, sheets.builder.x, again);
+  CHECK(again[0].stiffness > 100.0 * contacts[0].stiffness);
+  CHECK(sheets.law.end_step(again, forces, 1.0).bodies.empty());
+}
