@@ -183,7 +183,8 @@ def _add_drive(scene, name, x):
 def _add_wheel(scene, name, carrier, radius, width, place):
     center = (*place, radius + _gap())
     mesh = robot_parts.wheel(radius, width, int(options["segments"]))
-    body = scene.add_rigid(mesh, name=name, mass=PART_MASS, position=center, color=TYRE)
+    tyre = stark.surfaces.rubber.replace(thickness=CONTACT_DISTANCE)
+    body = scene.add_rigid(mesh, name=name, mass=PART_MASS, position=center, surface=tyre, color=TYRE)
     return scene.add_hinge(carrier, body, anchor=center, axis=(-1, 0, 0), name=f"axle_{name}")
 
 
@@ -197,7 +198,7 @@ def _body_inertia():
 
 def _gap():
     """Where the robot starts above the floor [m]; it comes to rest a little lower."""
-    return 1.5 * CONTACT_DISTANCE
+    return 2.0 * CONTACT_DISTANCE
 
 
 def _actuators(sim, kind):

@@ -123,7 +123,7 @@ TEST_CASE("pairs of edges weigh little where surfaces are flat and all where the
     }
     return largest;
   };
-  CHECK(pair_area(make_grid(1.0, 1.0, 1, 1), true) == doctest::Approx(0.005 / 3.0));
+  CHECK(pair_area(make_grid(1.0, 1.0, 1, 1), true) == doctest::Approx(1.0 / 6.0));  // a border
   CHECK(pair_area(make_box({1, 1, 1}), false) == doctest::Approx(0.25));
 }
 

@@ -10,7 +10,7 @@ namespace stark {
 namespace {
 
 /// Weight of a pair of edges where both surfaces are flat: a barrier, and next to no pressure.
-constexpr double kFlatWeight = 0.005;
+constexpr double kFlatWeight = 0.002;
 
 /// Least part of a share that faces any normal: an edge of a sheet has no area across it.
 constexpr double kSmallestFacing = 0.1;
@@ -145,9 +145,17 @@ Vec3 rest_normal(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t tr
 
 }  // namespace
 
+bool AreaWeights::is_border(const SurfaceMesh& mesh, int32_t v) const {
+  // A triangle gives to a vertex through two edges, and around an inner vertex each neighbour is in two of them.
+  std::map<int32_t, int> count;
+  for (const Share& share : vertices_.of(v))
+    for (const int32_t w : mesh.triangles[share.triangle]) ++count[w];
+  return std::ranges::any_of(count, [](const auto& entry) { return entry.second == 2; });
+}
+
 double AreaWeights::vertex_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t v) const {
   if (vertices_.of(v).empty()) return 1.0;
-  if (!is_directed(mesh.vertex_group[v])) return 0.0;
+  if (!is_directed(mesh.vertex_group[v])) return is_border(mesh, v) ? 1.0 : 0.0;
   Vec3 sum;
   double total = 0.0;
   for (const Share& share : vertices_.of(v)) {
@@ -160,9 +168,8 @@ double AreaWeights::vertex_sharpness(const SurfaceMesh& mesh, std::span<const Ve
 double AreaWeights::edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const {
   const std::span<const Share> shares = edges_.of(e);
   if (shares.empty()) return 1.0;
-  // Sheets bend: creases of their rest shape are none, and along their borders vertices integrate as well.
-  if (!is_directed(mesh.edge_group[e])) return 0.0;
   if (shares.size() != 2) return 1.0;
+  if (!is_directed(mesh.edge_group[e])) return 0.0;  // sheets bend: creases of their rest shape are none
   const Vec3 a = rest_normal(mesh, rest, shares[0].triangle), b = rest_normal(mesh, rest, shares[1].triangle);
   return std::min(1.0, std::atan2(norm(cross(a, b)), dot(a, b)) / (0.5 * std::numbers::pi));
 }
@@ -201,6 +208,10 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const 
   const auto [list, first, second] = contact.key;
   if (list == 1) {
     const int32_t a = mesh.edge_group[first], b = mesh.edge_group[second];
+    // A rod lies across an edge over its thickness, or over what the edge stands for.
+    const bool a_is_rod = edges_.of(first).empty(), b_is_rod = edges_.of(second).empty();
+    if (a_is_rod || b_is_rod)
+      return std::min(area(mesh, edges_, first, a, n, x), area(mesh, edges_, second, b, n, x));
     return edges_.weight[first] * edges_.weight[second] *
            (part(a, b) * area(mesh, edges_, first, a, n, x) + part(b, a) * area(mesh, edges_, second, b, n, x));
   }

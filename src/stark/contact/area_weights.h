@@ -51,6 +51,7 @@ class AreaWeights {
   void share_triangles(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch);
   void share_rods(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const double> radius);
   void weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest);
+  bool is_border(const SurfaceMesh& mesh, int32_t v) const;  ///< of a sheet
   double vertex_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t v) const;
   double edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const;
   double area(const SurfaceMesh& mesh, const Shares& shares, int32_t i, int32_t group, const Vec3& n,

@@ -12,7 +12,7 @@ namespace stark {
 namespace {
 
 /// Distance between closest points over the contact distance below which they are one.
-constexpr double kSamePlace = 1e-5;
+constexpr double kSamePlace = 1e-4;
 
 /// Mollifier of a pair of edges below which it has no energy worth a stencil.
 constexpr double kParallel = 1e-9;

@@ -1,5 +1,6 @@
 #include <stark/sim/contact_stiffness.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -10,6 +11,9 @@
 namespace stark {
 
 namespace {
+
+/// Length of a rod that carries it, over its diameter: it may lie across a few others.
+constexpr double kRodLength = 4.0;
 
 constexpr double kStandardGravity = 9.80665;  ///< [m/s^2]
 
@@ -29,7 +33,9 @@ double resting_area(const Scene& scene, const Model& model, BodyId id, const Set
   const ModelBody& body = model.bodies()[id.index];
   if (body.kind == BodyKind::Rod) {
     const std::vector<double> lengths = polyline_lengths(scene.rod(id).mesh.vertices);
-    return std::accumulate(lengths.begin(), lengths.end(), 0.0) * 2.0 * contact_distance(scene, id, settings);
+    const double length = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+    const double diameter = 2.0 * contact_distance(scene, id, settings);
+    return std::min(length, kRodLength * diameter) * diameter;
   }
   const std::vector<double> areas = compute_triangle_areas(scene.rest_vertices(id), body.triangles);
   return std::accumulate(areas.begin(), areas.end(), 0.0) * (is_closed(body.triangles) ? 0.5 : 1.0);

@@ -8,7 +8,8 @@ namespace stark {
 
 /// Pressure at which the gap is half of the contact distance [Pa]: the body's own, else
 /// settings.contact.stiffness, else (0) settings.contact.stiffness_factor times the weight of the body under
-/// standard gravity over half of its surface (all of a sheet; the length times the diameter of a rod). Fixed
+/// standard gravity over half of its surface (all of a sheet; of a rod its diameter times its length, at most
+/// four diameters). Fixed
 /// and scripted bodies without a value do not give way.
 BodyStiffness contact_stiffness(const Scene& scene, const Model& model, BodyId body,
                                 const Settings& settings);

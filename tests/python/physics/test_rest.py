@@ -23,7 +23,7 @@ def settled_rigid_box(cells: int, turn: float, mass: float = 1.0, **settings: An
     """The body, bound to its simulation, and the report of the last step."""
     scene = stark.Scene()
     floor_of(scene, cells, turn)
-    box = scene.add_box(0.1, mass=mass, name="box", position=(0.03, 0.17, 0.05 + 0.9 * _GAP))
+    box = scene.add_box(0.1, mass=mass, name="box", position=(0.03, 0.17, 0.05 + _GAP))
     sim = stark.Simulation(scene, time_step=1 / 60, contact_distance=0.5 * _GAP, **settings)
     report = advance(sim, 1.5)[-1]
     return sim[box], report
@@ -75,8 +75,8 @@ def test_a_light_body_keeps_its_distance_under_a_load_of_any_weight() -> None:
     the contact distance, or a twelfth to an eighth, where it stays. The light cube does not tip or slide."""
     scene = stark.Scene()
     floor_of(scene, 1, 20.0)
-    light = scene.add_box(0.1, mass=0.01, name="light", position=(0.03, 0.17, 0.05 + 0.9 * _GAP))
-    scene.add_box(0.1, mass=1000.0, name="heavy", position=(0.03, 0.17, 0.15 + 1.8 * _GAP))
+    light = scene.add_box(0.1, mass=0.01, name="light", position=(0.03, 0.17, 0.05 + _GAP))
+    scene.add_box(0.1, mass=1000.0, name="heavy", position=(0.03, 0.17, 0.15 + 2.0 * _GAP))
     sim = stark.Simulation(scene, time_step=0.01, contact_distance=0.5 * _GAP)
     report = advance(sim, 1.0)[-1]
     assert 0.08 * _GAP < report.min_distance < 0.13 * _GAP
@@ -93,7 +93,7 @@ def test_soft_box_rests_on_contact_forces_of_its_weight(cells: int) -> None:
         stark.mesh.tet_box(size, 3),
         stark.SolidMaterial(density=density, youngs_modulus=modulus, poissons_ratio=0.3, mass_damping=20.0),
         name="box",
-        position=(0.03, 0.17, 0.5 * size + 0.9 * _GAP),
+        position=(0.03, 0.17, 0.5 * size + _GAP),
     )
     scene.friction["box", "floor"] = 0.0
     sim = stark.Simulation(scene, time_step=1 / 60, contact_distance=0.5 * _GAP)
@@ -116,10 +116,10 @@ def test_momentum_balance_gives_the_contact_force_of_a_stack() -> None:
     """The lower one of two boxes carries the weight of both, by its barrier with the floor."""
     scene = stark.Scene()
     floor_of(scene, 1, 0.0)
-    scene.add_box(0.1, mass=1.0, name="lower", position=(0.03, 0.27, 0.05 + 0.95 * _GAP))
+    scene.add_box(0.1, mass=1.0, name="lower", position=(0.03, 0.27, 0.05 + _GAP))
     # Turned, so that no edges are parallel, and over the middle, so that all pairs stay equally far apart.
     turned = stark.rotation(axis="z", angle=20.0 * stark.deg)
-    scene.add_box(0.05, mass=0.5, name="upper", position=(0.03, 0.27, 0.125 + 1.9 * _GAP), rotation=turned)
+    scene.add_box(0.05, mass=0.5, name="upper", position=(0.03, 0.27, 0.125 + 2.0 * _GAP), rotation=turned)
     sim = stark.Simulation(scene, time_step=1 / 60, contact_distance=0.5 * _GAP)
     report = advance(sim, 1.5)[-1]
     lower, upper = sim["lower"], sim["upper"]
