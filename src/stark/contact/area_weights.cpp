@@ -12,6 +12,9 @@ namespace {
 /// Weight of a pair of edges where both surfaces are flat: a barrier, and next to no pressure.
 constexpr double kFlatWeight = 0.002;
 
+/// Sharpness of the border of a sheet: it may be met edge-on, but lies flat on another more often.
+constexpr double kSheetBorder = 0.6;
+
 /// Least part of a share that faces any normal: an edge of a sheet has no area across it.
 constexpr double kSmallestFacing = 0.1;
 
@@ -155,7 +158,7 @@ bool AreaWeights::is_border(const SurfaceMesh& mesh, int32_t v) const {
 
 double AreaWeights::vertex_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t v) const {
   if (vertices_.of(v).empty()) return 1.0;
-  if (!is_directed(mesh.vertex_group[v])) return is_border(mesh, v) ? 1.0 : 0.0;
+  if (!is_directed(mesh.vertex_group[v])) return is_border(mesh, v) ? kSheetBorder : 0.0;
   Vec3 sum;
   double total = 0.0;
   for (const Share& share : vertices_.of(v)) {
@@ -168,8 +171,9 @@ double AreaWeights::vertex_sharpness(const SurfaceMesh& mesh, std::span<const Ve
 double AreaWeights::edge_sharpness(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t e) const {
   const std::span<const Share> shares = edges_.of(e);
   if (shares.empty()) return 1.0;
+  // Sheets bend: creases of their rest shape are none.
+  if (!is_directed(mesh.edge_group[e])) return shares.size() == 2 ? 0.0 : kSheetBorder;
   if (shares.size() != 2) return 1.0;
-  if (!is_directed(mesh.edge_group[e])) return 0.0;  // sheets bend: creases of their rest shape are none
   const Vec3 a = rest_normal(mesh, rest, shares[0].triangle), b = rest_normal(mesh, rest, shares[1].triangle);
   return std::min(1.0, std::atan2(norm(cross(a, b)), dot(a, b)) / (0.5 * std::numbers::pi));
 }

@@ -18,7 +18,7 @@ constexpr double kLoadedGap = 0.1;
 
 /// Growth and decay of a factor in the duration of end_step(): an impact is not a load, and a load that moves
 /// from contact to contact must not pump.
-constexpr double kGrowth = 2.0, kDecay = 0.9;
+constexpr double kGrowth = 4.0, kDecay = 0.9;
 
 /// A factor stays while the load asks for no less than this part of it and no more than its inverse: a body
 /// at rest is to rest. Gaps follow it one to one.
@@ -27,9 +27,9 @@ constexpr double kEnough = 0.99;
 /// Growth of a factor after an attempt that failed, and where that ends.
 constexpr double kRaise = 1e3, kHighest = 1e9;
 
-/// Where a factor starts that the load asks for. It acts from 1 on, after six times the duration of
+/// Where a factor starts that the load asks for. It acts from 1 on, after twice the duration of
 /// end_step(): what is over by then was an impact, which must not meet a stiffer law on its way out.
-constexpr double kStart = 1.0 / 64.0;
+constexpr double kStart = 1.0 / 16.0;
 
 double next_factor(double factor, double wanted, double duration) {
   if (factor <= 1.0 && wanted <= 1.0) return 0.0;

@@ -30,7 +30,7 @@ constexpr double kTimeRounding = 1e-12;
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
 constexpr int kAttemptsBeforeRaise = 2;
 
-/// Time in which contact may grow twice as stiff under a load [s], and the most of it that a step counts.
+/// Time in which contact may grow four times as stiff under a load [s], and the most of it that a step counts.
 constexpr double kLoadTime = 1.0 / 60.0, kLongestLoad = 4.0;
 
 /// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.

@@ -96,13 +96,13 @@ def test_pressure_between_soft_blocks_whose_meshes_do_not_match(cells: tuple[int
     bottom, top = x[:, 2] < x[:, 2].min() + 5e-3, lower.positions[:, 2] > lower.positions[:, 2].max() - 5e-3
     inner = bottom & (np.abs(x[:, :2]).max(axis=1) < 0.085)
     assert upper.contact_pressure("lower")[inner] == pytest.approx(load / 0.04, rel=0.1)
-    # The gap is that of the law under this pressure, whatever the meshes: the stiffness of the blocks is a
-    # hundred times their weight over half of their surface.
+    # The gap is that of the law under this pressure within 3 % of the contact distance, of which their
+    # meshes bend by a tenth: their stiffness is a hundred times their weight over half of their surface.
     gap = x[bottom, 2].mean() - lower.positions[top, 2].mean()
     distance = sim.contact_distance("upper") + sim.contact_distance("lower")
     relative = load / 0.04 / (100.0 * upper.mass * 9.80665 / 0.06)
-    assert stark.surfaces.relative_pressure(gap / distance) == pytest.approx(relative, rel=0.05)
-    assert 0.0 < gap < distance
+    assert stark.surfaces.relative_pressure(gap / distance - 0.03) > relative
+    assert stark.surfaces.relative_pressure(gap / distance + 0.03) < relative
 
 
 def test_sliding_friction_and_slip() -> None:
