@@ -16,10 +16,6 @@ const double kMiddleSlope = slope(0.5);
 /// Part of the contact distance at which the largest lasting pressure is carried.
 constexpr double kLoadedGap = 0.1;
 
-/// Growth and decay of a factor in the duration of end_step(): an impact is not a load, and a load that moves
-/// from contact to contact must not pump.
-constexpr double kGrowth = 4.0, kDecay = 0.9;
-
 /// A factor stays while the load asks for no less than this part of it and no more than its inverse: a body
 /// at rest is to rest. Gaps follow it one to one.
 constexpr double kEnough = 0.99;
@@ -27,14 +23,17 @@ constexpr double kEnough = 0.99;
 /// Growth of a factor after an attempt that failed, and where that ends.
 constexpr double kRaise = 1e3, kHighest = 1e9;
 
-/// Where a factor starts that the load asks for. It acts from 1 on, after twice the duration of
-/// end_step(): what is over by then was an impact, which must not meet a stiffer law on its way out.
+/// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then was an
+/// impact, which must not meet a stiffer law on its way out.
 constexpr double kStart = 1.0 / 16.0;
 
+/// Follows the logarithm of what the load asks for with a delay, up and down alike: an oscillating load would pump
+/// what grows fast and shrinks slowly.
 double next_factor(double factor, double wanted, double duration) {
-  if (factor <= 1.0 && wanted <= 1.0) return 0.0;
-  if (wanted > factor / kEnough) return std::min(wanted, std::pow(kGrowth, duration) * factor);
-  return wanted < kEnough * factor ? std::max(wanted, std::pow(kDecay, duration) * factor) : factor;
+  const double ratio = std::max(wanted, kStart) / factor;
+  if (kEnough < ratio && ratio < 1.0 / kEnough) return factor > kStart / kEnough ? factor : 0.0;
+  const double next = factor * std::pow(ratio, 1.0 - std::exp(-duration));
+  return next > kStart / kEnough ? next : 0.0;
 }
 
 int64_t code_of(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }

@@ -63,7 +63,7 @@ class ContactLaw {
   }
 
   /// What the loads at the end of a step ask of the next one. forces: on side A of each contact [N];
-  /// duration: of the step, over that in which a factor grows fourfold.
+  /// duration: of the step, over the delay with which factors follow.
   LoadMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                       double duration = 1.0) const;
 

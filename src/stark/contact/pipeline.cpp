@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <stark/base/error.h>
 #include <stark/geometry/distance.h>
@@ -132,7 +133,6 @@ std::vector<Vec3> ContactPipeline::forces(std::span<const Vec3> x, bool with_neg
 }
 
 std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x) {
-  const CloseBodies close = std::exchange(geometry_.close, {});
   std::map<int64_t, double> gaps;
   for (const Contact& contact : find_contacts_at(x)) {
     if (contact.group_a == contact.group_b &&
@@ -143,7 +143,6 @@ std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x
     const auto [entry, is_new] = gaps.try_emplace(code, gap);
     entry->second = std::min(entry->second, gap);
   }
-  geometry_.close = close;
   return gaps;
 }
 
@@ -322,8 +321,10 @@ double ContactPipeline::min_distance() const {
 
 std::vector<Contact> ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
   if (!covers(candidates_, x)) build(x, candidates_);
+  const CloseBodies close = std::exchange(geometry_.close, {});
   std::vector<Contact> contacts;
   find_contacts(geometry_, candidates_.list, x, pool_, contacts);
+  geometry_.close = close;
   return contacts;
 }
 

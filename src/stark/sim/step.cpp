@@ -30,8 +30,8 @@ constexpr double kTimeRounding = 1e-12;
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
 constexpr int kAttemptsBeforeRaise = 2;
 
-/// Time in which contact may grow four times as stiff under a load [s], and the most of it that a step counts.
-constexpr double kLoadTime = 1.0 / 60.0, kLongestLoad = 4.0;
+/// Delay with which contact follows the loads that last [s], and that of quasistatic steps, which have no time.
+constexpr double kLoadTime = 0.1, kQuasistaticLoad = 4.0;
 
 /// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
 bool is_stuck(SolveStatus status) {
@@ -374,9 +374,8 @@ void Simulation::commit(double h) {
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   if (contact_) {
-    // Quasistatic steps have no time.
     const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
-    const double duration = has_time ? std::min(h / kLoadTime, kLongestLoad) : kLongestLoad;
+    const double duration = has_time ? h / kLoadTime : kQuasistaticLoad;
     ContactMemory memory = contact_->end_step(potential_->site_positions(), duration);
     state_.friction_pair = std::move(memory.friction.pair);
     state_.friction_deflection = std::move(memory.friction.deflection);
