@@ -400,7 +400,8 @@ void bind_simulation(nb::module_& m) {
             nb::list pairs;
             for (size_t k = 0; k < s.state().contact_close_bodies.size(); ++k) {
               const int64_t code = s.state().contact_close_bodies[k];
-              pairs.append(nb::make_tuple(code >> 32, code & 0xffffffff, s.state().contact_close_distance[k]));
+              pairs.append(
+                  nb::make_tuple(code >> 32, code & 0xffffffff, s.state().contact_close_distance[k]));
             }
             return pairs;
           },

@@ -88,8 +88,8 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         ``angular_velocity`` [rad/s] hold at time 0. ``initial_positions`` (n, 3) [m], in the frame of the
         mesh, start it in another shape than that of rest. ``rest_angles`` is "flat" or "mesh" (the folds of
         the mesh are at rest). ``pins``: indices or mask of prescribed vertices.
-        ``contact_distance`` [m] and ``contact_stiffness`` [Pa]: within the sum of their contact distances bodies
-        press on each other, at half of it with the contact stiffness; ``contact.distance`` and
+        ``contact_distance`` [m] and ``contact_stiffness`` [Pa]: within the sum of their contact distances
+        bodies press on each other, at half of it with the contact stiffness; ``contact.distance`` and
         ``contact.stiffness`` of the settings if left out. ``surface`` gives both (``stark.surfaces``)."""
         _require(material, ShellMaterial, "cloth", "stark.materials.cotton")
         shape = meshes.as_triangle_mesh(mesh, _title("cloth", name))
@@ -442,8 +442,8 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         if surface is not None:
             if not isinstance(surface, Surface):
                 raise InvalidArgument(
-                    f"{'body' if name is None else repr(name)}: surface = {surface!r}: must be a stark.Surface, "
-                    f"for instance stark.surfaces.rubber"
+                    f"{'body' if name is None else repr(name)}: surface = {surface!r}: must be a "
+                    f"stark.Surface, for instance stark.surfaces.rubber"
                 )
             contact_distance = surface.thickness if contact_distance is None else contact_distance
             contact_stiffness = surface.stiffness if contact_stiffness is None else contact_stiffness

@@ -1,11 +1,11 @@
 """Surfaces: how thick and how stiff what covers a body is in contact.
 
-``scene.add_cloth(mesh, surface=stark.surfaces.terry_towel)``; ``rigid``, ``rubber``, ``skin``, ``terry_towel``,
-each with its origin in ``.source``, and ``terry_towel.replace(stiffness=2e3)`` for a changed copy.
+``scene.add_cloth(mesh, surface=stark.surfaces.terry_towel)``; ``rigid``, ``rubber``, ``skin`` and
+``terry_towel``, each with its origin in ``.source``, and ``terry_towel.replace(stiffness=2e3)`` for a changed copy.
 
 Two bodies act on each other where the gap between them is below the sum of their thicknesses; at the pressure
-``stiffness`` half of that is left. ``contact_distance`` and ``contact_stiffness`` of a body, where given, replace
-the values of its surface (docs/surfaces.md)."""
+``stiffness`` half of that is left. ``contact_distance`` and ``contact_stiffness`` of a body, where given,
+replace the values of its surface (docs/surfaces.md)."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ __all__ = ["Surface", "relative_pressure", "rigid", "rubber", "skin", "terry_tow
 
 
 def relative_pressure(gap: ArrayLike) -> NDArray[np.float64]:
-    """Pressure over contact stiffness at a gap over the contact distance: 1 at 1/2, 0 from 1 on, without bound
-    towards 0 (theory eq. 16a)."""
+    """Pressure over contact stiffness at a gap over the contact distance: 1 at 1/2, 0 from 1 on, without
+    bound towards 0 (theory eq. 16a)."""
     r = np.asarray(gap, dtype=np.float64)
     near = np.clip(r, np.finfo(np.float64).tiny, 1.0)
     slope = 2.0 * (near - 1.0) * np.log(near) + (1.0 - near) ** 2 / near
@@ -48,7 +48,9 @@ class Surface:
         for field, unit in (("thickness", "m"), ("stiffness", "Pa")):
             value = getattr(self, field)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise InvalidArgument(f"surface '{self.name}': {field} = {value!r}: must be a number in {unit}")
+                raise InvalidArgument(
+                    f"surface '{self.name}': {field} = {value!r}: must be a number in {unit}"
+                )
             if not 0.0 < value < math.inf:
                 raise InvalidArgument(
                     f"surface '{self.name}': {field} = {value} {unit}: must be positive and finite"
@@ -64,26 +66,28 @@ class Surface:
 
 
 rigid = Surface(
-    "rigid", 0.1e-3, 1e6, "a choice: hard enough to give way by less than 0.1 mm under what people and robots press"
+    "rigid",
+    0.1e-3,
+    1e6,
+    "a choice: hard enough to give way by less than 0.1 mm under what people and robots press",
 )
 rubber = Surface(
     "rubber",
     0.5e-3,
     1e6,
-    "a layer of rubber of 1.5 MPa under uniaxial compression: E ln 2 at half of its thickness (stark.materials gives"
-    " 1 to 5 MPa for natural rubber)",
+    "a layer of rubber of 1.5 MPa under uniaxial compression: E ln 2 at half of its thickness",
 )
 skin = Surface(
     "skin",
     1e-3,
     5e4,
-    "epidermis and dermis of a finger, 1 mm of 70 kPa under uniaxial compression: E ln 2; skin is measured to have "
-    "50 to 100 kPa under indentation of millimetres",
+    "epidermis and dermis of a finger, 1 mm of 70 kPa under uniaxial compression: E ln 2; an estimate, skin "
+    "differs by a factor of several from person to person and with the method",
 )
 terry_towel = Surface(
     "terry_towel",
     1.625e-3,
     1e3,
-    "layers of a stack lie 3.25 mm apart under their own weight; compression to half is estimated between 0.3 kPa "
-    "(loops that bend) and 5 kPa, the largest pressure of fabric compression tests (KES-FB3)",
+    "layers of a stack lie 3.25 mm apart under their own weight; compression to half is estimated between "
+    "0.3 kPa (loops that bend) and 5 kPa, the largest pressure of fabric compression tests (KES-FB3)",
 )

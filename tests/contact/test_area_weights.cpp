@@ -29,7 +29,8 @@ struct OnGround {
     builder.add_mesh(mesh);
     const auto count = static_cast<int32_t>(mesh.vertices.size());
     builder.add_mesh(make_grid(100.0, 100.0, 1, 1));
-    FlatFaces faces = has_faces ? find_flat_faces(mesh.vertices, mesh.triangles) : separate_faces(mesh.triangles);
+    FlatFaces faces =
+        has_faces ? find_flat_faces(mesh.vertices, mesh.triangles) : separate_faces(mesh.triangles);
     const auto first = static_cast<int32_t>(mesh.triangles.size());
     faces.patch.insert(faces.patch.end(), {first, first + 1});
     weights = {builder.surface, builder.x, faces.patch, std::vector<uint8_t>{is_sheet, 1},
@@ -123,7 +124,8 @@ TEST_CASE("pairs of edges weigh little where surfaces are flat and all where the
     }
     return largest;
   };
-  CHECK(pair_area(make_grid(1.0, 1.0, 1, 1), true) == doctest::Approx(std::pow(0.002, 0.4) / 6.0));  // a border
+  CHECK(pair_area(make_grid(1.0, 1.0, 1, 1), true) ==
+        doctest::Approx(std::pow(0.002, 0.4) / 6.0));  // a border
   CHECK(pair_area(make_box({1, 1, 1}), false) == doctest::Approx(0.25));
 }
 

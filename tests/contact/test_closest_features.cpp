@@ -92,7 +92,8 @@ TEST_CASE("beside the border and over a ridge there is one contact, too") {
   PointAgainst sheet(make_grid(1.0, 1.0, 4, 4)), ridge(folded(-1.0));
   for (const Vec3& p : {Vec3{0.6, 0.1, 0.1}, Vec3{0.6, 0.6, 0.1}, Vec3{0.52, 0.25, 0.0}})
     CHECK(sheet.energy(p) ==
-          doctest::Approx(barrier(std::hypot(std::fmax(p.x - 0.5, 0.0), std::fmax(p.y - 0.5, 0.0), p.z), kReach)));
+          doctest::Approx(
+              barrier(std::hypot(std::fmax(p.x - 0.5, 0.0), std::fmax(p.y - 0.5, 0.0), p.z), kReach)));
   const std::vector<Contact> contacts = ridge.at({0.01, 0.1, 0.2});
   REQUIRE(contacts.size() == 1);
   CHECK(contacts[0].kind == StencilKind::PointEdge);

@@ -20,7 +20,8 @@ struct Sheets {
   explicit Sheets(std::vector<BodyStiffness> bodies) {
     builder.add_mesh(make_grid(1.0, 1.0, 4, 4));
     builder.add_mesh(make_grid(1.0, 1.0, 4, 4), {0, 0, 0.1});
-    law = {AreaWeights(builder.surface, builder.x, {}, std::vector<uint8_t>{1, 1}, distance), bodies, distance};
+    law = {AreaWeights(builder.surface, builder.x, {}, std::vector<uint8_t>{1, 1}, distance), bodies,
+           distance};
   }
   /// Vertex 12 in the middle of the lower sheet against the vertex above.
   Contact middle(double gap) {
@@ -94,7 +95,8 @@ TEST_CASE("a load that lasts makes contact stiffer, an impact does not") {
   CHECK(memory.bodies.empty());
   CHECK(step(9.0, 0.3) == 1.0);
   CHECK(step(9.0, 0.3) == 1.0);
-  CHECK(step(9.0, 0.3) == doctest::Approx(std::pow(9.0, 1.0 - std::exp(-0.9)) * std::pow(1.0 / 16.0, std::exp(-0.9))));
+  CHECK(step(9.0, 0.3) ==
+        doctest::Approx(std::pow(9.0, 1.0 - std::exp(-0.9)) * std::pow(1.0 / 16.0, std::exp(-0.9))));
   CHECK(step(9.0, 12.0) == doctest::Approx(9.0).epsilon(0.01));
   CHECK(step(3.0, 12.0) == doctest::Approx(3.0).epsilon(0.01));
   const double rests = step(3.0, 1.0);
@@ -102,7 +104,8 @@ TEST_CASE("a load that lasts makes contact stiffer, an impact does not") {
   CHECK(step(0.0, 1.0) < rests);
 }
 
-TEST_CASE("a law that was given stays as it is, whatever the load; a failed attempt changes it for that step") {
+TEST_CASE(
+    "a law that was given stays as it is, whatever the load; a failed attempt changes it for that step") {
   Sheets sheets({{100.0, true}, {100.0}});
   std::vector<Contact> contacts{sheets.middle(0.004)};
   sheets.law.begin_step();

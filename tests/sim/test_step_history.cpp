@@ -119,8 +119,8 @@ TEST_CASE("an impact starts BDF2 again: what falls on the floor does not bounce 
   CHECK(restarted);
   CHECK(sim.state().previous_time_step > 0.0);  // at rest the history is back
   CHECK(lowest > 0.01);
-  // Within contact distance and a millimetre: what contact stored on the way in, the integrator does not all take.
-  // Off a history, a quarter of the 51 mm that 1 m/s is worth.
+  // Within contact distance and a millimetre: what contact stored on the way in, the integrator does not all
+  // take. Off a history, a quarter of the 51 mm that 1 m/s is worth.
   CHECK(highest_after_impact < 0.01 + 3e-3);
   CHECK(std::fabs(sim.state().body_velocity[1].z) < 1e-4);
 }

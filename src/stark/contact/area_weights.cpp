@@ -149,7 +149,8 @@ Vec3 rest_normal(const SurfaceMesh& mesh, std::span<const Vec3> rest, int32_t tr
 }  // namespace
 
 bool AreaWeights::is_border(const SurfaceMesh& mesh, int32_t v) const {
-  // A triangle gives to a vertex through two edges, and around an inner vertex each neighbour is in two of them.
+  // A triangle gives to a vertex through two edges, and around an inner vertex each neighbour is in two of
+  // them.
   std::map<int32_t, int> count;
   for (const Share& share : vertices_.of(v))
     for (const int32_t w : mesh.triangles[share.triangle]) ++count[w];
@@ -217,7 +218,8 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const 
     if (a_is_rod || b_is_rod)
       return std::min(area(mesh, edges_, first, a, n, x), area(mesh, edges_, second, b, n, x));
     return edges_.weight[first] * edges_.weight[second] *
-           (part(a, b) * area(mesh, edges_, first, a, n, x) + part(b, a) * area(mesh, edges_, second, b, n, x));
+           (part(a, b) * area(mesh, edges_, first, a, n, x) +
+            part(b, a) * area(mesh, edges_, second, b, n, x));
   }
   if (list == 3) return std::min(vertices_.whole[first], vertices_.whole[second]);
   const int32_t group = mesh.vertex_group[first];

@@ -1,13 +1,14 @@
-// How much surface a contact stands for, so that pressure times area is the same on every mesh (step phase 4b).
+// How much surface a contact stands for, so that pressure times area is the same on every mesh (step phase
+// 4b).
 //
-// Triangles give a third of their rest area to each vertex and edge, flat faces of rigid bodies theirs to what
-// is left of them: the vertices and edges of their border, by length. What counts against a normal n is the
-// part of the share that faces it, max(sum a_t (n_t . n)+, sum a_t (n_t . n)-): at the corner of a box on a floor
-// a quarter of its lower face. Sheets and rods have the whole share whatever the normal. Two surfaces see each
-// place from both sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 + l_B^8) with the
-// lengths l of the meshes, half for equal ones. Pairs of edges add nothing to what vertices integrate where
-// surfaces are flat, and all of it where they are sharp: theta^(1 - (r_a + r_b)/2), with r from the rest
-// dihedral angles, 0 flat, 1 at 90 degrees. [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
+// Triangles give a third of their rest area to each vertex and edge, flat faces of rigid bodies theirs to
+// what is left of them: the vertices and edges of their border, by length. What counts against a normal n is
+// the part of the share that faces it, max(sum a_t (n_t . n)+, sum a_t (n_t . n)-): at the corner of a box on
+// a floor a quarter of its lower face. Sheets and rods have the whole share whatever the normal. Two surfaces
+// see each place from both sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 +
+// l_B^8) with the lengths l of the meshes, half for equal ones. Pairs of edges add nothing to what vertices
+// integrate where surfaces are flat, and all of it where they are sharp: theta^(1 - (r_a + r_b)/2), with r
+// from the rest dihedral angles, 0 flat, 1 at 90 degrees. [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
 #pragma once
 
 #include <cstdint>
@@ -21,13 +22,13 @@ namespace stark {
 class AreaWeights {
  public:
   AreaWeights() = default;
-  /// patch: by triangle the lowest of its flat face; none: each is one. is_sheet: by group, 1 for surfaces with
-  /// two sides; none: closed ones. group_distance: the radius of rods [m].
+  /// patch: by triangle the lowest of its flat face; none: each is one. is_sheet: by group, 1 for surfaces
+  /// with two sides; none: closed ones. group_distance: the radius of rods [m].
   AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
               std::span<const uint8_t> is_sheet, std::span<const double> group_distance);
 
-  /// Area [m^2] that the first primitive of a point-triangle, point-edge or point-point contact, or both edges
-  /// of an edge pair, stand for against the unit normal n at site positions x.
+  /// Area [m^2] that the first primitive of a point-triangle, point-edge or point-point contact, or both
+  /// edges of an edge pair, stand for against the unit normal n at site positions x.
   double area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n, std::span<const Vec3> x) const;
   /// Whether the area of a point of this group depends on the normal.
   bool is_directed(int32_t group) const { return is_sheet_.empty() || is_sheet_[group] == 0; }

@@ -96,7 +96,8 @@ class PointContacts {
         all_edges_.push_back(edge);
         for (const int32_t v : edge) corners_.push_back({v, -1});
       }
-      const auto of_cell = std::ranges::subrange(corners_.begin() + static_cast<ptrdiff_t>(first), corners_.end());
+      const auto of_cell =
+          std::ranges::subrange(corners_.begin() + static_cast<ptrdiff_t>(first), corners_.end());
       std::ranges::sort(of_cell);
       const auto doubles = std::ranges::unique(of_cell);
       corners_.erase(doubles.begin(), doubles.end());
@@ -256,10 +257,10 @@ class PointContacts {
   std::span<const Vec3> x_;
   std::span<const Contact> raw_;
   std::vector<Term> terms_;
-  std::vector<Index2> all_edges_;                       ///< one by one
-  std::vector<std::pair<int32_t, int32_t>> corners_;    ///< vertices with parts of their coefficients
-  std::vector<std::pair<Index2, int32_t>> edges_;       ///< with coefficients other than 0
-  std::vector<std::pair<int32_t, int32_t>> vertices_;   ///< the same
+  std::vector<Index2> all_edges_;                      ///< one by one
+  std::vector<std::pair<int32_t, int32_t>> corners_;   ///< vertices with parts of their coefficients
+  std::vector<std::pair<Index2, int32_t>> edges_;      ///< with coefficients other than 0
+  std::vector<std::pair<int32_t, int32_t>> vertices_;  ///< the same
 };
 
 /// Whether no force moves any vertex of the pair of primitives.
@@ -288,8 +289,8 @@ SurfaceCells::SurfaceCells(const SurfaceMesh& mesh, std::span<const int32_t> fac
   for (std::vector<Index2>& edges : of_cell) {
     std::ranges::sort(edges);
     for (size_t e = 0; e < edges.size(); ++e) {
-      const bool is_inner = (e > 0 && edges[e - 1] == edges[e]) ||
-                            (e + 1 < edges.size() && edges[e + 1] == edges[e]);
+      const bool is_inner =
+          (e > 0 && edges[e - 1] == edges[e]) || (e + 1 < edges.size() && edges[e + 1] == edges[e]);
       if (!is_inner) edges_.push_back(edges[e]);
     }
     offsets_.push_back(static_cast<int32_t>(edges_.size()));
@@ -298,8 +299,8 @@ SurfaceCells::SurfaceCells(const SurfaceMesh& mesh, std::span<const int32_t> fac
 
 namespace {
 
-/// Takes a closest point of an edge that is all but at an end as that end: which one rounding finds depends on
-/// the edge.
+/// Takes a closest point of an edge that is all but at an end as that end: which one rounding finds depends
+/// on the edge.
 void snap_to_ends(std::span<const Vec3> x, Contact& contact) {
   const auto at_end = [&](int i) {
     const double length = norm(x[contact.sites[i + 1]] - x[contact.sites[i]]);

@@ -7,8 +7,8 @@
 // feature are merged into one contact with an integer multiplicity. On a flat or convex surface all but the
 // nearest cancel; above valleys the nearest point of each side remains, and what both have in common is taken
 // away: a negative contact, without which the energy would jump as the point moves along.
-// [Li et al. 2023, "Convergent incremental potential contact", section 4.2; the coefficients from the cells in
-// range, so that they hold on surfaces with borders, holes and parts without contact]
+// [Li et al. 2023, "Convergent incremental potential contact", section 4.2; the coefficients from the cells
+// in range, so that they hold on surfaces with borders, holes and parts without contact]
 #pragma once
 
 #include <span>
@@ -36,14 +36,14 @@ class SurfaceCells {
 };
 
 /// Merges contacts as find_contacts() gives them, and drops those between primitives that are prescribed
-/// altogether, whose motion no force changes. names: pairs that contacts were known by, sorted; a contact that
-/// has slid to the next triangle keeps its name, so that friction remembers it. Sorted by key.
+/// altogether, whose motion no force changes. names: pairs that contacts were known by, sorted; a contact
+/// that has slid to the next triangle keeps its name, so that friction remembers it. Sorted by key.
 void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells,
                       std::span<const PairKey> names, std::span<const Vec3> x,
                       std::vector<Contact>& contacts);
 
-/// Merges pairs of edges that are nearest at the same ends into one with the sum of their stiffness, and drops
-/// those that are parallel, which have no energy.
+/// Merges pairs of edges that are nearest at the same ends into one with the sum of their stiffness, and
+/// drops those that are parallel, which have no energy.
 void merge_equal_stencils(std::span<const Vec3> x, std::vector<Contact>& contacts);
 
 }  // namespace stark

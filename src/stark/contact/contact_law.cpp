@@ -23,12 +23,12 @@ constexpr double kEnough = 0.99;
 /// Growth of a factor after an attempt that failed, and where that ends.
 constexpr double kRaise = 1e3, kHighest = 1e9;
 
-/// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then was an
-/// impact, which must not meet a stiffer law on its way out.
+/// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then
+/// was an impact, which must not meet a stiffer law on its way out.
 constexpr double kStart = 1.0 / 16.0;
 
-/// Follows the logarithm of what the load asks for with a delay, up and down alike: an oscillating load would pump
-/// what grows fast and shrinks slowly.
+/// Follows the logarithm of what the load asks for with a delay, up and down alike: an oscillating load would
+/// pump what grows fast and shrinks slowly.
 double next_factor(double factor, double wanted, double duration) {
   const double ratio = std::max(wanted, kStart) / factor;
   if (kEnough < ratio && ratio < 1.0 / kEnough) return factor > kStart / kEnough ? factor : 0.0;
@@ -87,7 +87,8 @@ double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {
 }
 
 bool ContactLaw::depends_on_normal(const Contact& contact) const {
-  if (contact.key.list == 1) return areas_.is_directed(contact.group_a) || areas_.is_directed(contact.group_b);
+  if (contact.key.list == 1)
+    return areas_.is_directed(contact.group_a) || areas_.is_directed(contact.group_b);
   return areas_.is_directed(contact.group_a);
 }
 
@@ -112,10 +113,9 @@ void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::v
       bodies = code;
       pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
     }
-    const double area = depends_on_normal(contact) ? frozen_.at(area_code(contact))
-                                                   : areas_.area(mesh, contact, Vec3{}, x);
-    contact.stiffness =
-        contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
+    const double area =
+        depends_on_normal(contact) ? frozen_.at(area_code(contact)) : areas_.area(mesh, contact, Vec3{}, x);
+    contact.stiffness = contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
   }
 }
 

@@ -2,9 +2,9 @@
 // mesh (step phase 2).
 //
 // p(g) = P beta(g/d) with the pressure P of the pair at which the gap is half of the contact distance d, and
-// beta(r) = -b'(r)/-b'(1/2) of the barrier b(r) = -(r - 1)^2 ln r. A contact that stands for the area A has the
-// stiffness kappa = m P A/(|b'(1/2)| d), m its multiplicity. Two bodies are in series, d/P = d_A/P_A + d_B/P_B.
-// [theory eq. 16a, 18]
+// beta(r) = -b'(r)/-b'(1/2) of the barrier b(r) = -(r - 1)^2 ln r. A contact that stands for the area A has
+// the stiffness kappa = m P A/(|b'(1/2)| d), m its multiplicity. Two bodies are in series, d/P = d_A/P_A +
+// d_B/P_B. [theory eq. 16a, 18]
 //
 // Where P was given to neither body, it says nothing of what is stacked on them: under a load that lasts, all
 // contacts between two bodies get stiffer until the largest pressure is carried at a tenth of the contact
@@ -28,8 +28,8 @@ struct LoadMemory {
   std::vector<int64_t> bodies;  ///< group_code()
   std::vector<double> factor;   ///< up to 1 the load has not lasted long enough
 
-  double find(int64_t code) const;      ///< that acts: at least 1
-  double pending(int64_t code) const;   ///< as it is known, the smallest one when nothing is
+  double find(int64_t code) const;       ///< that acts: at least 1
+  double pending(int64_t code) const;    ///< as it is known, the smallest one when nothing is
   void add(int64_t code, double value);  ///< codes in ascending order
 };
 

@@ -27,7 +27,8 @@ inline constexpr int kStencilKindCount = static_cast<int>(StencilKind::kCount);
 
 /// Identity of a pair of primitives, in the order of the candidate lists.
 struct PairKey {
-  /// 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point, 4 what a point has beside (closest_features).
+  /// 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point, 4 what a point has beside
+  /// (closest_features).
   uint8_t list = 0;
   int32_t first = 0, second = 0;
   auto operator<=>(const PairKey&) const = default;
@@ -55,7 +56,7 @@ int64_t group_code(int32_t group_a, int32_t group_b);
 /// Pairs of bodies that started within their contact distance, and the smaller one that they have until they
 /// part. Part of the State; sorted, without doubles.
 struct CloseBodies {
-  std::vector<int64_t> bodies;    ///< group_code()
+  std::vector<int64_t> bodies;     ///< group_code()
   std::vector<double> distance{};  ///< [m]
 };
 

@@ -116,8 +116,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Smallest distance of an active contact [m], infinity when there is none.
   double min_distance() const;
-  /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x, without
-  /// their stiffness; the active ones stay as they are.
+  /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
+  /// without their stiffness; the active ones stay as they are.
   std::vector<Contact> find_contacts_at(std::span<const Vec3> x);
   /// Largest approach along the normal of an active contact while its sites moved from x0 to x1, over its
   /// contact distance.

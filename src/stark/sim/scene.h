@@ -56,11 +56,11 @@ struct ClothDescription {
   /// Parameters of the law that the material does not have, and values that replace those of the material;
   /// also `density`.
   ParameterValues fields{};
-  Vec3 position{};                           ///< [m] of the frame of the body at time 0
-  Mat3 rotation = Mat3::identity();          ///< of the frame of the body at time 0
-  std::vector<Vec3> initial_positions{};     ///< [m] in the frame of the body; empty: the rest shape
-  Vec3 velocity{};                           ///< [m/s] at time 0
-  Vec3 angular_velocity{};                   ///< [rad/s] at time 0, world axes, about `position`
+  Vec3 position{};                            ///< [m] of the frame of the body at time 0
+  Mat3 rotation = Mat3::identity();           ///< of the frame of the body at time 0
+  std::vector<Vec3> initial_positions{};      ///< [m] in the frame of the body; empty: the rest shape
+  Vec3 velocity{};                            ///< [m/s] at time 0
+  Vec3 angular_velocity{};                    ///< [rad/s] at time 0, world axes, about `position`
   std::optional<double> contact_distance{};   ///< [m]; unset: settings.contact.distance
   std::optional<double> contact_stiffness{};  ///< [Pa]; unset: settings.contact.stiffness
   std::optional<double> friction{};           ///< unset: Scene::default_friction

@@ -30,7 +30,8 @@ constexpr double kTimeRounding = 1e-12;
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
 constexpr int kAttemptsBeforeRaise = 2;
 
-/// Delay with which contact follows the loads that last [s], and that of quasistatic steps, which have no time.
+/// Delay with which contact follows the loads that last [s], and that of quasistatic steps, which have no
+/// time.
 constexpr double kLoadTime = 0.1, kQuasistaticLoad = 4.0;
 
 /// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.

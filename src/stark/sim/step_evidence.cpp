@@ -59,8 +59,7 @@ void add_forces(const FailedStep& step, std::span<const double> gradient, StepEv
 
 std::vector<NarrowGap> find_gaps(const FailedStep& step, std::span<const Vec3> x) {
   if (!step.contact) return {};
-  step.contact->update(x);
-  return find_narrow_gaps(step.scene, step.model, step.contact->contacts(), kListed);
+  return find_narrow_gaps(step.scene, step.model, step.contact->find_contacts_at(x), kListed);
 }
 
 std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double max_rotation) {

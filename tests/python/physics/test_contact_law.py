@@ -1,5 +1,5 @@
-"""The law of contact: pressure against gap is what was given, at every time step and on every mesh; bodies that
-start close are not thrown."""
+"""The law of contact: pressure against gap is what was given, at every time step and on every mesh; bodies
+that start close are not thrown."""
 
 from __future__ import annotations
 
@@ -53,7 +53,9 @@ def test_the_curve_in_python_is_that_of_the_solver() -> None:
 
 def test_a_side_without_a_stiffness_is_rigid_where_the_other_has_one() -> None:
     scene = stark.Scene()
-    scene.add_box((0.3, 0.3, 0.05), mass=3.0, position=(0, 0, 0.025 + 0.003), name="base", contact_stiffness=1e5)
+    scene.add_box(
+        (0.3, 0.3, 0.05), mass=3.0, position=(0, 0, 0.025 + 0.003), name="base", contact_stiffness=1e5
+    )
     scene.add_floor(1.0)
     box = scene.add_box(0.1, mass=1.0, position=(0, 0, 0.1061), surface=stark.surfaces.terry_towel)
     sim = stark.Simulation(scene, time_step=0.01, contact_distance=1e-3)
@@ -95,7 +97,11 @@ def plate_on_block(cells: int, step: float) -> tuple[float, float]:
     block.pin(np.flatnonzero(z < z.min() + 1e-9))
     top = np.flatnonzero(z > z.max() - 1e-9)
     plate = scene.add_box(
-        (0.2, 0.2, 0.02), mass=2.0, position=(0, 0, z.max() + 0.01 + _D), linear_damping=40.0, angular_damping=40.0
+        (0.2, 0.2, 0.02),
+        mass=2.0,
+        position=(0, 0, z.max() + 0.01 + _D),
+        linear_damping=40.0,
+        angular_damping=40.0,
     )
     sim = stark.Simulation(scene, time_step=step, contact_distance=0.5 * _D)
     last(sim, 0.6)
