@@ -1,7 +1,8 @@
 """Surfaces: how thick and how stiff what covers a body is in contact.
 
 ``scene.add_cloth(mesh, surface=stark.surfaces.terry_towel)``; ``rigid``, ``rubber``, ``skin`` and
-``terry_towel``, each with its origin in ``.source``, and ``terry_towel.replace(stiffness=2e3)`` for a changed copy.
+``terry_towel``, each with its origin in ``.source``, and ``terry_towel.replace(stiffness=2e3)`` for a
+changed copy.
 
 Two bodies act on each other where the gap between them is below the sum of their thicknesses; at the pressure
 ``stiffness`` half of that is left. ``contact_distance`` and ``contact_stiffness`` of a body, where given,

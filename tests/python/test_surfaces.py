@@ -53,7 +53,7 @@ def test_a_surface_gives_distance_and_stiffness_unless_they_are_given() -> None:
 
 def test_what_is_no_surface_is_refused() -> None:
     scene = stark.Scene()
-    with pytest.raises(stark.InvalidArgument, match="must be a stark.Surface"):
+    with pytest.raises(stark.InvalidArgument, match=r"must be a stark\.Surface"):
         scene.add_box(0.1, mass=1.0, surface="rubber")
     with pytest.raises(stark.InvalidArgument, match="thickness = 0 m"):
         stark.surfaces.rubber.replace(thickness=0)
