@@ -292,7 +292,7 @@ def stops() -> stark.Scene:
     )
     bolt.add_limit(lower=-0.01)
     wheel = scene.add_hinge(None, boxes[3], (1.5, 0.0, 0.0), (1, 0, 0), name="wheel")
-    wheel.add_effort(-4.0)
+    wheel.add_effort(-1.0)
     wheel.add_limit(lower=-7.0)
     return scene
 
@@ -460,11 +460,6 @@ def test_values_of_energies_of_the_scene_may_change_the_balance(tmp_path: Path) 
 
     scene = stark.Scene()
     cloth = scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2), stark.materials.cotton)
-    scene.add(spring(cloth.vertices))
-    run = record(tmp_path / "run", scene, 5, time_step=0.01)
-    assert verify(run)["energy_ledger"].status == "verified"
-    edit_rows(run, _set(2, "energy", "elastic", factor=2.0))
-    assert verify(run)["energy_ledger"].status == "inconclusive"
     scene.add(spring(cloth.vertices))
     run = record(tmp_path / "run", scene, 5, time_step=0.01)
     assert verify(run)["energy_ledger"].status == "verified"
