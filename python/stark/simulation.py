@@ -340,7 +340,7 @@ class Simulation:
 
     @property
     def close_bodies(self) -> dict[tuple[str, str], float]:
-        """Bodies that started within their contact distance, by their names, with the smaller one [m] that they
+        """Bodies that started within their contact distance, by name, with the smaller one [m] that they
         have until they part: the smallest gap that there was between them (docs/surfaces.md)."""
         bodies = self._scene.bodies
         return {(bodies[a].name, bodies[b].name): d for a, b, d in self._core.close_bodies()}
