@@ -77,7 +77,7 @@ def test_rods_that_touch_at_time_0_are_refused(turn: float, gap: float) -> None:
 def test_friction_of_edges_has_the_sign_of_the_pair() -> None:
     """A tip falls exactly onto a vertex of a floor that is not quite flat. Stencils of pairs of edges turn
     around while friction keeps the places that it was frozen at; the sum in the report had some of them with
-    the wrong sign."""
+    the wrong sign. There were more than twenty of them before contacts at one place became one."""
     from benchmarks.torture.degenerate import D, _tetrahedron
 
     scene = stark.Scene()
@@ -95,7 +95,7 @@ def test_friction_of_edges_has_the_sign_of_the_pair() -> None:
         assert not sim.step().failed
         momenta.append(tip.mass * tip.velocity)
     acting = (momenta[1] - momenta[0]) / sim.time_step + tip.mass * np.array([0.0, 0.0, 9.81])
-    assert len(tip.contacts()) > 20
+    assert len(tip.contacts()) >= 3
     assert tip.contact_force == pytest.approx(acting, abs=0.01 * tip.mass)
 
 

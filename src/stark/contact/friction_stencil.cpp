@@ -90,12 +90,28 @@ int32_t FrictionCarriers::triangle_at_edge(const SurfaceMesh& mesh, int32_t edge
   return suits(b) > suits(a) ? b : a;
 }
 
+// The name of a contact may be a triangle that the point has left, or none at all: what the stencil has says
+// where it is. At edges and vertices the named triangle serves if it has them; any one of a rigid body does.
+std::optional<Index3> FrictionCarriers::triangle_at_point(const SurfaceMesh& mesh,
+                                                          const Contact& contact) const {
+  const auto touched = std::span(contact.sites).subspan(1, static_cast<size_t>(contact.point_count - 1));
+  if (touched.size() == 3) return Index3{touched[0], touched[1], touched[2]};
+  if (contact.key.list == 0) {
+    const Index3& named = mesh.triangles[contact.key.second];
+    const auto has = [&](int32_t site) { return std::ranges::count(named, site) > 0; };
+    if (std::ranges::all_of(touched, has)) return named;
+  }
+  const int32_t any = triangle_of_vertex_[touched[0]];
+  return is_rigid(touched[0]) && any >= 0 ? std::optional(mesh.triangles[any]) : std::nullopt;
+}
+
 FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, const Contact& contact,
                                                        std::span<const Vec3> x) const {
   const PairKey& key = contact.key;
   Vec3 gap;
   for (int p = 0; p < contact.point_count; ++p) gap += x[contact.sites[p]] * contact.weights[p];
-  if (key.list == 0) return {key.second, {contact.sites[0], -1}};
+  const auto of = [&](int32_t t) { return t < 0 ? std::nullopt : std::optional(mesh.triangles[t]); };
+  if (key.list == 0 || key.list == 4) return {triangle_at_point(mesh, contact), {contact.sites[0], -1}};
   // Edges and points: a triangle beside them, which is of a rigid body. Those that deform would be bent by
   // it, and soft bodies pressed together took half as many Newton iterations again.
   const auto at_edge = [&](int32_t edge) {
@@ -103,22 +119,22 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   };
   const auto at_vertex = [&](int32_t v) { return is_rigid(v) ? triangle_of_vertex_[v] : -1; };
   if (key.list == 1) {
-    if (const int32_t t = at_edge(key.second); t >= 0) return {t, mesh.edges[key.first]};
-    return {at_edge(key.first), mesh.edges[key.second]};
+    if (const int32_t t = at_edge(key.second); t >= 0) return {of(t), mesh.edges[key.first]};
+    return {of(at_edge(key.first)), mesh.edges[key.second]};
   }
   if (key.list == 2) {
-    if (const int32_t t = at_edge(key.second); t >= 0) return {t, {key.first, -1}};
-    return {at_vertex(key.first), mesh.edges[key.second]};
+    if (const int32_t t = at_edge(key.second); t >= 0) return {of(t), {key.first, -1}};
+    return {of(at_vertex(key.first)), mesh.edges[key.second]};
   }
-  if (const int32_t t = at_vertex(key.second); t >= 0) return {t, {key.first, -1}};
-  return {at_vertex(key.first), {key.second, -1}};
+  if (const int32_t t = at_vertex(key.second); t >= 0) return {of(t), {key.first, -1}};
+  return {of(at_vertex(key.first)), {key.second, -1}};
 }
 
 FrictionStencil FrictionCarriers::stencil(const SurfaceMesh& mesh, const Contact& contact,
                                           std::span<const Vec3> x) const {
   const Carrier carrier = carrier_of(mesh, contact, x);
-  if (carrier.triangle < 0) return closest_points(contact);
-  const Index3& triangle = mesh.triangles[carrier.triangle];
+  if (!carrier.triangle) return closest_points(contact);
+  const Index3& triangle = *carrier.triangle;
   const Frame frame = frame_of(triangle, x);
   if (frame.shape == 0.0) return closest_points(contact);
   FrictionStencil stencil{.facing = frame.normal};

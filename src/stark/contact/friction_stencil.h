@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,13 +46,16 @@ class FrictionCarriers {
 
  private:
   struct Carrier {
-    int32_t triangle = -1;
+    std::optional<Index3> triangle;
     std::array<int32_t, 2> other{-1, -1};  ///< vertices of the primitive of the other side
   };
   Carrier carrier_of(const SurfaceMesh& mesh, const Contact& contact, std::span<const Vec3> x) const;
   /// Of the two at an edge the one that faces the gap.
   int32_t triangle_at_edge(const SurfaceMesh& mesh, int32_t edge, const Vec3& gap,
                            std::span<const Vec3> x) const;
+
+  /// Of the surface that a point touches.
+  std::optional<Index3> triangle_at_point(const SurfaceMesh& mesh, const Contact& contact) const;
 
   bool is_rigid(int32_t site) const { return !rigid_sites_.empty() && rigid_sites_[site]; }
 

@@ -69,7 +69,8 @@ Vec3 SurfaceDirections::of_pair(const SurfaceMesh& mesh, const PairKey& key, int
   }
   if (key.list == 1)
     return of(triangles_of_edge_[mesh.edge_group[key.first] == group ? key.first : key.second]);
-  if (key.list == 2 && mesh.vertex_group[key.first] == group) return of(triangles_of_vertex_[key.first]);
+  if ((key.list == 2 || key.list == 4) && mesh.vertex_group[key.first] == group)
+    return of(triangles_of_vertex_[key.first]);
   return {};
 }
 
