@@ -13,7 +13,7 @@ namespace {
 constexpr double kFlatWeight = 0.002;
 
 /// Sharpness of the border of a sheet: it may be met edge-on, but lies flat on another more often.
-constexpr double kSheetBorder = 0.6;
+constexpr double kSheetBorder = 0.5;
 
 /// Least part of a share that faces any normal: an edge of a sheet has no area across it.
 constexpr double kSmallestFacing = 0.1;
@@ -187,7 +187,7 @@ void AreaWeights::weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
   }
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e) {
     for (const Share& share : edges_.of(e)) edges_.whole[e] += share.area;
-    edges_.weight.push_back(std::pow(kFlatWeight, 0.5 * (1.0 - edge_sharpness(mesh, rest, e))));
+    edges_.weight.push_back(1.0 - edge_sharpness(mesh, rest, e));
   }
   const size_t groups = cell_area_.size();
   for (size_t a = 0; a < groups; ++a)
@@ -215,9 +215,14 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const 
     const int32_t a = mesh.edge_group[first], b = mesh.edge_group[second];
     // A rod lies across an edge over its thickness, or over what the edge stands for.
     const bool a_is_rod = edges_.of(first).empty(), b_is_rod = edges_.of(second).empty();
-    if (a_is_rod || b_is_rod)
-      return std::min(area(mesh, edges_, first, a, n, x), area(mesh, edges_, second, b, n, x));
-    return edges_.weight[first] * edges_.weight[second] *
+    if (a_is_rod != b_is_rod)
+      return std::max(area(mesh, edges_, first, a, n, x), area(mesh, edges_, second, b, n, x));
+    if (a_is_rod) return std::min(edges_.whole[first], edges_.whole[second]);
+    // Between closed surfaces vertices carry what edges do not. A sheet that hangs over an edge has nothing
+    // else.
+    const double flat_a = edges_.weight[first], flat_b = edges_.weight[second];
+    const bool is_closed = is_directed(a) && is_directed(b);
+    return std::pow(kFlatWeight, is_closed ? 0.5 * (flat_a + flat_b) : flat_a * flat_b) *
            (part(a, b) * area(mesh, edges_, first, a, n, x) +
             part(b, a) * area(mesh, edges_, second, b, n, x));
   }

@@ -28,7 +28,7 @@ def push(f: stark.Frame, force: stark.Vec3):
 def accelerations(
     force: float, direction: float, subdivisions: int, duration: float, *, turned: bool = False
 ) -> list[float]:
-    """Mean accelerations [m/s^2] of plate and balls along the force, which acts after 0.1 s of rest.
+    """Mean accelerations [m/s^2] of plate and balls along the force, which acts after 0.5 s of rest.
 
     The balls have the inertia of true ones. Their surfaces are triangles: they carry the plate together if
     all have the same orientation, unlike when each is turned at random."""
@@ -52,7 +52,7 @@ def accelerations(
         balls.append(ball)
     hand = scene.add(push(plate, force=(0, 0, 0)))
     sim = stark.Simulation(scene, time_step=STEP, contact_distance=GAP)
-    advance(sim, 0.1)
+    advance(sim, 0.5)
     ahead = np.array([np.cos(direction * stark.deg), np.sin(direction * stark.deg), 0.0])
     hand.force = force * ahead
 
