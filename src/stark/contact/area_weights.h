@@ -7,8 +7,9 @@
 // a floor a quarter of its lower face. Sheets and rods have the whole share whatever the normal. Two surfaces
 // see each place from both sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 +
 // l_B^8) with the lengths l of the meshes, half for equal ones. Pairs of edges add nothing to what vertices
-// integrate where surfaces are flat, and all of it where they are sharp: theta^(1 - (r_a + r_b)/2), with r
-// from the rest dihedral angles, 0 flat, 1 at 90 degrees. [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
+// integrate where surfaces are flat, and all of it where they are sharp, r from the rest dihedral angles, 0
+// flat, 1 at 90 degrees: theta^(1 - (r_a + r_b)/2) between closed surfaces, theta^((1 - r_a)(1 - r_b)) with
+// sheets. [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
 #pragma once
 
 #include <cstdint>

@@ -161,8 +161,8 @@ def test_aligned_sheets_have_one_contact_at_each_place(shift: float) -> None:
     sim.step()
     force = np.abs(sim.contacts.normal_forces[:, 2])
     # Vertices above or below the other sheet: all of the aligned ones, a row and a column less where they are
-    # shifted. Corners of one triangle have a sixth of the area of an inner vertex, which is about what pairs of
-    # border edges have, too; pairs of inner edges have next to nothing.
+    # shifted. Corners of one triangle have a sixth of the area of an inner vertex, which is about what pairs
+    # of border edges have, too; pairs of inner edges have next to nothing.
     count = np.count_nonzero(force > 0.2 * force.max())
     assert count == pytest.approx(2 * (21**2 if shift == 0.0 else 20**2), abs=4)
     assert above.positions[:, 2].min() > 0.0

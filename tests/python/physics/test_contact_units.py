@@ -158,8 +158,8 @@ def lain(group: str, case: str) -> Run:
     return run
 
 
-# A rod that comes down on the border of a sheet by more than their contact distance in a step slips around it:
-# the way through the iterates is clear, the straight one is not.
+# A rod that comes down on the border of a sheet by more than their contact distance in a step slips around
+# it: the way through the iterates is clear, the straight one is not.
 DETOURS = [("cords", "on_sheet_border")]
 LYING_CASES = [
     pytest.param(
