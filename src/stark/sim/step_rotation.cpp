@@ -1,5 +1,7 @@
 // Rotation of rigid bodies and of frames of rods: what free motion brings them to, and what the torques of a
 // step make of it (step phases 1 and 6). [theory eq. 9a, 9b, 26a]
+#include <numbers>
+
 #include <stark/base/rotation.h>
 #include <stark/mechanics/free_rotation.h>
 #include <stark/sim/simulation.h>
@@ -7,6 +9,10 @@
 namespace stark {
 
 namespace {
+
+/// Angle by which the angular velocity at the end of a step may be ahead of the turn in it [rad]: as far as a
+/// free body turns in a step.
+constexpr double kLargestDifference = std::numbers::pi / 2.0;
 
 /// Torque that holds R against inertia, whose energy is least at R_free: the gradient of (9) with respect to
 /// a rotation, the sum of m_k (R_free e_k) x (R e_k) / s^2 [N m].
@@ -69,8 +75,13 @@ std::vector<Vec3> Simulation::torques() {
   potential_->evaluate_gradient(scratch_gradient_);
   for (size_t b = 0; b < result.size(); ++b) {
     if (!is_free(b) || model_->rigid_masses()[b].is_frame) continue;
-    const double* residual = scratch_gradient_.data() + 3 * layout.rotation_block[b];
-    result[b] -= {residual[0], residual[1], residual[2]};
+    const double* left = scratch_gradient_.data() + 3 * layout.rotation_block[b];
+    const Vec3 residual{left[0], left[1], left[2]};
+    // Beyond the tolerance it is no residual of motion but friction that was refreshed since, or rounding of
+    // forces that hold a small body: the rotation knows better.
+    const RigidMass& mass = model_->rigid_masses()[b];
+    if (norm(residual) * mass.reach <= settings_.newton.acceleration_tolerance * mass.resistance)
+      result[b] -= residual;
   }
   return result;
 }
@@ -80,10 +91,15 @@ void Simulation::commit_rotation(int32_t b, const Vec3& torque, double h) {
   const bool is_free = model_->map().layout().rotation_block[b] != kNoBlock;
   const bool keeps_velocity = !is_free && state_.script_remaining[b] == 0.0;
   if (is_free && settings_.time.integrator != Integrator::Quasistatic) {
+    const Vec3& J = model_->rigid_masses()[b].moments;
+    const Vec3 turning = log_rotation(end * transpose(state_.body_rotation[b])) / h;
     state_.body_rotation[b] = orthonormalized(end);
-    state_.body_angular_velocity[b] =
-        velocity_of_momentum(state_.body_rotation[b], model_->rigid_masses()[b].moments,
-                             reference_.angular_momentum[b] + torque * reference_.stencil.scale);
+    const Vec3 L = reference_.angular_momentum[b] + torque * reference_.stencil.scale;
+    const Vec3 w = velocity_of_momentum(state_.body_rotation[b], J, L);
+    // A needle that is held far from its free motion has momentum along an axis of next to no inertia: then
+    // the turn itself tells.
+    const bool is_possible = norm(w - turning) * h <= kLargestDifference;
+    state_.body_angular_velocity[b] = is_possible ? w : turning;
     return;
   }
   // Following poses, resting at the last one, or without inertia: the velocity tells what it did.
