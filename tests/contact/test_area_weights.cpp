@@ -125,7 +125,7 @@ TEST_CASE("pairs of edges weigh little where surfaces are flat and all where the
     return largest;
   };
   CHECK(pair_area(make_grid(1.0, 1.0, 1, 1), true) ==
-        doctest::Approx(std::pow(0.002, 0.4) / 6.0));  // a border
+        doctest::Approx(std::pow(0.002, 0.5 * 0.5) / 6.0));  // a border
   CHECK(pair_area(make_box({1, 1, 1}), false) == doctest::Approx(0.25));
 }
 
