@@ -111,10 +111,6 @@ constexpr Mat3 outer(const Vec3& a, const Vec3& b) {
 }
 /// Matrix of the cross product: skew(a) b = a x b.
 constexpr Mat3 skew(const Vec3& a) { return {{0, -a.z, a.y, a.z, 0, -a.x, -a.y, a.x, 0}}; }
-/// The vector of the antisymmetric part of W: axial(skew(a)) = a.
-constexpr Vec3 axial(const Mat3& W) {
-  return {0.5 * (W(2, 1) - W(1, 2)), 0.5 * (W(0, 2) - W(2, 0)), 0.5 * (W(1, 0) - W(0, 1))};
-}
 constexpr Mat3 inverse(const Mat3& a) {
   const Vec3 c0 = cross(a.row(1), a.row(2)), c1 = cross(a.row(2), a.row(0)), c2 = cross(a.row(0), a.row(1));
   return Mat3::from_columns(c0, c1, c2) * (1.0 / dot(a.row(0), c0));

@@ -21,8 +21,6 @@ constexpr double kSmallestFacing = 0.1;
 /// Length of the vector area of a vertex over its area: 1 flat; sharp from here on, the corner of a box.
 constexpr double kSharpVertex = 0.6;
 
-Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
-
 Vec3 area_vector(const Index3& t, std::span<const Vec3> x) {
   return cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]) * 0.5;
 }

@@ -17,10 +17,6 @@ constexpr double kSamePlace = 1e-4;
 /// Mollifier of a pair of edges below which it has no energy worth a stencil.
 constexpr double kParallel = 1e-9;
 
-constexpr uint8_t kOther = 4;  ///< list of contacts that no cell is left to name
-
-Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
-
 /// Sites of a closest feature, descending, -1 where there are fewer than three.
 using Feature = std::array<int32_t, 3>;
 
@@ -80,7 +76,7 @@ class PointContacts {
       term = terms_.end() - 1;
     }
     term->contact.multiplicity += multiplicity;
-    if (multiplicity > 0 && contact.key.list != kOther) term->cells.push_back(contact.key.second);
+    if (multiplicity > 0 && contact.key.list != PairKey::kOther) term->cells.push_back(contact.key.second);
   }
 
   /// Edges with the number of their cells; vertices with their coefficients, 1 minus those of the cells and
@@ -121,7 +117,7 @@ class PointContacts {
 
   Contact other(double squared_distance) const {
     Contact contact = raw_.front();
-    contact.key.list = kOther;
+    contact.key.list = PairKey::kOther;
     contact.distance = std::sqrt(squared_distance);
     return contact;
   }
@@ -209,7 +205,7 @@ class PointContacts {
   }
 
   void name() {
-    for (Term& term : terms_) term.contact.key = {kOther, point(), -1};
+    for (Term& term : terms_) term.contact.key = {PairKey::kOther, point(), -1};
     std::vector<Term*> open;  // those that push, nearest first
     for (Term& term : terms_) {
       std::ranges::sort(term.cells);
@@ -233,7 +229,7 @@ class PointContacts {
     take_first(own, [](const Term&, int32_t) { return true; });
     int32_t ordinal = 0;
     for (Term& term : terms_)
-      if (term.contact.key.list == kOther)
+      if (term.contact.key.list == PairKey::kOther)
         // Unique among all bodies that the point touches.
         term.contact.key.second = (raw_.front().group_b << 8) + ordinal++;
   }

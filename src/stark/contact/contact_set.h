@@ -25,10 +25,15 @@ enum class StencilKind : uint8_t {
 };
 inline constexpr int kStencilKindCount = static_cast<int>(StencilKind::kCount);
 
+/// Ends of an edge, whichever way it was found.
+inline Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
+
 /// Identity of a pair of primitives, in the order of the candidate lists.
 struct PairKey {
-  /// 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point, 4 what a point has beside
-  /// (closest_features).
+  /// What a point touches beside the cells that name its contacts (closest_features).
+  static constexpr uint8_t kOther = 4;
+
+  /// 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point, kOther.
   uint8_t list = 0;
   int32_t first = 0, second = 0;
   auto operator<=>(const PairKey&) const = default;

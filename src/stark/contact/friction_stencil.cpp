@@ -32,8 +32,6 @@ Frame frame_of(const Index3& triangle, std::span<const Vec3> x) {
   return frame;
 }
 
-Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
-
 void add(FrictionStencil& stencil, int32_t site, double weight, const Vec3& slope) {
   int k = 0;
   while (k < stencil.point_count && stencil.sites[k] != site) ++k;
@@ -111,7 +109,8 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   Vec3 gap;
   for (int p = 0; p < contact.point_count; ++p) gap += x[contact.sites[p]] * contact.weights[p];
   const auto of = [&](int32_t t) { return t < 0 ? std::nullopt : std::optional(mesh.triangles[t]); };
-  if (key.list == 0 || key.list == 4) return {triangle_at_point(mesh, contact), {contact.sites[0], -1}};
+  if (key.list == 0 || key.list == PairKey::kOther)
+    return {triangle_at_point(mesh, contact), {contact.sites[0], -1}};
   // Edges and points: a triangle beside them, which is of a rigid body. Those that deform would be bent by
   // it, and soft bodies pressed together took half as many Newton iterations again.
   const auto at_edge = [&](int32_t edge) {

@@ -107,16 +107,17 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
 
 ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration) {
   if (!std::ranges::equal(x, x_active_)) update(x);
-  const std::vector<Vec3> all = forces(x, true);
-  friction_residual_ = friction_.residual(contacts(), forces(x, false), friction_coefficient_);
-  ContactMemory memory{friction_.end_step(x), law_.end_step(contacts(), all, duration)};
+  std::vector<Vec3> all = forces(x);
+  LoadMemory load = law_.end_step(contacts(), all, duration);
+  friction_residual_ = friction_.residual(contacts(), pushing(std::move(all)), friction_coefficient_);
+  ContactMemory memory{friction_.end_step(x), std::move(load)};
   memory.close = parted(x);
   return memory;
 }
 
 LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x) {
   if (!std::ranges::equal(x, x_active_)) update(x);
-  return law_.raised(contacts(), forces(x, true));
+  return law_.raised(contacts(), forces(x));
 }
 
 bool ContactPipeline::is_name(const PairKey& key) const {
@@ -124,10 +125,14 @@ bool ContactPipeline::is_name(const PairKey& key) const {
   return key.first < mesh().vertex_count && static_cast<size_t>(key.second) < seconds;
 }
 
-std::vector<Vec3> ContactPipeline::forces(std::span<const Vec3> x, bool with_negative) const {
+std::vector<Vec3> ContactPipeline::forces(std::span<const Vec3> x) const {
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
-  for (size_t c = 0; c < forces.size() && !with_negative; ++c)
+  return forces;
+}
+
+std::vector<Vec3> ContactPipeline::pushing(std::vector<Vec3> forces) const {
+  for (size_t c = 0; c < forces.size(); ++c)
     if (contacts()[c].multiplicity < 0) forces[c] = {};
   return forces;
 }
@@ -258,7 +263,7 @@ double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
 
 double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  const double change = friction_.reset(contacts(), forces(x, false), friction_coefficient_, x);
+  const double change = friction_.reset(contacts(), pushing(forces(x)), friction_coefficient_, x);
   friction_.remember(x);
   for (const Contact& contact : contacts())
     if (is_name(contact.key)) names_.push_back(contact.key);
@@ -282,12 +287,11 @@ double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<con
 }
 
 std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> x) const {
-  std::vector<Vec3> forces;
-  active_.evaluate_forces(x, forces);
+  const std::vector<Vec3> normal = forces(x);
   const auto frictions = friction_.motions(x);
   std::vector<ContactForce> result;
-  for (size_t c = 0; c < forces.size(); ++c) {
-    ContactForce entry{.contact = contacts()[c], .normal_force = forces[c]};
+  for (size_t c = 0; c < normal.size(); ++c) {
+    ContactForce entry{.contact = contacts()[c], .normal_force = normal[c]};
     Vec3 motion;
     for (int p = 0; p < entry.contact.point_count; ++p) {
       const int32_t site = entry.contact.sites[p];

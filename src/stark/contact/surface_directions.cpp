@@ -10,8 +10,6 @@ namespace {
 /// Part of a direction in a plane below which it counts as normal to it.
 constexpr double kSmallestSine = 1e-3;
 
-Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index2{b, a}; }
-
 }  // namespace
 
 TangentComponents tangent_components(const Vec3& x0, const Vec3& x1, const Vec3& x2, const Vec3& direction) {
@@ -69,7 +67,7 @@ Vec3 SurfaceDirections::of_pair(const SurfaceMesh& mesh, const PairKey& key, int
   }
   if (key.list == 1)
     return of(triangles_of_edge_[mesh.edge_group[key.first] == group ? key.first : key.second]);
-  if ((key.list == 2 || key.list == 4) && mesh.vertex_group[key.first] == group)
+  if ((key.list == 2 || key.list == PairKey::kOther) && mesh.vertex_group[key.first] == group)
     return of(triangles_of_vertex_[key.first]);
   return {};
 }
