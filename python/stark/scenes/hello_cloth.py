@@ -1,4 +1,4 @@
-"""A box turns under a 0.4 m cotton cloth, which slides, folds and hangs down around it."""
+"""A 0.4 m cotton cloth falls over a box that turns, folds and is taken along by friction."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ def settings() -> dict[str, object]:
 
 
 def build() -> stark.Scene:
-    return spinning_box(cells=32)
+    return spinning_box(cells=32, friction=0.3)
 
 
 def check(run: Any) -> None:

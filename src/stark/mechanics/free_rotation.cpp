@@ -1,6 +1,7 @@
 #include <stark/mechanics/free_rotation.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <stark/base/rotation.h>
@@ -9,23 +10,62 @@ namespace stark {
 
 namespace {
 
-constexpr double kSubstep = 0.05;      ///< [rad] a step of the midpoint rule turns by no more
-constexpr int kMostSubsteps = 1024;    ///< of motions that no step resolves
-constexpr int kMostIterations = 30;    ///< of the fixed point; each gains more than a digit
-constexpr double kFixedPoint = 1e-15;  ///< relative change at which it is found
-constexpr double kSteady = 1e-14;      ///< change of w along the way, relative, below which it is steady
+constexpr double kSubstep = 0.25;   ///< [rad] a step of the composition turns by no more
+constexpr int kMostSubsteps = 256;  ///< of motions that no step resolves
+constexpr double kSteady = 1e-14;   ///< change of w along the way, relative, below which it is steady
 
-/// Angular velocity in the middle of a step of length k from R.
-Vec3 middle_velocity(const Mat3& R, const Vec3& moments, const Vec3& momentum, double k, const Vec3& guess) {
-  Vec3 w = guess;
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Vec3 next = velocity_of_momentum(exp_rotation(w * (0.5 * k)) * R, moments, momentum);
-    const double change = norm(next - w);
-    w = next;
-    if (!(change > kFixedPoint * norm(w))) break;
+/// Suzuki's composition of five steps of a symmetric method of second order to one of fourth.
+const double kOuter = 1.0 / (4.0 - std::cbrt(4.0));
+const std::array<double, 5> kStages{kOuter, kOuter, 1.0 - 4.0 * kOuter, kOuter, kOuter};
+
+double inverse_or_zero(double moment) { return moment > 0.0 ? 1.0 / moment : 0.0; }
+
+/// The kinetic energy, split for steps: L_o^2 (1/J_o - t)/2 + |L|^2 t/2 of a symmetric top about the
+/// principal axis o, and (L_a^2 - L_b^2) d/2 of what a and b differ by.
+class SplitTop {
+ public:
+  SplitTop(const Vec3& moments, const Vec3& momentum) : momentum_(momentum) {
+    const Vec3 inverse{inverse_or_zero(moments.x), inverse_or_zero(moments.y), inverse_or_zero(moments.z)};
+    const auto difference = [&](int o) { return std::fabs(inverse[(o + 1) % 3] - inverse[(o + 2) % 3]); };
+    for (int o = 1; o < 3; ++o)
+      if (difference(o) < difference(axis_)) axis_ = o;
+    const double a = inverse[(axis_ + 1) % 3], b = inverse[(axis_ + 2) % 3];
+    transverse_ = (a + b) / 2.0;
+    half_difference_ = (a - b) / 2.0;
+    relative_ = inverse[axis_] - transverse_;
   }
-  return w;
-}
+
+  /// Angular velocity of the top with its turn about its axis [rad/s].
+  double speed(const Mat3& R) const {
+    return norm(momentum_) * transverse_ + std::fabs(component(R, axis_) * relative_);
+  }
+
+  /// A symmetric step of second order.
+  void step(Mat3& R, double k) const {
+    turn_as_top(R, k / 2.0);
+    turn_about(R, (axis_ + 1) % 3, half_difference_ * k / 2.0);
+    turn_about(R, (axis_ + 2) % 3, -half_difference_ * k);
+    turn_about(R, (axis_ + 1) % 3, half_difference_ * k / 2.0);
+    turn_as_top(R, k / 2.0);
+  }
+
+ private:
+  double component(const Mat3& R, int axis) const { return dot(R.column(axis), momentum_); }
+
+  /// The flow of L_axis^2 c/2 for the time in `scale` = c k: a turn about the axis.
+  void turn_about(Mat3& R, int axis, double scale) const {
+    R = exp_rotation(R.column(axis) * (component(R, axis) * scale)) * R;
+  }
+
+  void turn_as_top(Mat3& R, double k) const {
+    turn_about(R, axis_, relative_ * k);
+    R = exp_rotation(momentum_ * (transverse_ * k)) * R;
+  }
+
+  Vec3 momentum_;
+  int axis_ = 0;
+  double transverse_ = 0.0, half_difference_ = 0.0, relative_ = 0.0;
+};
 
 }  // namespace
 
@@ -35,26 +75,21 @@ Vec3 angular_momentum(const Mat3& R, const Vec3& moments, const Vec3& angular_ve
 }
 
 Vec3 velocity_of_momentum(const Mat3& R, const Vec3& moments, const Vec3& momentum) {
-  const auto divided = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
   const Vec3 L = transpose(R) * momentum;
-  return R * Vec3{divided(L.x, moments.x), divided(L.y, moments.y), divided(L.z, moments.z)};
+  return R * Vec3{L.x * inverse_or_zero(moments.x), L.y * inverse_or_zero(moments.y),
+                  L.z * inverse_or_zero(moments.z)};
 }
 
 Mat3 free_rotation(const Mat3& R, const Vec3& moments, const Vec3& momentum, double h) {
-  Vec3 w = velocity_of_momentum(R, moments, momentum);
+  const Vec3 w = velocity_of_momentum(R, moments, momentum);
   // L along a principal axis, or a sphere: w stays what it is.
   if (norm(cross(w, momentum)) <= kSteady * norm(w) * norm(momentum)) return exp_rotation(w * h) * R;
-  // No motion with this momentum is faster than L about the axis of the smallest moment.
-  const double smallest = std::min({moments.x, moments.y, moments.z});
-  const double fastest = std::min(norm(momentum) / smallest, 1e3 * norm(w));
+  const SplitTop top(moments, momentum);
   const int count = static_cast<int>(
-      std::clamp(std::ceil(fastest * std::fabs(h) / kSubstep), 1.0, static_cast<double>(kMostSubsteps)));
-  const double k = h / count;
+      std::clamp(std::ceil(top.speed(R) * std::fabs(h) / kSubstep), 1.0, static_cast<double>(kMostSubsteps)));
   Mat3 turned = R;
-  for (int step = 0; step < count; ++step) {
-    w = middle_velocity(turned, moments, momentum, k, w);
-    turned = exp_rotation(w * k) * turned;
-  }
+  for (int step = 0; step < count; ++step)
+    for (const double part : kStages) top.step(turned, part * h / count);
   return orthonormalized(turned);
 }
 

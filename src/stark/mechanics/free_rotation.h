@@ -12,10 +12,12 @@ Vec3 angular_momentum(const Mat3& R, const Vec3& moments, const Vec3& angular_ve
 /// Its inverse; zero about axes without inertia.
 Vec3 velocity_of_momentum(const Mat3& R, const Vec3& moments, const Vec3& momentum);
 
-/// Where free motion brings R in h seconds, backwards where h < 0. Steps of the implicit midpoint rule on the
-/// group, exp(k w) R with w = R_m J^-1 R_m^T L and R_m = exp(k w/2) R: symmetric, of second order, and short
-/// enough to turn by a twentieth of a radian; exact at once where the rotation is steady.
-/// [Hairer, Lubich, Wanner 2006, sec. VII.5]
+/// Where free motion brings R in h seconds, backwards where h < 0. The kinetic energy is split into that of a
+/// symmetric top, whose motion is exact, and what the two principal moments that are nearest to each other
+/// differ by; steps of a quarter of a radian, symmetric and of fourth order by composition. What resists a
+/// turn least has the two other moments nearly equal (J_y <= J_x + J_z), so needles are as exact as cubes;
+/// implicit rules on the group find no solution there. Exact at once where the rotation is steady.
+/// [Touma, Wisdom 1994; Suzuki 1990; Hairer, Lubich, Wanner 2006, sec. II.5, VII.5]
 Mat3 free_rotation(const Mat3& R, const Vec3& moments, const Vec3& momentum, double h);
 
 }  // namespace stark

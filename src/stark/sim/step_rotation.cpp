@@ -45,12 +45,15 @@ void Simulation::set_free_rotations(double h) {
     r.angular_momentum[b] = L;
     const double c = r.stencil.history;
     if (c == 0.0) continue;
-    // What is not free motion in the last step, as a turn and as momentum, goes on.
+    // What was not free motion in the last step, as a turn and as momentum, goes on. The turn is measured
+    // from where free motion led forwards: backwards, a needle's error of place turns it about its axis,
+    // whose inertia is next to nothing, and grows from step to step.
     const Mat3& R_before = s.previous_body_rotation[b];
     const Vec3 L_before = angular_momentum(R_before, J, s.previous_body_angular_velocity[b]);
-    const Vec3 turn = log_rotation(R_before * transpose(free_rotation(R, J, L, -s.previous_time_step)));
+    const double h_before = s.previous_time_step;
+    const Vec3 turn = log_rotation(R * transpose(free_rotation(R_before, J, L_before, h_before)));
     const Vec3 speed = velocity_of_momentum(R, J, L_before - L);
-    r.free_rotation[b] = exp_rotation((turn + speed * r.stencil.scale) * -c) * r.free_rotation[b];
+    r.free_rotation[b] = exp_rotation((turn + speed * (h_before - r.stencil.scale)) * c) * r.free_rotation[b];
     r.angular_momentum[b] = L + (L - L_before) * c;
   }
 }
