@@ -275,7 +275,8 @@ void ContactSet::reset(std::vector<Contact> contacts) {
     const int threshold = mollified ? batch.field_index("parallel_threshold") : -1;
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Contact& contact = contacts_[contact_of_[kind][e]];
-      batch.set(stiffness, e, {&contact.stiffness, 1});
+      const double weighted = contact.stiffness * weight_;
+      batch.set(stiffness, e, {&weighted, 1});
       batch.set(distance, e, {&contact.contact_distance, 1});
       if (mollified) batch.set(threshold, e, {&contact.parallel_threshold, 1});
     }
@@ -315,7 +316,7 @@ void ContactSet::evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out
       const int64_t c = contact_of_[kind][e];
       const double* lane = out.data() + (e / kLanes) * outputs * kLanes + e % kLanes;
       for (int p = 0; p < contacts_[c].side_a_count; ++p)
-        for (int a = 0; a < 3; ++a) out_forces[c][a] -= lane[(1 + 3 * p + a) * kLanes];
+        for (int a = 0; a < 3; ++a) out_forces[c][a] -= lane[(1 + 3 * p + a) * kLanes] / weight_;
     }
   }
 }

@@ -97,11 +97,13 @@ class ContactSet {
 
   /// Takes the contacts (with stiffness) and fills the batches.
   void reset(std::vector<Contact> contacts);
+  /// Factor of the energies and of what the batches have, from the next reset() on; forces are without it.
+  void set_weight(double weight) { weight_ = weight; }
 
   const std::vector<Contact>& contacts() const { return contacts_; }
   std::vector<const PotentialBatch*> batches() const;
 
-  /// Energies of the contacts at x, in the order of contacts() [J].
+  /// Energies of the contacts at x, in the order of contacts(), with the weight [J].
   const std::vector<double>& evaluate_energies(std::span<const Vec3> x);
   const std::vector<double>& energies() const { return energies_; }
   /// Force vectors on side A of each contact at x: minus the sum of the gradients of its points [N].
@@ -113,6 +115,7 @@ class ContactSet {
   std::vector<std::vector<int64_t>> contact_of_;  ///< [kind][element] -> index into contacts_
   std::vector<Contact> contacts_;
   std::vector<double> energies_;
+  double weight_ = 1.0;
 };
 
 /// Sum over pairs of energies of `b` minus energies of `a`; both sorted by key, missing pairs have no energy.

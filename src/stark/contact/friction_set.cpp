@@ -254,7 +254,8 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Pair& pair = pairs_[members_[k][e]];
       const Vec3 start = pair.deflection / reference_.scale;
-      batch.set(limit, e, {&pair.limit, 1});
+      const double weighted = pair.limit * reference_.weight;
+      batch.set(limit, e, {&weighted, 1});
       batch.set(first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
       if (is_anisotropic) batch.set(second, e, {&pair.across.x, 3});
       batch.set(deflection, e, {&start.x, 3});

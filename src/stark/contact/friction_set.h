@@ -28,10 +28,11 @@ struct FrictionPotentials {
 };
 
 /// How displacements of a step are measured: from `positions` [m], times `scale`. The integrator's reference
-/// makes them its velocity times the step.
+/// makes them its velocity times the step, and gives contact a weight beside other forces.
 struct DisplacementReference {
   std::vector<Vec3> positions;
   double scale = 1.0;
+  double weight = 1.0;  ///< of what the batches have
 };
 
 class FrictionSet {

@@ -94,11 +94,14 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
                                  ContactMemory memory) {
   x_reference_.assign(reference.positions.begin(), reference.positions.end());
   duration_ = reference.duration;
+  weight_ = reference.weight;
+  active_.set_weight(weight_);
+  trial_.set_weight(weight_);
   names_.clear();
   for (const int64_t code : memory.friction.pair)
     if (const PairKey key = unpack(code); is_name(key)) names_.push_back(key);
   friction_.begin_step(mesh(), std::move(memory.friction), x,
-                       {x_reference_, reference.step / reference.duration});
+                       {x_reference_, reference.step / reference.duration, weight_});
   geometry_.close = std::move(memory.close);
   law_.begin_step(std::move(memory.load));
   update(x);
@@ -106,7 +109,7 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
 }
 
 ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration) {
-  if (!std::ranges::equal(x, x_active_)) update(x);
+  settle(x);
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
   friction_residual_ = friction_.residual(contacts(), pushing(std::move(all)), friction_coefficient_);
@@ -116,7 +119,7 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration
 }
 
 LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x) {
-  if (!std::ranges::equal(x, x_active_)) update(x);
+  settle(x);
   return law_.raised(contacts(), forces(x));
 }
 
@@ -222,6 +225,10 @@ void ContactPipeline::update(std::span<const Vec3> x) {
   friction_.remember(x);
 }
 
+void ContactPipeline::settle(std::span<const Vec3> x) {
+  if (!std::ranges::equal(x, x_active_)) update(x);
+}
+
 std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature) {
   std::vector<const PotentialBatch*> all = active_.batches();
   const auto frictions =
@@ -272,17 +279,22 @@ double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   return change;
 }
 
-double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) const {
+double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  const auto separation = [](const Contact& contact, std::span<const Vec3> x) {
+    Vec3 sum;
+    for (int p = 0; p < contact.point_count; ++p) sum += x[contact.sites[p]] * contact.weights[p];
+    return sum;
+  };
   double largest = 0.0;
-  for (const Contact& contact : active_.contacts()) {
-    Vec3 before, now;  // separations of the points that are closest at x1
-    for (int p = 0; p < contact.point_count; ++p) {
-      before += x0[contact.sites[p]] * contact.weights[p];
-      now += x1[contact.sites[p]] * contact.weights[p];
+  const auto visit = [&](std::span<const Vec3> at, std::span<const Vec3> other) {
+    for (const Contact& contact : find_contacts_at(at)) {
+      const Vec3 here = separation(contact, at);
+      const double way = dot(here - separation(contact, other), normalized(here));
+      largest = std::max(largest, std::fabs(way) / contact.contact_distance);
     }
-    const double approach = dot(before, normalized(now)) - norm(now);
-    largest = std::max(largest, approach / contact.contact_distance);
-  }
+  };
+  visit(x0, x1);
+  visit(x1, x0);
   return largest;
 }
 
@@ -314,7 +326,7 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
 double ContactPipeline::energy() const {
   double total = 0.0;
   for (const double energy : active_.energies()) total += energy;
-  return total;
+  return total / weight_;
 }
 
 double ContactPipeline::min_distance() const {

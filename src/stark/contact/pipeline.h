@@ -75,6 +75,7 @@ class ContactPipeline final : public ActiveSet {
     std::span<const Vec3> positions;
     double duration = 0.0;
     double step = 0.0;
+    double weight = 1.0;  ///< of contact beside other forces: see TimeStencil
   };
   /// Freezes areas and friction for a step that starts at site positions x.
   void begin_step(std::span<const Vec3> x, const VelocityReference& reference, ContactMemory memory);
@@ -92,7 +93,11 @@ class ContactPipeline final : public ActiveSet {
   double friction_residual() const { return friction_residual_; }
 
   void update(std::span<const Vec3> x) override;
+  /// The same, where the last update() was not at x.
+  void settle(std::span<const Vec3> x);
   std::vector<const PotentialBatch*> batches(Curvature curvature) override;
+  /// Factor of the energies of batches(), 1 but with BDF2; forces and energies reported are without it.
+  double weight() const { return weight_; }
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
   double refresh_lagged(std::span<const Vec3> x) override;
@@ -119,9 +124,9 @@ class ContactPipeline final : public ActiveSet {
   /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
   /// without their stiffness; the active ones stay as they are.
   std::vector<Contact> find_contacts_at(std::span<const Vec3> x);
-  /// Largest approach along the normal of an active contact while its sites moved from x0 to x1, over its
-  /// contact distance.
-  double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) const;
+  /// Largest motion along the normal of pairs that are within their contact distance at x0 or x1, from one to
+  /// the other, over that distance.
+  double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1);
   /// Pair of primitives that limited the last max_step().
   const CcdReport& limiting_pair() const { return ccd_report_; }
 
@@ -166,7 +171,7 @@ class ContactPipeline final : public ActiveSet {
   std::vector<double> group_separation_;
   std::vector<Vec3> x_reference_;
   std::vector<Vec3> x_active_;  ///< of the last update()
-  double duration_ = 0.0;
+  double duration_ = 0.0, weight_ = 1.0;
   double friction_residual_ = 0.0;
 };
 

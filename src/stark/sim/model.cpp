@@ -107,11 +107,15 @@ void Model::Builder::set_initial_state() {
   state.pin_target = state.point_position;
   if (settings.time.integrator != Integrator::Bdf2) return;
   state.previous_point_position = state.point_position;
-  state.previous_point_velocity = state.point_velocity;
+  for (std::vector<Vec3>* field : {&state.point_increment, &state.point_contact_increment, &state.point_lag})
+    field->resize(state.point_position.size());
   state.previous_body_position = state.body_position;
-  state.previous_body_velocity = state.body_velocity;
   state.previous_body_rotation = state.body_rotation;
   state.previous_body_angular_velocity = state.body_angular_velocity;
+  for (std::vector<Vec3>* field :
+       {&state.body_increment, &state.body_contact_increment, &state.body_lag, &state.body_spin_increment,
+        &state.body_spin_contact_increment, &state.body_spin_lag})
+    field->resize(state.body_position.size());
 }
 
 void Model::Builder::set_initial_sites() {

@@ -207,8 +207,21 @@ class Simulation {
   void predict(double h);
   /// The same with predictions for `duration`, and inertia and damping of a step of length `scale` [s].
   void predict(double h, double duration, double scale);
-  /// Keeps the state for the next step, where the integrator asks for it.
+  /// Impulses of contact on the free blocks in the step that ends now [N s, N m s].
+  std::vector<Vec3> contact_impulses();
+  /// Keeps the state that a step of length h has started from, for the next one.
   void remember_state(double h);
+  struct Motions {
+    std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
+    std::vector<Vec3> spin;                           ///< angular momenta of the bodies [kg m^2/s]
+  };
+  Motions motions() const;
+  /// Keeps what the velocities that were there `before` the step have gained, and how.
+  void remember_increments(const Motions& before, std::span<const Vec3> impulses, double h);
+  /// What the step of length h that starts from the state has of the integrator.
+  TimeStencil choose_stencil(double h);
+  /// Sites after a step of length h in which nothing pushes [m].
+  std::vector<Vec3> free_motion(double h) const;
   bool attempt(double h, bool straight, SolveReport& total);
   void set_deadline();
   /// Ends the step with the last attempt, of length h; `is_cut`: at the limit of the caller.
@@ -244,7 +257,8 @@ class Simulation {
   struct Reference {
     TimeStencil stencil;
     Configuration place;
-    std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
+    std::vector<Vec3> point_velocity, body_velocity;  ///< v_bar [m/s]
+    std::vector<Vec3> contact_velocity;               ///< by body: what contact has added [m/s]
     std::vector<Mat3> body_rotation_rate;             ///< [1/s]
     std::vector<Mat3> free_rotation;                  ///< where the inertia of free bodies brings them
     std::vector<Vec3> angular_momentum;               ///< theirs without what acts in the step [kg m^2/s]
@@ -252,7 +266,7 @@ class Simulation {
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
     // Empty without a history:
     std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
-    std::vector<Vec3> beyond;  ///< `sites` and sqrt(c + c^2) times the way of the last step [m]
+    std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
   };
   Reference reference_;
   std::vector<Attempt> attempts_;  ///< of the step under way

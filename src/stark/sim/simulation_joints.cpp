@@ -129,7 +129,7 @@ void Simulation::commit_joints() {
       const double now = raw[place.coordinate + k], change = now - start[place.coordinate + k];
       const bool is_angle = coordinates[k].unit == "rad";
       state_.joint_rate[place.coordinate + k] =
-          (is_angle ? shortest_turn(change) : change) / reference_.stencil.scale;
+          (is_angle ? shortest_turn(change) : change) / reference_.stencil.duration;
       value = is_angle ? unwrap(now, value) : now;
     }
   }

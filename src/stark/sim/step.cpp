@@ -12,9 +12,6 @@ namespace stark {
 
 namespace {
 
-/// Scale that switches inertia and damping off in quasistatic steps [s].
-constexpr double kQuasistaticStep = 1e150;
-
 /// Motion in a step, over the diagonal of a body's box, from which it may go around something.
 constexpr double kFarMotion = 0.5;
 
@@ -238,7 +235,10 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
   }
   if (contact_) {
     contact_->begin_step(potential_->site_positions(),
-                         {.positions = reference_.sites, .duration = reference_.stencil.scale, .step = h},
+                         {.positions = reference_.sites,
+                          .duration = reference_.stencil.duration,
+                          .step = h,
+                          .weight = reference_.stencil.contact_weight},
                          {{state_.friction_pair, state_.friction_deflection, state_.friction_force},
                           load_,
                           {state_.contact_close_bodies, state_.contact_close_distance}});
@@ -310,51 +310,22 @@ std::vector<Mat3> Simulation::natural_stiffness(const Configuration& start) {
   return diagonal;
 }
 
-void Simulation::predict(double h) {
-  const double duration = reference_.stencil.scale;
-  predict(h, duration, settings_.time.integrator == Integrator::Quasistatic ? kQuasistaticStep : duration);
-}
-
-void Simulation::predict(double h, double duration, double scale) {
-  const std::span<const Vec3> x = reference_.sites;
-  const double time = end_of_step(state_, h);
-  for (ConstraintGroup& group : model_->constraints().groups()) {
-    group.batch.set_previous(x);
-    group.batch.set_time(scale, time);
-  }
-  for (ModelQuadrature& elements : model_->quadrature_batches()) {
-    set_previous(elements.batch);
-    elements.batch.set_time(scale, time);
-  }
-  for (ModelBatch& batch : model_->batches()) {
-    set_previous(batch.batch);
-    batch.batch.set_time(scale, time);
-    if (batch.role != ModelBatch::Role::Inertia) continue;
-    batch.batch.set_uniform("inverse_scale_squared", scale == kQuasistaticStep ? 0.0 : 1.0 / (scale * scale));
-    const int field = batch.batch.field_index("predicted");
-    const bool is_rotation = batch.batch.potential().name() == "point_inertia";
-    for (int64_t e = 0; e < batch.batch.size(); ++e) {
-      const int32_t subject = batch.subject[e];
-      Vec3 predicted;
-      if (is_rotation)
-        predicted = reference_.free_rotation[subject / 3].column(subject % 3);
-      else
-        predicted =
-            x[batch.batch.stencil(e)[0]] + duration * (subject >= 0 ? reference_.point_velocity[subject]
-                                                                    : reference_.body_velocity[-1 - subject]);
-      batch.batch.set(field, e, {&predicted.x, 3});
-    }
-  }
-}
-
 void Simulation::commit(double h) {
   const std::vector<Vec3> torque = torques();
   const PhaseTimer::Scope scope(*timer_, Phase::Commit);
   const Configuration& end = potential_->configuration();
   const DofLayout& layout = model_->map().layout();
   const Configuration& from = reference_.place;
-  const double s = reference_.stencil.scale;
-  remember_state(h);
+  const double s = reference_.stencil.duration;
+  const bool has_memory = settings_.time.integrator == Integrator::Bdf2;
+  reference_.contact_velocity.assign(end.body_position.size(), Vec3{});
+  Motions before;
+  std::vector<Vec3> impulses;
+  if (has_memory) {
+    before = motions();
+    impulses = contact_impulses();
+    remember_state(h);
+  }
   for (size_t p = 0; p < end.point_position.size(); ++p) {
     state_.point_velocity[p] = (end.point_position[p] - from.point_position[p]) / s;
     state_.point_position[p] = end.point_position[p];
@@ -372,6 +343,7 @@ void Simulation::commit(double h) {
       state_.script_remaining[b] =
           arrived(state_.script_remaining[b]) ? kAtPose : state_.script_remaining[b] - h;
   }
+  if (has_memory) remember_increments(before, impulses, h);
   if (state_.pin_remaining > 0.0)
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
   if (contact_) {

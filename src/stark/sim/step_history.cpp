@@ -1,51 +1,94 @@
 // What a step measures velocities from, and what the next one needs to know of it
-// (mechanics/time_integrator.h).
+// (mechanics/time_integrator.h). [theory eq. 26, 26a]
 #include <cmath>
 
+#include <stark/base/rotation.h>
+#include <stark/mechanics/free_rotation.h>
+#include <stark/mechanics/site_gradient.h>
 #include <stark/sim/simulation.h>
 
 namespace stark {
 
 namespace {
 
-/// An approach of a contact pair within a step, over its contact distance, that counts as an impact:
-/// velocities jump there, and a history that is smooth by assumption would throw the bodies apart again.
-constexpr double kImpactApproach = 0.1;
-
-template <typename T>
-void extrapolate(const TimeStencil& stencil, const std::vector<T>& now, const std::vector<T>& before,
-                 std::vector<T>& out) {
-  out = now;
-  if (stencil.history == 0.0) return;
-  for (size_t i = 0; i < out.size(); ++i) out[i] = stencil.reference(now[i], before[i]);
-}
+/// Motion of contact pairs along their normals in a step, over their contact distance, from which the step
+/// does not resolve how contact grows and fades.
+constexpr double kLargestResolved = 0.1;
 
 }  // namespace
 
+std::vector<Vec3> Simulation::free_motion(double h) const {
+  Configuration free = target_configuration(h);
+  const DofLayout& layout = model_->map().layout();
+  for (size_t p = 0; p < free.point_position.size(); ++p)
+    if (layout.point_block[p] != kNoBlock) free.point_position[p] += state_.point_velocity[p] * h;
+  for (size_t b = 0; b < free.body_position.size(); ++b) {
+    if (layout.body_block[b] != kNoBlock) free.body_position[b] += state_.body_velocity[b] * h;
+    if (layout.rotation_block[b] != kNoBlock)
+      free.body_rotation[b] =
+          free_rotation(state_.body_rotation[b], model_->rigid_masses()[b].moments, spin(b), h);
+  }
+  std::vector<Vec3> x(model_->map().site_count());
+  model_->map().positions(free, x);
+  return x;
+}
+
+TimeStencil Simulation::choose_stencil(double h) {
+  const double h_before = state_.previous_time_step;
+  const bool has_history =
+      settings_.time.integrator == Integrator::Bdf2 && h_before > 0.0 && h <= kLargestBdf2Ratio * h_before;
+  if (!has_history) return implicit_euler(h);
+  if (!contact_) return bdf2(h, h_before);
+  const std::vector<Vec3> x = free_motion(h);
+  if (contact_->max_step(step_start_, x) < 1.0) return bdf2_impact(h, h_before);
+  const bool is_resolved = contact_->largest_approach(step_start_, x) <= kLargestResolved;
+  return is_resolved ? bdf2(h, h_before) : bdf2_unresolved(h, h_before);
+}
+
 void Simulation::set_reference(double h) {
   const State& s = state_;
-  const bool has_history = settings_.time.integrator == Integrator::Bdf2 && s.previous_time_step > 0.0 &&
-                           h <= kLargestBdf2Ratio * s.previous_time_step;
   Reference& r = reference_;
-  r.stencil = has_history ? bdf2(h, s.previous_time_step) : implicit_euler(h);
-  extrapolate(r.stencil, s.point_position, s.previous_point_position, r.place.point_position);
-  extrapolate(r.stencil, s.body_position, s.previous_body_position, r.place.body_position);
-  extrapolate(r.stencil, s.body_rotation, s.previous_body_rotation, r.place.body_rotation);
-  extrapolate(r.stencil, s.point_velocity, s.previous_point_velocity, r.point_velocity);
-  extrapolate(r.stencil, s.body_velocity, s.previous_body_velocity, r.body_velocity);
+  const TimeStencil stencil = r.stencil = choose_stencil(h);
+  const bool has_history = stencil.history != 0.0;
+  const auto set = [&](const auto& x, const auto& v, const auto& A, const auto& p, const auto& Q, auto& place,
+                       auto& velocity) {
+    place = x;
+    velocity = v;
+    if (!has_history) return;
+    for (size_t i = 0; i < x.size(); ++i) {
+      place[i] = stencil.place(x[i], v[i], Q[i]);
+      velocity[i] = stencil.velocity(v[i], A[i], p[i]);
+    }
+  };
+  set(s.point_position, s.point_velocity, s.point_increment, s.point_contact_increment, s.point_lag,
+      r.place.point_position, r.point_velocity);
+  set(s.body_position, s.body_velocity, s.body_increment, s.body_contact_increment, s.body_lag,
+      r.place.body_position, r.body_velocity);
+  r.place.body_rotation = s.body_rotation;
+  r.joint_rate = s.joint_rate;
+  if (has_history) {
+    for (size_t b = 0; b < s.body_rotation.size(); ++b) {
+      const Mat3& R = s.body_rotation[b];
+      const Mat3 v = skew(s.body_angular_velocity[b]) * R;
+      const Mat3 Q = v - (R - s.previous_body_rotation[b]) * (1.0 / s.previous_time_step);
+      r.place.body_rotation[b] = stencil.place(R, v, Q);
+    }
+    for (size_t q = 0; q < s.joint_rate.size(); ++q)
+      r.joint_rate[q] += (s.joint_rate[q] - s.previous_joint_rate[q]) * stencil.history;
+  }
   set_free_rotations(h);
-  extrapolate(r.stencil, s.joint_rate, s.previous_joint_rate, r.joint_rate);
   r.sites.resize(model_->map().site_count());
   model_->map().positions(r.place, r.sites);
   r.before.clear();
   r.beyond.clear();
-  if (r.stencil.history == 0.0) return;
+  if (!has_history) return;
   r.before.resize(r.sites.size());
   model_->map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
                           r.before);
-  const double way = std::sqrt(r.stencil.history * (1.0 + r.stencil.history));
+  if (stencil.duration != stencil.scale) return;
+  const double way = std::sqrt(1.0 + 1.0 / stencil.history);
   for (size_t i = 0; i < r.sites.size(); ++i)
-    r.beyond.push_back(r.sites[i] + (step_start_[i] - r.before[i]) * way);
+    r.beyond.push_back(r.sites[i] + (r.sites[i] - step_start_[i]) * way);
 }
 
 std::vector<double> Simulation::reference_coordinates() const {
@@ -58,26 +101,90 @@ std::vector<double> Simulation::reference_coordinates() const {
     const auto& coordinates = constraints.groups()[place.group].joint->coordinates();
     for (size_t k = 0; k < coordinates.size(); ++k) {
       const size_t q = place.coordinate + k;
-      const double change = result[q] - before[q];
-      result[q] +=
-          reference_.stencil.history * (coordinates[k].unit == "rad" ? shortest_turn(change) : change);
+      const double change = result[q] - before[q], rate = state_.joint_rate[q];
+      const double mean =
+          (coordinates[k].unit == "rad" ? shortest_turn(change) : change) / state_.previous_time_step;
+      result[q] = reference_.stencil.place(result[q], rate, rate - mean);
     }
   }
   return result;
 }
 
+std::vector<Vec3> Simulation::contact_impulses() {
+  const KinematicMap& map = model_->map();
+  std::vector<Vec3> impulses(map.layout().block_count);
+  if (!contact_) return impulses;
+  const std::span<const Vec3> x = potential_->site_positions();
+  contact_->settle(x);
+  std::vector<Vec3> gradient(x.size());
+  for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
+    add_site_gradient(*batch, x, 1.0, gradient);
+  // Smooth or not, they have pushed for s with the weight that they have.
+  const double factor = -reference_.stencil.scale;
+  for (int32_t i = 0; i < map.site_count(); ++i) {
+    if (gradient[i] == Vec3{}) continue;
+    const SiteJacobian jacobian = map.jacobian(i, potential_->configuration());
+    for (int t = 0; t < jacobian.term_count; ++t) {
+      const JacobianTerm& term = jacobian.terms[t];
+      if (term.block == kNoBlock) continue;
+      const Vec3 force = term.is_identity ? gradient[i] * term.weight : transpose(term.J) * gradient[i];
+      impulses[term.block] += force * factor;
+    }
+  }
+  return impulses;
+}
+
 void Simulation::remember_state(double h) {
-  if (settings_.time.integrator != Integrator::Bdf2) return;
-  const bool impact =
-      contact_ && contact_->largest_approach(step_start_, potential_->site_positions()) > kImpactApproach;
-  state_.previous_time_step = impact ? 0.0 : h;
-  state_.previous_point_position = state_.point_position;
-  state_.previous_point_velocity = state_.point_velocity;
-  state_.previous_body_position = state_.body_position;
-  state_.previous_body_velocity = state_.body_velocity;
-  state_.previous_body_rotation = state_.body_rotation;
-  state_.previous_body_angular_velocity = state_.body_angular_velocity;
-  state_.previous_joint_rate = state_.joint_rate;
+  State& s = state_;
+  s.previous_time_step = h;
+  s.previous_point_position = s.point_position;
+  s.previous_body_position = s.body_position;
+  s.previous_body_rotation = s.body_rotation;
+  s.previous_body_angular_velocity = s.body_angular_velocity;
+  s.previous_joint_rate = s.joint_rate;
+}
+
+Simulation::Motions Simulation::motions() const {
+  Motions now{state_.point_velocity, state_.body_velocity, {}};
+  for (size_t b = 0; b < state_.body_position.size(); ++b) now.spin.push_back(spin(b));
+  return now;
+}
+
+void Simulation::remember_increments(const Motions& before, std::span<const Vec3> impulses, double h) {
+  State& s = state_;
+  const DofLayout& layout = model_->map().layout();
+  const TimeStencil& stencil = reference_.stencil;
+  for (size_t p = 0; p < s.point_position.size(); ++p) {
+    const Vec3 change = s.point_velocity[p] - before.point_velocity[p];
+    const int32_t block = layout.point_block[p];
+    if (block == kNoBlock) {
+      s.point_increment[p] = change;
+      s.point_contact_increment[p] = {};
+      s.point_lag[p] = s.point_velocity[p] - (s.point_position[p] - s.previous_point_position[p]) / h;
+      continue;
+    }
+    const Vec3 by_contact = s.point_contact_increment[p] =
+        stencil.by_contact(s.point_contact_increment[p], impulses[block] / model_->point_masses()[p]);
+    const Vec3 A = s.point_increment[p] = change - by_contact;
+    const double part = smooth_part(stencil, dot(A, by_contact), squared_norm(by_contact));
+    s.point_lag[p] = next_lag(stencil, s.point_lag[p], A, by_contact, part);
+  }
+  for (size_t b = 0; b < s.body_position.size(); ++b) {
+    const RigidMass& mass = model_->rigid_masses()[b];
+    const bool moves = layout.body_block[b] != kNoBlock, turns = layout.rotation_block[b] != kNoBlock;
+    const Vec3 p = s.body_contact_increment[b] = stencil.by_contact(
+        s.body_contact_increment[b], moves ? impulses[layout.body_block[b]] / mass.mass : Vec3{});
+    const Vec3 p_spin = s.body_spin_contact_increment[b] = stencil.by_contact(
+        s.body_spin_contact_increment[b], turns ? impulses[layout.rotation_block[b]] : Vec3{});
+    const Vec3 A = s.body_increment[b] = s.body_velocity[b] - before.body_velocity[b] - p;
+    const Vec3 A_spin = s.body_spin_increment[b] = turns ? spin(b) - before.spin[b] - p_spin : Vec3{};
+    const Vec3 turn = turns ? velocity_of_momentum(s.body_rotation[b], mass.moments, p_spin) : Vec3{};
+    const double part = smooth_part(stencil, mass.mass * dot(A, p) + dot(A_spin, turn),
+                                    mass.mass * squared_norm(p) + dot(p_spin, turn));
+    s.body_lag[b] = moves ? next_lag(stencil, s.body_lag[b], A, p, part) : Vec3{};
+    s.body_spin_lag[b] = turns ? next_lag(stencil, s.body_spin_lag[b], A_spin, p_spin, part) : Vec3{};
+    if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = p;
+  }
 }
 
 }  // namespace stark

@@ -81,7 +81,7 @@ double Simulation::damping_work() const {
       if (rate == 0.0) continue;
       const int32_t site = batch.batch.stencil(e)[0];
       const Vec3 momentum =
-          (x[site] - reference_.sites[site]) * (batch.batch.get(mass, e) / reference_.stencil.scale);
+          (x[site] - reference_.sites[site]) * (batch.batch.get(mass, e) / reference_.stencil.duration);
       total += rate * dot(momentum, x[site] - step_start_[site]);
     }
   }
@@ -118,7 +118,7 @@ double Simulation::prescribed_work() const {
     add_site_gradient(elements.batch, x, 1.0, gradient);
   if (contact_)
     for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
-      add_site_gradient(*batch, x, 1.0, gradient);
+      add_site_gradient(*batch, x, 1.0 / contact_->weight(), gradient);
   double total = 0.0;
   for (size_t i = 0; i < x.size(); ++i) total += dot(gradient[i], motion[i]);
   return total;
@@ -131,7 +131,7 @@ EnergyLedger Simulation::balance(const EnergyLedger& before, double h) const {
     ledger.contact = contact_->energy();
     std::vector<Vec3> friction(x.size());
     for (const PotentialBatch* batch : contact_->friction_batches())
-      add_site_gradient(*batch, x, 1.0, friction);
+      add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
     ledger.friction = work(friction, step_start_, x);
   }
   ledger.damping = damping_work();

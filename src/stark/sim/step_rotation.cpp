@@ -15,11 +15,12 @@ namespace {
 constexpr double kLargestDifference = std::numbers::pi / 2.0;
 
 /// Torque that holds R against inertia, whose energy is least at R_free: the gradient of (9) with respect to
-/// a rotation, the sum of m_k (R_free e_k) x (R e_k) / s^2 [N m].
-Vec3 inertial_torque(const Mat3& R, const Mat3& R_free, const Vec3& second_moments, double s) {
+/// a rotation, the sum of m_k (R_free e_k) x (R e_k) / (sigma s) [N m].
+Vec3 inertial_torque(const Mat3& R, const Mat3& R_free, const Vec3& second_moments,
+                     const TimeStencil& stencil) {
   Vec3 sum;
   for (int k = 0; k < 3; ++k) sum += cross(R_free.column(k), R.column(k)) * second_moments[k];
-  return sum / (s * s);
+  return sum / (stencil.duration * stencil.scale);
 }
 
 }  // namespace
@@ -30,31 +31,29 @@ void Simulation::set_free_rotations(double h) {
   r.free_rotation = s.body_rotation;
   r.angular_momentum.assign(s.body_rotation.size(), Vec3{});
   r.body_rotation_rate.resize(s.body_rotation.size());
+  const TimeStencil& stencil = r.stencil;
+  const bool has_history = stencil.history != 0.0;
   const std::vector<int32_t>& blocks = model_->map().layout().rotation_block;
   for (size_t b = 0; b < blocks.size(); ++b) {
     const Mat3 rate = skew(s.body_angular_velocity[b]) * s.body_rotation[b];
-    r.body_rotation_rate[b] = r.stencil.history == 0.0
-                                  ? rate
-                                  : r.stencil.reference(rate, skew(s.previous_body_angular_velocity[b]) *
-                                                                  s.previous_body_rotation[b]);
+    r.body_rotation_rate[b] = rate;
+    if (has_history)
+      r.body_rotation_rate[b] +=
+          (rate - skew(s.previous_body_angular_velocity[b]) * s.previous_body_rotation[b]) * stencil.history;
     if (blocks[b] == kNoBlock) continue;
     const Vec3& J = model_->rigid_masses()[b].moments;
     const Mat3& R = s.body_rotation[b];
     const Vec3 L = spin(b);
-    r.free_rotation[b] = free_rotation(R, J, L, h);
     r.angular_momentum[b] = L;
-    const double c = r.stencil.history;
-    if (c == 0.0) continue;
-    // What was not free motion in the last step, as a turn and as momentum, goes on. The turn is measured
-    // from where free motion led forwards: backwards, a needle's error of place turns it about its axis,
-    // whose inertia is next to nothing, and grows from step to step.
-    const Mat3& R_before = s.previous_body_rotation[b];
-    const Vec3 L_before = angular_momentum(R_before, J, s.previous_body_angular_velocity[b]);
-    const double h_before = s.previous_time_step;
-    const Vec3 turn = log_rotation(R * transpose(free_rotation(R_before, J, L_before, h_before)));
-    const Vec3 speed = velocity_of_momentum(R, J, L_before - L);
-    r.free_rotation[b] = exp_rotation((turn + speed * (h_before - r.stencil.scale)) * c) * r.free_rotation[b];
-    r.angular_momentum[b] = L + (L - L_before) * c;
+    if (has_history) {
+      r.angular_momentum[b] = stencil.velocity(L, s.body_spin_increment[b], s.body_spin_contact_increment[b]);
+      // The momentum with which free motion leads over the whole step to where (26) leads positions.
+      r.free_rotation[b] = free_rotation(
+          R, J, L + ((r.angular_momentum[b] - L) * stencil.duration - s.body_spin_lag[b] * stencil.lag) / h,
+          h);
+    } else {
+      r.free_rotation[b] = free_rotation(R, J, L, h);
+    }
   }
 }
 
@@ -68,7 +67,7 @@ std::vector<Vec3> Simulation::torques() {
     if (!is_free(b)) continue;
     const RigidMass& mass = model_->rigid_masses()[b];
     result[b] = inertial_torque(end.body_rotation[b], reference_.free_rotation[b], mass.second_moments,
-                                reference_.stencil.scale);
+                                reference_.stencil);
     has_rigid = has_rigid || !mass.is_frame;
   }
   // Frames take what their inertia balances. Rigid bodies take the torques themselves: the residual that

@@ -1,4 +1,5 @@
-// Where a step starts from, where it is to bring what is prescribed, and how long it may be for that.
+// Where a step starts from, where it is to bring what is prescribed and what is free, and how long it may be
+// for that (step phases 1 and 2).
 #include <algorithm>
 #include <limits>
 #include <numbers>
@@ -17,6 +18,9 @@ constexpr double kLargestTurn = std::numbers::pi / 8.0;
 /// The same for free bodies: inertia resists a turn away from free motion by the sine of its angle, which
 /// falls again from a quarter turn on.
 constexpr double kLargestFreeTurn = std::numbers::pi / 2.0;
+
+/// Scale that switches inertia and damping off in quasistatic steps [s].
+constexpr double kQuasistaticStep = 1e150;
 
 }  // namespace
 
@@ -70,6 +74,47 @@ Configuration Simulation::target_configuration(double h) const {
     }
   }
   return target;
+}
+
+void Simulation::predict(double h) {
+  const double duration = reference_.stencil.duration;
+  predict(h, duration, settings_.time.integrator == Integrator::Quasistatic ? kQuasistaticStep : duration);
+}
+
+void Simulation::predict(double h, double duration, double scale) {
+  const std::span<const Vec3> x = reference_.sites;
+  const double time = end_of_step(state_, h);
+  // 1/(sigma s): smooth forces act for s on velocities that are displacements over sigma.
+  const double inertia = scale == kQuasistaticStep
+                             ? 0.0
+                             : reference_.stencil.duration / reference_.stencil.scale / (scale * scale);
+  for (ConstraintGroup& group : model_->constraints().groups()) {
+    group.batch.set_previous(x);
+    group.batch.set_time(scale, time);
+  }
+  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+    set_previous(elements.batch);
+    elements.batch.set_time(scale, time);
+  }
+  for (ModelBatch& batch : model_->batches()) {
+    set_previous(batch.batch);
+    batch.batch.set_time(scale, time);
+    if (batch.role != ModelBatch::Role::Inertia) continue;
+    batch.batch.set_uniform("inverse_scale_squared", inertia);
+    const int field = batch.batch.field_index("predicted");
+    const bool is_rotation = batch.batch.potential().name() == "point_inertia";
+    for (int64_t e = 0; e < batch.batch.size(); ++e) {
+      const int32_t subject = batch.subject[e];
+      Vec3 predicted;
+      if (is_rotation)
+        predicted = reference_.free_rotation[subject / 3].column(subject % 3);
+      else
+        predicted =
+            x[batch.batch.stencil(e)[0]] + duration * (subject >= 0 ? reference_.point_velocity[subject]
+                                                                    : reference_.body_velocity[-1 - subject]);
+      batch.batch.set(field, e, {&predicted.x, 3});
+    }
+  }
 }
 
 }  // namespace stark

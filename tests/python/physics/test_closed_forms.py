@@ -43,16 +43,17 @@ def motion(integrator: str, stiffness: float, gravity: float, start: float) -> n
 
 def recursion(integrator: str, acceleration: Callable[[float], float], start: float) -> np.ndarray:
     """The same of the formulas of the integrators, for a_new = acceleration(x) that is affine in x."""
-    h, x, v, x_before, v_before = 0.01, start, 0.0, start, 0.0
+    h, x, v, gain, lag = 0.01, start, 0.0, 0.0, 0.0
     result = []
     slope, constant = acceleration(1.0) - acceleration(0.0), acceleration(0.0)
     for n in range(100):
         second = integrator == "bdf2" and n > 0  # its first step is one of implicit Euler
-        s, c = (2 * h / 3, 1 / 3) if second else (h, 0.0)
-        x_bar, v_bar = x + c * (x - x_before), v + c * (v - v_before)
-        x_before, v_before = x, v
+        s = 2 * h / 3 if second else h
+        x_bar, v_bar = (x + h / 3 * (v - lag), v + gain / 3) if second else (x, v)
         x = (x_bar + s * v_bar + s * s * constant) / (1 - s * s * slope)
-        v = (x - x_bar) / s
+        v_before, v = v, (x - x_bar) / s
+        gain = v - v_before
+        lag = (lag + gain) / 3 if second else gain / 2
         result.append(x)
     return np.array(result)
 

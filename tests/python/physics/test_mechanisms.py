@@ -53,7 +53,7 @@ def test_free_top_turns_over_when_it_should() -> None:
     momenta = [np.linalg.norm(at(run, 0.9)[0, 1:]) for run in runs]
     validate("V14.flip", extrapolate(*flips))
     validate("V14.momentum", extrapolate(*momenta))
-    validate("V14.order", observed_order(*flips))
+    validate("V14.step", [flips[0][0], flips[2][0] - flips[0][0]])
 
 
 def test_free_top_with_bdf2() -> None:
@@ -62,7 +62,7 @@ def test_free_top_with_bdf2() -> None:
     momenta = [np.linalg.norm(at(run, 0.9)[0, 1:]) for run in runs]
     validate("V14.bdf2_flip", extrapolate(*flips, order=2))
     validate("V14.bdf2_momentum", extrapolate(*momenta, order=2))
-    validate("V14.bdf2_order", observed_order(*flips))
+    validate("V14.bdf2_step", [flips[0][0], flips[2][0] - flips[0][0]])
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ PotentialDefinition point_inertia() {
         const Vec3 predicted = b.data3("predicted", "m", "position without forces at the end of the step");
         const Scalar damping = b.data("damping", "1/s", "rate at which free motion decays");
         const Scalar inverse_scale =
-            b.parameter("inverse_scale_squared", "1/s^2", "1/s^2 of the integrator, 0: quasistatic");
+            b.parameter("inverse_scale_squared", "1/s^2", "1/(sigma s) of the integrator, 0: quasistatic");
         const Scalar inertia = inverse_scale * squared_norm(b.x(0) - predicted);
         const Scalar drag = damping / b.time_step() * squared_norm(b.x(0) - b.x_prev(0));
         return 0.5 * mass * (inertia + drag);

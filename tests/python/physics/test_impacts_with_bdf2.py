@@ -1,0 +1,84 @@
+"""Impacts and BDF2: no energy from its history, and no impact changes how others move."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from _helpers import G
+
+import stark
+
+BDF2: dict[str, Any] = {"time.integrator": "bdf2"}
+CORNER = float(np.arctan(np.sqrt(2.0)))  # turns a corner of a box down [rad]
+
+
+def dropped(kind: str, tilt: float, friction: float) -> stark.Scene:
+    """1 kg, 0.1 m above a floor, with a velocity along it where there is friction."""
+    scene = stark.Scene()
+    scene.default_friction = friction
+    scene.add_floor(2.0)
+    velocity = (0.5 if friction else 0.0, 0.0, 0.0)
+    if kind == "ball":
+        scene.add_sphere(0.05, mass=1.0, position=(0, 0, 0.15), velocity=velocity, name="body")
+    else:
+        rotation = stark.rotation(axis="x", angle=tilt)
+        height = 0.1 + 0.0501 * np.sqrt(3.0)
+        scene.add_box(
+            0.1, mass=1.0, position=(0, 0, height), rotation=rotation, velocity=velocity, name="body"
+        )
+    return scene
+
+
+@pytest.mark.parametrize("h", [1 / 60, 1 / 240, 1e-3])
+@pytest.mark.parametrize(("kind", "tilt"), [("ball", 0.0), ("box", 0.0), ("box", 0.5), ("box", CORNER)])
+def test_no_drop_gains_energy(kind: str, tilt: float, h: float) -> None:
+    for friction in (0.0, 0.5):
+        for distance, stiffness in ((1e-3, 100.0), (2e-3, 1.0), (0.01, 10.0)):
+            settings = {**BDF2, "contact_distance": distance, "contact.stiffness_factor": stiffness}
+            sim = stark.Simulation(dropped(kind, tilt, friction), time_step=h, **settings)
+            body = sim["body"]
+            start = 0.5 * body.mass * (body.velocity @ body.velocity) + G * body.mass * body.position[2]
+            largest = 0.0
+            for report in sim.run(until=0.5):
+                assert not report.failed
+                energy = report.energy
+                largest = max(largest, energy["kinetic"] + energy["gravity"] + energy["contact"])
+            assert largest <= start * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("h", [1 / 60, 1e-3])
+def test_what_nothing_happens_to_keeps_its_order(h: float) -> None:
+    """Free fall is exact but for the first step, which is one of implicit Euler: so it stays while a box hits
+    the floor far away."""
+    scene = dropped("box", 0.0, 0.5)
+    scene.add_box(0.1, mass=1.0, position=(50, 0, 0), velocity=(1, 0, 2), name="far")
+    sim = stark.Simulation(scene, time_step=h, **BDF2)
+    kinds, met = [], False
+    for report in sim.run(until=0.5):
+        kinds.append(report.integrator)
+        met = met or report.contact_count > 0
+        t = sim.time
+        exact = (50 + t, 0.0, 2 * t - G * t * t / 2 - G * h * h / 2)
+        assert sim["far"].position == pytest.approx(exact, abs=1e-9)
+    assert met
+    assert [str(kind) for kind in kinds[1:]] == [str(kinds[1])] * (len(kinds) - 1)
+    assert kinds[0] != kinds[1]
+
+
+def test_the_weight_of_contact_is_none_of_its_force() -> None:
+    """A box that has come to rest beside one that hits the floor after 0.48 s: contact has another weight in
+    the steps of the impact, its force is the weight of the box all the time."""
+    scene = stark.Scene()
+    scene.add_floor(2.0)
+    scene.add_box(0.1, mass=1.0, position=(0.0, 0.0, 0.0515), name="resting")
+    scene.add_box(0.1, mass=1.0, position=(0.5, 0.0, 1.2), name="falling")
+    sim = stark.Simulation(scene, time_step=1 / 240, contact_distance=1e-3, **BDF2)
+    forces, hit = [], False
+    for _ in sim.run(until=0.7):
+        hit = hit or sim["falling"].contact_force[2] > 10.0 * G
+        if sim.time > 0.45:
+            forces.append(sim["resting"].contact_force[2])
+    assert hit
+    assert np.array(forces) == pytest.approx(G, rel=1e-4)
