@@ -292,7 +292,7 @@ void bind_report(nb::module_& m) {
       .def_prop_ro(
           "integrator", [](const StepReport& r) { return to_string(r.integrator); },
           "What the step was taken with: 'implicit_euler', 'bdf2' or 'quasistatic'. Steps of bdf2 are "
-          "'implicit_euler' at the start and after impacts, where it has no history.")
+          "'implicit_euler' at the start and where steps more than double.")
       .def_ro("rejected_steps", &StepReport::rejected_steps)
       .def_ro("contact_count", &StepReport::contact_count)
       .def_ro("min_distance", &StepReport::min_distance,

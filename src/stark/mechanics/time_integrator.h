@@ -4,8 +4,7 @@
 // where A is the increment of the velocity in the last step, and Q is what the velocity at its end was ahead
 // of the mean one. Where steps resolve contact, all forces push with s. Where they do not, A leaves contact
 // out, which pushes with the whole step h: an impact has no history that would throw bodies apart again.
-// Damping and friction measure displacements from x_bar over the time sigma, so that they see exactly the
-// velocity.
+// Damping measures displacements from x_bar over the time sigma, so that it sees exactly the velocity.
 #pragma once
 
 #include <stark/base/math.h>

@@ -264,6 +264,8 @@ class Simulation {
     std::vector<Vec3> angular_momentum;               ///< theirs without what acts in the step [kg m^2/s]
     std::vector<double> joint_rate;                   ///< [m/s, rad/s]
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
+    std::vector<Vec3> friction_sites;                 ///< what slip is measured from [m]
+    double friction_duration = 0.0;                   ///< and over what time [s]
     // Empty without a history:
     std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
     std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty

@@ -235,8 +235,8 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
   }
   if (contact_) {
     contact_->begin_step(potential_->site_positions(),
-                         {.positions = reference_.sites,
-                          .duration = reference_.stencil.duration,
+                         {.positions = reference_.friction_sites,
+                          .duration = reference_.friction_duration,
                           .step = h,
                           .weight = reference_.stencil.contact_weight},
                          {{state_.friction_pair, state_.friction_deflection, state_.friction_force},

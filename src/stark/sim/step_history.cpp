@@ -79,12 +79,20 @@ void Simulation::set_reference(double h) {
   set_free_rotations(h);
   r.sites.resize(model_->map().site_count());
   model_->map().positions(r.place, r.sites);
+  r.friction_sites = step_start_;
+  r.friction_duration = h;
   r.before.clear();
   r.beyond.clear();
   if (!has_history) return;
   r.before.resize(r.sites.size());
   model_->map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
                           r.before);
+  if (stencil.has_smooth_contact) {
+    // By places, not by lags: what sticks has none of its own, whatever moves it.
+    r.friction_duration = stencil.duration;
+    for (size_t i = 0; i < r.sites.size(); ++i)
+      r.friction_sites[i] += (step_start_[i] - r.before[i]) * stencil.history;
+  }
   if (stencil.duration != stencil.scale) return;
   const double way = std::sqrt(1.0 + 1.0 / stencil.history);
   for (size_t i = 0; i < r.sites.size(); ++i)

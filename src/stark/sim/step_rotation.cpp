@@ -14,6 +14,9 @@ namespace {
 /// free body turns in a step.
 constexpr double kLargestDifference = std::numbers::pi / 2.0;
 
+/// Angular impulse of a step over the angular momentum below which nothing holds the body.
+constexpr double kHeld = 1e-3;
+
 /// Torque that holds R against inertia, whose energy is least at R_free: the gradient of (9) with respect to
 /// a rotation, the sum of m_k (R_free e_k) x (R e_k) / (sigma s) [N m].
 Vec3 inertial_torque(const Mat3& R, const Mat3& R_free, const Vec3& second_moments,
@@ -99,9 +102,10 @@ void Simulation::commit_rotation(int32_t b, const Vec3& torque, double h) {
     const Vec3 L = reference_.angular_momentum[b] + torque * reference_.stencil.scale;
     const Vec3 w = velocity_of_momentum(state_.body_rotation[b], J, L);
     // A needle that is held far from its free motion has momentum along an axis of next to no inertia: then
-    // the turn itself tells.
+    // the turn itself tells. One that nothing holds may turn as fast as it likes.
+    const bool is_free_motion = norm(torque) * reference_.stencil.scale <= kHeld * norm(L);
     const bool is_possible = norm(w - turning) * h <= kLargestDifference;
-    state_.body_angular_velocity[b] = is_possible ? w : turning;
+    state_.body_angular_velocity[b] = is_free_motion || is_possible ? w : turning;
     return;
   }
   // Following poses, resting at the last one, or without inertia: the velocity tells what it did.
