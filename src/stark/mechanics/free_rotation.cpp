@@ -10,9 +10,9 @@ namespace stark {
 
 namespace {
 
-constexpr double kSubstep = 0.25;   ///< [rad] a step of the composition turns by no more
-constexpr int kMostSubsteps = 256;  ///< of motions that no step resolves
-constexpr double kSteady = 1e-14;   ///< change of w along the way, relative, below which it is steady
+constexpr double kSubstep = 0.25;    ///< [rad] a step of the composition turns by no more
+constexpr int kMostSubsteps = 4096;  ///< of motions that no step resolves
+constexpr double kSteady = 1e-14;    ///< change of w along the way, relative, below which it is steady
 
 /// Suzuki's composition of five steps of a symmetric method of second order to one of fourth.
 const double kOuter = 1.0 / (4.0 - std::cbrt(4.0));
