@@ -1,5 +1,5 @@
 // Rotation of rigid bodies and of frames of rods: what free motion brings them to, and what the torques of a
-// step make of it (step phases 1 and 6). [theory eq. 9a, 9b, 26a]
+// step make of it (step phases 1 and 6). [theory eq. 9a, 9b, 26c]
 #include <numbers>
 
 #include <stark/base/rotation.h>
