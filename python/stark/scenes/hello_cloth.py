@@ -1,4 +1,4 @@
-"""A 0.4 m cotton cloth falls over a box that turns, folds and is taken along by friction."""
+"""A 0.4 m cotton cloth falls over a turning box and folds; friction takes it along."""
 
 from typing import Any
 

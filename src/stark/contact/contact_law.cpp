@@ -38,12 +38,6 @@ double next_factor(double factor, double wanted, double duration) {
 
 int64_t code_of(const Contact& contact) { return group_code(contact.group_a, contact.group_b); }
 
-Vec3 normal_of(const Contact& contact, std::span<const Vec3> x) {
-  Vec3 n;
-  for (int p = 0; p < contact.point_count; ++p) n += x[contact.sites[p]] * contact.weights[p];
-  return normalized(n);
-}
-
 /// Pairs of edges, or vertices with all of a body, which have one area.
 int64_t area_code(const Contact& contact) {
   const bool is_edges = contact.key.list == 1;
@@ -101,7 +95,7 @@ void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
     if (known == nullptr || contact.distance < known->distance) known = &contact;
   }
   for (const auto& [code, contact] : nearest)
-    frozen_[code] = areas_.area(mesh, *contact, normal_of(*contact, x), x);
+    frozen_[code] = areas_.area(mesh, *contact, normalized(gap_vector(*contact, x)), x);
 }
 
 void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {

@@ -55,6 +55,13 @@ struct Contact {
   double stiffness = 0.0;           ///< [N/m]
 };
 
+/// From the closest point of side B to that of side A, with the contact's weights, at site positions x [m].
+inline Vec3 gap_vector(const Contact& contact, std::span<const Vec3> x) {
+  Vec3 sum;
+  for (int p = 0; p < contact.point_count; ++p) sum += x[contact.sites[p]] * contact.weights[p];
+  return sum;
+}
+
 /// Number of an unordered pair of groups.
 int64_t group_code(int32_t group_a, int32_t group_b);
 

@@ -106,8 +106,7 @@ std::optional<Index3> FrictionCarriers::triangle_at_point(const SurfaceMesh& mes
 FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, const Contact& contact,
                                                        std::span<const Vec3> x) const {
   const PairKey& key = contact.key;
-  Vec3 gap;
-  for (int p = 0; p < contact.point_count; ++p) gap += x[contact.sites[p]] * contact.weights[p];
+  const Vec3 gap = gap_vector(contact, x);
   const auto of = [&](int32_t t) { return t < 0 ? std::nullopt : std::optional(mesh.triangles[t]); };
   if (key.list == 0 || key.list == PairKey::kOther)
     return {triangle_at_point(mesh, contact), {contact.sites[0], -1}};

@@ -280,16 +280,11 @@ double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
 }
 
 double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {
-  const auto separation = [](const Contact& contact, std::span<const Vec3> x) {
-    Vec3 sum;
-    for (int p = 0; p < contact.point_count; ++p) sum += x[contact.sites[p]] * contact.weights[p];
-    return sum;
-  };
   double largest = 0.0;
   const auto visit = [&](std::span<const Vec3> at, std::span<const Vec3> other) {
     for (const Contact& contact : find_contacts_at(at)) {
-      const Vec3 here = separation(contact, at);
-      const double way = dot(here - separation(contact, other), normalized(here));
+      const Vec3 here = gap_vector(contact, at);
+      const double way = dot(here - gap_vector(contact, other), normalized(here));
       largest = std::max(largest, std::fabs(way) / contact.contact_distance);
     }
   };
