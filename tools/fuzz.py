@@ -2,6 +2,7 @@
 
     PYTHONPATH=python .venv/bin/python tools/fuzz.py                        # all targets, a minute each
     PYTHONPATH=python .venv/bin/python tools/fuzz.py scene --seconds 3600
+    PYTHONPATH=python .venv/bin/python tools/fuzz.py run_folders --count 20000 --seed 1
     PYTHONPATH=python .venv/bin/python tools/fuzz.py scene --input out/fuzz/scene-0.bin     # once more
     PYTHONPATH=python .venv/bin/python tools/fuzz.py scene --atheris     # guided by coverage, needs atheris
 
@@ -62,10 +63,10 @@ def run_batch(name: str, seed: int, folder: Path) -> None:
     current.unlink()
 
 
-def fuzz(name: str, seconds: float, seed: int, folder: Path) -> int:
-    """Number of kinds of failures."""
+def fuzz(name: str, seconds: float, count: int, seed: int, folder: Path) -> int:
+    """Number of kinds of failures in so many seconds, or inputs if there is a count."""
     end, runs, kinds = time.monotonic() + seconds, 0, set()
-    while time.monotonic() < end:
+    while runs < count if count else time.monotonic() < end:
         command = [sys.executable, __file__, name, "--batch", str(seed), "--out", str(folder)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         lines = [line.partition(" ")[::2] for line in done.stdout.splitlines()]
@@ -107,6 +108,7 @@ def main() -> int:
     )
     parser.add_argument("target", nargs="*", help=f"of {', '.join(TARGETS)}; all if left out")
     parser.add_argument("--seconds", type=float, default=60.0, help="for each target (60)")
+    parser.add_argument("--count", type=int, default=0, help="so many inputs for each target, instead")
     parser.add_argument("--seed", type=int, help="of the first batch; drawn if left out")
     parser.add_argument("--out", type=Path, default=Path("out/fuzz"), help="folder of failing inputs")
     parser.add_argument("--input", type=Path, help="run this input alone, and raise what it raises")
@@ -129,7 +131,7 @@ def main() -> int:
         guided(names[0], args.out)
     else:
         seed = int.from_bytes(os.urandom(4), "little") if args.seed is None else args.seed
-        return int(sum([fuzz(name, args.seconds, seed, args.out) for name in names]) > 0)
+        return int(sum([fuzz(name, args.seconds, args.count, seed, args.out) for name in names]) > 0)
     return 0
 
 

@@ -67,7 +67,8 @@ Array array(nb::handle object, const std::string& name, const std::string& expec
       Array result;
       if (exact && nb::try_cast<Array>(converted, result, false) && result.is_valid()) return result;
     }
-  } catch (const nb::python_error&) {
+  } catch (const nb::python_error& error) {
+    if (!error.matches(PyExc_Exception)) throw;  // Ctrl-C
     // Not an array of anything, for instance rows of unequal length: reported below.
   }
   throw InvalidArgument(name + ": got " + got + ", need " + expected);

@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 
 #include "formulas.h"
+#include "stepping.h"
 
 namespace stark::bindings {
 
@@ -23,6 +24,7 @@ int32_t add_attachment(Scene& scene, const nb::dict& given) {
   }
   attachment.break_force = nb::cast<double>(given["break_force"]);
   attachment.enabled = nb::cast<bool>(given["enabled"]);
+  if (given.contains("contact")) attachment.contact = nb::cast<bool>(given["contact"]);
   return scene.add_attachment(std::move(attachment)).index;
 }
 

@@ -4,6 +4,7 @@
 #include <stark/sim/simulation.h>
 
 #include "arrays.h"
+#include "stepping.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

@@ -103,8 +103,10 @@ void bind_diagnosis(nb::module_& m) {
       .def_prop_ro(
           "cause", [](const Diagnosis& d) { return to_string(d.cause); },
           "'blocked_motion', 'overconstrained_pins', 'contradicting_joints', 'inverted_element', "
-          "'not_finite', 'tolerance_below_round_off', 'no_equilibrium', 'thickness_overlap', "
-          "'unit_mistake', 'detour', 'singular_system', 'stiffness_contrast', 'iteration_budget', "
+          "'not_finite', 'singular_energy', 'tolerance_below_round_off', 'no_equilibrium', "
+          "'thickness_overlap', "
+          "'unit_mistake', 'crushing_load', 'detour', 'singular_system', 'stiffness_contrast', "
+          "'iteration_budget', "
           "'time_budget', 'unknown'.")
       .def_ro("finding", &Diagnosis::finding, "What was found, with names, numbers and units.")
       .def_ro("remedy", &Diagnosis::remedy, "What to change.")

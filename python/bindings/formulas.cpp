@@ -14,6 +14,7 @@
 
 #include "field_values.h"
 #include "formulas.h"
+#include "stepping.h"
 #include "symbolic.h"
 
 namespace stark::bindings {

@@ -196,7 +196,7 @@ class CollisionScene {
     const CandidateList list = candidates(x0, x1, separation);
     const auto minimum = numbers<double>(separation, "separation", "one number [m] for each group");
     CcdReport report;
-    stark::max_safe_step(broad_phase_.mesh(), list, x0, x1, minimum, pool_, &report);
+    stark::max_safe_step(broad_phase_.mesh(), list, x0, x1, {minimum}, pool_, &report);
     return {report.step, kNames[static_cast<int>(report.kind)], report.first, report.second};
   }
 

@@ -11,6 +11,7 @@
 #include <stark/io/raster.h>
 
 #include "arrays.h"
+#include "without_gil.h"
 
 namespace nb = nanobind;
 using stark::bindings::Rows;
@@ -43,7 +44,7 @@ void add_mesh(Canvas& canvas, nb::handle positions, nb::handle triangles, const 
 nb::object draw(const Canvas& canvas) {
   stark::Image image;
   {
-    nb::gil_scoped_release release;
+    const stark::bindings::WithoutGil without;
     image = stark::rasterise(canvas.meshes, canvas.camera, canvas.settings);
   }
   const nb::object flat = nb::cast(stark::bindings::to_numpy<uint8_t>(std::move(image.pixels)));

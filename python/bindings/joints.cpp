@@ -8,6 +8,7 @@
 
 #include "field_values.h"
 #include "joints.h"
+#include "stepping.h"
 
 namespace stark::bindings {
 
@@ -77,6 +78,7 @@ int32_t add_joint(Scene& scene, const nb::dict& given) {
   joint.b = to_frame(nb::cast<nb::dict>(given["b"]));
   joint.values = parameter_values_of(given["values"], "joint '" + joint.name + "'");
   joint.enabled = nb::cast<bool>(given["enabled"]);
+  if (given.contains("contact")) joint.contact = nb::cast<bool>(given["contact"]);
   return scene.add_joint(std::move(joint)).index;
 }
 

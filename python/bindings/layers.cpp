@@ -7,6 +7,7 @@
 #include <stark/sim/lumped_mass.h>
 
 #include "field_values.h"
+#include "stepping.h"
 
 namespace stark::bindings {
 

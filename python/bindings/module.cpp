@@ -9,6 +9,8 @@
 
 #include <stark/base/error.h>
 
+#include "without_gil.h"
+
 namespace nb = nanobind;
 
 void bind_geometry(nb::module_& m);
@@ -109,6 +111,7 @@ NB_MODULE(_core, m) {
   m.doc() = "Compiled core of Stark; the public interface is the package stark.";
   m.attr("__version__") = STARK_VERSION;
   bind_exceptions(m);
+  stark::bindings::wait_at_exit();
   bind_geometry(m);
   bind_laws(m);
   bind_scene(m);

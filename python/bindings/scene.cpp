@@ -274,6 +274,7 @@ RigidDescription rigid_of(const nb::dict& given) {
   body.motion = choice_of<Motion>(nb::cast<std::string>(given["motion"]), owner + ": motion");
   body.mass = number_of(given["mass"], owner + ": mass");
   body.density = number_of(given["density"], owner + ": density");
+  if (given.contains("hollow")) body.hollow = nb::cast<bool>(given["hollow"]);
   body.linear_damping = number_of(given["linear_damping"], owner + ": linear_damping").value_or(0.0);
   body.angular_damping = number_of(given["angular_damping"], owner + ": angular_damping").value_or(0.0);
   if (!given["inertia"].is_none()) {
@@ -389,6 +390,15 @@ void bind_scene_class(nb::module_& m) {
           },
           "a"_a, "b"_a, "Static and kinetic coefficient and their shares along and across the direction.")
       .def(
+          "set_restitution",
+          [](Scene& s, int32_t a, int32_t b, double coefficient) {
+            s.set_restitution({a}, {b}, coefficient);
+          },
+          "a"_a, "b"_a, "coefficient"_a)
+      .def(
+          "restitution", [](const Scene& s, int32_t a, int32_t b) { return s.restitution({a}, {b}); }, "a"_a,
+          "b"_a, "Coefficient of a pair, None where it has none.")
+      .def(
           "set_surface_directions",
           [](Scene& s, int32_t body, nb::handle directions) {
             s.set_surface_directions({body},
@@ -408,6 +418,17 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "contact_enabled", [](const Scene& s, int32_t a, int32_t b) { return s.contact_enabled({a}, {b}); },
           "a"_a, "b"_a)
+      .def(
+          "contact_possible",
+          [](const Scene& s, int32_t a, int32_t b) { return s.contact_possible({a}, {b}); }, "a"_a, "b"_a)
+      .def(
+          "meeting_matters", [](const Scene& s, int32_t a, int32_t b) { return s.meeting_matters({a}, {b}); },
+          "a"_a, "b"_a)
+      .def(
+          "joint_contact", [](const Scene& s, int32_t joint) { return s.joint({joint}).contact; }, "joint"_a)
+      .def(
+          "attachment_contact", [](const Scene& s, int32_t k) { return s.attachment({k}).contact; },
+          "attachment"_a)
       .def_prop_ro("body_count", &Scene::body_count)
       .def("contains", &Scene::contains, "name"_a)
       .def("free_name", &Scene::free_name, "stem"_a)

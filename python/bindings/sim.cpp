@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <optional>
 
+#include <stark/base/thread_pool.h>
 #include <stark/geometry/topology.h>
 #include <stark/sim/simulation.h>
 
@@ -18,6 +19,8 @@
 #include "formulas.h"
 #include "joints.h"
 #include "layers.h"
+#include "stepping.h"
+#include "watch.h"
 
 namespace {
 
@@ -25,6 +28,11 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using namespace stark;
 using namespace stark::bindings;
+
+/// What Ctrl-C raises.
+void raise_signals() {
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
 
 const char* status_name(StepStatus status) {
   constexpr const char* kNames[] = {"accepted", "retried", "failed", "interrupted"};
@@ -41,6 +49,7 @@ nb::dict energy_dict(const StepReport& r) {
   energy["friction"] = r.energy.friction;
   energy["external"] = r.energy.external;
   energy["actuation"] = r.energy.actuation;
+  energy["restitution"] = r.energy.restitution;
   energy["numerical"] = r.energy.numerical;
   return energy;
 }
@@ -129,31 +138,14 @@ Mat3 to_mat3(nb::handle object, const std::string& name) {
   return result;
 }
 
-/// Steps without the GIL; signals are looked at between Newton iterations, so Ctrl-C acts within one of them.
-template <typename Steps>
-auto interruptible(Simulation& sim, const Steps& steps) {
-  bool raised = false;
-  sim.set_interrupt([&raised] {
-    nb::gil_scoped_acquire gil;
-    raised = raised || PyErr_CheckSignals() != 0;
-    return raised;
-  });
-  const auto result = [&] {
-    nb::gil_scoped_release release;
-    return steps();
-  }();
-  sim.set_interrupt({});
-  if (raised) throw nb::python_error();
-  return result;
-}
-
-StepReport run_step(Simulation& sim, std::optional<double> max_time_step) {
-  return interruptible(sim,
-                       [&]() -> StepReport { return max_time_step ? sim.step(*max_time_step) : sim.step(); });
+StepReport run_step(Simulation& sim, std::optional<double> max_time_step, nb::object progress,
+                    double progress_period) {
+  return watched(sim, {std::move(progress), progress_period},
+                 [&]() -> StepReport { return max_time_step ? sim.step(*max_time_step) : sim.step(); });
 }
 
 bool resume(Simulation& sim, const State& before, std::optional<double> max_time_step, const State& state) {
-  return interruptible(sim, [&] { return sim.resume(before, max_time_step.value_or(1e300), state); });
+  return watched(sim, {}, [&] { return sim.resume(before, max_time_step.value_or(1e300), state); });
 }
 
 /// A field as an array of its own.
@@ -281,8 +273,8 @@ void bind_report(nb::module_& m) {
           "Whether it converged because all that is left is rounding: tolerances ask for less.")
       .def_prop_ro("caveats", caveat_names,
                    "What is not quite as asked of a step that was accepted: 'round_off' (the tolerances are "
-                   "not met, forces are rounding), 'old_friction' (friction or joints are a refresh behind), "
-                   "'detour' (the straight way from start to end leads through something).")
+                   "not met, forces are rounding), 'old_friction' (friction or joints are a refresh "
+                   "behind).")
       .def_prop_ro(
           "diagnosis", [](const StepReport& r) { return r.diagnosis ? nb::cast(r.diagnosis) : nb::none(); },
           nb::sig("def diagnosis(self) -> Diagnosis | None"), "Why the step failed; None when it did not.")
@@ -377,9 +369,18 @@ void bind_simulation(nb::module_& m) {
   bind_state(m);
   bind_diagnosis(m);
   bind_report(m);
+  bind_step_progress(m);
+  m.def("usable_threads", &usable_threads, "asked"_a = 0,
+        "Threads that a simulation runs on that asks for so many, 0 for all.");
   nb::class_<Simulation>(m, "Simulation", "Model, state and solver of a scene; bodies are indices.")
-      .def(nb::init<const Scene&, const Settings&>(), "scene"_a, "settings"_a)
-      .def("step", &run_step, "max_time_step"_a = nb::none())
+      .def(
+          "__init__",
+          [](Simulation* self, const Scene& scene, const Settings& settings) {
+            new (self) Simulation(scene, settings, raise_signals);
+          },
+          "scene"_a, "settings"_a)
+      .def("step", &run_step, "max_time_step"_a = nb::none(), "progress"_a = nb::none(),
+           "progress_period"_a = 0.0)
       .def_prop_ro(
           "report", [](const Simulation& s) { return s.report(); }, "Report of the last step.")
       .def_prop_ro("time", &Simulation::time)
@@ -409,6 +410,7 @@ void bind_simulation(nb::module_& m) {
       .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
+      .def_prop_ro("thread_count", &Simulation::thread_count)
       .def_prop_ro("dof_count", &Simulation::dof_count)
       .def_prop_ro("body_count", [](const Simulation& s) { return s.scene().body_count(); })
       .def("positions",
@@ -475,6 +477,7 @@ void bind_simulation(nb::module_& m) {
           [](const Simulation& s, int32_t energy) { return to_numpy<double>(s.element_forces({energy})); },
           "energy"_a, "Forces on the points of its elements in the last step (n * points, 3) [N].")
       .def_prop_ro("joint_count", [](const Simulation& s) { return s.scene().joints().size(); })
+      .def_prop_ro("exclusion_count", &Simulation::exclusion_count)
       .def(
           "joint_coordinates",
           [](const Simulation& s, int32_t joint) { return to_numpy<double>(s.joint_coordinates({joint})); },

@@ -12,6 +12,7 @@
 
 #include "arrays.h"
 #include "symbolic.h"
+#include "without_gil.h"
 
 namespace stark::bindings {
 
@@ -98,7 +99,7 @@ nb::tuple evaluate(const ArrayFunction& f, int order, bool with_values, bool wit
   if (with_first) std::tie(first, results.first) = zeros(batch, {m, n});
   if (chosen == Order::Hessian) std::tie(second, results.second) = zeros(batch, {n, n});
   {
-    const nb::gil_scoped_release release;
+    const WithoutGil without;
     f.evaluate(chosen, arguments, batch, results);
   }
   return nb::make_tuple(values, first, second);

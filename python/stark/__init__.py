@@ -13,7 +13,9 @@ SI units throughout. Recording, pictures and the command line are in stark.recor
 stark.cli."""
 
 from stark._cpu import require_supported_processor
+from stark._interrupts import leave_while_starting
 
+leave_while_starting()
 require_supported_processor()
 
 from stark import materials, mesh, surfaces  # noqa: E402
@@ -24,6 +26,8 @@ from stark._core import (  # noqa: E402
     InvalidArgument,
     InvalidMesh,
     InvalidSetting,
+    StepProgress,
+    StepReport,
     TraceError,
     __version__,
 )
@@ -97,7 +101,24 @@ def __getattr__(name: str) -> object:
     if name in _PLACES:
         value = globals()[name] = getattr(importlib.import_module(_PLACES[name]), name)
         return value
-    raise AttributeError(f"module 'stark' has no attribute {name!r}")
+    raise AttributeError(f"module 'stark' has no attribute {name!r}{_nearest(name)}")
+
+
+def _nearest(name: str) -> str:
+    """'; did you mean ...?', or nothing."""
+    import difflib
+
+    if name.startswith("_"):
+        return ""
+    known = sorted({*__all__, *_ON_DEMAND, *_PLACES})
+    lower = {n.lower(): n for n in known}
+    near = difflib.get_close_matches(name, known, n=1)
+    near = near or [lower[n] for n in difflib.get_close_matches(name.lower(), lower, n=1)]
+    return f"; did you mean stark.{near[0]}?" if near else ""
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_ON_DEMAND, *_PLACES})
 
 
 __all__ = [
@@ -127,6 +148,8 @@ __all__ = [
     "SolidMesh",
     "StarkWarning",
     "StepFailed",
+    "StepProgress",
+    "StepReport",
     "Surface",
     "TetMesh",
     "TraceError",

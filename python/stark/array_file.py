@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Error
+from .files import open_regular
 
 Array = NDArray[np.generic]
 
@@ -75,10 +76,29 @@ def refuse_special(path: Path) -> None:
         raise refused
 
 
+def refuse_link(folder: Path) -> None:
+    """Raises WriteError for a folder within a run folder that is a link: what is written there would come to
+    lie somewhere else."""
+    if folder.is_symlink():
+        refused = WriteError(
+            f"'{folder}' cannot be written: it is a link that leads out of its folder; remove it, or choose "
+            f"another folder"
+        )
+        refused.errno = errno.ELOOP
+        raise refused
+
+
+def make_folder(folder: Path) -> None:
+    """A folder within a run folder, and no link to another."""
+    with naming(folder):
+        refuse_link(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+
+
 def read_arrays(path: Path) -> dict[str, Array]:
     """All arrays of an NPZ file by name. Raises FileNotFoundError, or DamageError for everything else."""
     try:
-        with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
+        with open_regular(path) as file, zipfile.ZipFile(file) as archive:
             members = archive.infolist()
             _check_sizes(members, os.fstat(file.fileno()).st_size)
             return {member.filename.removesuffix(".npy"): _read(archive, member) for member in members}
@@ -106,13 +126,14 @@ def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
 
 
 def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
-    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk.
-    Raises WriteError, also for what is no file to be replaced."""
+    """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk. A
+    link is replaced, never followed. Raises WriteError, also for what is no file to be replaced."""
     with naming(path):
         refuse_special(path)
         temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
         try:
-            with open(temporary, "wb") as file:
+            temporary.unlink(missing_ok=True)
+            with open(temporary, "xb") as file:
                 write(file)
                 file.flush()
                 os.fsync(file.fileno())
@@ -125,8 +146,13 @@ def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
 def remove_leftovers(folder: Path) -> None:
     """Removes what write_atomically() left half-written in a folder when its process was killed."""
     for path in folder.glob(".*.tmp"):
-        if re.fullmatch(r"\..+\.\d+\.tmp", path.name):
+        if is_leftover(path):
             path.unlink(missing_ok=True)
+
+
+def is_leftover(path: Path) -> bool:
+    """Whether write_atomically() gives such a name to a file that it has not moved into place."""
+    return re.fullmatch(r"\..+\.\d+\.tmp", path.name) is not None
 
 
 def _check_sizes(members: list[zipfile.ZipInfo], file_size: int) -> None:

@@ -1,12 +1,11 @@
 """Handles of bodies: what ``scene.add_*`` returns and what ``simulation.bodies`` holds.
 
-A handle names a body of a scene. The properties that change in time (positions, velocities, poses) belong to
-the simulation that was made last from the scene; ``simulation[body]`` is the same body in one particular
+A handle names a body of a scene. The properties that change in time (positions, velocities, poses) are those
+of the newest simulation of the scene that is alive; ``simulation[body]`` is the same body in one particular
 simulation."""
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import added_later, as_array, needs_simulation, real_array
+from stark.attributes import KnownAttributes
 from stark.layers import LayeredBody
 from stark.mesh import Indices, Points, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import as_matrix, check_places, vector
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stark.simulation import Simulation
 
 
-class Body(ContactSensors):
+class Body(ContactSensors, KnownAttributes):
     """A body of a scene; equal and hashed by scene and name."""
 
     kind: str = ""
@@ -39,7 +39,6 @@ class Body(ContactSensors):
         self._index = index
         self._mesh = mesh
         self._color = None if color is None else tuple(float(c) for c in color)
-        self._simulation: Callable[[], Simulation | None] = _no_simulation
         self._of: Simulation | None = None  # of handles that sim[body] gave
         self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
         self._rest_placement: tuple[Any, Any] | None = None  # of bodies that start in another shape than rest
@@ -123,8 +122,9 @@ class Body(ContactSensors):
 
     @property
     def contact_distance(self) -> float | None:
-        """[m]; None: ``contact.distance`` of the settings, which suits each body by default."""
-        return self._scene._core.contact_distance(self._index)
+        """[m]; its own, else that of ``Simulation.contact_distance``; None while there is no simulation."""
+        own, simulation = self._scene._core.contact_distance(self._index), self._simulation()
+        return simulation.contact_distance(self) if own is None and simulation is not None else own
 
     @property
     def contact_stiffness(self) -> float | None:
@@ -175,24 +175,23 @@ class Body(ContactSensors):
     def _bound_to(self, simulation: Simulation) -> Any:
         handle = object.__new__(type(self))
         handle.__dict__.update(self.__dict__)
-        handle._simulation = lambda: simulation
         handle._of = simulation
         return handle
 
-    def _bind(self, simulation: Simulation) -> None:
-        # Weak, or a body would keep its simulation alive; a handle that outlives it says so.
-        reference = weakref.ref(simulation)
-
-        def bound() -> Simulation:
-            alive = reference()
-            if alive is None:
-                raise InvalidArgument(
-                    f"'{self.name}': its simulation is gone; keep the stark.Simulation in a variable while "
-                    f"its bodies are used"
-                )
-            return alive
-
-        self._simulation = bound
+    def _simulation(self) -> Simulation | None:
+        """That of sim[body]; of handles of the scene the newest one that is alive. None: there has been none
+        with this body."""
+        if self._of is not None:
+            return self._of
+        latest = self._scene._latest_simulation()
+        if latest is not None and self._index < latest._core.body_count:
+            return latest
+        if latest is None and self._index < self._scene._simulated_bodies:
+            raise InvalidArgument(
+                f"'{self.name}': its simulation is gone; keep the stark.Simulation in a variable while "
+                f"its bodies are used"
+            )
+        return None
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other._scene is self._scene and other._index == self._index
@@ -202,10 +201,6 @@ class Body(ContactSensors):
 
     def __repr__(self) -> str:
         return f"<stark.{type(self).__name__} '{self.name}'>"
-
-
-def _no_simulation() -> None:
-    return None
 
 
 class _Deformable(Body):
@@ -377,9 +372,7 @@ class RigidBody(InertialSensors, Body):
 
         return local_points(self, local)
 
-    def frame(
-        self, position: ArrayLike = (0.0, 0.0, 0.0), *, rotation: ArrayLike | None = None
-    ) -> FrameHandle:
+    def frame(self, position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None) -> FrameHandle:
         """Frame fixed to the body, for energies: ``position`` [m] and ``rotation`` in the frame of its
         mesh."""
         from stark.formulas.points import rigid_frame
@@ -393,7 +386,9 @@ class RigidBody(InertialSensors, Body):
 
     @position.setter
     def position(self, value: ArrayLike) -> None:
-        self._set_pose(vector(value, f"'{self.name}': position"), self._target()[1])
+        position = vector(value, f"'{self.name}': position")
+        self._require_scripted("position")
+        self._set_pose(position, self._target()[1])
 
     @property
     def rotation(self) -> NDArray[np.float64]:
@@ -402,7 +397,9 @@ class RigidBody(InertialSensors, Body):
 
     @rotation.setter
     def rotation(self, value: ArrayLike) -> None:
-        self._set_pose(self._target()[0], as_matrix(value, f"'{self.name}': rotation"))
+        rotation = as_matrix(value, f"'{self.name}': rotation")
+        self._require_scripted("rotation")
+        self._set_pose(self._target()[0], rotation)
 
     @property
     def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -439,7 +436,9 @@ class RigidBody(InertialSensors, Body):
 
     @velocity.setter
     def velocity(self, value: ArrayLike) -> None:
-        self._set_velocity(vector(value, f"'{self.name}': velocity"), self.angular_velocity)
+        velocity = vector(value, f"'{self.name}': velocity")
+        self._require_scripted("velocity")
+        self._set_velocity(velocity, self.angular_velocity)
 
     @property
     def angular_velocity(self) -> NDArray[np.float64]:
@@ -448,7 +447,9 @@ class RigidBody(InertialSensors, Body):
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
-        self._set_velocity(self.velocity, vector(value, f"'{self.name}': angular_velocity"))
+        angular_velocity = vector(value, f"'{self.name}': angular_velocity")
+        self._require_scripted("angular_velocity")
+        self._set_velocity(self.velocity, angular_velocity)
 
     @property
     def center_of_mass(self) -> NDArray[np.float64]:
@@ -471,17 +472,16 @@ class RigidBody(InertialSensors, Body):
 
     def _set_pose(self, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
         simulation = self._require_simulation("setting a pose")
-        self._require_scripted("pose")
         simulation._core.set_pose(self._index, position, rotation)
 
     def _set_velocity(self, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]) -> None:
         simulation = self._require_simulation("setting a velocity")
-        self._require_scripted("velocity")
         simulation._core.set_twist(self._index, velocity, angular_velocity)
 
     def _require_scripted(self, what: str) -> None:
         if self.motion != "scripted":
             raise InvalidArgument(
                 f"'{self.name}' is {self.motion}: its {what} cannot be set; "
-                f"only bodies with motion='scripted' are moved so"
+                f"only bodies with motion='scripted' are moved so; where a body starts is said when it is "
+                f"added, with position=, rotation=, velocity= and angular_velocity="
             )

@@ -170,7 +170,7 @@ def _pin_rows(body: Body, vertices: ArrayLike | None) -> NDArray[np.intp]:
     if len(pins) == 0:
         raise InvalidArgument(
             f"'{body.name}': follow: no vertex is pinned: must have pins to move; call "
-            f"'{body.name}'.pin(vertices) first"
+            f"scene['{body.name}'].pin(vertices) before the simulation is made"
         )
     if vertices is None:
         return np.arange(len(pins))

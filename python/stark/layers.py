@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, given_choice, given_flag, given_name
+from stark.attributes import KnownAttributes
 from stark.fibre_paths import FibrePaths, paths_from
 from stark.materials import RodMaterial, ShellMaterial, steel_wire
 from stark.mesh import Indices, Points
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class Layer:
+class Layer(KnownAttributes):
     """What skins and fibres have in common. ``sim.layers`` are the handles of one particular simulation."""
 
     kind: str = ""

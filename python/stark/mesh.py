@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
+from stark.arguments import given_path
 from stark.rotations import as_matrix, vector
 
 Points: TypeAlias = NDArray[np.float64]
@@ -116,9 +117,12 @@ class _MeshBase:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the arrays, with all digits, as a NumPy file that ``stark.mesh.load`` reads:
         ``mesh.save("cup.npz")``."""
-        if not os.fspath(path).endswith(".npz"):
+        from stark.array_file import write_atomically
+
+        file = given_path(path, "save: path")
+        if file.suffix != ".npz":
             raise InvalidArgument(f"save: path = '{path}': must end in .npz")
-        np.savez_compressed(path, **self.__dict__)
+        write_atomically(file, lambda stream: np.savez_compressed(stream, **self.__dict__))
 
     def centered(self: _Mesh) -> _Mesh:
         """Copy with the middle of its bounds at the origin."""
@@ -277,7 +281,8 @@ def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
         return mesh
     if isinstance(mesh, TetMesh):
         raise InvalidMesh(f"{name}: got a TetMesh, need a TriangleMesh; use add_solid, or mesh.surface()")
-    for attribute in ("triangles", "faces"):
+    # trimesh has the corners of its triangles as `triangles`, and their indices as `faces`.
+    for attribute in ("faces", "triangles"):
         if hasattr(mesh, "vertices") and hasattr(mesh, attribute):
             return _named(name, TriangleMesh, mesh.vertices, getattr(mesh, attribute))
     if isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import os
 import tempfile
 import zipfile
@@ -14,7 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from stark import _core
 from stark._core import InvalidMesh
+from stark.arguments import given_path
+from stark.files import read_bytes
 from stark.mesh import Mesh, SolidMesh, TetMesh, TriangleMesh, compact, merged, oriented, positive
 
 #: What readers stumble over in files that are not what they say.
@@ -29,14 +33,15 @@ _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
+_LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
 
 def load(path: str | os.PathLike[str]) -> Mesh:
     """See ``stark.mesh.load``."""
-    file = Path(path)
+    file = given_path(path, "mesh.load: path")
     try:
-        data = file.read_bytes()
+        data = read_bytes(file)
     except OSError as error:
         raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
     readers: dict[str, Callable[[bytes], Mesh]] = {
@@ -109,6 +114,8 @@ def _read_ply(data: bytes) -> TriangleMesh:
             layout = words[1]
         elif words[:1] == ["element"]:
             elements.append((words[1], int(words[2]), []))
+            if elements[-1][1] < 0:
+                raise InvalidMesh(f"{words[2]} elements '{words[1]}': must be at least none")
         elif words[:2] == ["property", "list"]:
             elements[-1][2].append((words[4], _PLY_TYPES[words[3]], _PLY_TYPES[words[2]]))
         elif words[:1] == ["property"]:
@@ -128,7 +135,10 @@ def _read_ply(data: bytes) -> TriangleMesh:
             continue
         for _ in range(count):
             for property_name, kind, length in properties:
-                values = reader.values(kind, int(reader.values(length, 1)[0]) if length else 1)
+                entries = int(reader.values(length, 1)[0]) if length else 1
+                if entries < 0:
+                    raise InvalidMesh(f"a list of {entries} entries: must have at least none")
+                values = reader.values(kind, entries)
                 if name == "face" and property_name in ("vertex_indices", "vertex_index"):
                     triangles.extend(_fan([int(v) for v in values]))
     return TriangleMesh(vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3))
@@ -186,11 +196,23 @@ def _read_stl(data: bytes) -> TriangleMesh:
 
 def _read_npz(data: bytes) -> Mesh:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        _require_sizes(arrays)
         if "tets" in arrays:
             return TetMesh(arrays["vertices"], arrays["tets"])
         if "elements" in arrays:
             return SolidMesh(arrays["vertices"], arrays["elements"])
         return TriangleMesh(arrays["vertices"], arrays["triangles"])
+
+
+def _require_sizes(arrays: Any) -> None:
+    """Arrays as large as they say: memory is taken by what their headers claim."""
+    for member in arrays.zip.infolist():
+        with arrays.zip.open(member) as stored:
+            version = np.lib.format.read_magic(stored)
+            header = getattr(np.lib.format, f"read_array_header_{version[0]}_0")(stored)
+            shape, _, dtype = header
+            if math.prod(shape) * dtype.itemsize > member.file_size or member.file_size > _LARGEST_ARRAY:
+                raise InvalidMesh(f"array '{member.filename}' claims the shape {shape}, more than it holds")
 
 
 def _load_by_trimesh(file: Path) -> TriangleMesh:
@@ -233,6 +255,13 @@ def tetrahedralise(surface: TriangleMesh, edge_length: float | None, tolerance: 
     """See ``stark.mesh.tetrahedralise``."""
     if len(surface.triangles) == 0:
         raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
+    if not _core.is_closed(surface.triangles):
+        edge = _core.find_boundary_edges(surface.triangles)
+        where = f", the first ones {edge[:3].tolist()}" if len(edge) else ""
+        raise InvalidMesh(
+            f"tetrahedralise: the mesh is open at {len(edge)} edges{where}: must be a closed surface, which "
+            f"encloses a volume; close it first"
+        )
     diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
     fraction = (
         0.05 if edge_length is None else positive(edge_length, "tetrahedralise: edge_length") / diagonal

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stark import materials
+from stark import _core, materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument, InvalidMesh
 from stark.actuators.scene_actuators import SceneActuators
 from stark.arguments import as_array, given_flag, given_name, given_word, refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
+from stark.attributes import KnownAttributes
 from stark.bodies import Body, Cloth, RigidBody, Solid
 from stark.friction import FrictionTable
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
+from stark.restitution import RestitutionTable
 from stark.rods import Rod
 from stark.rotations import Vec3Like, as_matrix
 from stark.scene_record import RecordedScene
+from stark.scene_simulations import SceneSimulations, StarkWarning
 from stark.surfaces import Surface
 
 if TYPE_CHECKING:
@@ -33,17 +36,14 @@ if TYPE_CHECKING:
     from stark.formulas.handle import Energy
     from stark.joints.handle import Joint
     from stark.layers import Layer
-    from stark.simulation import Simulation
 
 _ZERO = (0.0, 0.0, 0.0)
 
 
-class StarkWarning(UserWarning):
-    """Something that can be simulated but is probably not meant."""
-
-
-class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
+class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads, SceneSimulations, KnownAttributes):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
+
+    name: str
 
     def __init__(self, name: str = "scene") -> None:
         self.name = name
@@ -55,7 +55,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         self._attachments: list[Attachment] = []
         self._layers: list[Layer] = []
         self._followers: dict[int, list[Follower]] = {}  # by body
-        self._latest_simulation: Callable[[], Simulation | None] = lambda: None
+        self._begin_simulations()
         self._warned = 0
 
     # --- deformable bodies ---
@@ -259,6 +259,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         mass: float | None = None,
         density: float | None = None,
         inertia: tuple[float, Vec3Like, ArrayLike] | None = None,
+        hollow: bool = False,
         motion: str = "dynamic",
         name: str | None = None,
         position: Vec3Like = _ZERO,
@@ -277,7 +278,10 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
 
         A dynamic body needs one of ``mass`` [kg] (spread over the enclosed volume, or over the surface of
         open meshes), ``density`` [kg/m^3] (closed meshes), ``inertia`` (mass [kg], centre of mass (3,) [m],
-        tensor about it (3, 3) [kg m^2], in the frame of the mesh). ``motion="fixed"`` never moves;
+        tensor about it (3, 3) [kg m^2], in the frame of the mesh). A closed mesh is the surface of a solid:
+        no other body can start inside. With ``hollow=True`` it is a shell with room inside, and ``mass`` is
+        spread over the surface; walls of a thickness are a mesh with an outer and an inner surface, which is
+        not hollow. ``motion="fixed"`` never moves;
         ``motion="scripted"`` follows the poses that are assigned to it, or its constant ``velocity`` [m/s]
         and ``angular_velocity`` [rad/s] until one is. ``linear_damping`` and ``angular_damping`` in 1/s."""
         shape = meshes.as_triangle_mesh(mesh, _title("rigid body", name))
@@ -305,6 +309,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             "mass": mass,
             "density": density,
             "inertia": inertia,
+            "hollow": given_flag(hollow, f"{_title('rigid body', name)}: hollow"),
             "linear_damping": linear_damping,
             "angular_damping": angular_damping,
         }
@@ -344,6 +349,12 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
         return FrictionTable(self)
 
     @property
+    def restitution(self) -> RestitutionTable:
+        """Coefficients of pairs of rigid bodies: ``scene.restitution[ball, floor] = 0.8``; see
+        RestitutionTable."""
+        return RestitutionTable(self)
+
+    @property
     def default_friction(self) -> float:
         """Coefficient of bodies that were given none, 0.5 at first."""
         return self._core.default_friction
@@ -375,6 +386,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
 
         handle = add_energy(self, energy, name)
         self._energies.append(handle)
+        self._warn_of_late(f"energy '{handle.name}'")
         return handle
 
     @property
@@ -471,6 +483,7 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
 
     def _append_layer(self, layer: Layer) -> None:
         self._layers.append(layer)
+        self._warn_of_late(f"layer '{layer.name}'")
         self._warn(stacklevel=4)
 
     def _warn(self, stacklevel: int) -> None:
@@ -479,16 +492,12 @@ class Scene(SceneJoints, SceneActuators, SceneAttachments, SceneLoads):
             warnings.warn(message, StarkWarning, stacklevel=stacklevel)
         self._warned = len(found)
 
-    def _warn_of_simulation(self, body: Body, what: str) -> None:
-        """After a change of a body that one may take for a change of the simulation that it is in."""
-        latest = self._latest_simulation()
-        if latest is not None and body._index < latest._core.body_count:
-            warnings.warn(
-                f"'{body.name}': {what}: holds in simulations made from now on, not in the one that was "
-                f"made; {what} before stark.Simulation(scene) is made, or make a new one",
-                StarkWarning,
-                stacklevel=3,
-            )
+    def _unknown_attribute(self, name: str) -> str:
+        names = _core.Settings.fields()
+        known = {"time_step", "contact_distance", "threads"} | {f["name"].partition(".")[0] for f in names}
+        if name in known:
+            return f"{self!r} has no attribute '{name}': it is of stark.Simulation(scene, {name}=...)"
+        return super()._unknown_attribute(name)
 
     def _index(self, body: Body | str) -> int:
         if isinstance(body, Body):

@@ -83,6 +83,9 @@ class RecordedScene(_core.Scene):
     def set_anisotropic_friction(self, a: int, b: int, along: float, across: float, kinetic: float) -> None:
         self._do("set_anisotropic_friction", a, b, along, across, kinetic)
 
+    def set_restitution(self, a: int, b: int, coefficient: float) -> None:
+        self._do("set_restitution", a, b, coefficient)
+
     def set_surface_directions(self, body: int, directions: Any) -> None:
         self._do("set_surface_directions", body, directions)
 

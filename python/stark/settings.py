@@ -11,6 +11,18 @@ from typing import Any
 from stark import _core
 from stark._core import InvalidSetting
 
+#: What settings are called elsewhere.
+_OTHER_WORDS = {
+    "dt": "time_step",
+    "h": "time_step",
+    "delta_t": "time_step",
+    "g": "gravity",
+    "thickness": "contact_distance",
+    "dhat": "contact_distance",
+    "num_threads": "threads",
+    "integrator": "time.integrator",
+}
+
 
 class _UnknownSetting(InvalidSetting, AttributeError):  # noqa: N818
     """An unknown setting asked for as an attribute, so that hasattr() works."""
@@ -71,9 +83,9 @@ class Settings:
         for name, value in values.items():
             if isinstance(value, Mapping):
                 for inner, inner_value in value.items():
-                    changed.assign(f"{name}.{inner}", inner_value)
+                    _assign(changed, f"{name}.{inner}", inner_value)
             else:
-                changed.assign(name, value)
+                _assign(changed, name, value)
         object.__setattr__(self, "_core", changed)
 
     def set_text(self, assignment: str) -> None:
@@ -119,7 +131,7 @@ class Settings:
         return self._core.read(name)
 
     def __setitem__(self, name: str, value: Any) -> None:
-        self._core.assign(name, value)
+        _assign(self._core, name, value)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.names())
@@ -139,7 +151,7 @@ class Settings:
             raise InvalidSetting(
                 f"'{name}' is a group of settings, not a setting; assign to one of its fields"
             )
-        self._core.assign(name, value)
+        _assign(self._core, name, value)
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *dict.fromkeys(name.partition(".")[0] for name in self.names())]
@@ -154,6 +166,47 @@ class Settings:
 
     def __repr__(self) -> str:
         return self._core.listing().rstrip()
+
+
+class FixedSettings(Settings):
+    """Those that a simulation was made with: they can be read and copied."""
+
+    __slots__ = ()
+
+    def update(self, values: Mapping[str, Any]) -> None:
+        if values:
+            self._refuse(next(iter(values)))
+
+    def set_text(self, assignment: str) -> None:
+        self._refuse(assignment.partition("=")[0].strip())
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self._refuse(name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._refuse(name)
+
+    def _refuse(self, name: str) -> None:
+        known = self._core.read(name) if name not in _groups(self.names()) else "..."
+        raise InvalidSetting(
+            f"{name} = {known!r} of a simulation: cannot be changed; make a new one with "
+            f"stark.Simulation(scene, sim.settings, {name}=...)"
+        )
+
+
+def _groups(names: list[str]) -> set[str]:
+    return {name.partition(".")[0] for name in names if "." in name}
+
+
+def _assign(core: _core.Settings, name: str, value: Any) -> None:
+    if not isinstance(name, str) or "." in name or name in ("time_step", "contact_distance", "threads"):
+        return core.assign(name, value)
+    known = [field["name"] for field in core.fields()]
+    near = [_OTHER_WORDS[name]] if name in _OTHER_WORDS else [other for other in known if name in other][:3]
+    if name in known or not near:
+        return core.assign(name, value)
+    words = " or ".join(repr(other) for other in near)
+    raise InvalidSetting(f"unknown setting '{name}' of the settings (did you mean {words}?)")
 
 
 def _rebuild(values: dict[str, Any]) -> Settings:

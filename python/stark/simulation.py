@@ -5,7 +5,6 @@ from __future__ import annotations
 import copyreg
 import math
 import warnings
-import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
@@ -16,13 +15,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from stark import _core
 from stark._core import Error, InvalidArgument
 from stark.arguments import added_later, given_path, real_number, refuse_copy
+from stark.attributes import KnownAttributes
 from stark.bodies import Body
 from stark.scene import Scene, StarkWarning
 from stark.sensors import Contacts, contacts_of
-from stark.settings import Settings
+from stark.settings import FixedSettings, Settings
 
 if TYPE_CHECKING:
-    from stark._core import State, StepReport
+    from stark._core import State, StepProgress, StepReport
     from stark.actuators.handle import Actuator
     from stark.attachments import Attachment
     from stark.following import Follower
@@ -55,6 +55,12 @@ class TakenStep(NamedTuple):
     report: StepReport
 
 
+#: Called while a step is under way: how far it has come.
+OnProgress = Callable[["StepProgress"], object]
+
+#: From one call of a progress callback to the next, and to the first [s].
+PROGRESS_PERIOD = 0.25
+
 #: Share of a step below which a difference of times is rounding, not a step to take.
 TIME_SLIVER = 1e-9
 
@@ -80,6 +86,13 @@ def limit_of_step(sim: Simulation, end: float) -> float | None:
     return next((limit for limit in candidates if sim.time + limit == end), rest)
 
 
+def _require_callable(progress: OnProgress | None, caller: str) -> None:
+    if progress is not None and not callable(progress):
+        raise InvalidArgument(
+            f"{caller}: progress = {progress!r}: must be a function of one argument, or None"
+        )
+
+
 class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
     """``Simulation.run`` met a step that failed even at the shortest time step; ``report`` is its report."""
 
@@ -88,13 +101,16 @@ class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
         self.report = report
 
 
-class Simulation:
+class Simulation(KnownAttributes):
     """A scene being simulated.
 
     ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3,
     **{"newton.step_tolerance": 1e-4})``: keyword arguments are settings by name, see ``stark.Settings``; both
     may be given, keywords win. The scene is copied: later changes to it do not reach the simulation. Initial
-    intersections raise ``InitialIntersection``."""
+    intersections raise ``InitialIntersection``.
+
+    Several simulations of one scene may live side by side. ``sim[body]``, ``sim.joints`` and the like are
+    handles of one simulation; those that ``scene.add_*`` returned are of the newest one that is alive."""
 
     def __init__(self, scene: Scene, settings: Settings | None = None, **options: Any) -> None:
         if not isinstance(scene, Scene):
@@ -117,12 +133,10 @@ class Simulation:
         self._core = _core.Simulation(scene._core, self._settings._core)
         for message in self._core.check_state():
             warnings.warn(message, StarkWarning, stacklevel=2)
-        for body in scene.bodies:
-            body._bind(self)
         # Of rows of targets: bodies of the scene may be pinned after this.
         self._pins = [scene._core.pins(k) for k in range(len(scene))]
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
-        scene._latest_simulation = weakref.ref(self)
+        scene._is_simulated_by(self)
         self._live_values = [energy._live_values() for energy in scene.energies]
         self._held: tuple[str, str] | None = None
         self._last_step: LastStep | None = None
@@ -133,56 +147,62 @@ class Simulation:
     def contact_distance(self, body: Body | str) -> float:
         """[m] Within which surfaces of the body repel others, together with theirs: its own, that of the
         settings, or (``contact.distance`` 0) 1 mm, but at most 1 % of the size of the body and half the
-        smallest height of triangles that can touch their own body."""
+        smallest height of triangles that can touch their own body. Triangles flatter than that take it no
+        lower than a tenth of the rest, and a warning says so."""
         return self._scene._core.contact_distance_in(self[body]._index, self._settings._core)
 
     # --- stepping ---
 
-    def step(self, *, max_time_step: float | None = None) -> StepReport:
+    def step(self, *, max_time_step: float | None = None, progress: OnProgress | None = None) -> StepReport:
         """One time step. A step that fails is a value: look at ``report.status``. Ctrl-C stops it between
         iterations and leaves the state as it was. ``max_time_step`` [s] shortens this step, to end at a given
-        time."""
+        time.
+
+        ``progress(p)`` is called four times a second at most while the step is under way; ``p.iterations``,
+        ``p.seconds``, ``p.residual`` and the other attributes say how far it has come. The simulation itself
+        cannot be used before the step is over. What the callback raises ends the step as Ctrl-C does."""
         self._require_free("step()")
+        _require_callable(progress, "step")
         if max_time_step is None:
-            return self._step()
+            return self._step(None, progress)
         limit = real_number(max_time_step, "step: max_time_step")
         if not limit > 0.0:
             raise InvalidArgument(f"step: max_time_step = {max_time_step} s: must be > 0")
-        return self._step(limit)
+        return self._step(limit, progress)
 
-    def run(self, until: float) -> Iterator[StepReport]:
+    def run(self, until: float, *, progress: OnProgress | None = None) -> Iterator[StepReport]:
         """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end
-        there.
+        there. ``progress`` is that of ``step``.
 
         A failed step is yielded as well; going on after it raises StepFailed.
         """
+        _require_callable(progress, "run")
         end = real_number(until, "run: until")
         if not end >= 0.0:  # also NaN
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
-        return self._run(end)
+        return self._run(end, progress)
 
-    def _run(self, until: float) -> Iterator[StepReport]:
+    def _run(self, until: float, progress: OnProgress | None) -> Iterator[StepReport]:
         while not reached(self, until):
             self._require_free("run()")
-            limit = limit_of_step(self, until)
-            report = self._step() if limit is None else self._step(limit)
+            report = self._step(limit_of_step(self, until), progress)
             yield report
             if report.failed:
                 raise StepFailed(report)
 
-    def _step(self, *limit: float) -> StepReport:
+    def _step(self, limit: float | None, progress: OnProgress | None) -> StepReport:
         for values in self._live_values:
             values.push(self._core)
         if self._scene._followers:
-            duration, end = self._core.next_step(*limit)
+            duration, end = self._core.next_step(limit)
             for follower in self._followers():
                 follower.apply(self, end, duration)
         before, self._last_step, self._taken = self._core.state, None, None
-        report = self._core.step(*limit)
-        self._taken = TakenStep(before, limit[0] if limit else None, report)
+        report = self._core.step(limit, progress, PROGRESS_PERIOD)
+        self._taken = TakenStep(before, limit, report)
         if not report.failed:
             pushed = [values.pushed() for values in self._live_values]
-            self._last_step = LastStep(before, limit[0] if limit else None, pushed)
+            self._last_step = LastStep(before, limit, pushed)
         return report
 
     @contextmanager
@@ -205,11 +225,13 @@ class Simulation:
         rows = sorted(self._scene._followers.items())
         return [f for body, followers in rows if body < self._core.body_count for f in followers]
 
-    def run_until(self, until: float, stop: Callable[[], bool] | None = None) -> StepReport | None:
+    def run_until(
+        self, until: float, stop: Callable[[], bool] | None = None, *, progress: OnProgress | None = None
+    ) -> StepReport | None:
         """As ``run``, without a loop: returns the last report, None if there was nothing to do. ``stop()`` is
         asked after each step and ends the run when true."""
         report = None
-        for report in self.run(until):
+        for report in self.run(until, progress=progress):
             if stop is not None and not report.failed and stop():
                 break
         return report
@@ -225,6 +247,12 @@ class Simulation:
         the whole step would have ended, and scripted bodies turn by a sixteenth of a turn in a step at
         most."""
         return self._core.time_step
+
+    @property
+    def threads(self) -> int:
+        """Threads that it runs on: the setting ``execution.threads``, but no more than there are processors
+        for this process."""
+        return self._core.thread_count
 
     # --- state ---
 
@@ -284,8 +312,9 @@ class Simulation:
 
     @property
     def settings(self) -> Settings:
-        """The settings it was made with; a copy."""
-        return self._settings.copy()
+        """The settings it was made with, which stay as they are; ``sim.settings.copy()`` can be changed, for
+        another simulation."""
+        return FixedSettings._of(self._settings._core.copy())
 
     # --- bodies ---
 

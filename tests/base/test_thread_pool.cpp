@@ -3,6 +3,7 @@
 #include <stark/base/thread_pool.h>
 
 #include <atomic>
+#include <memory>
 #include <numeric>
 #include <set>
 #include <stdexcept>
@@ -10,6 +11,9 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 using stark::ThreadPool;
 
@@ -92,4 +96,64 @@ TEST_CASE("many short regions in a row lose no task") {
   for (int round = 0; round < 5000; ++round)
     pool.for_each_task(4, [&](int64_t task, int) { sum += task + 1; });
   CHECK(sum == 5000 * 10);
+}
+
+TEST_CASE("a pool goes on in a forked process, in the parent and in a child of the child") {
+  const auto sum = [](ThreadPool& pool) {
+    std::atomic<int64_t> total{0};
+    pool.for_each_task(100, [&](int64_t task, int) { total += task; });
+    return total.load();
+  };
+  const auto in_a_child = [](const auto& act) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(20);  // rather than to hang
+      _exit(act() ? 0 : 1);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    return status;
+  };
+  for (const bool has_run : {false, true}) {
+    ThreadPool pool(4);
+    if (has_run) CHECK(sum(pool) == 4950);
+    CHECK(in_a_child([&] {
+            return sum(pool) == 4950 && in_a_child([&] { return sum(pool) == 4950; }) == 0 &&
+                   sum(pool) == 4950;
+          }) == 0);
+    CHECK(sum(pool) == 4950);
+    CHECK(pool.thread_count() == 4);
+  }
+}
+
+TEST_CASE("a child that uses nothing of the pool may destroy it") {
+  auto pool = std::make_unique<ThreadPool>(4);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);
+    pool.reset();
+    _exit(0);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  CHECK(status == 0);
+}
+
+TEST_CASE("no more threads are used than processors may be") {
+  cpu_set_t all;
+  REQUIRE(sched_getaffinity(0, sizeof(all), &all) == 0);
+  const int most = stark::usable_threads(0);
+  CHECK(most >= 1);
+  CHECK(most <= CPU_COUNT(&all));
+  CHECK(stark::usable_threads(1) == 1);
+  CHECK(stark::usable_threads(1000) == most);
+
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  for (int cpu = 0; CPU_COUNT(&one) == 0; ++cpu)
+    if (CPU_ISSET(cpu, &all)) CPU_SET(cpu, &one);
+  REQUIRE(sched_setaffinity(0, sizeof(one), &one) == 0);
+  CHECK(stark::usable_threads(0) == 1);
+  CHECK(stark::usable_threads(64) == 1);
+  sched_setaffinity(0, sizeof(all), &all);
 }

@@ -66,7 +66,7 @@ int check_random_motions(unsigned seed, Ccd&& ccd, Distance&& distance) {
       continue;
     }
     REQUIRE(t > 0.0);
-    const double separation = std::min(xi, 0.1 * d0);
+    const double separation = d0 > xi ? xi : 0.5 * d0;
     // Samples carry the rounding of shifted coordinates, at most 1e-12 here.
     REQUIRE(sampled_minimum(a, b, t, distance) > separation - 1e-12);
   }
@@ -105,6 +105,38 @@ TEST_CASE("head-on translation: closed form") {
   CHECK(edge_edge_ccd(cross0, cross1, 0.0) == doctest::Approx(0.45).epsilon(1e-12));
   CHECK(point_point_ccd({Vec3{0, 0, 0}, Vec3{1, 0, 0}}, {Vec3{1, 0, 0}, Vec3{0, 0, 0}}, 0.0) ==
         doctest::Approx(0.45).epsilon(1e-12));
+}
+
+TEST_CASE("a pair that is pushed again and again never comes nearer than the separation") {
+  // The point is pushed through the triangle, the edge through the edge; rounding must not wear the gap down.
+  for (const double far : {0.0, 1e3}) {
+    CAPTURE(far);
+    const double xi = 2e-6;
+    const Vec3 shift{far, -far, 2.0 * far};
+    std::array<Vec3, 4> point = {Vec3{0.2, 0.2, 1e-3}, Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+    std::array<Vec3, 4> edges = {Vec3{-1, 0, 1e-3}, Vec3{1, 0, 1e-3}, Vec3{0, -1, 0}, Vec3{0, 1, 0}};
+    for (int k = 0; k < 4; ++k) point[k] += shift, edges[k] += shift;
+    for (int push = 0; push < 300; ++push) {
+      std::array<Vec3, 4> p = point, e = edges;
+      p[0].z -= 0.01 + 1e-3 * push;
+      e[0].z -= 0.01, e[1].z -= 0.01;
+      point = lerp(point, p, point_triangle_ccd(point, p, xi));
+      edges = lerp(edges, e, edge_edge_ccd(edges, e, xi));
+    }
+    const double rounding = 1e-15 + 4e-16 * far;
+    CHECK(pt_distance(point) > xi - rounding);
+    CHECK(ee_distance(edges) > xi - rounding);
+    CHECK(pt_distance(point) < 1.1 * xi);
+  }
+}
+
+TEST_CASE("pairs that start nearer than the separation keep half of their gap") {
+  const std::array<Vec3, 4> a = {Vec3{0.2, 0.2, 1e-6}, Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+  std::array<Vec3, 4> b = a;
+  b[0].z = -1.0;
+  CHECK(point_triangle_ccd(a, b, 1e-3) == doctest::Approx(0.9 * 0.5e-6).epsilon(1e-5));
+  b[0].z = 1.0;
+  CHECK(point_triangle_ccd(a, b, 1e-3) == 1.0);
 }
 
 TEST_CASE("sliding at a small gap does not limit the step") {

@@ -81,4 +81,7 @@ TEST_CASE("contained bodies are found, open and filtered ones are not") {
   CHECK(scene.x[found[1].vertex] == Vec3{0, 1.1, 0.1});
   filter.set(outer, inside, false);
   CHECK(find_contained_groups(scene.surface, scene.x, filter, pool).size() == 3);
+  std::vector<bool> filled(6, true);
+  filled[outer] = false;
+  CHECK(find_contained_groups(scene.surface, scene.x, filter, pool, filled).empty());
 }

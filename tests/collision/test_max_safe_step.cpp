@@ -79,7 +79,7 @@ TEST_CASE("iterated random steps with CCD never intersect; without they do") {
       if (scene.surface.vertex_group[v] == 4) x1[v] = x[v];
     }
     broad_phase.find_swept(x, x1, xi, pool, list);
-    const double t = max_safe_step(scene.surface, list, x, x1, xi, pool);
+    const double t = max_safe_step(scene.surface, list, x, x1, {xi}, pool);
     REQUIRE(t > 0.0);
     cut += t < 1.0;
     naive += !find_intersections(scene.surface, x1, filter, pool).empty();
@@ -107,8 +107,8 @@ TEST_CASE("batch: the minimum of single calls, same bits for any thread count, n
   const std::vector<double> xi = {1e-4, 2e-4};
   broad_phase.find_swept(scene.x, x1, xi, one, list);
   CcdReport a, b;
-  const double t = max_safe_step(mesh, list, scene.x, x1, xi, one, &a);
-  CHECK(t == max_safe_step(mesh, list, scene.x, x1, xi, three, &b));
+  const double t = max_safe_step(mesh, list, scene.x, x1, {xi}, one, &a);
+  CHECK(t == max_safe_step(mesh, list, scene.x, x1, {xi}, three, &b));
   CHECK(a.kind == b.kind);
   CHECK(a.candidate == b.candidate);
   CHECK(a.tested == b.tested);
@@ -129,7 +129,18 @@ TEST_CASE("batch: the minimum of single calls, same bits for any thread count, n
                                                 separation(mesh.edge_group[e], mesh.edge_group[f])));
   }
   CHECK(t == smallest);
-  CHECK_THROWS_AS(max_safe_step(mesh, list, {}, x1, xi, one), InvalidArgument);
+  CHECK_THROWS_AS(max_safe_step(mesh, list, {}, x1, {xi}, one), InvalidArgument);
+}
+
+TEST_CASE("two groups may keep a separation of their own") {
+  const std::vector<double> by_group = {1.0, 2.0, 4.0};
+  const std::vector<Separations::Pair> by_pair = {{0, 2, 0.5}, {1, 1, 0.25}};
+  const Separations separations{by_group, by_pair};
+  CHECK(separations(0, 2) == 0.5);
+  CHECK(separations(2, 0) == 0.5);
+  CHECK(separations(1, 1) == 0.25);
+  CHECK(separations(0, 1) == 3.0);
+  CHECK(separations(2, 2) == 8.0);
 }
 
 TEST_CASE("batch of four lanes: every number of candidates, every kind, agrees with single calls") {

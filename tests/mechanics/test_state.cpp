@@ -124,9 +124,11 @@ TEST_CASE("a state is the arrays of its fields, and comes back from them in any 
   CHECK(arrays.front().name == "time");
   CHECK(arrays.front().unit == "s");
   CHECK(arrays.front().shape.empty());
+  const std::set<std::string> integers{"step_count",        "mark_count",           "friction_pair",
+                                       "contact_bodies",    "contact_close_bodies", "contact_regained",
+                                       "restitution_bodies"};
   for (const StateArray& array : arrays) {
-    const bool counts = array.name == "step_count" || array.name == "mark_count";
-    CHECK(array.is_integer == counts);
+    CHECK(array.is_integer == integers.contains(array.name));
     if (array.name == "body_rotation") CHECK(array.shape == std::vector<size_t>{2, 3, 3});
     if (array.name == "point_position") CHECK(array.shape == std::vector<size_t>{2, 3});
     if (array.name == "joint_rate") CHECK(array.shape == std::vector<size_t>{2});
@@ -135,6 +137,12 @@ TEST_CASE("a state is the arrays of its fields, and comes back from them in any 
   CHECK(make_state(arrays) == a);
   const State none;
   CHECK(make_state(arrays_of(none)) == none);
+}
+
+TEST_CASE("numbers of pairs are integers: their bits are no real numbers") {
+  State state = sample();
+  state.contact_bodies = {0x7ff0000000000001};  // not a number, as the bits of a double
+  CHECK(find_invalid_number(state).find("contact_bodies") == std::string::npos);
 }
 
 TEST_CASE("arrays that are no state are refused") {
@@ -179,6 +187,8 @@ TEST_CASE("lengths and numbers that no state can have are found") {
   good.joint_enabled = {1.0, 0.0};
   good.actuator_enabled = {0.0, 1.0};
   good.attachment_held = {1.0, -1.0};
+  good.restitution_due = {1.0, 0.0};
+  good.restitution_stiffness = {1.0, 1e-3};
   good.actuator_value = {std::numeric_limits<double>::infinity(), -1.0};  // no cap
   good.body_rotation = good.script_rotation =
       good.previous_body_rotation = {Mat3::identity(), Mat3::identity()};
@@ -203,5 +213,8 @@ TEST_CASE("lengths and numbers that no state can have are found") {
   CHECK(found([](State& s) { s.time = -1.0; }) == "time = -1 s: must be >= 0 and finite");
   CHECK(found([](State& s) { s.step_count = -1; }) == "step_count = -1: must be >= 0");
   CHECK(found([](State& s) { s.attachment_held[0] = 2.0; }) == "attachment_held[0] = 2: must be 1, 0 or -1");
+  CHECK(found([](State& s) { s.restitution_due[1] = 0.5; }) == "restitution_due[1] = 0.5: must be 0 or 1");
+  CHECK(found([](State& s) { s.restitution_stiffness[0] = 0.0; }) ==
+        "restitution_stiffness[0] = 0: must be > 0 and at most 1");
   CHECK(found([&](State& s) { s.actuator_value[1] = nan; }) == "actuator_value[1] = nan: must be a number");
 }

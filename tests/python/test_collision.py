@@ -34,7 +34,7 @@ def test_steps_are_never_later_than_tight_inclusion_and_seldom_half(kind: str, s
     x0, x1 = random_motions(np.random.default_rng(11), 12_000)
     rows = x0.reshape(-1, 12)
     _, squared, _ = getattr(core, "classify_" + kind)(rows)
-    # Closer pairs keep a tenth of their distance instead of the separation.
+    # Closer pairs keep half of their distance instead of the separation.
     far = squared > (20 * separation) ** 2
     x0, x1, rows = x0[far], x1[far], rows[far]
     ours = getattr(core, kind + "_ccd")(rows, x1.reshape(-1, 12), separation)

@@ -115,6 +115,47 @@ def test_an_energy_that_is_not_finite_later() -> None:
     assert "vertex 4" in diagnosis.finding
 
 
+def test_an_energy_that_pulls_a_vertex_into_a_point() -> None:
+    @stark.energy
+    def attraction(p: stark.Point, centre: stark.Vec3, strength: float):
+        return -strength / stark.norm(p.x - centre)
+
+    scene = stark.Scene()
+    sheet = scene.add_cloth(stark.mesh.grid(0.3, 0.3, 3), name="sheet", position=(0, 0, 0.01))
+    centre = sheet.positions[4] - (0, 0, 0.01)
+    scene.add(attraction(sheet.vertices[[4]], centre=centre, strength=1.0), name="black hole")
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+    for _ in range(200):
+        report = sim.step()
+        if report.failed:
+            break
+    assert report.diagnosis.cause == "singular_energy", report.message
+    assert "energy 'black hole'" in report.message
+    assert "cloth 'sheet' (vertex 4)" in report.message
+    assert re.search(r"about \S+ m from where", report.message)
+
+
+def test_a_ball_between_plates_that_close() -> None:
+    """Accepted steps satisfy their tolerances and keep the least distance; the rest is named."""
+    scene = stark.Scene()
+    scene.default_friction = 1.0
+    scene.add_sphere(0.05, subdivisions=2, mass=0.3, position=(0.003, 0.002, 0), name="ball")
+    for k, name in ((-1, "lower"), (1, "upper")):
+        plate = scene.add_box((0.4, 0.4, 0.02), motion="scripted", name=name, position=(0, 0, k * 0.065))
+        plate.follow(stark.motion.linear([0, 0.2], [(0, 0, k * 0.065), (0, 0, k * 0.05)]))
+    sim = stark.Simulation(scene)
+    for _ in range(60):
+        report = sim.step()
+        if report.failed:
+            break
+        assert report.min_distance >= 1e-3 * 2e-3 * (1.0 - 1e-9)
+        limit = 0.02 if report.at_rounding else 0.01  # [m/s^2]
+        assert report.acceleration < limit or "round_off" in report.caveats
+    diagnosis = report.diagnosis
+    assert diagnosis.cause == "blocked_motion"
+    assert {"rigid body 'lower'", "rigid body 'upper'", "rigid body 'ball'"} <= set(diagnosis.bodies)
+
+
 def test_tolerances_below_round_off() -> None:
     scene = stark.Scene()
     cube = scene.add_solid(

@@ -45,18 +45,6 @@ def test_equations_cited_in_sources_exist() -> None:
     assert cited > 0
 
 
-def test_hello_world_of_the_readme_runs() -> None:
-    code, energy = code_blocks(ROOT / "README.md", "python")
-    shortened = code.replace("until=10.0", "until=0.05")
-    assert shortened != code
-    names: dict[str, object] = {}
-    exec(shortened, names)
-    assert names["sim"].time >= 0.05 - 1e-9  # type: ignore[attr-defined]
-    # The formula has to be in a file: its annotations are read from there.
-    exec(compile(energy, str(ROOT / "README.md"), "exec"), names)
-    assert list(names["pull"].center) == [0.0, 0.1, 0.3]  # type: ignore[attr-defined]
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
 def test_cpp_hello_world_of_the_readme_compiles() -> None:

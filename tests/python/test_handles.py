@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+import warnings
+from typing import Any
 
 import pytest
 
@@ -22,3 +24,106 @@ def test_a_handle_that_outlives_its_simulation_says_so() -> None:
         _ = box.positions
     with pytest.raises(stark.InvalidArgument, match="gone"):
         _ = box.velocity
+
+
+def test_a_second_simulation_leaves_the_handles_of_the_first_working() -> None:
+    """They read the newest one that lives: after a temporary one, the first again."""
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 1), name="crate")
+    hinge = scene.add_fixed(box, None, anchor=(0, 0, 1), enabled=False)
+    glue = scene.attach(box.points((0, 0, 0)), None, enabled=False)
+    pull = scene.add(weight(box.points((0, 0, 0))))
+    first = stark.Simulation(scene)
+    first.step()
+    fallen = box.position[2]
+    assert fallen < 1.0
+
+    def try_something() -> None:
+        second = stark.Simulation(scene)
+        assert box.position[2] == second["crate"].position[2] == 1.0
+        hinge.enabled = True
+        assert second.joints[0].enabled and not first.joints[0].enabled
+
+    try_something()
+    gc.collect()
+    assert box.position[2] == first[box].position[2] == fallen
+    assert box.velocity[2] < 0.0
+    assert not hinge.enabled and not glue.enabled and pull.energy == pytest.approx(-0.1 * fallen)
+    first.step()
+    assert box.position[2] < fallen
+
+
+@stark.energy
+def weight(p: stark.Point):
+    return -0.1 * p.x[2]
+
+
+@pytest.mark.parametrize(
+    ("assign", "said"),
+    [
+        (
+            lambda s: setattr(s.scene, "gravity", (0, 0, 0)),
+            r"no attribute 'gravity': it is of stark.Simulation",
+        ),
+        (lambda s: setattr(s.scene, "time_step", 0.1), r"stark.Simulation\(scene, time_step=...\)"),
+        (lambda s: setattr(s.scene, "firction", 0.1), "no attribute 'firction'; did you mean 'friction'"),
+        (lambda s: setattr(s["crate"], "positon", (0, 0, 1)), "'crate'.*'positon'; did you mean 'position'"),
+        (lambda s: setattr(s["crate"], "densty", 3.0), "'crate'.*no attribute 'densty'"),
+        (lambda s: setattr(s, "tme", 3.0), "no attribute 'tme'; did you mean 'time'"),
+        (lambda s: setattr(s["sheet"], "pinz", [1]), "'sheet'.*'pinz'; did you mean 'pin'"),
+        (lambda s: setattr(s.attachments[0], "enable", True), "'enable'; did you mean 'enabled'"),
+        (lambda s: setattr(s.layers[0], "colour", (1, 0, 0)), "'colour'; did you mean 'color'"),
+        (lambda s: setattr(s["crate"], "mass", 3.0), "mass"),
+    ],
+)
+def test_assignments_to_unknown_attributes_are_refused(assign: Any, said: str) -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0, name="crate")
+    sheet = scene.add_cloth(stark.mesh.grid(0.1, 0.1, 1), position=(0, 0, 1), name="sheet")
+    sheet.add_skin(stark.materials.cotton)
+    scene.attach(box.points((0, 0, 0)), None)
+    with pytest.raises(AttributeError, match=said):
+        assign(stark.Simulation(scene))
+
+
+@pytest.mark.parametrize(
+    "assign",
+    [
+        lambda settings: setattr(settings, "gravity", (0, 0, 0)),
+        lambda settings: setattr(settings.newton, "max_iterations", 3),
+        lambda settings: settings.update({"time_step": 0.1}),
+        lambda settings: settings.set_text("time_step=0.1"),
+        lambda settings: settings.__setitem__("time_step", 0.1),
+    ],
+)
+def test_the_settings_of_a_simulation_stay_as_they_are(assign: Any) -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    sim = stark.Simulation(scene, time_step=0.01)
+    with pytest.raises(stark.InvalidSetting, match=r"of a simulation: cannot be changed; make a new one"):
+        assign(sim.settings)
+    copy = sim.settings.copy()
+    assign(copy)
+    assert copy != sim.settings and stark.Simulation(scene, sim.settings).settings == sim.settings
+
+
+def test_what_is_added_too_late_to_act_is_warned_about() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0)
+    early = scene.add(weight(box.points((0, 0, 0))))
+    sim = stark.Simulation(scene)
+    with pytest.warns(
+        stark.StarkWarning, match=r"'weight_2': was added after the simulation was made: it acts in"
+    ):
+        late = scene.add(weight(box.points((0, 0, 0))))
+    with pytest.warns(stark.StarkWarning, match="joint 'ball': was added after"):
+        scene.add_ball(box, None, anchor=(0, 0, 0))
+    with pytest.warns(stark.StarkWarning, match="attachment 'attachment': was added after"):
+        scene.attach(box.points((0, 0, 0)), None)
+    assert len(sim.energies) == 1
+    assert early.name != late.name
+    del sim
+    gc.collect()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.add(weight(box.points((0, 0, 0))))

@@ -96,7 +96,8 @@ def test_a_late_actuator_says_so() -> None:
     wheel = scene.add_box(0.1, mass=1.0, name="wheel")
     axle = scene.add_hinge(wheel, None, anchor=(0, 0, 0), axis=(0, 0, 1))
     sim = stark.Simulation(scene)
-    late = axle.add_motor(1.0, cap=1.0, delta=0.1, name="late")
+    with pytest.warns(stark.StarkWarning, match="actuator 'late': was added after the simulation"):
+        late = axle.add_motor(1.0, cap=1.0, delta=0.1, name="late")
     with pytest.raises(stark.InvalidArgument, match=r"actuator 'late': was added after the simulation"):
         _ = late.effort
     del sim

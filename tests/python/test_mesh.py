@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import struct
+import types
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -172,6 +175,8 @@ def test_saved_meshes_come_back_bit_by_bit(tmp_path: Path, original: mesh.Mesh) 
         ("a.obj", b"v 0 0 0\nf 0 1 2\n", "numbered from 1"),
         ("a.obj", b"", "0 triangles"),
         ("a.ply", b"solid", "does not start with a PLY header"),
+        ("a.ply", ply("ascii").replace(b"7 4 0", b"7 -4 0"), "a list of -4 entries: must have at least none"),
+        ("a.ply", ply("ascii").replace(b"element face ", b"element face -"), "elements 'face': must be at"),
         ("a.ply", ply("binary_little_endian")[:-9], "ends too early"),
         ("a.ply", ply("ascii")[:-9], "ends too early"),
         ("a.npz", b"PK", "not a valid NPZ file"),
@@ -201,9 +206,44 @@ def test_formats_of_other_libraries_name_what_to_install(
         mesh.tetrahedralise(mesh.box(1.0))
 
 
+def test_open_surfaces_have_no_volume_to_mesh() -> None:
+    with pytest.raises(stark.InvalidMesh, match=r"open at 4 edges, the first ones.*must be a closed surface"):
+        mesh.tetrahedralise(mesh.grid(1.0, 1.0, 1))
+
+
+def test_meshes_of_trimesh_are_read_by_the_indices_of_their_faces() -> None:
+    """Their `triangles` are corners (n, 3, 3)."""
+    box = mesh.box(1.0)
+    theirs = types.SimpleNamespace(
+        vertices=box.vertices, faces=box.triangles, triangles=box.vertices[box.triangles]
+    )
+    body = stark.Scene().add_rigid(theirs, mass=1.0)
+    assert (body.triangles == box.triangles).all()
+
+
 def test_tetrahedralise() -> None:
     pytest.importorskip("pytetwild")
     volume = mesh.tetrahedralise(mesh.sphere(0.1, 2), edge_length=0.05)
     assert (volume.volumes > 0).all()
     assert volume.volume == pytest.approx(mesh.sphere(0.1, 2).volume, rel=0.03)
     stark.Scene().add_solid(volume)
+
+
+def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
+    for suffix in (".obj", ".ply", ".stl", ".npz", ".msh", ".glb"):
+        os.mkfifo(tmp_path / f"pipe{suffix}")
+        with pytest.raises(InvalidMesh, match="it is a device, pipe or socket, not a file"):
+            mesh.load(tmp_path / f"pipe{suffix}")
+
+
+def test_arrays_that_claim_to_be_larger_than_they_are(tmp_path: Path) -> None:
+    mesh.grid(1.0, 1.0, 1).save(tmp_path / "a.npz")
+    with zipfile.ZipFile(tmp_path / "a.npz") as archive:
+        items = {name: archive.read(name) for name in archive.namelist()}
+    head = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000, 3), }".ljust(117) + b"\n"
+    lying = b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        for name, data in items.items():
+            archive.writestr(name, lying + data[128:] if name == "vertices.npy" else data)
+    with pytest.raises(InvalidMesh, match="claims the shape"):
+        mesh.load(tmp_path / "a.npz")

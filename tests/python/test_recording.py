@@ -215,6 +215,8 @@ def test_csv_has_units(tmp_path: Path) -> None:
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert "residual [N]" in lines[0] and len(lines) == 4
     assert len(lines[1].split(",")) == len(lines[0].split(","))
+    numbers = [float(cell) for line in lines[1:] for cell in line.split(",") if cell]  # plain ones
+    assert len(numbers) > 40
 
 
 def _read_ply(data: bytes) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ PYPROJECT = ROOT / "pyproject.toml"
 
 
 def test_build_requirements_and_extras_are_pinned() -> None:
-    lines = requirements(["build", "test", "mesh", "video", "view"], PYPROJECT)
+    lines = requirements(["build", "test", "mesh", "video"], PYPROJECT)
     assert any(line.startswith("nanobind==") for line in lines)
     assert any(line.startswith("ipctk==") for line in lines)
     assert [line for line in lines if "==" not in line] == []

@@ -362,10 +362,54 @@ def test_handles_follow_the_last_simulation_and_can_be_tied_to_one() -> None:
     assert tied.position[2] < 10.0  # keeps its simulation alive
     del tied
     gc.collect()
+    assert box.position[2] == 10.0  # of the first one, which lives
+    del first
+    gc.collect()
     with pytest.raises(
         stark.InvalidArgument, match="simulation is gone"
     ):  # never the description again, silently
         _ = box.position
+
+
+def test_contact_distances_of_bodies_without_their_own_are_those_of_the_simulation() -> None:
+    scene = stark.Scene()
+    box, other = (
+        scene.add_box(0.05, mass=1.0),
+        scene.add_box(0.1, mass=1.0, contact_distance=2e-3, position=(1, 0, 0)),
+    )
+    assert box.contact_distance is None and other.contact_distance == 2e-3
+    sim = stark.Simulation(scene)
+    assert box.contact_distance == sim.contact_distance(box) == pytest.approx(0.01 * 0.05 * 3**0.5)
+    assert other.contact_distance == 2e-3
+    coarse = stark.Simulation(scene, contact_distance=3e-4)
+    assert coarse["box"].contact_distance == 3e-4 and sim["box"].contact_distance > 3e-4
+
+
+def test_automatic_contact_distances_above_half_a_flat_triangle_say_that_they_are_automatic() -> None:
+    scene = stark.Scene()
+    scene.add_cloth(stark.mesh.TriangleMesh([(0, 0, 0), (0.1, 0, 0), (0.05, 2e-5, 0)], [(0, 1, 2)]))
+    with pytest.warns(
+        stark.StarkWarning, match="its automatic contact_distance of 1e-04 m is more than half"
+    ):
+        stark.Simulation(scene)
+
+
+def test_frames_of_rigid_bodies_take_their_rotation_as_the_guide_has_it() -> None:
+    box = stark.Scene().add_box(0.1, mass=1.0)
+    turned = stark.rotation(axis="z", angle=0.3)
+    frames = [box.frame((0, 0, 0.1), turned), box.frame((0, 0, 0.1), rotation=turned)]
+    assert all((a.positions == b.positions).all() for a, b in zip(*(f.columns for f in frames), strict=True))
+
+
+def test_setting_the_velocity_of_a_dynamic_body_says_where_it_is_given() -> None:
+    """With and without a simulation."""
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0)
+    for _ in range(2):
+        with pytest.raises(stark.InvalidArgument, match=r"is dynamic: its velocity cannot be set.*velocity="):
+            box.velocity = (1, 0, 0)
+        sim = stark.Simulation(scene)
+    assert sim.time == 0.0
 
 
 def test_a_simulation_does_not_see_later_changes_of_its_scene() -> None:

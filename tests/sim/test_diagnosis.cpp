@@ -74,6 +74,51 @@ TEST_CASE("blocked motion names who pushes and what is in the way") {
   CHECK(judged(evidence).cause == FailureCause::OverconstrainedPins);
 }
 
+TEST_CASE(
+    "a prescribed body that crushes what is in between has been blocked, wherever Newton's method gave up") {
+  StepEvidence evidence = plain();
+  evidence.pushing = {"rigid body 'press'"};
+  evidence.gaps = {{{"rigid body 'bag'"}, {"rigid body 'press'"}, 1e-5, 2e-3},
+                   {{"rigid body 'bag'"}, {"rigid body 'floor'"}, 1.1e-5, 2e-3}};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::BlockedMotion);
+  CHECK(diagnosis.bodies ==
+        std::vector<std::string>{"rigid body 'press'", "rigid body 'bag'", "rigid body 'floor'"});
+  evidence.gaps[0].distance = evidence.gaps[1].distance = 1e-3;
+  CHECK(judged(evidence).cause == FailureCause::IterationBudget);
+}
+
+TEST_CASE("forces that crush are named before joints that they pull apart") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::ConstraintViolated;
+  evidence.joint_violation = "joint 'slide' is apart by 1 mm; look at it";
+  CHECK(judged(evidence).cause == FailureCause::ContradictingJoints);
+  evidence.gaps = {{{"rigid body 'cube'"}, {"rigid body 'finger'"}, 2e-6, 2e-3}};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::CrushingLoad);
+  CHECK(names(diagnosis, "rigid body 'cube' is 2e-06 m from rigid body 'finger'"));
+}
+
+TEST_CASE("what meets on the way is named") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::Detour;
+  evidence.in_the_way = BlockingPair{sheet({3}), {"rigid body 'ball'", {4}}, 0.2};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::Detour);
+  CHECK(names(diagnosis, "cloth 'sheet' (vertex 3) and rigid body 'ball' (vertex 4)"));
+  CHECK(diagnosis.bodies == std::vector<std::string>{"cloth 'sheet'", "rigid body 'ball'"});
+}
+
+TEST_CASE("an energy without a bound comes before what follows from it") {
+  StepEvidence evidence = plain();
+  evidence.stiffness_ratio = 1e18;
+  evidence.steep = SteepEnergy{sheet({3}), "gravity", 1e12, 1e-9};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::SingularEnergy);
+  CHECK(names(diagnosis, "energy 'gravity'"));
+  CHECK(diagnosis.bodies == std::vector<std::string>{"cloth 'sheet'"});
+}
+
 TEST_CASE("pins that pull a body far apart over-constrain it") {
   StepEvidence evidence = plain();
   evidence.pins = PinPair{sheet({0, 8}), 0.9, 0.3};

@@ -164,6 +164,7 @@ TEST_CASE("the same bits from any number of threads, and after going back to a s
     Settings settings;
     settings.time.step = 0.01;
     settings.execution.threads = threads;
+    settings.execution.oversubscribe = true;
     Simulation sim(scene, settings);
     for (int k = 0; k < 10; ++k) REQUIRE_FALSE(sim.step().failed());
     const State state = sim.state();

@@ -352,11 +352,31 @@ TEST_CASE("the state has the same bits for 1, 2 and 5 threads and for both ways 
     CAPTURE(threads);
     Settings settings = contact_settings();
     settings.execution.threads = threads;
+    settings.execution.oversubscribe = true;
     compare(settings);
   }
   Settings settings = contact_settings();
   settings.execution.backend = KernelBackend::Interpreter;
   compare(settings);
+}
+
+TEST_CASE("making a simulation can be stopped between the parts of the work") {
+  struct Stop {};
+  const Scene scene = contact_scene();
+  int parts = 0;
+  Simulation whole(scene, contact_settings(), [&] { ++parts; });
+  CHECK(parts >= 6);
+  for (int last = 1; last <= parts; ++last) {
+    int part = 0;
+    const auto stop = [&] {
+      if (++part == last) throw Stop{};
+    };
+    CHECK_THROWS_AS(Simulation(scene, contact_settings(), stop), Stop);
+  }
+  Simulation again(scene, contact_settings());
+  again.step();
+  whole.step();
+  CHECK(first_difference(again.state(), whole.state()) == "");
 }
 
 TEST_CASE("assigning a copied state rewinds: the same steps follow") {
@@ -418,4 +438,47 @@ TEST_CASE("initial intersections and contained bodies are refused unless their c
     scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0, .position = {0.6, 0.1, 0.2}});
     CHECK_NOTHROW(Simulation{scene});
   }
+}
+
+TEST_CASE("bodies may start inside shells: hollow rigid bodies, cloth, walls with room between them") {
+  Scene scene;
+  scene.add_rigid({.mesh = make_box({0.1, 0.1, 0.1}), .mass = 1.0});
+  const auto fits = [&] {
+    Settings settings;
+    settings.gravity = {0, 0, 0};
+    Simulation sim(scene, settings);
+    return !sim.step().failed();
+  };
+  SUBCASE("hollow") {
+    scene.add_rigid({.mesh = make_box({1, 1, 1}), .mass = 1.0, .hollow = true});
+    CHECK(fits());
+  }
+  SUBCASE("cloth") {
+    scene.add_cloth({.mesh = make_icosphere(0.3, 2)});
+    CHECK(fits());
+  }
+  SUBCASE("wall") {
+    TriangleMesh wall = make_box({1, 1, 1});
+    const TriangleMesh inner = make_box({0.8, 0.8, 0.8});
+    const auto first = static_cast<int32_t>(wall.vertices.size());
+    wall.vertices.insert(wall.vertices.end(), inner.vertices.begin(), inner.vertices.end());
+    for (const Index3& t : inner.triangles)
+      wall.triangles.push_back({first + t[0], first + t[2], first + t[1]});
+    scene.add_rigid({.mesh = wall, .density = 1000.0});
+    CHECK(fits());
+  }
+  SUBCASE("a shell inside a solid") {
+    scene.add_rigid({.mesh = make_box({0.01, 0.01, 0.01}), .mass = 1.0, .hollow = true});
+    CHECK_THROWS_WITH_AS(fits(), doctest::Contains("fills its closed surface"), InitialIntersection);
+  }
+}
+
+TEST_CASE("hollow bodies have their mass in the surface") {
+  Scene scene;
+  const BodyId can = scene.add_rigid({.mesh = make_box({1, 1, 1}), .mass = 6.0, .hollow = true});
+  // Six faces of 1 kg: (1/12 + 1/12) across, twice; (1/12 + 1/4) of the four others.
+  CHECK(scene.rigid_inertia(can).tensor(0, 0) == doctest::Approx(2.0 / 6.0 + 4.0 / 3.0));
+  CHECK(scene.warnings().empty());
+  CHECK_THROWS_WITH_AS(scene.add_rigid({.mesh = make_box({1, 1, 1}), .density = 1.0, .hollow = true}),
+                       doctest::Contains("has no volume"), InvalidArgument);
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include <stark/base/psd.h>
 #include <support/analytic_objective.h>
@@ -226,6 +227,21 @@ TEST_CASE("interrupts are asked for between iterations") {
   CHECK(report.status == SolveStatus::Interrupted);
   CHECK(report.iterations == 3);
   CHECK(objective.linearizations == 3);
+}
+
+TEST_CASE("interrupts are asked for within iterations that take long") {
+  const auto slow = [](const Vec3& x) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(120));
+    return rosenbrock(x);
+  };
+  Analytic objective(slow, {-1.2, 1.0, 0.5});
+  Solver solver(tight());
+  int asked = 0;
+  solver.newton.set_interrupt([&] { return ++asked == 2; });  // first before the derivatives, then after
+  CHECK(solver.minimize(objective).status == SolveStatus::Interrupted);
+  CHECK(objective.linearizations == 1);
+  CHECK(objective.accepted == 0);
+  CHECK(objective.x == Vec3{-1.2, 1.0, 0.5});
 }
 
 TEST_CASE("a deadline ends a minimisation between iterations, and only then") {

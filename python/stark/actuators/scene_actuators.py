@@ -13,6 +13,7 @@ class SceneActuators:
     """What ``stark.Scene`` knows about actuators."""
 
     _actuators: list[Actuator]
+    _warn_of_late: Any
 
     def add_actuator(
         self,
@@ -38,6 +39,7 @@ class SceneActuators:
             values=values,
         )
         self._actuators.append(actuator)
+        self._warn_of_late(f"actuator '{actuator.name}'")
         return actuator
 
     @property

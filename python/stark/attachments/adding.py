@@ -56,12 +56,10 @@ def attach(
         "a": points._description(),
         "break_force": _break_force(owner, break_force),
         "enabled": given_flag(enabled, f"{owner}: enabled"),
+        "contact": contact,
         **description,
     }
     index = scene._core.add_attachment(given)
-    bodies = {side.body if isinstance(side, Points) else side for side in (points, carriers)} - {None}
-    if not contact and len(bodies) == 2:
-        scene._core.disable_contact(*sorted(body._index for body in bodies))
     return Attachment(scene, index, points, given)
 
 

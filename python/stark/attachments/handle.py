@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import added_later, needs_simulation
+from stark.attributes import KnownAttributes
 
 if TYPE_CHECKING:
     from stark.formulas.points import Points
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class Attachment:
+class Attachment(KnownAttributes):
     """Pairs of a scene that are glued: points of ``a``, each carried by ``b``."""
 
     def __init__(self, scene: Scene, index: int, a: Points, given: Mapping[str, Any]) -> None:

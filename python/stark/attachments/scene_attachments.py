@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -16,6 +16,7 @@ class SceneAttachments:
     """``Scene``: attachments."""
 
     _attachments: list[Attachment]
+    _warn_of_late: Any
 
     def attach(
         self,
@@ -54,6 +55,7 @@ class SceneAttachments:
             name=name,
         )
         self._attachments.append(attachment)
+        self._warn_of_late(f"attachment '{attachment.name}'")
         return attachment
 
     @property

@@ -10,7 +10,7 @@ from typing import Any
 Part = tuple[str, bool, str]
 
 #: Settings that change no bit of a result.
-_WITHOUT_EFFECT = ("execution.threads", "execution.backend")
+_WITHOUT_EFFECT = ("execution.threads", "execution.oversubscribe", "execution.backend")
 
 
 def of_parts(saved: Sequence[Part], mine: Sequence[Part], *, structure_only: bool) -> list[str]:

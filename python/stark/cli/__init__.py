@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import signal
 import sys
 from collections.abc import Sequence
+
+from .._interrupts import EXIT_INTERRUPTED, RaisedOnce, tell
+from .output import complain
 
 #: Verb and what it does; the module of a verb has add_arguments(parser) and run(args) -> exit code.
 VERBS: dict[str, str] = {
@@ -20,7 +24,7 @@ VERBS: dict[str, str] = {
     "doctor": "show what this machine and installation offer",
 }
 
-EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT = 0, 1, 2
 
 
 def _version() -> str:
@@ -48,6 +52,15 @@ def _parser(verb: str | None) -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code: 0 good, 1 the simulation or the disk failed, 2 bad input, 130
     interrupted."""
+    try:
+        with RaisedOnce(signal.SIGINT):
+            return _run(arguments)
+    except KeyboardInterrupt:
+        tell()
+        return EXIT_INTERRUPTED
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     verb = next((word for word in words if not word.startswith("-")), None)
     parser = _parser(verb if verb in VERBS else None)
@@ -59,13 +72,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from .._core import Error
 
         return int(importlib.import_module(f"{__name__}.{args.verb}").run(args))
-    except KeyboardInterrupt:
-        print("stark: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
     except BrokenPipeError:
         return EXIT_OK
     except (Error, ImportError, OSError) as error:
-        print(f"stark: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(error)
         return EXIT_FAILED if _is_of_the_disk(error) else EXIT_BAD_INPUT
 
 

@@ -13,6 +13,7 @@ import math
 import time
 from typing import Any
 
+from .output import say
 from .settings_arguments import add_setting_arguments, parse_settings
 
 
@@ -92,7 +93,7 @@ def measure(
 
     return {
         "scene": scene_file.name,
-        "threads": int(sim.settings["execution.threads"]),
+        "threads": sim.threads,
         "sim_s": round(float(sim.time), 9),
         "wall_s": round(wall, 4),
         "cpu_s": round(cpu, 4),
@@ -150,13 +151,13 @@ class _IntersectionCheck:
 def run(args: argparse.Namespace) -> int:
     result = measure(args.scene, parse_settings(args), args.until, check=not args.no_check)
     if args.json:
-        print(json.dumps(result, allow_nan=False))
+        say(json.dumps(result, allow_nan=False))
     else:
         for key, value in result.items():
             if isinstance(value, dict):
-                print(f"{key}:")
+                say(f"{key}:")
                 for inner, number in value.items():
-                    print(f"  {inner:24}{number:.6g}")
+                    say(f"  {inner:24}{number:.6g}")
             elif value is not None:
-                print(f"{key:20}{value:.6g}" if isinstance(value, float) else f"{key:20}{value}")
+                say(f"{key:20}{value:.6g}" if isinstance(value, float) else f"{key:20}{value}")
     return 1 if result["failure"] else 0

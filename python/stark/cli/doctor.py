@@ -10,13 +10,14 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+from .output import say
+
 #: Optional packages: distribution, module, what it adds, extra.
 _OPTIONAL = (
     ("pytetwild", "pytetwild", "tetrahedral meshes of closed surfaces", "mesh"),
     ("trimesh", "trimesh", "more mesh formats", "mesh"),
     ("imageio", "imageio", "mp4 films", "video"),
     ("imageio-ffmpeg", "imageio_ffmpeg", "mp4 films", "video"),
-    ("viser", "viser", "live view", "view"),
     ("ipctk", "ipctk", "independent check for intersections", "test"),
 )
 
@@ -49,7 +50,7 @@ def _version(distribution: str) -> str:
 
 
 def _line(label: str, text: str) -> None:
-    print(f"{label:14}{text}")
+    say(f"{label:14}{text}")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -65,20 +66,20 @@ def run(args: argparse.Namespace) -> int:
     _line("system", platform.platform())
     _line("processor", name)
     _line("vector sets", "  ".join(f"{flag} {'yes' if flag in flags else 'no'}" for flag in wanted))
-    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    _line("cores", f"{available} usable of {os.cpu_count()}")
+    _line("cores", f"{_core.usable_threads()} usable of {os.cpu_count()}")
     if hasattr(_core, "Settings"):
         for field in _core.Settings.fields():
             if field["name"] in ("execution.backend", "linear.solver") and field.get("choices"):
                 label = "back ends" if field["name"].startswith("exec") else "linear solvers"
                 _line(label, ", ".join(field["choices"]))
     _line("compiler", "not needed")
-    print("\noptional packages")
+    say()
+    say("optional packages")
     for distribution, module, adds, extra in _OPTIONAL:
         if importlib.util.find_spec(module):
-            print(f"  {distribution:16}{_version(distribution):12}{adds}")
+            say(f"  {distribution:16}{_version(distribution):12}{adds}")
         else:
-            print(f"  {distribution:16}{'missing':12}{adds}: pip install 'stark-sim[{extra}]'")
+            say(f"  {distribution:16}{'missing':12}{adds}: pip install 'stark-sim[{extra}]'")
     return 0 if args.no_step else _trial_step()
 
 
@@ -92,5 +93,6 @@ def _trial_step() -> int:
     scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=4), stark.materials.cotton)
     report = stark.Simulation(scene, time_step=0.01).step()
     status = str(getattr(report.status, "name", report.status)).lower()
-    print(f"\ntrial step: {status} in {1e3 * (time.perf_counter() - begin):.0f} ms")
+    say()
+    say(f"trial step: {status} in {1e3 * (time.perf_counter() - begin):.0f} ms")
     return 0 if status == "accepted" else 1

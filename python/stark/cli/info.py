@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from .output import say
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -34,8 +36,8 @@ def _settings() -> int:
 
     for field in Settings.fields():
         unit = f" {field['unit']}" if field.get("unit") not in (None, "", "1") else ""
-        print(f"{field['name']} = {field.get('default')}{unit}")
-        print(f"    {field.get('doc', '')}")
+        say(f"{field['name']} = {field.get('default')}{unit}")
+        say(f"    {field.get('doc', '')}")
     return 0
 
 
@@ -44,7 +46,7 @@ def _scenes() -> int:
 
     for name in names():
         scene = load(name)
-        print(f"{name:24} {scene.until:5g} s  {scene.description}")
+        say(f"{name:24} {scene.until:5g} s  {scene.description}")
     return 0
 
 
@@ -53,14 +55,14 @@ def _scene(name: str) -> int:
 
     scene = load(name)
     built, settings = scene.build()
-    print(f"{scene.name}: {scene.description}")
-    print(f"  runs for {scene.until:g} s" if scene.until else "  needs --until")
+    say(f"{scene.name}: {scene.description}")
+    say(f"  runs for {scene.until:g} s" if scene.until else "  needs --until")
     for key, value in getattr(scene.module, "options", {}).items():
-        print(f"  option {key} = {value}")
+        say(f"  option {key} = {value}")
     for key, value in settings.items():
-        print(f"  {key} = {value}")
+        say(f"  {key} = {value}")
     for body in getattr(built, "bodies", []):
-        print(f"  {getattr(body, 'kind', '?'):6} {body.name}")
+        say(f"  {getattr(body, 'kind', '?'):6} {body.name}")
     return 0
 
 
@@ -72,19 +74,19 @@ def _recording(folder: Path) -> int:
     recording = Recording(folder)
     manifest = recording.manifest
     telemetry = recording.telemetry
-    print(f"{recording.scene}: {recording.status} {manifest.get('message', '')}".rstrip())
-    print(f"  {manifest.get('created', '')}, Stark {manifest.get('stark_version', '')}")
+    say(f"{recording.scene}: {recording.status} {manifest.get('message', '')}".rstrip())
+    say(f"  {manifest.get('created', '')}, Stark {manifest.get('stark_version', '')}")
     if len(recording):
-        print(
+        say(
             f"  {len(recording)} frames from {recording.times[0]:g} to {recording.times[-1]:g} s, "
             f"{len(telemetry)} steps"
         )
     for body in recording.bodies:
-        print(f"  {body.kind:6} {body.name}: {body.vertex_count} vertices, {body.triangle_count} triangles")
+        say(f"  {body.kind:6} {body.name}: {body.vertex_count} vertices, {body.triangle_count} triangles")
     for name, value in manifest.get("summary", {}).get("observables", {}).items():
-        print(f"  {name} = {value:.6g}")
+        say(f"  {name} = {'nothing' if value is None else format(value, '.6g')}")
     if (folder / CHECKPOINT).exists():
-        print(f"  checkpoint at {Checkpoint.read(folder / CHECKPOINT).time:g} s: stark run --resume {folder}")
+        say(f"  checkpoint at {Checkpoint.read(folder / CHECKPOINT).time:g} s: stark run --resume {folder}")
     return 0
 
 
@@ -93,11 +95,11 @@ def _checkpoint(path: Path) -> int:
 
     checkpoint = Checkpoint.read(path)
     state = checkpoint.state
-    print(f"{checkpoint.scene}: checkpoint at {checkpoint.time:g} s, after {state.step_count} steps")
-    print(f"  Stark {checkpoint.stark_version}, state {state.hash}")
+    say(f"{checkpoint.scene}: checkpoint at {checkpoint.time:g} s, after {state.step_count} steps")
+    say(f"  Stark {checkpoint.stark_version}, state {state.hash}")
     for name, array in state.arrays().items():
         if array.size and array.ndim:
-            print(f"  {name}: {len(array)}")
+            say(f"  {name}: {len(array)}")
     for name in checkpoint.memory:
-        print(f"  memory {name}")
+        say(f"  memory {name}")
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from typing import TextIO
@@ -11,6 +12,8 @@ class Progress:
     """Shows how far something has come. Nothing is written when the stream is not a terminal or ``quiet`` is
     set."""
 
+    #: Between two drawings [s].
+    PERIOD = 0.1
     _WIDTH = 28
 
     def __init__(self, total: float, *, quiet: bool = False, stream: TextIO | None = None) -> None:
@@ -18,12 +21,12 @@ class Progress:
         self._on = not quiet and self._stream.isatty()
         self._total = total
         self._begin = time.perf_counter()
-        self._shown = 0.0
+        self._shown = -math.inf
 
     def update(self, done: float, text: str = "") -> None:
-        """Draws the bar at ``done`` of the total, at most ten times a second."""
+        """Draws the bar at ``done`` of the total, once in a ``PERIOD`` at most."""
         now = time.perf_counter()
-        if not self._on or (now - self._shown < 0.1 and done < self._total):
+        if not self._on or (now - self._shown < self.PERIOD and done < self._total):
             return
         self._shown = now
         share = min(1.0, max(0.0, done / self._total)) if self._total > 0 else 1.0

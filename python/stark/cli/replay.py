@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+
+from .output import say
+from .paths import path_argument
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="the page; default: RUN/replay.html")
+    parser.add_argument("run", type=path_argument, metavar="RUN", help="folder of a run")
+    parser.add_argument(
+        "--out", type=path_argument, metavar="FILE", help="the page; default: RUN/replay.html"
+    )
     parser.add_argument("--stride", type=int, metavar="N", help="keep every Nth frame; default: by size")
     parser.add_argument("--max-megabytes", type=float, default=60.0, help="size to stay below (60)")
 
@@ -18,5 +22,5 @@ def run(args: argparse.Namespace) -> int:
     from ..replay import write_page
 
     path = write_page(Recording(args.run), args.out, stride=args.stride, max_megabytes=args.max_megabytes)
-    print(f"{path}  {path.stat().st_size / 1e6:.1f} MB")
+    say(f"{path}  {path.stat().st_size / 1e6:.1f} MB")
     return 0

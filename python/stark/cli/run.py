@@ -5,14 +5,19 @@ from __future__ import annotations
 
 import argparse
 import signal
-import sys
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from .._core import InvalidArgument
+from .._interrupts import RaisedOnce, tell
+from ..files import printable
+from .output import complain, say
+from .paths import path_argument
 from .progress import Progress
 from .settings_arguments import add_setting_arguments, parse_settings
+
+#: Of a step that takes longer, the bar shows the iterations [s].
+LONG_STEP = 2.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own"
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the run; default: out/NAME")
+    parser.add_argument(
+        "--out", type=path_argument, metavar="DIR", help="folder of the run; default: out/NAME"
+    )
     parser.add_argument("--fps", type=float, help="most recorded frames per simulated second (60)")
     parser.add_argument(
         "--checkpoint-every",
@@ -36,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-checkpoint", action="store_true", help="write no checkpoints")
     parser.add_argument(
         "--resume",
-        type=Path,
+        type=path_argument,
         metavar="DIR",
         help="go on with the run in DIR from its last checkpoint, as if it had never stopped",
     )
@@ -50,10 +57,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-picture", action="store_true", help="write no picture")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
     add_setting_arguments(parser)
-
-
-def _stop(signal_number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
 
 
 def _option(text: str) -> tuple[str, str]:
@@ -92,7 +95,7 @@ def _end(args: argparse.Namespace) -> float:
     return end_time(load(args.scene, dict(_option(text) for text in args.option)), args.until)
 
 
-def _run(args: argparse.Namespace, on_step: Any) -> Any:
+def _run(args: argparse.Namespace, shown: Shown) -> Any:
     from .. import scenes
 
     common: dict[str, Any] = {
@@ -100,7 +103,8 @@ def _run(args: argparse.Namespace, on_step: Any) -> Any:
         "settings": parse_settings(args),
         "replay": not args.no_replay,
         "picture": not args.no_picture,
-        "on_step": on_step,
+        "on_step": shown.step,
+        "on_progress": shown.progress,
     }
     if args.resume is not None:
         return scenes.resume(args.resume, scene=args.scene, **common)
@@ -115,31 +119,51 @@ def _run(args: argparse.Namespace, on_step: Any) -> Any:
     )
 
 
+def _shown(path: Path) -> Path:
+    """As seen from the current folder, where it is below that."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path
+
+
+class Shown:
+    """What the bar says of a run, and of a step that takes long."""
+
+    def __init__(self, bar: Progress) -> None:
+        self._bar = bar
+
+    def step(self, sim: Any, report: Any) -> None:
+        iterations, contacts = int(report.newton_iterations), int(report.contact_count)
+        self._bar.update(sim.time, f"t = {sim.time:.3f} s  {iterations} iterations  {contacts} contacts")
+
+    def progress(self, progress: Any) -> None:
+        if progress.seconds < LONG_STEP:
+            return
+        attempt = f", attempt {progress.attempt}" if progress.attempt > 1 else ""
+        text = f"step {progress.step}: {progress.iterations} iterations in {progress.seconds:.0f} s{attempt}"
+        self._bar.update(progress.time, f"t = {progress.time:.3f} s  {text}")
+
+
 def run(args: argparse.Namespace) -> int:
     _check(args)
-    progress = Progress(_end(args), quiet=args.quiet)
-
-    def on_step(sim: Any, report: Any) -> None:
-        iterations, contacts = int(report.newton_iterations), int(report.contact_count)
-        progress.update(sim.time, f"t = {sim.time:.3f} s  {iterations} iterations  {contacts} contacts")
-
-    previous = signal.signal(signal.SIGTERM, _stop)
-    try:
-        result = _run(args, on_step)
-    finally:
-        signal.signal(signal.SIGTERM, previous)
-        progress.close()
+    with RaisedOnce(signal.SIGINT, signal.SIGTERM):
+        bar = Progress(_end(args), quiet=args.quiet)
+        try:
+            result = _run(args, Shown(bar))
+        finally:
+            bar.close()
     if not args.quiet:
-        print(
+        say(
             f"{result.scene}: {result.simulated:.4g} s simulated in {result.wall:.1f} s"
             f"; {result.steps} steps, "
             f"{result.rejected_steps} rejected, {result.newton_iterations} Newton iterations, "
             f"at most {result.max_contacts} contacts"
         )
         for path in [result.folder, *result.files]:
-            print(f"  {path}")
+            say(f"  {_shown(path)}")
         if result.message and result.status == "complete":
-            print(f"  {result.message}")
-    if result.status != "complete":
-        print(f"stark: {result.scene}: {result.status}: {result.message}", file=sys.stderr)
+            say(f"  {result.message}")
+    if result.status == "interrupted":
+        tell(printable(f"{result.scene}: interrupted: {result.message}"))
+    elif result.status != "complete":
+        complain(f"{result.scene}: {result.status}: {result.message}")
     return result.exit_code

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
+
+from .output import say
+from .paths import path_argument
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run")
+    parser.add_argument("run", type=path_argument, metavar="RUN", help="folder of a run")
     parser.add_argument("--time", type=float, metavar="T", help="time [s]; default: the end")
-    parser.add_argument("--out", type=Path, metavar="FILE.png", help="the picture; default: RUN/still.png")
+    parser.add_argument(
+        "--out", type=path_argument, metavar="FILE.png", help="the picture; default: RUN/still.png"
+    )
     add_picture_arguments(parser, "good")
 
 
@@ -44,5 +48,5 @@ def run(args: argparse.Namespace) -> int:
     )
     path = args.out or args.run / "still.png"
     write_png(path, picture)
-    print(path)
+    say(path)
     return 0

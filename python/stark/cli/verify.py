@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from pathlib import Path
 
+from .output import complain, say
+from .paths import path_argument
 from .progress import Progress
 
 
@@ -15,22 +15,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "exit codes: 0 certified; 1 a claim is violated; 2 the recording cannot be read, or the "
         "certificate not written; 3 nothing is violated, but not everything could be shown"
     )
-    parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run, best of one with --certify")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="certificate; default: RUN/certificate.json")
+    parser.add_argument(
+        "run", type=path_argument, metavar="RUN", help="folder of a run, best of one with --certify"
+    )
+    parser.add_argument(
+        "--out", type=path_argument, metavar="FILE", help="certificate; default: RUN/certificate.json"
+    )
     parser.add_argument("--json", action="store_true", help="print the certificate as JSON")
+    parser.add_argument(
+        "--strict", action="store_true", help="a certificate with limits counts as inconclusive: exit code 3"
+    )
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def run(args: argparse.Namespace) -> int:
     from ..array_file import naming, refuse_special
     from ..verify import UnreadableRecording, verify
+    from ..verify.certificate import EXIT_INCONCLUSIVE
 
     progress = Progress(1.0, quiet=args.quiet)
     try:
         certificate = verify(args.run, progress=progress.update)
     except UnreadableRecording as error:
         progress.close()
-        print(f"stark: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(error)
         return 2
     finally:
         progress.close()
@@ -40,11 +48,13 @@ def run(args: argparse.Namespace) -> int:
             refuse_special(path)
             certificate.write(path)
     except OSError as error:  # 1 would say that a claim is violated
-        print(f"stark: certificate {error}", file=sys.stderr)
+        complain(f"certificate {error}")
         return 2
     if args.json:
-        print(json.dumps(certificate.to_json(), indent=1, allow_nan=False))
+        print(json.dumps(certificate.to_json(), indent=1, allow_nan=False))  # in ASCII
     elif not args.quiet:
-        print(certificate.text())
-        print(f"  {path}")
-    return certificate.exit_code
+        for line in certificate.text().split("\n"):
+            say(line)
+        say(f"  {path}")
+    limited = args.strict and certificate.verdict == "certified" and certificate.limits
+    return EXIT_INCONCLUSIVE if limited else certificate.exit_code

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
+from .output import say
+from .paths import path_argument
 from .progress import Progress
 from .still import add_picture_arguments, parse_size
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", type=Path, metavar="RUN", help="folder of a run")
-    parser.add_argument("--out", type=Path, metavar="FILE.mp4", help="the film; default: RUN/video.mp4")
+    parser.add_argument("run", type=path_argument, metavar="RUN", help="folder of a run")
+    parser.add_argument(
+        "--out", type=path_argument, metavar="FILE.mp4", help="the film; default: RUN/video.mp4"
+    )
     parser.add_argument("--fps", type=float, default=30.0, help="pictures per second (30)")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (1)")
     add_picture_arguments(parser, "draft")
@@ -36,5 +39,5 @@ def run(args: argparse.Namespace) -> int:
         progress=lambda done, total: progress.update(done / total, f"picture {done} of {total}"),
     )
     progress.close()
-    print(path)
+    say(path)
     return 0

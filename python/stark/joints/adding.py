@@ -50,11 +50,14 @@ def add_joint(
     frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
     given = {"a": frames[0], "b": frames[1], "values": _values(owner, formula, values)}
     index = scene._core.add_joint(
-        {"name": given_name(name), "definition": formula.core, "enabled": enabled, **given}
+        {
+            "name": given_name(name),
+            "definition": formula.core,
+            "enabled": enabled,
+            "contact": contact,
+            **given,
+        }
     )
-    bodies = {frame["body"] for frame in frames if "body" in frame}
-    if not contact and len(bodies) == 2:
-        scene._core.disable_contact(*sorted(bodies))
     return Joint(scene, index, formula, enabled, given)
 
 

@@ -34,6 +34,7 @@ class SceneJoints:
     _core: Any
     _joints: list[Joint]
     _actuators: list[Actuator]
+    _warn_of_late: Any
 
     def add_joint(
         self,
@@ -71,6 +72,7 @@ class SceneJoints:
             values=values,
         )
         self._joints.append(joint)
+        self._warn_of_late(f"joint '{joint.name}'")
         return joint
 
     def add_fixed(self, a: Side, b: Side, anchor: Vec3Like | None = None, **options: Any) -> Joint:

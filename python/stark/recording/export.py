@@ -11,7 +11,9 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from ..array_file import write_atomically
+from ..arguments import given_path
+from ..array_file import naming, write_atomically
+from ..files import plain_name, printable
 from .format import Frame, RecordingError
 from .reader import Recording
 
@@ -40,7 +42,10 @@ def ply_bytes(frame: Frame) -> bytes:
             "ply",
             "format binary_little_endian 1.0",
             f"comment Stark, time {frame.time:.9g} s",
-            *(f"comment body {i}: {' '.join(body.name.split())}" for i, body in enumerate(frame.bodies)),
+            *(
+                f"comment body {i}: {' '.join(printable(body.name).split())}"
+                for i, body in enumerate(frame.bodies)
+            ),
             f"element vertex {len(vertices)}",
             *(f"property float {axis}" for axis in "xyz"),
             f"element face {len(triangles)}",
@@ -58,7 +63,7 @@ def obj_bytes(frame: Frame) -> bytes:
     """One frame as OBJ text with one object a body; nine significant digits keep float32 exactly."""
     lines, start = [f"# Stark, time {frame.time:.9g} s"], 1
     for body in frame.bodies:
-        lines.append(f"o {body.name.replace(' ', '_')}")
+        lines.append(f"o {'_'.join(printable(body.name).split())}")
         lines.extend(f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in body.positions.tolist())
         lines.extend(f"f {a + start} {b + start} {c + start}" for a, b, c in body.triangles.tolist())
         start += len(body.positions)
@@ -115,9 +120,10 @@ def export(
     writers = {"vtu": vtu_bytes, "ply": ply_bytes, "obj": obj_bytes}
     if format not in writers:
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    stem = recording.scene or "run"
+    folder = given_path(folder, "export: folder")
+    with naming(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    stem = plain_name(recording.scene, "run")
     written: list[Path] = []
     series: list[tuple[float, str]] = []
     for index in range(len(recording)) if frames is None else frames:

@@ -17,6 +17,10 @@ MANIFEST = "manifest.json"
 TELEMETRY = "telemetry.jsonl"
 TOPOLOGY = "frames/topology.npz"
 STATES = "states"
+CERTIFICATE = "certificate.json"
+PAGE = "replay.html"
+#: Held by the process that writes the folder, see stark.recording.lock.
+LOCK = "run.lock"
 STATES_VERSION = 2
 #: Where a run can be resumed from, see stark.checkpoint.
 CHECKPOINT = "checkpoint.stark"

@@ -10,8 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import given_path
 from ..array_file import DamageError, read_arrays
+from ..files import read_text, resolved
 from ..telemetry import Telemetry, TelemetryError
+from .chain import ARRAY
 from .format import (
     CHUNK_FRAMES,
     FORMAT_NAME,
@@ -27,9 +30,10 @@ from .format import (
 )
 
 
-def _read_npz(path: Path) -> dict[str, np.ndarray]:
+def _read_npz(place: Path, path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a file at ``place``, which messages call ``path``."""
     try:
-        return read_arrays(path)
+        return read_arrays(place)
     except FileNotFoundError:
         raise RecordingError(
             f"'{path}' is missing; copy the run folder again or run the scene anew"
@@ -44,7 +48,8 @@ class Recording:
     """A recorded run. Frames are read chunk by chunk, so a long recording need not fit into memory."""
 
     def __init__(self, folder: str | PathLike[str]) -> None:
-        self.folder = Path(folder)
+        self.folder = given_path(folder, "recording: folder")
+        self._place = resolved(self.folder)  # where it is read, whatever the current folder will be
         self.manifest = self._read_manifest()
         try:
             self.bodies: list[BodyEntry] = [_body(entry) for entry in self.manifest["bodies"]]
@@ -52,11 +57,16 @@ class Recording:
             frame_count = int(self.manifest["frame_count"])
             self.scene = str(self.manifest["scene"])
             self.status = str(self.manifest["status"])
-            if frame_count < 0 or chunk_count < 0:
-                raise ValueError("frame_count and chunk_count must be >= 0")
+            if not 0 <= chunk_count <= frame_count:
+                raise ValueError("chunk_count must be in [0, frame_count]")
+            if not isinstance(self.manifest.get("chain", {}), dict):
+                raise TypeError("chain must be an object")
             for group in ("settings", "summary"):
                 if not isinstance(self.manifest.get(group, {}), dict):
                     raise TypeError(f"{group} must be an object")
+            observables = self.manifest.get("summary", {}).get("observables", {})
+            if not isinstance(observables, dict) or not all(map(_is_number, observables.values())):
+                raise TypeError("observables must be an object of numbers")
             if not isinstance(self.manifest.get("resumed", []), list):
                 raise TypeError("resumed must be a list")
             size = self.manifest.get("chunk_frames", CHUNK_FRAMES)
@@ -83,10 +93,10 @@ class Recording:
 
     def _read_manifest(self) -> dict[str, Any]:
         path = self.folder / MANIFEST
-        if not self.folder.is_dir():
+        if not self._place.is_dir():
             raise RecordingError(f"'{self.folder}' is not a run folder: no such folder")
         try:
-            manifest = json.loads(path.read_text(encoding="utf-8"))
+            manifest = json.loads(read_text(self._place / MANIFEST))
         except FileNotFoundError:
             raise RecordingError(f"'{self.folder}' is not a run folder: it has no {MANIFEST}") from None
         except (OSError, ValueError, RecursionError) as error:
@@ -104,7 +114,7 @@ class Recording:
 
     def _read_topology(self) -> list[np.ndarray]:
         path = self.folder / TOPOLOGY
-        arrays = _read_npz(path)
+        arrays = _read_npz(self._place / TOPOLOGY, path)
         triangles = []
         for i, body in enumerate(self.bodies):
             array = arrays.get(f"triangles_{i:04d}")
@@ -123,10 +133,13 @@ class Recording:
         if index in self._cache:
             return self._cache[index]
         path = self.folder / chunk_path(index)
-        arrays = _read_npz(path)
+        arrays = _read_npz(self._place / chunk_path(index), path)
         times = arrays.get("times")
         if times is None or times.ndim != 1 or times.dtype != np.float64 or not np.isfinite(times).all():
             raise RecordingError(f"'{path}' has no valid times")
+        digests = arrays.get(ARRAY)
+        if digests is not None and (digests.shape != (len(times), 32) or digests.dtype != np.uint8):
+            raise RecordingError(f"'{path}': digests have a wrong shape")
         for i, body in enumerate(self.bodies):
             positions = arrays.get(f"positions_{i:04d}")
             if (
@@ -159,7 +172,7 @@ class Recording:
     def telemetry(self) -> Telemetry:
         """The numbers of every step. An unfinished last line is allowed only in a run that was killed."""
         try:
-            return Telemetry.read(self.folder / TELEMETRY, tolerate_cut_line=self.status == "running")
+            return Telemetry.read(self._place / TELEMETRY, tolerate_cut_line=self.status == "running")
         except TelemetryError as error:
             raise RecordingError(str(error)) from error
 
@@ -195,9 +208,21 @@ class Recording:
         return index % count
 
     def _positions_at(self, which: int, index: int) -> np.ndarray:
+        chunk, row = self._place_of(index)
+        positions = chunk[f"positions_{which:04d}"]
+        return positions[0 if len(positions) == 1 else row]
+
+    def _place_of(self, index: int) -> tuple[dict[str, np.ndarray], int]:
+        """The chunk of a frame, and the frame's number in it."""
         chunk_index = int(np.searchsorted(self._starts, index, side="right")) - 1
-        positions = self._chunk(chunk_index)[f"positions_{which:04d}"]
-        return positions[0 if len(positions) == 1 else index - self._starts[chunk_index]]
+        return self._chunk(chunk_index), index - int(self._starts[chunk_index])
+
+    def digest(self, frame: int) -> np.ndarray:
+        """Digest of a frame and all before it (32,) uint8, see ``stark.recording.chain``."""
+        chunk, row = self._place_of(self._frame_index(frame))
+        if ARRAY not in chunk:
+            raise RecordingError(f"'{self.folder}': frame {frame} lacks its digest; run the scene anew")
+        return chunk[ARRAY][row]
 
     def frame(self, index: int) -> Frame:
         """All bodies of one frame; negative indices count from the end."""
@@ -224,6 +249,10 @@ class Recording:
         from ..render import render
 
         return render(self.frame(self.nearest(time)), **options)
+
+
+def _is_number(value: Any) -> bool:
+    return value is None or (isinstance(value, (int, float)) and abs(value) <= 1e308)
 
 
 def _body(entry: dict[str, Any]) -> BodyEntry:

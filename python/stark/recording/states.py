@@ -9,7 +9,10 @@ Layout, beside the frames::
                                bodies (position, then the rows of the rotation); frames_0000 (k, n, 3, 3) of
                                rods; angular_velocities_0000 (k, 3) [rad/s] of rigid bodies, (k, n, 3) of the
                                frames of rods; joints (k, j), attachments (k, p) and actuators (k, m): what
-                               was enabled; actuator_values (k, v): those of all actuators in a row
+                                was enabled; actuator_values (k, v): those of all actuators in a row;
+                                contact_regained (k, e): by exclusion of joints and attachments, 1 where
+                                contact was back in the step that led to the state; chain (k, 32) uint8:
+                                digests, see stark.recording.chain
 
 A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
 """
@@ -23,7 +26,10 @@ from typing import Any
 
 import numpy as np
 
-from ..array_file import DamageError, read_arrays, write_arrays, write_atomically
+from ..array_file import DamageError, make_folder, read_arrays, write_arrays, write_atomically
+from ..files import read_bytes
+from . import chain
+from .chain import RowChain
 from .format import STATES, STATES_VERSION, RecordingError
 from .formulas import described_formula
 from .masses import point_masses, second_moments
@@ -38,6 +44,12 @@ def describe(sim: Any) -> dict[str, Any]:
         "bodies": bodies,
         "contact_enabled": settings["contact.enabled"],
         "pairs_without_contact": _pairs_without_contact(scene, len(bodies), settings["contact.self_contact"]),
+        "pairs_prescribed": [
+            (a, b)
+            for a in range(len(bodies))
+            for b in range(a + 1, len(bodies))
+            if scene.meeting_matters(a, b)
+        ],
         "joints": [
             {
                 "name": joint.name,
@@ -45,11 +57,15 @@ def describe(sim: Any) -> dict[str, Any]:
                 "built_in": joint.formula.residuals is None,
                 "coordinates": joint.formula.coordinates,
                 "formula": described_formula(joint.formula),
+                "contact": scene.joint_contact(joint._index),
                 **joint._given,
             }
             for joint in sim.joints
         ],
-        "attachments": [{**attachment._given, "name": attachment.name} for attachment in sim.attachments],
+        "attachments": [
+            {**a._given, "contact": scene.attachment_contact(a._index), "name": a.name}
+            for a in sim.attachments
+        ],
         "energies": [energy.name for energy in sim.energies],
         "actuators": [_actuator(actuator) for actuator in sim.actuators],
     }
@@ -80,12 +96,13 @@ def _body(scene: Any, body: Any, contact_distance: float) -> dict[str, Any]:
 
 
 def _pairs_without_contact(scene: Any, count: int, self_contact: bool) -> list[tuple[int, int]]:
-    """Pairs (a <= b) of numbers of bodies that may pass through each other."""
+    """Pairs (a <= b) of numbers of bodies that may pass through each other, but for those that joints and
+    attachments keep apart."""
     return [
         (a, b)
         for a in range(count)
         for b in range(a, count)
-        if not scene.contact_enabled(a, b) or (a == b and not self_contact)
+        if not scene.contact_possible(a, b) or (a == b and not self_contact)
     ]
 
 
@@ -108,7 +125,7 @@ class StateWriter:
 
     def __init__(self, folder: Path, sim: Any, chunk_states: int) -> None:
         self._begin(folder, chunk_states)
-        self._folder.mkdir(parents=True, exist_ok=True)
+        make_folder(self._folder)
         text = _description_text(sim)
         write_atomically(self._folder / "scene.json", lambda file: file.write(text))
         write_arrays(self._folder / "mesh.npz", _mesh(sim))
@@ -118,14 +135,23 @@ class StateWriter:
         self._chunk_states = chunk_states
         self._pending: list[dict[str, np.ndarray]] = []
         self._written, self._full_chunks, self._synced = 0, 0, 0
+        self._chain: RowChain | None = None
+        #: Digest of the last state that is on disk.
+        self.head = ""
+
+    def begin_chain(self, seed: str) -> None:
+        """Before the first state."""
+        self._chain = RowChain(seed, "states")
+        self.head = self._chain.head
 
     @classmethod
-    def resume(cls, folder: Path, sim: Any, chunk_states: int, states: int) -> StateWriter:
-        """Goes on after so many states of a recording of the same scene; what follows them is dropped."""
+    def resume(cls, folder: Path, sim: Any, chunk_states: int, states: int, *, chained: bool) -> StateWriter:
+        """Goes on after so many states of a recording of the same scene; what follows them is dropped.
+        ``chained``: whether states have digests."""
         writer = cls.__new__(cls)
         writer._begin(folder, chunk_states)
         try:
-            same = (writer._folder / "scene.json").read_bytes() == _description_text(sim)
+            same = read_bytes(writer._folder / "scene.json") == _description_text(sim)
             mesh = read_arrays(writer._folder / "mesh.npz")
         except (OSError, DamageError) as error:
             raise RecordingError(f"'{writer._folder}' is damaged ({error}); run the scene anew") from error
@@ -136,8 +162,13 @@ class StateWriter:
             )
         writer._full_chunks, rest = divmod(states, chunk_states)
         writer._written = states - rest
-        if rest:
-            writer._pending = _rows(writer._path(), rest)
+        last = writer._folder / f"chunk_{(states - 1) // chunk_states:06d}.npz"
+        rows = _rows(last, rest or chunk_states, chained, _state_of(sim))
+        writer._pending = rows if rest else []
+        if chained:
+            row = rows[-1]
+            writer._chain = RowChain.after(row[chain.ARRAY].tobytes().hex())
+            writer.head = writer._chain.head
         writer._synced = states
         return writer
 
@@ -157,24 +188,9 @@ class StateWriter:
 
     def write(self, sim: Any) -> bool:
         """Adds a state; returns whether that wrote a chunk."""
-        state: dict[str, np.ndarray] = {"times": np.float64(sim.time)}
-        turning = sim._core.state.arrays()["body_angular_velocity"]
-        for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
-            state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
-            if body.kind in ("rigid", "rod"):
-                rows = turning[place[2] : place[2] + place[3]]
-                state[f"angular_velocities_{i:04d}"] = rows[0] if body.kind == "rigid" else rows
-            if body.kind == "rigid":
-                position, rotation = body.pose
-                state[f"poses_{i:04d}"] = np.vstack([position, rotation])
-            if body.kind == "rod":
-                state[f"frames_{i:04d}"] = np.asarray(body.frames)
-        state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
-        status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
-        state["attachments"] = np.concatenate([*status, np.zeros(0)]).astype(np.int8)
-        state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
-        values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
-        state["actuator_values"] = np.array(values, dtype=np.float64)
+        state = _state_of(sim)
+        if self._chain is not None:
+            state[chain.ARRAY] = self._chain.add_arrays(state)
         self._pending.append(state)
         if len(self._pending) < self._chunk_states:
             return False
@@ -191,23 +207,66 @@ class StateWriter:
         arrays = {}
         for name in self._pending[0]:
             track = [state[name] for state in self._pending]
-            still = name != "times" and all(np.array_equal(track[0], other) for other in track[1:])
+            still = name != "times" and chain.is_still(track)
             arrays[name] = np.stack(track[:1] if still else track)
         write_arrays(self._path(), arrays)
         self._synced = self.count
+        if self._chain is not None:
+            self.head = self._chain.head
 
     def _path(self) -> Path:
         """Of the chunk that is not full yet."""
         return self._folder / f"chunk_{self._full_chunks:06d}.npz"
 
 
-def _rows(path: Path, count: int) -> list[dict[str, np.ndarray]]:
-    """The first states of a chunk."""
+def _state_of(sim: Any) -> dict[str, np.ndarray]:
+    """A state as it is recorded."""
+    state: dict[str, np.ndarray] = {"times": np.float64(sim.time)}
+    turning = sim._core.state.arrays()["body_angular_velocity"]
+    for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
+        state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
+        if body.kind in ("rigid", "rod"):
+            rows = turning[place[2] : place[2] + place[3]]
+            state[f"angular_velocities_{i:04d}"] = rows[0] if body.kind == "rigid" else rows
+        if body.kind == "rigid":
+            position, rotation = body.pose
+            state[f"poses_{i:04d}"] = np.vstack([position, rotation])
+        if body.kind == "rod":
+            state[f"frames_{i:04d}"] = np.asarray(body.frames)
+    state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
+    status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
+    state["attachments"] = np.concatenate([*status, np.zeros(0)]).astype(np.int8)
+    regained = sim._core.state.arrays()["contact_regained"]
+    state["contact_regained"] = np.isin(np.arange(sim._core.exclusion_count), regained).astype(np.int8)
+    state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
+    values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
+    state["actuator_values"] = np.array(values, dtype=np.float64)
+    return state
+
+
+def _rows(
+    path: Path, count: int, chained: bool, like: Mapping[str, np.ndarray]
+) -> list[dict[str, np.ndarray]]:
+    """The first states of a chunk, with or without their digests, of the arrays of a state ``like`` them."""
     try:
         arrays = read_arrays(path)
         length = len(arrays["times"])
         if length < count or any(len(array) not in (1, length) for array in arrays.values()):
             raise DamageError(f"it must hold {count} states")
+        digests = arrays.get(chain.ARRAY)
+        if chained and (digests is None or digests.shape != (length, 32) or digests.dtype != np.uint8):
+            raise DamageError("it lacks digests")
+        if not chained:
+            arrays.pop(chain.ARRAY, None)
+        for name in sorted((arrays.keys() - {chain.ARRAY}) | like.keys()):
+            found, expected = arrays.get(name), like.get(name)
+            if (
+                found is None
+                or expected is None
+                or found.dtype != expected.dtype
+                or found.shape[1:] != expected.shape
+            ):
+                raise DamageError(f"{name} do not fit the scene")
     except (OSError, DamageError, KeyError, TypeError) as error:
         raise RecordingError(f"'{path}' is missing or damaged ({error}); run the scene anew") from error
     return [{name: a[0 if len(a) == 1 else k] for name, a in arrays.items()} for k in range(count)]

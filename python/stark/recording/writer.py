@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import shutil
 import time as clock
 from collections.abc import Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -13,10 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..array_file import WriteError, naming, remove_leftovers, write_arrays, write_atomically
-from ..telemetry import SERIES, TelemetryWriter, _plain
+from ..arguments import given_path
+from ..array_file import WriteError, make_folder, remove_leftovers, write_arrays, write_atomically
+from ..files import resolved
+from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_lines
+from . import chain
+from .chain import RowChain
+from .folder import drop_chunks_after, prepare
 from .format import (
-    CHECKPOINT,
     CHUNK_FRAMES,
     FORMAT_NAME,
     FORMAT_VERSION,
@@ -30,6 +34,7 @@ from .format import (
     drawn,
     surface,
 )
+from .lock import FolderLock
 from .reader import Recording
 
 if TYPE_CHECKING:
@@ -70,11 +75,21 @@ def _require_same_settings(
         )
 
 
+@dataclass(frozen=True)
+class _Pending:
+    """A frame that is not in a full chunk yet. ``digest`` (32,) is None in recordings without a chain."""
+
+    time: float  # [s]
+    positions: list[np.ndarray]
+    digest: np.ndarray | None
+
+
 class Recorder:
     """Records the surfaces of all bodies of ``sim``, and its layers, into ``folder``.
 
     ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
-    the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused.
+    the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused, and
+    one that another recorder writes.
     ``settings`` are those of ``sim`` when not given.
     With ``certify``, ``record_state(sim)`` has to be called at the start and after every accepted step, for
     ``stark verify``.
@@ -93,21 +108,16 @@ class Recorder:
     ) -> None:
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
-        self.folder = Path(folder)
+        self.folder = resolved(given_path(folder, "recording: folder"))
         self._written = 0
         self._chunk_frames = chunk_frames
         self._chunk_index = 0
-        #: Frames of the chunk that is not full yet: time [s] and the positions of each body.
-        self._pending: list[tuple[float, list[np.ndarray]]] = []
+        #: Frames of the chunk that is not full yet: time [s], positions of each body, digest.
+        self._pending: list[_Pending] = []
         #: Time of the last frame [s], minus infinity before the first.
         self.last_time = -np.inf
         self._closed = False
         self._synced = 0
-        try:
-            with naming(self.folder):
-                self._prepare_folder()
-        except WriteError as error:
-            raise RecordingError(f"recording {error}") from error
         bodies = drawn(sim)
         self._entries = [self._entry(body) for body in bodies]
         self._manifest: dict[str, Any] = {
@@ -127,57 +137,84 @@ class Recorder:
             "resumed": [],
             "summary": {},
         }
+        self._states: StateWriter | None = None
+        self._telemetry: TelemetryWriter | None = None
+        self._kept_lines = 0
+        try:
+            self._lock = prepare(self.folder)
+        except WriteError as error:
+            raise RecordingError(f"recording {error}") from error
+        try:
+            self._begin(sim, bodies, certify)
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _begin(self, sim: Any, bodies: list[Any], certify: bool) -> None:
+        """The files that do not change, between two manifests: with the first one the folder is known as that
+        of a recording, with the second one it can be read."""
+        self._write_manifest()
+        make_folder(self.folder / "frames")
         triangles = {f"triangles_{i:04d}": surface(b)[1].astype(np.int32) for i, b in enumerate(bodies)}
         write_arrays(self.folder / TOPOLOGY, triangles)
-        self._states: StateWriter | None = None
+        still = [TOPOLOGY]
         if certify:
             from .states import StateWriter
 
-            self._states = StateWriter(self.folder, sim, chunk_frames)
-        self._telemetry = TelemetryWriter(self.folder / TELEMETRY)
+            self._states = StateWriter(self.folder, sim, self._chunk_frames)
+            still += [f"{STATES}/scene.json", f"{STATES}/mesh.npz"]
+        seed = chain.seed(self.folder, still)
+        self._manifest["chain"] = {"version": chain.VERSION, "seed": seed}
+        self._frame_chain: RowChain | None = RowChain(seed, "frames")
+        self._line_chain: RowChain | None = RowChain(seed, "telemetry")
+        #: Digests of the frames that are on disk, up to the last one.
+        self._frame_head = self._frame_chain.head
+        if self._states is not None:
+            self._states.begin_chain(seed)
+        self._telemetry = TelemetryWriter(self.folder / TELEMETRY, chain=self._line_chain)
         self._write_manifest()
-
-    def _prepare_folder(self) -> None:
-        if self.folder.exists():
-            if not self.folder.is_dir():
-                raise RecordingError(f"'{self.folder}' is a file; choose a folder for the recording")
-            known = (self.folder / MANIFEST).exists()
-            if any(self.folder.iterdir()) and not known:
-                raise RecordingError(
-                    f"folder '{self.folder}' is not empty and holds no recording; choose another folder"
-                )
-            if known:
-                (self.folder / MANIFEST).unlink()
-                shutil.rmtree(self.folder / "frames", ignore_errors=True)
-                shutil.rmtree(self.folder / STATES, ignore_errors=True)
-                (self.folder / "certificate.json").unlink(missing_ok=True)
-                (self.folder / TELEMETRY).unlink(missing_ok=True)
-                (self.folder / "replay.html").unlink(missing_ok=True)
-                (self.folder / CHECKPOINT).unlink(missing_ok=True)
-                remove_leftovers(self.folder)
-        (self.folder / "frames").mkdir(parents=True, exist_ok=True)
 
     @classmethod
     def resume(
-        cls, folder: str | PathLike[str], sim: Any, *, frames: int, lines: int, states: int = 0
+        cls,
+        folder: str | PathLike[str],
+        sim: Any,
+        *,
+        frames: int,
+        lines: int,
+        states: int = 0,
+        lock: FolderLock | None = None,
     ) -> Recorder:
         """Goes on with the recording in ``folder`` after its first ``frames`` frames, ``lines`` lines of
         telemetry and ``states`` states, if it is one for certification; what follows them is dropped. The
-        folder ends up as if it had been recorded at once, the times of resuming in its manifest apart."""
+        folder ends up as if it had been recorded at once, the times of resuming in its manifest apart.
+        ``lock``: that of the folder, if the caller has it."""
+        place = resolved(given_path(folder, "recording: folder"))
+        held = FolderLock(place) if lock is None else lock
+        try:
+            return cls._resumed(place, sim, frames, lines, states, held)
+        except BaseException:
+            held.release()
+            raise
+
+    @classmethod
+    def _resumed(
+        cls, folder: Path, sim: Any, frames: int, lines: int, states: int, lock: FolderLock
+    ) -> Recorder:
         recording = Recording(folder)
         certified = "states" in recording.manifest
         if certified != (states > 0):
             raise RecordingError(
                 f"'{folder}' and its checkpoint disagree about --certify; run the scene anew"
             )
+        if not chain.is_unchanged(recording.manifest):
+            raise RecordingError(f"'{folder / MANIFEST}' was changed by others; run the scene anew")
         if certified:
             _require_same_settings(folder, recording.settings, sim.settings.to_dict())
-        if len(recording) < frames:
+        if not 1 <= frames <= len(recording):
             raise RecordingError(f"'{folder}' holds {len(recording)} frames: must have {frames} to go on")
         recorder = cls.__new__(cls)
-        recorder.folder = Path(folder)
-        for place in (recorder.folder, recorder.folder / "frames", recorder.folder / STATES):
-            remove_leftovers(place)
+        recorder.folder, recorder._lock = folder, lock
         recorder._manifest = {
             **recording.manifest,
             "status": "running",
@@ -191,23 +228,53 @@ class Recorder:
                 f"'{folder}' is a recording of other bodies; give the scene it was made with"
             )
         recorder._chunk_frames = int(recording.manifest.get("chunk_frames", CHUNK_FRAMES))
+        recorder._take_up_frames(recording, frames)
         recorder._states = None
         if certified:
             from .states import StateWriter
 
-            size = recorder._chunk_frames
-            recorder._states = StateWriter.resume(recorder.folder, sim, size, states)
-        recorder._chunk_index, rest = divmod(frames, recorder._chunk_frames)
-        recorder._written = recorder._synced = frames - rest
-        recorder._pending = [
-            (float(recording.times[k]), [recording.positions(i, k) for i in range(len(recording.bodies))])
+            recorder._states = StateWriter.resume(
+                folder, sim, recorder._chunk_frames, states, chained="chain" in recorder._manifest
+            )
+        for part in (folder, folder / "frames", folder / STATES):
+            remove_leftovers(part)
+        recorder._closed = False
+        recorder._go_on(lines)
+        return recorder
+
+    def _take_up_frames(self, recording: Recording, frames: int) -> None:
+        """The frames of the chunk that is not full, to be written again with more."""
+        self._chunk_index, rest = divmod(frames, self._chunk_frames)
+        self._written, self._synced = frames - rest, frames
+        chained = "chain" in self._manifest
+        self._pending = [
+            _Pending(
+                float(recording.times[k]),
+                [recording.positions(i, k) for i in range(len(recording.bodies))],
+                recording.digest(k) if chained else None,
+            )
             for k in range(frames - rest, frames)
         ]
-        recorder.last_time = float(recording.times[frames - 1]) if frames else -np.inf
-        recorder._closed = False
-        recorder._telemetry = TelemetryWriter(recorder.folder / TELEMETRY, keep=lines)
-        recorder.sync()
-        return recorder
+        self.last_time = float(recording.times[frames - 1])
+        self._frame_chain = self._line_chain = None
+        self._frame_head = ""
+        if chained:
+            self._frame_chain = RowChain.after(recording.digest(frames - 1).tobytes().hex())
+            self._frame_head = self._frame_chain.head
+            self._line_chain = RowChain(str(self._manifest["chain"].get("seed")), "telemetry")
+
+    def _go_on(self, lines: int) -> None:
+        """The manifest goes first: what it counts is there at any moment, so a run that is killed here can be
+        resumed once more."""
+        kept = first_lines(self.folder / TELEMETRY, lines)
+        if self._line_chain is not None and kept:
+            self._line_chain.head = digest_of_last(kept)
+        self._telemetry, self._kept_lines = None, lines
+        self._write_manifest()
+        self._telemetry = TelemetryWriter(self.folder / TELEMETRY, kept=kept, chain=self._line_chain)
+        drop_chunks_after(self.folder / "frames", self._chunks_on_disk())
+        if self._states is not None:
+            drop_chunks_after(self.folder / STATES, self._states.manifest["chunk_count"])
 
     @staticmethod
     def _entry(body: Any) -> BodyEntry:
@@ -252,7 +319,9 @@ class Recorder:
                 )
             frame.append(positions)
         at = float(sim.time if time is None else time)
-        self._pending.append((at, frame))  # one operation: an interrupt cannot leave half a frame
+        row = {"times": np.float64(at), **{f"positions_{i:04d}": x for i, x in enumerate(frame)}}
+        digest = None if self._frame_chain is None else self._frame_chain.add_arrays(row)
+        self._pending.append(_Pending(at, frame, digest))  # at once: an interrupt leaves no half frame
         self.last_time = at
         if len(self._pending) >= self._chunk_frames:
             self._flush_frames()
@@ -267,6 +336,7 @@ class Recorder:
 
     def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
+        assert self._telemetry is not None
         self._telemetry.write(step_report, **extra)
 
     def flush(self) -> None:
@@ -290,19 +360,23 @@ class Recorder:
             self._write_chunk()
         if self._states is not None:
             self._states.sync()
-        self._synced = self.frame_count
+        assert self._telemetry is not None
         self._telemetry.sync()
-        self._write_manifest(with_pending=True)
+        self._write_manifest()
 
     def _write_chunk(self) -> None:
         """A body that did not move in the chunk is stored once."""
-        times = [at for at, _ in self._pending]
+        times = [frame.time for frame in self._pending]
         arrays: dict[str, np.ndarray] = {"times": np.array(times, dtype=np.float64)}
         for i in range(len(self._entries)):
-            track = [frame[i] for _, frame in self._pending]
-            still = all(np.array_equal(track[0], positions) for positions in track[1:])
-            arrays[f"positions_{i:04d}"] = np.stack(track[:1] if still else track)
+            track = [frame.positions[i] for frame in self._pending]
+            arrays[f"positions_{i:04d}"] = np.stack(track[:1] if chain.is_still(track) else track)
+        digests = [frame.digest for frame in self._pending if frame.digest is not None]
+        if digests:
+            arrays[chain.ARRAY] = np.stack(digests)
+            self._frame_head = digests[-1].tobytes().hex()
         write_arrays(self.folder / chunk_path(self._chunk_index), arrays)
+        self._synced = self.frame_count
 
     @property
     def frame_count(self) -> int:
@@ -317,15 +391,28 @@ class Recorder:
     @property
     def line_count(self) -> int:
         """Lines of telemetry so far."""
-        return self._telemetry.line_count
+        return self._kept_lines if self._telemetry is None else self._telemetry.line_count
 
-    def _write_manifest(self, *, with_pending: bool = False) -> None:
-        pending = len(self._pending) if with_pending else 0
-        self._manifest["frame_count"] = self._written + pending
-        self._manifest["chunk_count"] = self._chunk_index + (1 if pending else 0)
+    def _chunks_on_disk(self) -> int:
+        return self._chunk_index + (1 if self._synced > self._written else 0)
+
+    def _write_manifest(self) -> None:
+        """Counts what is on disk, never less than an earlier manifest did: a checkpoint may rest on that."""
+        self._manifest["frame_count"] = max(self._synced, self._written)
+        self._manifest["chunk_count"] = self._chunks_on_disk()
         if self._states is not None:
             self._manifest["states"] = self._states.manifest
-        text = json.dumps(self._manifest, indent=1, allow_nan=False) + "\n"
+        if "chain" in self._manifest:
+            assert self._line_chain is not None
+            self._manifest["chain"] |= {
+                "frames": self._frame_head,
+                "lines": self.line_count,
+                "telemetry": self._line_chain.head,
+            }
+            if self._states is not None:
+                self._manifest["chain"]["states"] = self._states.head
+        whole = chain.sealed(self._manifest) if "chain" in self._manifest else self._manifest
+        text = json.dumps(whole, indent=1, allow_nan=False) + "\n"
         write_atomically(self.folder / MANIFEST, lambda file: file.write(text.encode()))
 
     def close(
@@ -338,10 +425,13 @@ class Recorder:
         self._manifest["message"] = message
         self._manifest["summary"] = _plain(dict(summary or {}))
         self._closed = True  # what cannot be written now is not tried again
+        assert self._telemetry is not None
         try:
+            self._telemetry.sync()
             self.flush()
         finally:
             self._telemetry.close()
+            self._lock.release()
 
     def __enter__(self) -> Recorder:
         return self

@@ -5,12 +5,13 @@ from __future__ import annotations
 import struct
 import zlib
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 
 from .._core import InvalidArgument
+from ..arguments import given_path
 from ..array_file import write_atomically
+from ..files import read_bytes
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -42,12 +43,12 @@ def png_bytes(picture: np.ndarray) -> bytes:
 def write_png(path: str | PathLike[str], picture: np.ndarray) -> None:
     """Writes a (height, width, 3) uint8 picture."""
     data = png_bytes(picture)
-    write_atomically(Path(path), lambda file: file.write(data))
+    write_atomically(given_path(path, "write_png: path"), lambda file: file.write(data))
 
 
 def read_png(path: str | PathLike[str]) -> np.ndarray:
     """Reads a picture that ``write_png`` wrote; (height, width, 3) uint8."""
-    data = Path(path).read_bytes()
+    data = read_bytes(given_path(path, "read_png: path"))
     if data[:8] != _SIGNATURE:
         raise InvalidArgument(f"'{path}' is not a PNG file")
     at, body, width, height = 8, b"", 0, 0

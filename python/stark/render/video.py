@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import given_path
 from ..array_file import naming, refuse_special
+from ..files import resolved
 from ..recording import Recording, RecordingError
 from .camera import Camera, auto_camera, scene_bounds
 from .picture import render
@@ -49,9 +51,10 @@ def write_video(
     if not isinstance(camera, Camera):
         camera = auto_camera(bounds, camera or "oblique", width / height)
     times = np.arange(recording.times[0], recording.times[-1] + 0.5 * speed / fps, speed / fps)
-    path = Path(path)
+    path = resolved(given_path(path, "write_video: path"))
     refuse_special(path)
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
+    temporary.unlink(missing_ok=True)
     try:
         with imageio.get_writer(temporary, fps=fps, macro_block_size=2, quality=8) as writer:
             shown, picture = -1, None

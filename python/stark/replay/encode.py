@@ -52,6 +52,10 @@ def _inflate(data: bytes) -> bytes:
     return zlib.decompress(data, -15)
 
 
+#: Coordinates that can be displayed are smaller [m]; their squares have to be finite in single precision.
+_LARGEST = 1e18
+
+
 def choose_stride(recording: Recording, max_megabytes: float) -> int:
     """Smallest frame stride whose estimated page size stays below ``max_megabytes``."""
     vertices = sum(body.vertex_count for body in recording.bodies if body.kind != "rigid")
@@ -169,8 +173,8 @@ def encode(recording: Recording, *, stride: int | None = None, max_megabytes: fl
         "format": PAGE_FORMAT,
         "scene": recording.scene,
         "status": recording.status,
-        "stark_version": recording.manifest.get("stark_version", ""),
-        "created": recording.manifest.get("created", ""),
+        "stark_version": str(recording.manifest.get("stark_version", "")),
+        "created": str(recording.manifest.get("created", "")),
         "stride": stride,
         "times": [round(float(recording.times[k]), 9) for k in kept],
         "bodies": bodies,
@@ -179,6 +183,13 @@ def encode(recording: Recording, *, stride: int | None = None, max_megabytes: fl
 
 
 def _encode_body(recording: Recording, which: int, kept: list[int], add: Any) -> dict[str, Any]:
+    for k in kept:
+        if not np.abs(recording.positions(which, k)).max(initial=0.0) < _LARGEST:
+            name = recording.bodies[which].name
+            raise RecordingError(
+                f"body '{name}': its positions in frame {k} are not finite, or beyond {_LARGEST:g} m; only "
+                f"others can be displayed"
+            )
     first = recording.positions(which, kept[0])
     if recording.bodies[which].vertex_count == 0:
         return {"mode": "fixed", "rest": add(_deflate(b""))}

@@ -13,8 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import given_path
 from ..array_file import write_atomically
+from ..files import printable
 from ..recording import Recording
+from ..recording.format import PAGE
 from ..telemetry import Telemetry
 from .encode import EncodedReplay, encode
 
@@ -70,7 +73,7 @@ def assemble(replay: EncodedReplay, telemetry: Telemetry) -> str:
     )
     header = {**replay.header, "telemetry": plots(telemetry)}
     values = {
-        "title": html.escape(replay.header["scene"] or "Stark replay"),
+        "title": html.escape(printable(replay.header["scene"]) or "Stark replay"),
         "style": sources.joinpath("viewer.css").read_text(encoding="utf-8"),
         "header": _script_json(header),
         "blocks": blocks,
@@ -99,7 +102,7 @@ def write_page(
     ``stride`` keeps every so-many-th frame; when not given, it is chosen so that the page stays below about
     ``max_megabytes`` megabytes.
     """
-    target = recording.folder / "replay.html" if path is None else Path(path)
+    target = recording.folder / PAGE if path is None else given_path(path, "write_page: path")
     page = assemble(encode(recording, stride=stride, max_megabytes=max_megabytes), recording.telemetry)
     write_atomically(target, lambda file: file.write(page.encode("utf-8")))
     return target

@@ -121,6 +121,6 @@ _CALLS = {
     *_BODIES,
     *("add_skin", "add_fibres", "add_joint", "add_actuator", "add_attachment"),
     *("set_actuator_value", "set_actuator_enabled", "pin", "clamp"),
-    *("set_friction", "set_anisotropic_friction", "set_surface_directions"),
+    *("set_friction", "set_anisotropic_friction", "set_restitution", "set_surface_directions"),
     *("disable_contact", "enable_contact", "default_friction"),
 }

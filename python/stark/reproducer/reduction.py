@@ -13,7 +13,13 @@ if TYPE_CHECKING:
 
 _ADDING = ("add_cloth", "add_solid", "add_rigid", "add_rod")
 _ABOUT_ONE = ("pin", "clamp", "set_surface_directions")
-_ABOUT_TWO = ("set_friction", "set_anisotropic_friction", "disable_contact", "enable_contact")
+_ABOUT_TWO = (
+    "set_friction",
+    "set_anisotropic_friction",
+    "set_restitution",
+    "disable_contact",
+    "enable_contact",
+)
 _REDUCIBLE = {*_ADDING, *_ABOUT_ONE, *_ABOUT_TWO, "default_friction"}
 
 Arrays = dict[str, Any]

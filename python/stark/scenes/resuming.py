@@ -8,11 +8,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from .._interrupts import Deferred
+from ..arguments import given_path
 from ..checkpoint import Checkpoint, CheckpointError
+from ..files import resolved
 from ..recording import Recorder
 from ..recording.format import CHECKPOINT
-from .runner import COUNTS, Job, OnStep, Plan, RunResult, end_time, make_simulation
-from .scene_file import SceneFile, load
+from ..recording.lock import FolderLock
+from .runner import COUNTS, Job, OnProgress, OnStep, Plan, RunResult, end_time, make_simulation
+from .scene_file import SceneFile, load, names
 
 
 def resume(
@@ -25,6 +29,7 @@ def resume(
     picture: bool = True,
     check: bool = True,
     on_step: OnStep | None = None,
+    on_progress: OnProgress | None = None,
 ) -> RunResult:
     """Goes on with the run in ``folder`` from its last checkpoint; frames and telemetry after it are dropped
     and made again, so that the recording ends up as that of an uninterrupted run.
@@ -33,13 +38,30 @@ def resume(
     a step that was shortened to meet the old one is taken whole. ``settings`` are changed from here on: with
     those that influence results the run is another one than without them. Raises ``CheckpointError`` when
     there is no checkpoint, or one of another scene than the file now makes, and ``RecordingError`` when the
-    recording is damaged."""
-    folder = Path(folder)
+    recording is damaged or another process writes it."""
+    folder = resolved(given_path(folder, "resume: folder"))
+    _require_checkpoint(folder)
+    lock = FolderLock(folder)
+    try:
+        job = _job(folder, scene, until, dict(settings or {}), lock)
+    except BaseException:
+        lock.release()
+        raise
+    return job.finish(job.advance(on_step, on_progress), replay, picture, check)
+
+
+def _job(
+    folder: Path,
+    scene: str | PathLike[str] | SceneFile | None,
+    until: float | None,
+    changed: dict[str, Any],
+    lock: FolderLock,
+) -> Job:
+    """The run as it was at its last checkpoint."""
     checkpoint = read_checkpoint(folder)
     owner = f"checkpoint '{folder / CHECKPOINT}'"
     plan, recorded, counts, wall = _read_run(checkpoint, owner)
-    scene_file = scene if isinstance(scene, SceneFile) else load(scene or plan.scene, plan.options)
-    changed = dict(settings or {})
+    scene_file = scene if isinstance(scene, SceneFile) else _load(scene, plan, folder, owner)
     plan = replace(
         plan,
         scene=scene_file.source,
@@ -51,10 +73,23 @@ def resume(
     if until is not None and sim.time > until + 1e-9 * sim.time_step:
         raise CheckpointError(f"{owner}: is at {sim.time:g} s, after until = {until:g} s; give a later end")
     scene_file.recall(checkpoint.memory)
-    recorder = Recorder.resume(folder, sim, **recorded)
+    with Deferred():
+        recorder = Recorder.resume(folder, sim, **recorded, lock=lock)
     result = RunResult(scene_file.name, "complete", "", 0.0, wall, **counts)
-    job = Job(scene_file, plan, sim, recorder, result)
-    return job.finish(job.advance(on_step), replay, picture, check)
+    return Job(scene_file, plan, sim, recorder, result)
+
+
+def _load(scene: str | PathLike[str] | None, plan: Plan, folder: Path, owner: str) -> SceneFile:
+    """The scene that the caller names, or that of the run. A scene file is code: one that came with the run
+    folder, or that is found from the current folder only, is not executed unless the caller names it."""
+    if scene is None and plan.scene not in names():
+        path = Path(plan.scene)
+        if not path.is_absolute() or path.resolve().is_relative_to(folder.resolve()):
+            raise CheckpointError(
+                f"{owner}: names the scene '{plan.scene}': must be an absolute path outside of the run "
+                f"folder; say which scene it is: stark run SCENE --resume {folder}"
+            )
+    return load(plan.scene if scene is None else scene, plan.options)
 
 
 def planned_end(folder: Path) -> float:
@@ -65,11 +100,14 @@ def planned_end(folder: Path) -> float:
 
 def read_checkpoint(folder: Path) -> Checkpoint:
     """The checkpoint of a run folder."""
-    path = folder / CHECKPOINT
-    if not path.exists():
+    _require_checkpoint(folder)
+    return Checkpoint.read(folder / CHECKPOINT)
+
+
+def _require_checkpoint(folder: Path) -> None:
+    if not (folder / CHECKPOINT).exists():
         what = "it has no checkpoint" if folder.is_dir() else "no such folder"
         raise CheckpointError(f"'{folder}' cannot be resumed: {what}; run the scene anew")
-    return Checkpoint.read(path)
 
 
 def _matter(settings: Mapping[str, Any]) -> bool:

@@ -12,10 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from .._core import InvalidArgument
+from .._interrupts import Deferred
+from ..arguments import given_path
+from ..array_file import WriteError, refuse_link
 from ..checkpoint import CheckpointError
+from ..files import resolved
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
-from ..simulation import limit_of_step, reached
+from ..simulation import OnProgress, limit_of_step, reached
 from .scene_file import SceneFile, SceneFileError, load
 
 #: An interrupted run still gets its replay page when its recording is smaller than this.
@@ -97,6 +101,7 @@ def run(
     checkpoint_every: float | None = CHECKPOINT_PERIOD,
     certify: bool = False,
     on_step: OnStep | None = None,
+    on_progress: OnProgress | None = None,
 ) -> RunResult:
     """Runs a scene file until its end, which the last step is shortened to meet, and leaves recording, replay
     page and a picture in ``out``.
@@ -105,9 +110,10 @@ def run(
     number of recorded frames per simulated second; the last state is always recorded. ``checkpoint_every``
     [s] by the clock on the wall: how often ``checkpoint.stark`` is written, 0 after each step, None never;
     ``resume`` goes on from it. ``certify`` records every accepted step in double precision, too, for
-    ``stark.verify``. ``on_step(sim, report)`` is called after each step. The run
-    stops cleanly on KeyboardInterrupt: the recording is complete up to the last accepted step. A check is
-    made only when the run went to the file's own end.
+    ``stark.verify``. ``on_step(sim, report)`` is called after each step, ``on_progress(p)`` while one is
+    under way, as ``progress`` of ``Simulation.step``. The run stops cleanly on KeyboardInterrupt: the
+    recording is complete up to the last accepted step. A check is made only when the run went to the file's
+    own end.
     """
     import stark
 
@@ -120,20 +126,23 @@ def run(
         fps=_positive(fps),
         checkpoint_every=_period(checkpoint_every),
     )
+    folder = Path("out") / scene_file.name if out is None else given_path(out, "run: out")
+    folder = resolved(folder)  # functions of the scene may change the current folder
     sim = make_simulation(scene_file, plan.settings)
-    folder = Path(out) if out is not None else Path("out") / scene_file.name
-    recorder = Recorder(
-        folder,
-        sim,
-        scene=scene_file.name,
-        settings=sim.settings.to_dict(),
-        stark_version=stark.__version__,
-        certify=certify,
-    )
-    recorder.record(sim)
-    recorder.record_state(sim)
-    job = Job(scene_file, plan, sim, recorder, RunResult(scene_file.name, "complete", "", 0.0, 0.0))
-    return job.finish(job.advance(on_step), replay, picture, check)
+    with Deferred():  # whatever stops it from here on, the folder can be resumed
+        recorder = Recorder(
+            folder,
+            sim,
+            scene=scene_file.name,
+            settings=sim.settings.to_dict(),
+            stark_version=stark.__version__,
+            certify=certify,
+        )
+        recorder.record(sim)
+        recorder.record_state(sim)
+        job = Job(scene_file, plan, sim, recorder, RunResult(scene_file.name, "complete", "", 0.0, 0.0))
+        job.save()
+    return job.finish(job.advance(on_step, on_progress), replay, picture, check)
 
 
 def make_simulation(scene_file: SceneFile, settings: Mapping[str, Any]) -> Any:
@@ -171,7 +180,15 @@ class Job:
     def __post_init__(self) -> None:
         self._wall_before = self.result.wall  # [s]
 
-    def advance(self, on_step: OnStep | None) -> RunResult:
+    def save(self) -> None:
+        """Where it is now, to be resumed from."""
+        try:
+            self._save(self._moment())
+        except BaseException as error:
+            self._leave(None, error)
+            raise
+
+    def advance(self, on_step: OnStep | None, on_progress: OnProgress | None = None) -> RunResult:
         """Steps until the end. Whatever ends the loop, the last moment between two steps is saved, but none
         after a step that was shortened to meet the end: with a later end, that step is taken whole."""
         moment, shortened = None, False
@@ -180,7 +197,7 @@ class Job:
             while not reached(self.sim, self.plan.until):
                 self._save(moment, only_when_due=True)
                 limit = limit_of_step(self.sim, self.plan.until)
-                report = self._step(limit)
+                report = self._step(limit, on_progress)
                 if report is None:
                     break
                 shortened = shortened or limit is not None
@@ -203,13 +220,13 @@ class Job:
         with suppress(OSError):
             self.recorder.close("failed", f"{type(error).__name__}: {error}")
 
-    def _step(self, limit: float | None) -> Any:
+    def _step(self, limit: float | None, on_progress: OnProgress | None) -> Any:
         """One step of at most ``limit`` [s] with its telemetry and frame; its report, or None when it
         failed."""
         with self.sim._held_still("drive(sim)", DRIVE_RULE):
             self.scene_file.drive(self.sim)
         before = clock.perf_counter()
-        report = self.sim.step() if limit is None else self.sim.step(max_time_step=limit)
+        report = self.sim.step(max_time_step=limit, progress=on_progress)
         wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
         with self.sim._held_still("measure(sim)", "read only; the run takes the steps"):
             measured = {} if failed else self.scene_file.measure(self.sim)
@@ -226,9 +243,11 @@ class Job:
 
     def _keep_failure(self) -> None:
         """The failed step as a folder of its own."""
+        folder = self.recorder.folder / FAILURE
         try:
-            self.result.files.append(self.sim.write_reproducer(self.recorder.folder / FAILURE))
-        except InvalidArgument as error:
+            refuse_link(folder)
+            self.result.files.append(self.sim.write_reproducer(folder))
+        except (InvalidArgument, WriteError) as error:
             self.result.message += f"; no reproducer was written: {error}"
 
     def _observables(self) -> dict[str, float]:

@@ -8,6 +8,7 @@ knows no NaN.
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
 import os
@@ -19,7 +20,9 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
-from ..array_file import naming
+from ..arguments import given_path
+from ..array_file import naming, write_atomically
+from ..files import LONGEST_LINE, open_regular
 
 __all__ = ["SERIES", "Telemetry", "TelemetryError", "TelemetryWriter", "report_to_dict"]
 
@@ -110,15 +113,16 @@ def report_to_dict(report: Any) -> dict[str, Any]:
 
 class TelemetryWriter:
     """Appends one line a step. Each line is handed to the system at once, so a killed run loses at most one
-    line. ``keep``: goes on after so many lines of a file that exists; what follows them is dropped."""
+    line. ``kept``: goes on after these lines, see ``first_lines``. ``chain``: gives each line its digest
+    (stark.recording.chain)."""
 
-    def __init__(self, path: str | os.PathLike[str], *, keep: int = 0) -> None:
+    def __init__(self, path: str | os.PathLike[str], *, kept: bytes = b"", chain: Any = None) -> None:
         self.path = Path(path)
-        if keep:
-            _keep_lines(self.path, keep)
+        write_atomically(self.path, lambda file: file.write(kept))  # a file of its own, whatever was there
         with naming(self.path):
-            self._file = self.path.open("a" if keep else "w", encoding="utf-8", buffering=1)
-        self._step = keep
+            self._file = self.path.open("a", encoding="utf-8", buffering=1)
+        self._step = kept.count(b"\n")
+        self._chain = chain
 
     @property
     def line_count(self) -> int:
@@ -134,9 +138,11 @@ class TelemetryWriter:
     def write(self, report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds."""
         line = {"step": self._step, **report_to_dict(report), **_plain(extra)}
-        text = json.dumps(line, separators=(",", ":"), allow_nan=False) + "\n"
+        text = json.dumps(line, separators=(",", ":"), allow_nan=False)
+        if self._chain is not None:
+            text = self._chain.add_line(text)
         with naming(self.path):
-            self._file.write(text)
+            self._file.write(text + "\n")
         self._step += 1
 
     def close(self) -> None:
@@ -172,20 +178,39 @@ def _row(path: Path, number: int, line: str | bytes) -> dict[str, Any]:
     return row
 
 
-def _keep_lines(path: Path, count: int) -> None:
-    """Cuts a file after so many lines."""
-    size = 0
+def first_lines(path: Path, count: int) -> bytes:
+    """So many lines of a file, each a JSON object; those of a file that goes on after them."""
+    lines = []
     try:
-        with path.open("r+b") as file:
+        with open_regular(path) as file:
             for number in range(count):
-                line = file.readline()
+                line = file.readline(LONGEST_LINE)
                 if not line.endswith(b"\n"):
                     raise TelemetryError(f"telemetry '{path}' has {number} lines: must have {count}")
                 _row(path, number + 1, line)
-                size += len(line)
-            file.truncate(size)
+                lines.append(line)
     except OSError as error:
-        raise TelemetryError(f"telemetry '{path}' cannot be read: {error}") from error
+        raise TelemetryError(f"telemetry '{path}' cannot be read: {error.strerror or error}") from error
+    return b"".join(lines)
+
+
+def digest_of_last(lines: bytes) -> str:
+    """Digest of the last line and of all before it (stark.recording.chain)."""
+    row = json.loads(lines[lines.rfind(b"\n", 0, -1) + 1 :])
+    if not isinstance(row.get("chain"), str):
+        raise TelemetryError("a line of telemetry lacks its digest; run the scene anew")
+    return row["chain"]
+
+
+def _lines(path: Path) -> Iterable[tuple[int, bytes]]:
+    """Lines of a file by number from 1; the last one may lack its end."""
+    with open_regular(path) as file:
+        number = 0
+        while line := file.readline(LONGEST_LINE):
+            number += 1
+            if len(line) == LONGEST_LINE:
+                raise TelemetryError(f"telemetry '{path}' line {number} is longer than {LONGEST_LINE} bytes")
+            yield number, line
 
 
 class Telemetry:
@@ -200,19 +225,19 @@ class Telemetry:
     def read(cls, path: str | os.PathLike[str], *, tolerate_cut_line: bool = False) -> Telemetry:
         """Reads a JSONL file; ``tolerate_cut_line`` leaves out an unfinished last line (a killed run)."""
         path = Path(path)
-        try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, ValueError) as error:
-            raise TelemetryError(f"telemetry '{path}' cannot be read: {error}") from error
         rows: list[dict[str, Any]] = []
-        lines = text.split("\n")
-        complete, rest = lines[:-1], lines[-1]
-        if rest and not tolerate_cut_line:
-            raise TelemetryError(
-                f"telemetry '{path}' line {len(lines)} is cut off; copy the run folder again"
-            )
-        for number, line in enumerate(complete, start=1):
-            rows.append(_row(path, number, line))
+        try:
+            for number, line in _lines(path):
+                if line.endswith(b"\n"):
+                    rows.append(_row(path, number, line))
+                elif not tolerate_cut_line:
+                    raise TelemetryError(
+                        f"telemetry '{path}' line {number} is cut off; copy the run folder again"
+                    )
+        except OSError as error:
+            raise TelemetryError(f"telemetry '{path}' cannot be read: {error.strerror or error}") from error
+        for row in rows:
+            row.pop("chain", None)
         return cls(rows)
 
     def __len__(self) -> int:
@@ -255,11 +280,13 @@ class Telemetry:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes all series as CSV; the header holds ``name [unit]``."""
         names = self.names
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow([f"{name} [{self.unit(name)}]" for name in names])
-            columns = [self[name] for name in names]
-            writer.writerows(
-                ["" if math.isnan(value) else repr(value) for value in row]
-                for row in zip(*columns, strict=True)
-            )
+        text = io.StringIO(newline="")
+        writer = csv.writer(text)
+        writer.writerow([f"{name} [{self.unit(name)}]" for name in names])
+        columns = [self[name] for name in names]
+        writer.writerows(
+            ["" if math.isnan(value) else repr(float(value)) for value in row]
+            for row in zip(*columns, strict=True)
+        )
+        data = text.getvalue().encode("utf-8", "backslashreplace")
+        write_atomically(given_path(path, "to_csv: path"), lambda file: file.write(data))

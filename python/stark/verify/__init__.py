@@ -6,6 +6,6 @@ compiled core: ``python path/to/stark/verify RUN``. docs/verify.md says what is 
 
 from .certificate import Certificate, Claim
 from .check import verify
-from .reading import UnreadableRecording
+from .files import UnreadableRecording
 
 __all__ = ["Certificate", "Claim", "UnreadableRecording", "verify"]

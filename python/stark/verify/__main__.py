@@ -10,8 +10,10 @@ from pathlib import Path
 if not __package__:
     sys.path[0] = str(Path(__file__).resolve().parents[1])
     from verify import UnreadableRecording, verify
+    from verify.files import printable
 else:
     from . import UnreadableRecording, verify
+    from .files import printable
 
 
 def main() -> int:
@@ -25,7 +27,7 @@ def main() -> int:
     try:
         certificate = verify(args.run)
     except (UnreadableRecording, OSError) as error:
-        print(f"verify: {error}", file=sys.stderr)
+        print(f"verify: {printable(str(error))}", file=sys.stderr)
         return 2
     try:
         certificate.write(path)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
+
+from .files import printable
 
 CERTIFICATE_VERSION = 1
 
@@ -51,11 +54,13 @@ class Claim:
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a check of a recording came to."""
+    """What a check of a recording came to. ``limits`` name what the claims leave out: pairs that were not
+    looked at, loose tolerances, an end or a chain that is not recorded."""
 
     recording: dict[str, Any]
     tools: dict[str, str]
     claims: tuple[Claim, ...]
+    limits: tuple[str, ...] = ()
     seconds: float = field(default=0.0, compare=False)
 
     @property
@@ -84,24 +89,36 @@ class Certificate:
             "format": "stark-certificate",
             "version": CERTIFICATE_VERSION,
             "verdict": self.verdict,
-            "recording": self.recording,
+            "recording": _finite(self.recording),
             "tools": self.tools,
             "seconds": round(self.seconds, 3),
             "claims": [claim.to_json() for claim in self.claims],
+            "limits": list(self.limits),
         }
 
     def write(self, path: Path) -> None:
-        """Writes the certificate as JSON."""
-        path.write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        """Writes the certificate as JSON. A file is replaced, and so is a link; what it leads to stays."""
+        text = json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n"
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+        try:
+            temporary.unlink(missing_ok=True)
+            with open(temporary, "x", encoding="utf-8") as file:
+                file.write(text)
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
 
     def text(self) -> str:
         """The certificate for reading, a line or two for each claim."""
-        lines = [f"{self.recording['scene']}: {self.verdict} ({self.recording['steps']} steps)"]
+        count = len(self.limits)
+        limited = f", with {count} limit{'s' if count > 1 else ''}" if count else ""
+        lines = [f"{self.recording['scene']}: {self.verdict}{limited} ({self.recording['steps']} steps)"]
         for claim in self.claims:
             lines.append(f"  {claim.status:14} {claim.name}: {claim.statement}{_measured(claim)}")
             if claim.detail:
                 lines.append(f"{'':17}{claim.detail}")
-        return "\n".join(lines)
+        lines += [f"  {'limit':14} {limit}" for limit in self.limits]
+        return "\n".join(printable(line) for line in lines)
 
 
 def _measured(claim: Claim) -> str:

@@ -7,15 +7,20 @@ import sys
 import time as clock
 from collections.abc import Callable
 from os import PathLike
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .certificate import CERTIFICATE_VERSION, NOT_RECORDED, Certificate, Claim
+from .chain import ChainCheck
+from .files import UnreadableRecording, as_path
+from .frames import FrameCheck
 from .geometry import GeometryCheck
 from .inertia import InertiaCheck
 from .joints import JointCheck
-from .reading import Run, UnreadableRecording, digest, read
+from .limits import excluded_pairs, limits_of
+from .prescribed import PrescribedCheck
+from .reading import Run, digest, read
 from .shapes import ShapeCheck
 from .telemetry import friction_claim, ledger_claim, residual_claim, steps_claim
 
@@ -36,14 +41,34 @@ def verify(
     folders that are no recording, or a damaged one."""
     begin = clock.perf_counter()
     try:
-        run = read(Path(folder))
+        run = read(as_path(folder, "verify: folder"))
         claims = _claims_of(run, progress)
+        recording, limits = _described(run), tuple(limits_of(run, claims))
     except UnreadableRecording:
         raise
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+    except (
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        MemoryError,
+        RecursionError,
+        TypeError,
+        ValueError,
+    ) as error:
         reason = f"{type(error).__name__}: {error}"
         raise UnreadableRecording(f"'{folder}' lacks or breaks an entry ({reason})") from error
-    recording = {
+    tools = {
+        "checker": f"stark.verify, certificates of version {CERTIFICATE_VERSION}",
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "platform": f"{sys.platform} {platform.machine()}",
+    }
+    return Certificate(recording, tools, tuple(claims), limits, clock.perf_counter() - begin)
+
+
+def _described(run: Run) -> dict[str, Any]:
+    """What the certificate says about the recording as such."""
+    return {
         "scene": str(run.manifest.get("scene", "")),
         "status": str(run.manifest.get("status", "")),
         "created": str(run.manifest.get("created", "")),
@@ -52,21 +77,23 @@ def verify(
         "steps": len(run.rows),
         "states": len(run.times),
         "end_time": float(run.times[-1]) if len(run.times) else None,
+        "excluded_pairs": excluded_pairs(run),
         "digest": digest(run.files),
         "files": run.files,
     }
-    tools = {
-        "checker": f"stark.verify, certificates of version {CERTIFICATE_VERSION}",
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "platform": f"{sys.platform} {platform.machine()}",
-    }
-    return Certificate(recording, tools, tuple(claims), clock.perf_counter() - begin)
 
 
 def _claims_of(run: Run, progress: Callable[[float, str], None]) -> list[Claim]:
-    claims = _claims_of_states(run, progress) if run.has_states else [steps_claim(run, []), *_not_recorded()]
-    return [*claims, residual_claim(run), ledger_claim(run), friction_claim(run)]
+    chain = ChainCheck(run)
+    if run.has_states:
+        claims = _claims_of_states(run, chain, progress)
+    else:
+        claims = [steps_claim(run, []), *_not_recorded()]
+    frames = FrameCheck(run, chain)
+    frames.check()
+    chain.lines()
+    reported = [residual_claim(run), ledger_claim(run), friction_claim(run)]
+    return [*claims, *reported, frames.claim(), chain.claim()]
 
 
 def _not_recorded() -> list[Claim]:
@@ -76,9 +103,10 @@ def _not_recorded() -> list[Claim]:
     ]
 
 
-def _claims_of_states(run: Run, progress: Callable[[float, str], None]) -> list[Claim]:
-    geometry, shapes, joints, inertia = (
+def _claims_of_states(run: Run, chain: ChainCheck, progress: Callable[[float, str], None]) -> list[Claim]:
+    geometry, prescribed, shapes, joints, inertia = (
         GeometryCheck(run),
+        PrescribedCheck(run),
         ShapeCheck(run),
         JointCheck(run),
         InertiaCheck(run),
@@ -86,17 +114,19 @@ def _claims_of_states(run: Run, progress: Callable[[float, str], None]) -> list[
     broken: list[int] = []
     previous = None
     for state in run.states():
+        chain.row("states", state.index, state.row, state.digest)
         if not all(np.isfinite(part).all() for part in state.parts()):
             broken.append(state.index)
             previous = None
             geometry.interrupt()
             continue
         geometry.add(state)
+        prescribed.add(state)
         shapes.add(state)
         joints.add(state)
         if previous is not None and state.index - 1 < len(run.rows):
             inertia.add(previous, state, run.rows[state.index - 1])
         previous = state
         progress((state.index + 1) / len(run.times), f"t = {state.time:.3f} s")
-    checks = (geometry, shapes, joints, inertia)
+    checks = (geometry, prescribed, shapes, joints, inertia)
     return [steps_claim(run, broken), *(claim for check in checks for claim in check.claims())]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, VERIFIED, VIOLATED, Claim
 from .detours import Blocked, find_detour, largest_detour
 from .distances import Kind, closest, lower_bound
+from .limits import excluded_pairs
 from .passing import changed_sides
 from .paths import blocked_pairs
 from .predicates import segments_meet_triangles
@@ -58,9 +59,14 @@ class GeometryCheck:
     def __post_init__(self) -> None:
         self.surface = Surface(self.run)
         self.factor = self.run.bound("contact.min_separation_factor") or 0.0
+        #: What claims about contact are about, where that is not everything.
+        self.scope = ""
+        if left_out := len(excluded_pairs(self.run)):
+            self.scope = f" (without {left_out} pair{'s' if left_out > 1 else ''} of bodies, see limits)"
 
     def add(self, state: State) -> None:
         x = state.points()
+        self.surface.watch(state.regained)
         self._find_intersections(state, x)
         self._measure_distances(state, x)
         if self.previous is not None:
@@ -166,7 +172,7 @@ class GeometryCheck:
         return {"time": state.time, "state": state.index, "pair": pair, **self.surface.names(pairs, row)}
 
     def claims(self) -> list[Claim]:
-        if not self.surface.allowed.any():
+        if not self.surface.can_touch.any():
             basis = "scene"
             detail = "contact is switched off, or between all bodies"
             names = ("no_intersection", "minimum_distance", "paths")
@@ -182,7 +188,7 @@ class GeometryCheck:
         found = self.intersections
         return Claim(
             "no_intersection",
-            "no edge meets a triangle in any accepted state",
+            f"no edge meets a triangle in any accepted state{self.scope}",
             VIOLATED if found else VERIFIED,
             "states, exact predicates",
             float(len(found)),
@@ -203,7 +209,8 @@ class GeometryCheck:
             status, detail = INCONCLUSIVE, lacking
         return Claim(
             "minimum_distance",
-            "surfaces keep contact.min_separation_factor times the sum of their contact distances",
+            "surfaces keep contact.min_separation_factor times the sum of their contact distances"
+            + self.scope,
             status,
             "states, bounds that hold in spite of rounding",
             bound,
@@ -239,7 +246,8 @@ class GeometryCheck:
             detail += f"; up to {self.largest_detour:.3g} m, more than a tenth of the smallest body there"
         return Claim(
             "paths",
-            "from each accepted state to the next there is a path on which nothing passes through anything",
+            "from each accepted state to the next there is a path on which nothing passes through anything"
+            + self.scope,
             status,
             "states, supporting planes",
             self.largest_detour,

@@ -6,8 +6,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import zipfile
-import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,15 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .files import UnreadableRecording, file_digest, need, read_json, read_lines, read_npz
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
 _READABLE, _READABLE_STATES = 1, 2  # versions of recordings and of their states
 _CACHED_CHUNKS = 2
-
-
-class UnreadableRecording(ValueError):  # noqa: N818 (says what happened)
-    """A recording that cannot be checked: names the file and the defect."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +55,10 @@ class State:
     attachments: NDArray[np.int8]  # 1 held, 0 released, -1 broken; pairs of all attachments in a row
     actuators: NDArray[np.int8] | None = None  # enabled; None in recordings of older versions
     actuator_values: Floats | None = None  # of all actuators in a row
+    #: By exclusion (surface.exclusions): 1 where contact was back in the step that led here.
+    regained: NDArray[np.int8] | None = None
+    row: dict[str, np.ndarray] = field(default_factory=dict)  # as it is recorded
+    digest: NDArray[np.uint8] | None = None  # (32,), None in recordings of older versions
 
     def points(self) -> Floats:
         """All vertices of all bodies (N, 3) [m]."""
@@ -82,6 +82,8 @@ class Run:
     scene: dict[str, Any] = field(default_factory=dict)
     times: Floats = field(default_factory=lambda: np.zeros(0))
     files: dict[str, str] = field(default_factory=dict)  # sha256 by path
+    frame_count: int = 0
+    frame_chunks: int = 0
     _starts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     _chunks: dict[int, dict[str, np.ndarray]] = field(default_factory=dict)
 
@@ -135,6 +137,9 @@ class Run:
             at("attachments"),
             at("actuators"),
             at("actuator_values"),
+            at("contact_regained"),
+            {name: at(name) for name in arrays if name != "chain"},
+            at("chain"),
         )
 
     def _chunk(self, index: int) -> dict[str, np.ndarray]:
@@ -161,6 +166,11 @@ class Run:
                     fits and rows is not None and rows.dtype == np.float64,
                     f"'{path}': {name} of body '{body.name}' are missing or have a wrong shape",
                 )
+        digests = arrays.get("chain")
+        need(
+            digests is None or (digests.shape == (len(times), 32) and digests.dtype == np.uint8),
+            f"'{path}': digests have a wrong shape",
+        )
         counts = [("joints", len(self.scene["joints"])), ("attachments", self.pair_count)]
         if all(isinstance(actuator, dict) for actuator in self.scene["actuators"]):
             values = sum(len(actuator["values"]) for actuator in self.scene["actuators"])
@@ -171,6 +181,9 @@ class Run:
                 rows is not None and rows.shape[1:] == (count,) and len(rows) in (1, len(times)),
                 f"'{path}': {name} are missing or have a wrong shape",
             )
+        for name, rows in arrays.items():
+            fits = rows.ndim > 0 and len(rows) in (1, len(times))
+            need(fits, f"'{path}': {name} are missing or have a wrong shape")
         return arrays
 
     @property
@@ -187,32 +200,6 @@ def pair_count(attachment: dict[str, Any]) -> int:
     )
 
 
-def need(holds: bool, message: str) -> None:
-    if not holds:
-        raise UnreadableRecording(message)
-
-
-def read_npz(path: Path) -> dict[str, np.ndarray]:
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
-    except FileNotFoundError:
-        raise UnreadableRecording(f"'{path}' is missing") from None
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
-        raise UnreadableRecording(f"'{path}' is damaged or cut off ({error})") from error
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    try:
-        value = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise UnreadableRecording(f"'{path}' is missing") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise UnreadableRecording(f"'{path}' is damaged: {error}") from error
-    need(isinstance(value, dict), f"'{path}' must be a JSON object")
-    return value
-
-
 def read(folder: Path, progress: Callable[[float, str], None] = lambda done, text: None) -> Run:
     """Reads and checks a run folder; UnreadableRecording names what is wrong. Chunks of states are read in
     turn."""
@@ -223,13 +210,21 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
         f"'{folder / 'manifest.json'}' is not the manifest of a Stark recording of version {_READABLE}",
     )
     need(isinstance(manifest.get("settings"), dict), f"'{folder / 'manifest.json'}' has no settings")
-    rows = _telemetry(folder / "telemetry.jsonl", cut_allowed=manifest.get("status") == "running")
+    running = manifest.get("status") == "running"
+    rows = _telemetry(folder / "telemetry.jsonl", cut_allowed=running)
+    if running and isinstance(manifest.get("chain"), dict) and "lines" in manifest["chain"]:
+        # Lines are written at once; of a run that is killed while it is resumed, some are to be written anew.
+        rows = rows[: _count(manifest["chain"], "lines", folder, "chain.")]
     accepted = [row for row in rows if row.get("status") in ("accepted", "retried")]
     run = Run(folder, manifest, accepted, len(rows))
     states = manifest.get("states")
     chunk_count = 0
     if states is not None:
-        chunk_count = _count(states, "chunk_count", folder)
+        chunk_count = _count(states, "chunk_count", folder, "states.")
+        need(
+            chunk_count <= _count(states, "count", folder, "states."),
+            f"'{folder / 'manifest.json'}': states.chunk_count is more than states.count",
+        )
         _read_scene(run)
         times = []
         for index in range(chunk_count):
@@ -237,36 +232,41 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
             progress((index + 1) / chunk_count, "reading")
         if manifest.get("status") == "running" and times:
             # The last chunk grows; states that the manifest does not count yet are not there.
-            times[-1] = times[-1][: max(0, _count(states, "count", folder) - sum(map(len, times[:-1])))]
+            times[-1] = times[-1][
+                : max(0, _count(states, "count", folder, "states.") - sum(map(len, times[:-1])))
+            ]
         run._starts = np.cumsum([0, *(len(t) for t in times)])
         run.times = np.concatenate([np.zeros(0), *times])
-        count = _count(states, "count", folder)
+        count = _count(states, "count", folder, "states.")
         need(
             len(run.times) == count and count > 0,
             f"'{folder}' holds {len(run.times)} states, its manifest says {count}",
         )
-    run.files = _digests(folder, int(manifest.get("chunk_count", 0)), chunk_count, states is not None)
+    run.frame_count = _count(manifest, "frame_count", folder)
+    run.frame_chunks = _count(manifest, "chunk_count", folder)
+    run.files = _digests(folder, run.frame_chunks, chunk_count, states is not None)
     return run
 
 
-def _count(states: Any, name: str, folder: Path) -> int:
-    value = states.get(name) if isinstance(states, dict) else None
-    need(isinstance(value, int) and value >= 0, f"'{folder / 'manifest.json'}': states.{name} is not a count")
+def _count(entry: Any, name: str, folder: Path, where: str = "") -> int:
+    """A count that a manifest claims. Files are opened one by one: the first that is missing ends it."""
+    value = entry.get(name) if isinstance(entry, dict) else None
+    good = isinstance(value, int) and not isinstance(value, bool) and value >= 0
+    need(good, f"'{folder / 'manifest.json'}': {where}{name} is not a count")
     return int(value)  # type: ignore[arg-type]
 
 
 def _telemetry(path: Path, cut_allowed: bool) -> list[dict[str, Any]]:
-    try:
-        lines = path.read_text(encoding="utf-8").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UnreadableRecording(f"'{path}' cannot be read: {error}") from error
-    need(cut_allowed or not lines[-1], f"'{path}' line {len(lines)} is cut off")
     rows = []
-    for number, line in enumerate(lines[:-1], start=1):
+    for number, line in read_lines(path):
+        if not line.endswith(b"\n"):
+            need(cut_allowed, f"'{path}' line {number} is cut off")
+            break
         try:
-            row = json.loads(line)
-        except json.JSONDecodeError as error:
-            raise UnreadableRecording(f"'{path}' line {number} is not JSON: {error.msg}") from error
+            row = json.loads(line.decode("utf-8"))
+        except (ValueError, RecursionError) as error:
+            what = getattr(error, "msg", error)
+            raise UnreadableRecording(f"'{path}' line {number} is not JSON: {what}") from error
         need(isinstance(row, dict), f"'{path}' line {number} must be a JSON object")
         rows.append(row)
     return rows
@@ -332,18 +332,14 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
 
 def _digests(folder: Path, frame_chunks: int, state_chunks: int, has_states: bool) -> dict[str, str]:
     """sha256 of every file of the recording, by its path in the folder."""
-    names = ["manifest.json", "telemetry.jsonl", "frames/topology.npz"]
-    names += [f"frames/chunk_{k:06d}.npz" for k in range(frame_chunks)]
-    names += ["states/scene.json", "states/mesh.npz"] if has_states else []
-    names += [f"states/chunk_{k:06d}.npz" for k in range(state_chunks)]
-    digests = {}
-    for name in names:
-        try:
-            with open(folder / name, "rb") as file:
-                digests[name] = hashlib.file_digest(file, "sha256").hexdigest()
-        except OSError as error:
-            raise UnreadableRecording(f"'{folder / name}' cannot be read: {error}") from error
-    return digests
+
+    def names() -> Iterator[str]:
+        yield from ("manifest.json", "telemetry.jsonl", "frames/topology.npz")
+        yield from (f"frames/chunk_{k:06d}.npz" for k in range(frame_chunks))
+        yield from ("states/scene.json", "states/mesh.npz") if has_states else ()
+        yield from (f"states/chunk_{k:06d}.npz" for k in range(state_chunks))
+
+    return {name: file_digest(folder / name) for name in names()}
 
 
 def digest(files: dict[str, str]) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .boxes import BoxTree, overlapping_pairs
 from .distances import Kind
-from .reading import Body, Run
+from .reading import Body, Run, need
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -44,43 +44,43 @@ class Surface:
         self.body_of = np.repeat(np.arange(len(self.bodies)), [b.vertex_count for b in self.bodies])
         #: Contact distance of each body [m]; two act on each other within the sum of theirs.
         self.distance = np.array([body.contact_distance for body in self.bodies])
-        self.allowed = np.ones((len(self.bodies),) * 2, dtype=bool)
+        #: Bodies that are not excluded for good.
+        self.can_touch = np.ones((len(self.bodies),) * 2, dtype=bool)
         for a, b in run.scene["pairs_without_contact"]:
-            self.allowed[a, b] = self.allowed[b, a] = False
+            self.can_touch[a, b] = self.can_touch[b, a] = False
+        #: What joints and attachments keep from contact, in the order in which states have it.
+        self.exclusions = exclusions(run.scene, self.can_touch)
         if not run.scene["contact_enabled"]:
-            self.allowed[:] = False
+            self.can_touch[:] = False
+        self._regained: bytes | None = None
+        self.watch(None)
+
+    def watch(self, regained: NDArray[np.int8] | None) -> None:
+        """Leaves out what is excluded in a step, by ``State.regained``; None: all exclusions."""
+        rows = np.zeros(len(self.exclusions), dtype=np.int8) if regained is None else regained
+        need(
+            rows.shape == (len(self.exclusions),),
+            f"contact_regained of {rows.shape} states has no entry for each of {len(self.exclusions)} "
+            f"exclusions",
+        )
+        if rows.tobytes() == self._regained:
+            return
+        self._regained = rows.tobytes()
+        self.allowed = self.can_touch.copy()
         #: Points that are kept from a body (N, bodies), None if there are none.
-        self.kept = self._kept_from(run.scene["attachments"])
+        self.kept: NDArray[np.bool_] | None = None
+        for (body, vertex, other), back in zip(self.exclusions, rows.tolist(), strict=True):
+            if back:
+                continue
+            if vertex < 0:
+                self.allowed[body, other] = self.allowed[other, body] = False
+                continue
+            if self.kept is None:
+                self.kept = np.zeros((int(self.starts[-1]), len(self.bodies)), dtype=bool)
+            self.kept[self.starts[body] + vertex, other] = True
 
     def _placed(self) -> list[tuple[Body, int]]:
         return list(zip(self.bodies, self.starts[:-1].tolist(), strict=True))
-
-    def _kept_from(self, attachments: list[dict[str, Any]]) -> NDArray[np.bool_] | None:
-        """Attached vertices do not touch the body on the other side (docs/attachments.md)."""
-        if not attachments:
-            return None
-        kept = np.zeros((int(self.starts[-1]), len(self.bodies)), dtype=bool)
-
-        def keep(points: dict[str, Any], other: int | None) -> None:
-            if other is None or "body" not in points:
-                return
-            vertices = np.array(points.get("vertices", []), dtype=np.int64)
-            if points["kind"] == "embedded":
-                supports, weights = np.array(points["supports"]), np.array(points["weights"])
-                vertices = supports[weights != 0.0]
-            kept[self.starts[points["body"]] + vertices, other] = True
-
-        for attachment in attachments:
-            a = attachment["a"]
-            for b in attachment["b"]:
-                keep(a, b.get("body"))
-                keep(b, a.get("body"))
-            if "patches" in attachment:
-                patch_body = attachment["patch_body"]
-                keep(a, patch_body)
-                vertices = np.array(attachment["patches"]).ravel()
-                keep({"kind": "vertices", "body": patch_body, "vertices": vertices}, a.get("body"))
-        return kept
 
     # --- pairs ---
 
@@ -97,6 +97,16 @@ class Surface:
         """Pairs of edges and triangles whose boxes overlap: five points each."""
         edges, triangles = self._tree(self.edges, x, x), self._tree(self.triangles, x, x)
         return self._pairs(edges, self.edges, triangles, self.triangles)
+
+    def edge_triangle_pairs_of(self, a: int, b: int, x: Floats) -> PairList:
+        """The same of two bodies, whatever is excluded."""
+        allowed, kept = self.allowed, self.kept
+        self.allowed, self.kept = np.zeros_like(allowed), None
+        self.allowed[a, b] = self.allowed[b, a] = True
+        try:
+            return self.edge_triangle_pairs(x)
+        finally:
+            self.allowed, self.kept = allowed, kept
 
     def _tree(self, primitives: Integers, low: Floats, high: Floats) -> BoxTree:
         bodies = self.body_of[primitives[:, 0]] if len(primitives) else np.zeros(0, dtype=np.int64)
@@ -132,3 +142,38 @@ def _edges(body: Body) -> Integers:
     """Edges of the triangles, each once, and those of rods (k, 2)."""
     sides = np.concatenate([body.triangles[:, [0, 1]], body.triangles[:, [1, 2]], body.triangles[:, [2, 0]]])
     return np.unique(np.sort(np.concatenate([sides, body.edges]).astype(np.int64), axis=1), axis=0)
+
+
+def exclusions(scene: dict[str, Any], can_touch: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    """What joints and attachments keep from contact while they hold, sorted: (body, -1, other) two bodies,
+    (body, vertex, other) a vertex and a body (docs/attachments.md)."""
+    found: set[tuple[int, int, int]] = set()
+
+    def keep_bodies(sides: list[dict[str, Any]], contact: bool) -> None:
+        bodies = sorted({side["body"] for side in sides if "body" in side})
+        if not contact and len(bodies) == 2:
+            found.add((bodies[0], -1, bodies[1]))
+
+    def keep(points: dict[str, Any], other: int | None) -> None:
+        if other is None or "body" not in points:
+            return
+        vertices = np.array(points.get("vertices", []), dtype=np.int64)
+        if points["kind"] == "embedded":
+            supports, weights = np.array(points["supports"]), np.array(points["weights"])
+            vertices = supports[weights != 0.0]
+        found.update((points["body"], int(vertex), other) for vertex in vertices.ravel())
+
+    for joint in scene.get("joints", []):
+        keep_bodies([joint["a"], joint["b"]], joint.get("contact", True))
+    for attachment in scene["attachments"]:
+        a, patches = attachment["a"], []
+        for b in attachment["b"]:
+            keep(a, b.get("body"))
+            keep(b, a.get("body"))
+        if "patches" in attachment:
+            vertices = np.array(attachment["patches"]).ravel()
+            patches = [{"kind": "vertices", "body": attachment["patch_body"], "vertices": vertices}]
+            keep(a, attachment["patch_body"])
+            keep(patches[0], a.get("body"))
+        keep_bodies([a, *attachment["b"], *patches], attachment.get("contact", True))
+    return sorted(entry for entry in found if can_touch[entry[0], entry[2]])

@@ -22,6 +22,7 @@ _GROWTH, _IMPOSSIBLE_GROWTH = 100.0, 1e4
 _CONTACT_ERROR = 0.01
 _CONTACT_AT_START, _BRISTLES_AT_START = "contact_energy_at_start", "bristle_energy_at_start"
 _STORED = ("kinetic", "elastic", "gravity", "contact")
+_SUPPLIED = ("external", "actuation")
 _TURNED_OVER = ("external", "actuation", "damping", "friction", "numerical")
 
 Row = dict[str, Any]
@@ -223,7 +224,9 @@ def _imbalance(before: Row, row: Row, contact: float) -> tuple[float, float]:
     rounding explains of it."""
     old, new = {**before["energy"], "contact": contact}, row["energy"]
     stored = [(new[key], 1.0) for key in _STORED] + [(old[key], -1.0) for key in _STORED]
-    supplied = [(new[key], -1.0 if key in ("external", "actuation") else 1.0) for key in _TURNED_OVER]
+    # Recordings of versions without restitution do not name its work.
+    given_back = [(new.get("restitution", 0.0), -1.0)]
+    supplied = [(new[key], -1.0 if key in _SUPPLIED else 1.0) for key in _TURNED_OVER] + given_back
     terms = [value * sign for value, sign in stored + supplied]
     return math.fsum(terms), _BALANCE_ROUNDING * sum(abs(term) for term in terms)
 

@@ -1,27 +1,23 @@
 // Fixed-size pool of threads with one primitive: run a function over task indices. Determinism rule of the
 // library: a task writes only to its own outputs and reductions go over tasks in index order, so results do
-// not depend on the number of threads.
+// not depend on the number of threads. A fork copies none of the workers: the child starts its own.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
-#include <thread>
+#include <memory>
 #include <type_traits>
-#include <vector>
 
 namespace stark {
 
 class ThreadPool {
  public:
-  /// thread_count >= 1 counts the calling thread; 0 picks the number of cores.
+  /// thread_count counts the calling thread. More than usable_threads() only wait for each other.
   explicit ThreadPool(int thread_count = 1);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  int thread_count() const { return static_cast<int>(workers_.size()) + 1; }
+  int thread_count() const { return thread_count_; }
 
   /// Calls body(task, thread) for every task in [0, task_count), in any order, on all threads; thread is in
   /// [0, thread_count()). Returns when all are done. Exceptions of the body are rethrown here (the first by
@@ -50,20 +46,16 @@ class ThreadPool {
  private:
   using Function = void (*)(void*, int64_t, int);
   void run(int64_t task_count, Function function, void* context);
-  void work(int thread);
-  void drain(int thread);
+  void start_workers();
 
-  std::vector<std::thread> workers_;
-  std::mutex mutex_;
-  std::condition_variable wake_, done_;
-  std::atomic<uint64_t> generation_{0};
-  std::atomic<int64_t> next_task_{0};
-  std::atomic<int> active_workers_{0};
-  int64_t task_count_ = 0;
-  Function function_ = nullptr;
-  void* context_ = nullptr;
-  bool stop_ = false;
-  std::exception_ptr failure_;
+  class Workers;
+  int thread_count_;
+  uint64_t process_ = 0;  ///< in which the workers run
+  std::unique_ptr<Workers> workers_;
 };
+
+/// Number of threads that can run at once: `asked` (0: no limit), but at most one for each processor that the
+/// process may use, by its affinity and by the quota of its control group.
+int usable_threads(int asked);
 
 }  // namespace stark

@@ -241,6 +241,24 @@ double extend_by_volume(const Motion<Kind>& motion, double t, double step, doubl
   return step;
 }
 
+/// Pairs that start nearer than the separation keep this part of their gap.
+constexpr double kKeptGap = 0.5;
+
+/// What all pairs keep of their gap where the separation is no bound.
+constexpr double kSoftGap = 0.1;
+
+/// Part of the separation by which a pair may be below it because positions are rounded.
+constexpr double kPositionRounding = 1e-4;
+
+// What a pair keeps, whose distance is between its gap and that with twice the error. One that has come to
+// the separation stays there: were it to count as nearer because of rounding, gaps would shrink motion by
+// motion.
+double separation_to_keep(double min_separation, double gap, double error, bool is_bound) {
+  if (!is_bound) return std::min(min_separation, kSoftGap * gap);
+  const bool is_there = gap + 2.0 * error > (1.0 - kPositionRounding) * min_separation;
+  return is_there ? min_separation : kKeptGap * gap;
+}
+
 template <typename Kind>
 double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
                const std::array<Vec3, Kind::kA + Kind::kB>& x1, double min_separation,
@@ -263,7 +281,7 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
     if (!(gap > 0.0)) return 0.0;
     motion.gaps(n, 0.0, gaps);
   }
-  const double separation = std::min(min_separation, 0.1 * gap);
+  const double separation = separation_to_keep(min_separation, gap, motion.error, settings.is_bound);
   const double stop = separation + settings.tolerance * (gap - separation);
   const double keep = 1.0 - settings.time_margin;
   double t = 0.0;
@@ -275,7 +293,7 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
     double step = HUGE_VAL;
     for (int k = 0; k < Motion<Kind>::kPairs; ++k) {
       const double rate = dot(n, motion.pair_motion[k]);
-      if (rate < 0.0) step = std::min(step, (gaps[k] - separation) / -rate);
+      if (rate < 0.0) step = std::min(step, std::max(0.0, gaps[k] - separation) / -rate);
     }
     if (t + step >= settings.horizon) return 1.0;
     if constexpr (Kind::kHasVolume) {

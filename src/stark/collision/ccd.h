@@ -20,14 +20,16 @@ struct CcdSettings {
   double tolerance =
       1e-4;  // an impact: the gap has come this near to the separation, relative to the initial gap
   int max_iterations = 64;  // the time reached so far counts as the impact: safe, only smaller
+  bool is_bound = true;     // false: a pair keeps a tenth of its gap where that is less than the separation
   double horizon = 1.0;     // impacts after this time are not looked for: the result is then 1
 };
 
-// Fraction t in [0, 1] such that the distance of the two primitives on [0, t] stays above the separation
-// min(min_separation, 0.1 d0), d0 the distance at the start. 1: the whole motion is safe. Otherwise 1 -
-// time_margin times the time at which the separation is reached; a head-on approach leaves that part of the
-// gap, and passing close by does not limit the step. Returns 0 when d0 is zero or below rounding, and for
-// positions that are not finite. x0 and x1 hold the vertices at the start and the end, point first, then edge
+// Fraction t in [0, 1] such that the distance of the two primitives on [0, t] stays above the separation:
+// min_separation, or half of the distance d0 at the start where d0 is less. 1: the whole motion is safe.
+// Otherwise 1 - time_margin times the time at which the separation is reached; a head-on approach leaves that
+// part of what is above it, and passing close by does not limit the step. Returns 0 when d0 is zero or below
+// rounding, when the two approach and d0 is the separation up to rounding, and for positions that are not
+// finite. x0 and x1 hold the vertices at the start and the end, point first, then edge
 // or triangle; edge A, then edge B.
 double point_point_ccd(const std::array<Vec3, 2>& x0, const std::array<Vec3, 2>& x1, double min_separation,
                        const CcdSettings& settings = {});
@@ -56,9 +58,21 @@ double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, s
                      std::span<const Vec3> x1, double min_separation, ThreadPool& pool,
                      CcdReport* out_report = nullptr, const CcdSettings& settings = {});
 
-/// As above with one separation per group; a pair keeps the sum of its two groups' values.
+/// What pairs of primitives keep [m]: the sum of their two groups' values, or that of their groups together.
+struct Separations {
+  struct Pair {
+    int32_t low, high;  ///< groups, low <= high
+    double separation;
+  };
+  std::span<const double> by_group;
+  std::span<const Pair> by_pair = {};  ///< instead of the sum; sorted by groups
+
+  double operator()(int32_t group_a, int32_t group_b) const;
+};
+
+/// As above with separations by group.
 double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, std::span<const double> group_separation, ThreadPool& pool,
+                     std::span<const Vec3> x1, const Separations& separations, ThreadPool& pool,
                      CcdReport* out_report = nullptr, const CcdSettings& settings = {});
 
 }  // namespace stark

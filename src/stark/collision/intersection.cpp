@@ -84,7 +84,8 @@ std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh
 }
 
 std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
-                                                  const PairFilter& filter, ThreadPool& pool) {
+                                                  const PairFilter& filter, ThreadPool& pool,
+                                                  const std::vector<bool>& is_filled) {
   const int32_t group_count = filter.group_count();
   std::vector<std::vector<Index3>> triangles(group_count);
   std::vector<Bounds> bounds(group_count);
@@ -96,7 +97,7 @@ std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::
   std::vector<std::vector<ContainedGroup>> found(group_count);
   pool.for_each_task(group_count, [&](int64_t task, int) {
     const int32_t outer = static_cast<int32_t>(task);
-    if (!is_closed(triangles[outer])) return;
+    if (!(is_filled.empty() || is_filled[outer]) || !is_closed(triangles[outer])) return;
     std::vector<bool> reported(group_count, false);
     for (const int32_t v : pieces) {
       const int32_t inner = mesh.vertex_group[v];

@@ -26,9 +26,11 @@ struct ContainedGroup {
   bool operator==(const ContainedGroup&) const = default;
 };
 
-/// Allowed pairs of groups where a connected piece of one lies inside the other's surface, if that is closed.
-/// Exact where find_intersections reports nothing; sorted, at most one entry per pair of groups.
+/// Allowed pairs of groups where a connected piece of one lies inside the other's surface, if that is closed
+/// and the group is filled (none given: all are). Exact where find_intersections reports nothing; sorted, at
+/// most one entry per pair of groups.
 std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
-                                                  const PairFilter& filter, ThreadPool& pool);
+                                                  const PairFilter& filter, ThreadPool& pool,
+                                                  const std::vector<bool>& is_filled = {});
 
 }  // namespace stark

@@ -2,6 +2,7 @@
 // on the whole motion, the rest go through conservative advancement. See ccd.h.
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <stark/base/error.h>
@@ -291,13 +292,20 @@ double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, s
       mesh, candidates, x0, x1, [&](int32_t, int32_t) { return min_separation; }, pool, out_report, settings);
 }
 
+double Separations::operator()(int32_t group_a, int32_t group_b) const {
+  if (!by_pair.empty()) {
+    const std::pair<int32_t, int32_t> groups = std::minmax(group_a, group_b);
+    const auto found =
+        std::ranges::lower_bound(by_pair, groups, {}, [](const Pair& p) { return std::pair(p.low, p.high); });
+    if (found != by_pair.end() && std::pair(found->low, found->high) == groups) return found->separation;
+  }
+  return by_group[group_a] + by_group[group_b];
+}
+
 double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, std::span<const double> group_separation, ThreadPool& pool,
+                     std::span<const Vec3> x1, const Separations& separations, ThreadPool& pool,
                      CcdReport* out_report, const CcdSettings& settings) {
-  return find_step(
-      mesh, candidates, x0, x1,
-      [&](int32_t a, int32_t b) { return group_separation[a] + group_separation[b]; }, pool, out_report,
-      settings);
+  return find_step(mesh, candidates, x0, x1, separations, pool, out_report, settings);
 }
 
 }  // namespace stark

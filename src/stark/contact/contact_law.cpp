@@ -65,9 +65,15 @@ double LoadMemory::find(int64_t code) const { return std::max(1.0, pending(code)
 ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance)
     : areas_(std::move(areas)), bodies_(std::move(bodies)), distance_(std::move(distance)) {}
 
-void ContactLaw::begin_step(LoadMemory memory) {
+void ContactLaw::begin_step(LoadMemory memory, std::map<int64_t, double> spent) {
   memory_ = std::move(memory);
+  spent_ = std::move(spent);
   frozen_.clear();
+}
+
+double ContactLaw::factor(int64_t bodies) const {
+  const auto spent = spent_.find(bodies);
+  return memory_.find(bodies) * (spent == spent_.end() ? 1.0 : spent->second);
 }
 
 double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {
@@ -105,7 +111,7 @@ void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::v
   for (Contact& contact : contacts) {
     if (const int64_t code = code_of(contact); code != bodies) {
       bodies = code;
-      pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
+      pressure = this->pressure(contact.group_a, contact.group_b) * factor(code);
     }
     const double area =
         depends_on_normal(contact) ? frozen_.at(area_code(contact)) : areas_.area(mesh, contact, Vec3{}, x);
@@ -120,7 +126,7 @@ std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contact
   const double loaded = slope(kLoadedGap);
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(contacts[c].stiffness > 0.0)) continue;
-    const double natural = contacts[c].stiffness / memory_.find(code_of(contacts[c]));
+    const double natural = contacts[c].stiffness / factor(code_of(contacts[c]));
     double& largest = wanted[code_of(contacts[c])];
     largest = std::max(largest, norm(forces[c]) / (loaded * contacts[c].contact_distance * natural));
   }

@@ -48,8 +48,8 @@ class ContactLaw {
   /// By group: stiffness and contact distance [m].
   ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance);
 
-  /// Forgets the areas of the last step.
-  void begin_step(LoadMemory memory = {});
+  /// Forgets the areas of the last step. spent: by bodies, what restitution has left of the stiffness.
+  void begin_step(LoadMemory memory = {}, std::map<int64_t, double> spent = {});
 
   /// Sets the stiffness of each contact at x. Areas that depend on the normal are those of the first contact
   /// in the step of a vertex with a body, or of two edges. mesh: see PairKey.
@@ -75,6 +75,8 @@ class ContactLaw {
  private:
   /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.
   std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+  /// Of the stiffness of two bodies in this step.
+  double factor(int64_t bodies) const;
   void freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x, const std::vector<Contact>& contacts);
   bool depends_on_normal(const Contact& contact) const;
 
@@ -82,6 +84,7 @@ class ContactLaw {
   std::vector<BodyStiffness> bodies_;
   std::vector<double> distance_;
   LoadMemory memory_;
+  std::map<int64_t, double> spent_;
   std::unordered_map<int64_t, double> frozen_;  ///< areas of pairs of edges, or of a vertex and a body [m^2]
 };
 

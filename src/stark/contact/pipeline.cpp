@@ -72,7 +72,8 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       active_(potentials.barriers, pool),
       trial_(potentials.barriers, pool),
       friction_(potentials.friction, options.stick_displacement,
-                SurfaceDirections(surfaces.mesh, std::move(surfaces.directions))) {
+                SurfaceDirections(surfaces.mesh, std::move(surfaces.directions))),
+      restitution_(std::move(surfaces.restitution), potentials.restitution) {
   surface_sites_ = find_surface_sites(surfaces.mesh);
   for (const Index2& edge : surfaces.mesh.edges)
     geometry_.edge_squared_length.push_back(
@@ -102,19 +103,34 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
     if (const PairKey key = unpack(code); is_name(key)) names_.push_back(key);
   friction_.begin_step(mesh(), std::move(memory.friction), x,
                        {x_reference_, reference.step / reference.duration, weight_});
-  geometry_.close = std::move(memory.close);
-  law_.begin_step(std::move(memory.load));
+  set_close_bodies(std::move(memory.close));
+  restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
+  law_.begin_step(std::move(memory.load), restitution_.stiffness());
   update(x);
+  if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
   if (options_.friction) freeze_friction(x);
 }
 
-ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration) {
+void ContactPipeline::set_close_bodies(CloseBodies close) {
+  geometry_.close = std::move(close);
+  close_separation_.clear();
+  for (size_t k = 0; k < geometry_.close.bodies.size(); ++k) {
+    const int64_t code = geometry_.close.bodies[k];
+    close_separation_.push_back({static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff),
+                                 options_.min_separation_factor * geometry_.close.distance[k]});
+  }
+}
+
+ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration,
+                                        std::span<const Vec3> velocities) {
   settle(x);
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
+  RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, velocities);
   friction_residual_ = friction_.residual(contacts(), pushing(std::move(all)), friction_coefficient_);
   ContactMemory memory{friction_.end_step(x), std::move(load)};
   memory.close = parted(x);
+  memory.restitution = std::move(restitution);
   return memory;
 }
 
@@ -179,6 +195,12 @@ CloseBodies ContactPipeline::parted(std::span<const Vec3> x) {
   return close;
 }
 
+void ContactPipeline::set_filter(PairFilter filter) {
+  broad_phase_.set_filter(std::move(filter));
+  candidates_.x.clear();
+  trial_candidates_.x.clear();
+}
+
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
   if (candidates.x.empty()) return false;
   const std::vector<int32_t>& group = mesh().vertex_group;
@@ -223,6 +245,7 @@ void ContactPipeline::update(std::span<const Vec3> x) {
   x_active_.assign(x.begin(), x.end());
   fill(candidates_.list, x, active_);
   friction_.remember(x);
+  restitution_.remember(x);
 }
 
 void ContactPipeline::settle(std::span<const Vec3> x) {
@@ -234,18 +257,30 @@ std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature)
   const auto frictions =
       curvature == Curvature::Majorant ? friction_.majorants(x_active_) : friction_.batches();
   all.insert(all.end(), frictions.begin(), frictions.end());
+  const auto restitution = restitution_.batches();
+  all.insert(all.end(), restitution.begin(), restitution.end());
   return all;
 }
 
 double ContactPipeline::max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  return safe_fraction(x0, x1, {group_separation_, close_separation_});
+}
+
+bool ContactPipeline::is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  const std::vector<double> none(group_separation_.size(), 0.0);
+  return safe_fraction(x0, x1, {none}) == 1.0;
+}
+
+double ContactPipeline::safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                                      const Separations& separations) {
   const CandidateList* list = &candidates_.list;
   if (!covers(candidates_, x1) || !covers(candidates_, x0)) {
     const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
-    broad_phase_.find_swept(x0, x1, group_separation_, pool_, swept_);
+    broad_phase_.find_swept(x0, x1, separations.by_group, pool_, swept_);
     ++counters_.swept_builds;
     list = &swept_;
   }
-  return max_safe_step(mesh(), *list, x0, x1, group_separation_, pool_, &ccd_report_);
+  return max_safe_step(mesh(), *list, x0, x1, separations, pool_, &ccd_report_, {.is_bound = is_bound_});
 }
 
 EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
@@ -256,9 +291,10 @@ EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
   }
   fill(*list, x, trial_);
   EnergyDifference total = stark::energy_difference(active_, trial_);
-  const EnergyDifference friction = friction_.energy_difference(x);
-  total.difference += friction.difference;
-  total.magnitude += friction.magnitude;
+  for (const EnergyDifference& other : {friction_.energy_difference(x), restitution_.energy_difference(x)}) {
+    total.difference += other.difference;
+    total.magnitude += other.magnitude;
+  }
   return total;
 }
 
@@ -297,8 +333,12 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
   const std::vector<Vec3> normal = forces(x);
   const auto frictions = friction_.motions(x);
   std::vector<ContactForce> result;
-  for (size_t c = 0; c < normal.size(); ++c) {
-    ContactForce entry{.contact = contacts()[c], .normal_force = normal[c]};
+  for (size_t c = 0; c < normal.size(); ++c)
+    result.push_back({.contact = contacts()[c], .normal_force = normal[c]});
+  for (const auto& [contact, force] : restitution_.given_back(x))
+    result.push_back({.contact = contact, .normal_force = force});
+  for (size_t c = 0; c < result.size(); ++c) {
+    ContactForce& entry = result[c];
     Vec3 motion;
     for (int p = 0; p < entry.contact.point_count; ++p) {
       const int32_t site = entry.contact.sites[p];
@@ -307,13 +347,13 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       motion += (x[site] - x_reference_[site]) * weight;
     }
     const Vec3 n = normalized(entry.point_a - entry.point_b);
-    if (const auto found = frictions.find(entry.contact.key); found != frictions.end()) {
+    const auto found = c < normal.size() ? frictions.find(entry.contact.key) : frictions.end();
+    if (found != frictions.end()) {
       const double side = orientation(mesh(), entry.contact);
       entry.friction = found->second.force * side;
       motion = found->second.motion * side;
     }
     entry.slip = (motion - n * dot(n, motion)) / duration_;
-    result.push_back(entry);
   }
   return result;
 }
@@ -324,9 +364,16 @@ double ContactPipeline::energy() const {
   return total / weight_;
 }
 
-double ContactPipeline::min_distance() const {
+double ContactPipeline::min_distance(std::span<const Vec3> x) {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Contact& contact : active_.contacts()) smallest = std::min(smallest, contact.distance);
+  const auto visit = [&](const std::vector<Contact>& contacts) {
+    for (const Contact& contact : contacts) smallest = std::min(smallest, contact.distance);
+  };
+  // Close bodies are within their contact distances without having contacts.
+  if (geometry_.close.bodies.empty())
+    visit(active_.contacts());
+  else
+    visit(find_contacts_at(x));
   return smallest;
 }
 

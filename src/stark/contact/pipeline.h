@@ -10,6 +10,7 @@
 #include <stark/contact/closest_features.h>
 #include <stark/contact/contact_law.h>
 #include <stark/contact/friction_set.h>
+#include <stark/contact/restitution.h>
 #include <stark/mechanics/active_set.h>
 
 namespace stark {
@@ -32,16 +33,19 @@ struct ContactSurfaces {
   std::vector<BodyStiffness> stiffness{};     ///< by group; none: 1 Pa for all
   std::vector<int32_t> patch{};               ///< by triangle, see AreaWeights; none: each is a patch
   std::vector<uint8_t> is_sheet{};            ///< by group, see AreaWeights
+  RestitutionTable restitution{};
 };
 
 struct ContactPotentials {
   std::array<std::shared_ptr<const Potential>, kStencilKindCount> barriers;
   FrictionPotentials friction;
+  std::shared_ptr<const Potential> restitution{};  ///< null where no pair asks for it
 };
 
 /// One barrier per StencilKind and friction of 2, 3 and 4 points, compiled for the back end; that of friction
-/// which depends on the direction only where it is asked for.
-ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic);
+/// which depends on the direction, and restitution, only where they are asked for.
+ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic,
+                                             bool restitution = false);
 
 /// A contact with the forces and the motion of the last step.
 struct ContactForce {
@@ -57,6 +61,7 @@ struct ContactMemory {
   FrictionMemory friction;
   LoadMemory load;
   CloseBodies close{};
+  RestitutionMemory restitution{};
 };
 
 struct ContactCounters {
@@ -76,11 +81,15 @@ class ContactPipeline final : public ActiveSet {
     double duration = 0.0;
     double step = 0.0;
     double weight = 1.0;  ///< of contact beside other forces: see TimeStencil
+    RestitutionSet::Motion motion{};
   };
   /// Freezes areas and friction for a step that starts at site positions x.
   void begin_step(std::span<const Vec3> x, const VelocityReference& reference, ContactMemory memory);
-  /// Takes the end of a step at site positions x: contacts are those there. duration: see ContactLaw.
-  ContactMemory end_step(std::span<const Vec3> x, double duration = 1.0);
+  /// Takes the end of a step at site positions x: contacts are those there. duration: see ContactLaw;
+  /// velocities: by site, where has_restitution() [m/s].
+  ContactMemory end_step(std::span<const Vec3> x, double duration = 1.0,
+                         std::span<const Vec3> velocities = {});
+  bool has_restitution() const { return !restitution_.empty(); }
 
   /// Pairs of bodies that are within their contact distance at x, with the gaps between them; of a body with
   /// itself, those of parts that are farther apart in its rest shape.
@@ -99,6 +108,10 @@ class ContactPipeline final : public ActiveSet {
   /// Factor of the energies of batches(), 1 but with BDF2; forces and energies reported are without it.
   double weight() const { return weight_; }
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
+  /// Whether the least distance is a bound from now on, or motions may take nine tenths of any gap.
+  void set_bound(bool is_bound) { is_bound_ = is_bound; }
+  /// Whether no two primitives meet on the straight way of all sites from x0 to x1.
+  bool is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
   double refresh_lagged(std::span<const Vec3> x) override;
   void keep_lagged() override { friction_.keep(); }
@@ -111,6 +124,8 @@ class ContactPipeline final : public ActiveSet {
   std::span<const PairKey> names() const { return names_; }
   const ContactLaw& law() const { return law_; }
   const PairFilter& filter() const { return broad_phase_.filter(); }
+  /// Other pairs that may touch, from the next begin_step() on.
+  void set_filter(PairFilter filter);
   const ContactCounters& counters() const { return counters_; }
   /// The active contacts at x, where the last update() was.
   std::vector<ContactForce> contact_forces(std::span<const Vec3> x) const;
@@ -119,8 +134,12 @@ class ContactPipeline final : public ActiveSet {
   /// See FrictionSet.
   double bristle_energy_at_start() const { return friction_.energy_at_start(); }
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
-  /// Smallest distance of an active contact [m], infinity when there is none.
-  double min_distance() const;
+  /// Energy that restitution has given back in the step that ended at x [J].
+  double restitution_work(std::span<const Vec3> x) const { return restitution_.work(x); }
+  std::vector<const PotentialBatch*> restitution_batches() const { return restitution_.batches(); }
+  /// Smallest distance at x of surfaces within their contact distances [m], infinity when there are none. The
+  /// last update() was at x.
+  double min_distance(std::span<const Vec3> x);
   /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
   /// without their stiffness; the active ones stay as they are.
   std::vector<Contact> find_contacts_at(std::span<const Vec3> x);
@@ -140,6 +159,9 @@ class ContactPipeline final : public ActiveSet {
 
   bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
   void build(std::span<const Vec3> x, Candidates& out);
+  /// Largest safe fraction of the way from x0 to x1.
+  double safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1, const Separations& separations);
+  void set_close_bodies(CloseBodies close);
   double freeze_friction(std::span<const Vec3> x);
   /// Forces on sides A of the active contacts [N].
   std::vector<Vec3> forces(std::span<const Vec3> x) const;
@@ -163,12 +185,15 @@ class ContactPipeline final : public ActiveSet {
   std::vector<Vec3> rest_positions_;
   ContactSet active_, trial_;
   FrictionSet friction_;
+  RestitutionSet restitution_;
   Candidates candidates_, trial_candidates_;
   CandidateList swept_;
   CcdReport ccd_report_;
   ContactCounters counters_;
   std::vector<int32_t> surface_sites_;
   std::vector<double> group_separation_;
+  std::vector<Separations::Pair> close_separation_;  ///< of geometry_.close
+  bool is_bound_ = true;
   std::vector<Vec3> x_reference_;
   std::vector<Vec3> x_active_;  ///< of the last update()
   double duration_ = 0.0, weight_ = 1.0;

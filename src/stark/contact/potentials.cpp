@@ -19,9 +19,10 @@ PotentialDefinition anisotropic_friction_2();
 PotentialDefinition anisotropic_friction_3();
 PotentialDefinition anisotropic_friction_4();
 PotentialDefinition anisotropic_friction_5();
+PotentialDefinition restitution();
 }  // namespace models
 
-ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic) {
+ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool anisotropic, bool restitution) {
   const auto compile = [&](const PotentialDefinition& definition) {
     return std::make_shared<const Potential>(definition, backend);
   };
@@ -37,6 +38,7 @@ ContactPotentials compile_contact_potentials(symbolic::Backend backend, bool ani
     potentials.friction.anisotropic = {
         compile(models::anisotropic_friction_2()), compile(models::anisotropic_friction_3()),
         compile(models::anisotropic_friction_4()), compile(models::anisotropic_friction_5())};
+  if (restitution) potentials.restitution = compile(models::restitution());
   return potentials;
 }
 

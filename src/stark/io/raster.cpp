@@ -247,7 +247,7 @@ void check(const RasterCamera& camera, const RasterSettings& s) {
 Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
                 const RasterSettings& settings) {
   check(camera, settings);
-  ThreadPool pool(settings.threads);
+  ThreadPool pool(usable_threads(settings.threads));
   const TriangleScene scene = raster::flatten(meshes);
   const CameraFrame frame(camera, static_cast<double>(settings.width) / settings.height);
   const Lighting lighting(scene, settings, pool);

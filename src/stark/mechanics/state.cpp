@@ -75,6 +75,7 @@ void describe(const T& value, StateArray& out) {
 }
 template <typename T>
 void describe(const std::vector<T>& values, StateArray& out) {
+  out.is_integer = std::is_integral_v<T>;
   out.shape = element_shape<T>();
   out.shape.insert(out.shape.begin(), values.size());
   out.data = values.data();
@@ -111,6 +112,9 @@ struct NumberRule {
 NumberRule rule_of(const std::string& field) {
   if (field == "joint_enabled" || field == "actuator_enabled")
     return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
+  if (field == "restitution_due") return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
+  if (field == "restitution_stiffness")
+    return {"must be > 0 and at most 1", [](double v) { return v > 0.0 && v <= 1.0; }};
   if (field == "attachment_held")
     return {"must be 1, 0 or -1", [](double v) { return v == 0.0 || v == 1.0 || v == -1.0; }};
   // Infinity switches caps off; memories are what users' formulas make of them.
@@ -208,8 +212,12 @@ std::string first_length_difference(const State& a, const State& b) {
   if (a.contact_factor.size() != a.contact_bodies.size()) return "contact_factor";
   if (a.contact_close_distance.size() != a.contact_close_bodies.size()) return "contact_close_distance";
   const std::vector<StateArray> of_a = arrays_of(a), of_b = arrays_of(b);
+  for (const StateArray& array : of_a)
+    if (array.name.starts_with("restitution_") && length(array.shape) != a.restitution_bodies.size())
+      return array.name;
   for (size_t k = 0; k < of_a.size(); ++k) {
-    const bool by_contact = of_a[k].name.starts_with("friction_") || of_a[k].name.starts_with("contact_");
+    const bool by_contact = of_a[k].name.starts_with("friction_") || of_a[k].name.starts_with("contact_") ||
+                            of_a[k].name.starts_with("restitution_");
     if (!by_contact && length(of_a[k].shape) != length(of_b[k].shape)) return of_a[k].name;
   }
   return {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,21 @@ struct AttachmentDescription {
   std::vector<Index3> patches{};
   double break_force = std::numeric_limits<double>::infinity();  ///< [N] of each pair, above which it breaks
   bool enabled = true;
+  bool contact = true;  ///< false: the two bodies do not touch while a pair holds (sim/exclusions.h)
 
   int64_t size() const { return a.size(); }
 };
+
+/// The bodies of both sides, by number.
+inline std::set<int32_t> connected_bodies(const AttachmentDescription& attachment) {
+  std::set<int32_t> bodies;
+  const auto add = [&](const PointSet& points) {
+    if (points.kind != PointKind::WorldPoints) bodies.insert(points.body.index);
+  };
+  add(attachment.a);
+  for (const PointSet& points : attachment.b) add(points);
+  if (!attachment.patches.empty()) bodies.insert(attachment.patch_body.index);
+  return bodies;
+}
 
 }  // namespace stark

@@ -65,8 +65,10 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
     }
     const SmallestHeight smallest = smallest_height(scene, body);
     if (2.0 * distance <= smallest.height) continue;
+    const bool is_automatic = !scene.contact_distance(body) && !(settings.contact.distance > 0.0);
     warnings.push_back(
-        owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
+        owner_text(scene.kind(body), scene.name(body)) + ": " +
+        (is_automatic ? "its automatic contact_distance of " : "contact_distance = ") +
         quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
         quantity_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
         "), so the body touches itself at rest; use at most " + quantity_text(0.5 * smallest.height, "m") +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace stark {
@@ -12,6 +13,9 @@ namespace {
 constexpr double kPinStretch = 1.5;
 /// Distance over contact distance below which bodies that start like that overlap in thickness.
 constexpr double kOverlap = 0.1;
+/// Distance over contact distance below which a load is no ordinary one: contact that it lasts on carries the
+/// largest pressure at a tenth (theory, eq. 18a).
+constexpr double kCrushed = 0.01;
 /// Motion in a quasistatic step over the size of the scene from which nothing holds the bodies.
 constexpr double kRunaway = 10.0;
 /// Ratio of stiffnesses at which the softest is rounding of the stiffest.
@@ -92,19 +96,60 @@ Verdict judge_pins(const StepEvidence& e) {
   return {};
 }
 
+bool is_stuck(SolveStatus status) {
+  return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
+         status == SolveStatus::Blocked;
+}
+
+/// Gaps of bodies that are pressed onto each other, where Newton's method came to no end: in the last
+/// attempt, or at the start of the step if it was one before that.
+std::vector<NarrowGap> crushed_gaps(const StepEvidence& e) {
+  const SolveStatus last = e.solve.status;
+  if (!is_stuck(last) && last != SolveStatus::ConstraintViolated) return {};
+  std::vector<NarrowGap> gaps;
+  const auto add = [&](const std::vector<NarrowGap>& all) {
+    std::ranges::copy_if(all, std::back_inserter(gaps),
+                         [](const NarrowGap& g) { return g.ratio() < kCrushed; });
+  };
+  add(e.gaps);
+  if (gaps.empty() && std::ranges::any_of(e.attempts, is_stuck, &Attempt::status)) add(e.start_gaps);
+  return gaps;
+}
+
+std::vector<std::string> bodies_of(const std::vector<NarrowGap>& gaps) {
+  std::vector<std::string> bodies;
+  for (const NarrowGap& gap : gaps) bodies.insert(bodies.end(), {gap.a.body, gap.b.body});
+  return bodies;
+}
+
+Verdict judge_load(const StepEvidence& e) {
+  const std::vector<NarrowGap> gaps = crushed_gaps(e);
+  if (gaps.empty()) return {};
+  return {FailureCause::CrushingLoad,
+          "forces press bodies together harder than contact can carry: " + gap_text(gaps.front()) + "; " +
+              force_text(e),
+          "lower the forces, caps of actuators and speeds that press these bodies together, or give them a "
+          "higher contact_stiffness",
+          bodies_of(gaps)};
+}
+
 Verdict judge_prescribed(const StepEvidence& e) {
-  if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived) return {};
+  const std::vector<NarrowGap> crushed = crushed_gaps(e);
+  const bool presses = !crushed.empty() && !e.pushing.empty();
+  if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
   if (Verdict pins = judge_pins(e); pins.cause != FailureCause::None && find_inverted(e, true)) return pins;
-  if (!e.blocking && e.gaps.empty()) return judge_pins(e);
+  if (!e.blocking && e.gaps.empty() && crushed.empty()) return judge_pins(e);
   std::vector<std::string> bodies = e.pushing;
   std::string what = listed(e.pushing) + " cannot get where prescribed: ";
   if (e.blocking) {
     what += pair_text(*e.blocking);
     bodies.insert(bodies.end(), {e.blocking->a.body, e.blocking->b.body});
   } else {
-    what += gap_text(e.gaps.front());
-    bodies.insert(bodies.end(), {e.gaps.front().a.body, e.gaps.front().b.body});
+    const NarrowGap& gap = e.gaps.empty() ? crushed.front() : e.gaps.front();
+    what += gap_text(gap);
+    bodies.insert(bodies.end(), {gap.a.body, gap.b.body});
   }
+  for (const std::string& body : bodies_of(crushed)) bodies.push_back(body);
   return {
       FailureCause::BlockedMotion, what,
       "end the prescribed motion before the obstacle, leave room for what is in between and for the "
@@ -131,6 +176,18 @@ Verdict judge_not_finite(const StepEvidence& e) {
       "look for the norm of a zero vector, divisions by zero, roots and logarithms of negative numbers in "
       "its formula, for collapsed elements, and for numbers too large to square",
       bodies};
+}
+
+Verdict judge_steep_energy(const StepEvidence& e) {
+  if (!e.steep) return {};
+  return {
+      FailureCause::SingularEnergy,
+      "energy '" + e.steep->energy + "' grows without bound: its force on " + place_text(e.steep->at) +
+          " is " + rough(e.steep->force, "N") + ", about " + rough(e.steep->length, "m") +
+          " from where the energy has no value",
+      "give the energy a bound, such as the root of r^2 + c^2 for a distance r with a length c that steps "
+      "can resolve, or hold its points apart",
+      {e.steep->at.body}};
 }
 
 /// Whether a value that misses its tolerance does so because of rounding alone.
@@ -187,10 +244,22 @@ Verdict judge_overlap(const StepEvidence& e) {
           {gap.a.body, gap.b.body}};
 }
 
+Verdict judge_detour(const StepEvidence& e) {
+  std::string what = "the way to where Newton's method brought the bodies, by at most " +
+                     rough(e.motion, "m") + ", is not clear";
+  std::vector<std::string> bodies;
+  if (e.in_the_way) {
+    bodies = {e.in_the_way->a.body, e.in_the_way->b.body};
+    what += ": " + place_text(e.in_the_way->a) + " and " + place_text(e.in_the_way->b) + " meet on it";
+  }
+  return {FailureCause::Detour, what,
+          "lower time.min_step until bodies move by less than their size in it, or make them slower", bodies};
+}
+
 Verdict judge_status(const StepEvidence& e) {
   switch (e.solve.status) {
     case SolveStatus::Detour:
-      return {FailureCause::Detour, "bodies would change places within the step", "lower time.step"};
+      return judge_detour(e);
     case SolveStatus::LinearSolveFailed:
       if (e.stiffness_ratio > kContrastOfSolve) break;
       return {FailureCause::SingularSystem, "the linear system could not be solved; " + force_text(e),
@@ -224,6 +293,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
                   force_text(e),
               "raise newton.max_seconds, make the scene smaller, or lower time.step"};
     case SolveStatus::ConstraintViolated: {
+      if (Verdict load = judge_load(e); load.cause != FailureCause::None) return load;
       const size_t end = e.joint_violation.find("; ");
       return {FailureCause::ContradictingJoints, e.joint_violation.substr(0, end),
               end == std::string::npos ? "look for joints that contradict each other"
@@ -232,12 +302,14 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
     default:
       break;
   }
-  for (Verdict verdict : {judge_prescribed(e), judge_not_finite(e), judge_tolerance(e, settings.newton),
-                          judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
+  for (Verdict verdict :
+       {judge_prescribed(e), judge_not_finite(e), judge_steep_energy(e), judge_tolerance(e, settings.newton),
+        judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (!e.unit_suspicions.empty())
     return {FailureCause::UnitMistake, "numbers look as if in other units: " + e.unit_suspicions.front(),
             "check the units of all that is named here; lengths are in m, masses in kg, times in s"};
+  if (Verdict load = judge_load(e); load.cause != FailureCause::None) return load;
   return judge_status(e);
 }
 

@@ -25,10 +25,12 @@ enum class FailureCause : uint8_t {
   OverconstrainedPins,     ///< prescribed vertices invert or overstretch what is between them
   InvertedElement,         ///< an element turned inside out, whose law has no energy there
   NotFinite,               ///< an energy or its derivatives are not finite
+  SingularEnergy,          ///< an energy of the user's that has no bound where its points are
   ToleranceBelowRoundOff,  ///< the tolerances ask for more than rounding of the forces allows
   NoEquilibrium,           ///< a quasistatic step without anything that holds the bodies
   ThicknessOverlap,        ///< bodies that start well within their contact distances
   UnitMistake,             ///< numbers that look as if given in other units
+  CrushingLoad,            ///< forces press bodies together harder than contact can carry
   Detour,                  ///< bodies would change places within the step
   SingularSystem,          ///< the linear system could not be solved
   StiffnessContrast,       ///< stiffnesses too far apart for double precision
@@ -37,7 +39,7 @@ enum class FailureCause : uint8_t {
 };
 template <>
 struct EnumNames<FailureCause> {
-  static constexpr std::array<std::string_view, 17> kNames{"none",
+  static constexpr std::array<std::string_view, 19> kNames{"none",
                                                            "interrupted",
                                                            "time_budget",
                                                            "contradicting_joints",
@@ -45,10 +47,12 @@ struct EnumNames<FailureCause> {
                                                            "overconstrained_pins",
                                                            "inverted_element",
                                                            "not_finite",
+                                                           "singular_energy",
                                                            "tolerance_below_round_off",
                                                            "no_equilibrium",
                                                            "thickness_overlap",
                                                            "unit_mistake",
+                                                           "crushing_load",
                                                            "detour",
                                                            "singular_system",
                                                            "stiffness_contrast",
@@ -104,6 +108,14 @@ struct PinPair {
   double stretch() const { return distance / length; }
 };
 
+/// An element of a user's energy whose force grows beyond all bounds near where its points are.
+struct SteepEnergy {
+  BodyVertices at;
+  std::string energy;
+  double force = 0.0;   ///< [N] the largest on one of its points
+  double length = 0.0;  ///< [m] force over stiffness: about the distance to where it has no value
+};
+
 /// What one attempt at a step came to.
 struct Attempt {
   double time_step = 0.0;  ///< [s]
@@ -123,8 +135,10 @@ struct StepEvidence {
   std::vector<NarrowGap> start_gaps;  ///< where the step started
   std::optional<BlockingPair> blocking;
   std::vector<StrainedElement> elements;
-  std::optional<PinPair> pins;           ///< the pair that stretches its body most
-  std::vector<BodyVertices> not_finite;  ///< where energies are not finite, and their owners
+  std::optional<PinPair> pins;             ///< the pair that stretches its body most
+  std::optional<BlockingPair> in_the_way;  ///< of an attempt that went around something
+  std::vector<BodyVertices> not_finite;    ///< where energies are not finite, and their owners
+  std::optional<SteepEnergy> steep;        ///< the steepest
   /// Smallest unbalanced force and acceleration that rounding of the positions lets forces tell apart.
   double force_rounding = 0.0;         ///< [N]
   double acceleration_rounding = 0.0;  ///< [m/s^2]

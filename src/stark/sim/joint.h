@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <string>
 
 #include <stark/mechanics/field_values.h>
@@ -53,7 +54,16 @@ struct JointDescription {
   FrameDescription a{}, b{};
   ParameterValues values{};  ///< constants of the formula, one set of numbers each
   bool enabled = true;
+  bool contact = true;  ///< false: the two bodies do not touch while it holds (sim/exclusions.h)
 };
+
+/// The bodies that its frames are carried by, by number.
+inline std::set<int32_t> connected_bodies(const JointDescription& joint) {
+  std::set<int32_t> bodies;
+  for (const FrameDescription* frame : {&joint.a, &joint.b})
+    if (frame->carrier != FrameDescription::Carrier::World) bodies.insert(frame->body.index);
+  return bodies;
+}
 
 /// Force [N] and torque [N m] on a body, about a point.
 struct Wrench {

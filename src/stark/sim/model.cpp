@@ -138,7 +138,8 @@ void Model::Builder::set_initial_sites() {
 
 void Model::Builder::compile_contact() {
   if (settings.contact.enabled)
-    model.contact_potentials_ = compile_contact_potentials(backend(), scene.has_anisotropic_friction());
+    model.contact_potentials_ =
+        compile_contact_potentials(backend(), scene.has_anisotropic_friction(), scene.has_restitution());
 }
 
 Model::Model(const Scene& scene, const Settings& settings) { Builder(*this, scene, settings).build(); }
@@ -176,6 +177,21 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
       mesh.edges.push_back({body.first_site + e[0], body.first_site + e[1]});
       mesh.edge_group.push_back(group);
     }
+}
+
+/// Three vertices of a body that span its motion, far apart.
+std::array<int32_t, 3> spanning_sites(const ModelBody& body, std::span<const Vec3> rest) {
+  const auto farthest = [&](auto&& distance) {
+    int32_t best = body.first_site;
+    for (int32_t i = best; i < body.first_site + body.site_count; ++i)
+      if (distance(rest[i]) > distance(rest[best])) best = i;
+    return best;
+  };
+  const Vec3 from = rest[body.first_site];
+  const int32_t a = farthest([&](const Vec3& p) { return squared_norm(p - from); });
+  const int32_t b = farthest([&](const Vec3& p) { return squared_norm(p - rest[a]); });
+  const Vec3 axis = rest[b] - rest[a];
+  return {a, b, farthest([&](const Vec3& p) { return squared_norm(cross(p - rest[a], axis)); })};
 }
 
 /// Keeps the nodes of a rod from its edges that begin within half a turn of the tightest bend of a rod as
@@ -217,8 +233,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   for (int32_t a = 0; a < groups; ++a)
     for (int32_t b = a; b < groups; ++b)
       surfaces.filter.set(
-          a, b, scene.contact_enabled(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
-  exclude_attached(scene, surfaces.filter);
+          a, b, scene.contact_possible(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
   for (size_t b = 0; b < bodies_.size(); ++b)
     if (bodies_[b].kind == BodyKind::Rod)
       set_neighbours(bodies_[b], rest_positions_, 2.0 * surfaces.group_distance[b], surfaces.filter);
@@ -227,8 +242,23 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
   for (int32_t a = 0; a < groups; ++a)
     for (int32_t b = 0; b < groups; ++b) friction[a * groups + b] = scene.friction(BodyId{a}, BodyId{b});
   if (scene.has_anisotropic_friction()) surfaces.directions = make_directions(scene);
+  if (scene.has_restitution()) surfaces.restitution = make_restitution(scene, settings);
   surfaces.friction = [friction, groups](int32_t a, int32_t b) { return friction[a * groups + b]; };
   return surfaces;
+}
+
+RestitutionTable Model::make_restitution(const Scene& scene, const Settings& settings) const {
+  RestitutionTable table;
+  for (int32_t a = 0; a < scene.body_count(); ++a) {
+    const ModelBody& body = bodies_[a];
+    const bool is_rigid = body.kind == BodyKind::Rigid;
+    const bool falls = is_rigid && map_.layout().body_block[body.rigid_index] != kNoBlock;
+    table.gravity.push_back(falls ? settings.gravity : Vec3{});
+    table.frame.push_back(is_rigid ? spanning_sites(body, rest_positions_) : std::array<int32_t, 3>{});
+    for (int32_t b = 0; b < a; ++b)
+      if (const auto e = scene.restitution(BodyId{a}, BodyId{b})) table.coefficient[group_code(a, b)] = *e;
+  }
+  return table;
 }
 
 std::vector<TangentComponents> Model::make_directions(const Scene& scene) const {

@@ -121,6 +121,7 @@ class Model {
   std::vector<ModelQuadrature>& quadrature_batches() { return quadrature_batches_; }
   const std::vector<ModelQuadrature>& quadrature_batches() const { return quadrature_batches_; }
   const State& initial_state() const { return initial_state_; }
+  /// With contact of all pairs that can touch, those of joints and attachments, too.
   ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
   ContactPotentials contact_potentials() const { return contact_potentials_; }
   /// Of the scene as it was given; states, live values and settings are not among them.
@@ -132,8 +133,7 @@ class Model {
  private:
   struct Builder;
   std::vector<TangentComponents> make_directions(const Scene& scene) const;
-  /// Keeps attached vertices from the surface of the body that they are attached to.
-  void exclude_attached(const Scene& scene, PairFilter& filter) const;
+  RestitutionTable make_restitution(const Scene& scene, const Settings& settings) const;
 
   KinematicMap map_;
   std::vector<ModelBody> bodies_;

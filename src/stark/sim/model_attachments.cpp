@@ -90,28 +90,4 @@ void Model::Builder::set_initial_attachments(std::span<const Vec3> x) {
   }
 }
 
-void Model::exclude_attached(const Scene& scene, PairFilter& filter) const {
-  const auto exclude = [&](BodyId body, std::span<const int32_t> vertices, BodyId other) {
-    if (other.index < 0) return;
-    for (const int32_t v : vertices)
-      if (v < bodies_[body.index].site_count) filter.exclude(bodies_[body.index].first_site + v, other.index);
-  };
-  const auto exclude_points = [&](const PointSet& points, BodyId other) {
-    if (points.kind == PointKind::Vertices) exclude(points.body, points.vertices, other);
-    for (size_t k = 0; k < points.supports.size(); ++k)
-      for (size_t i = 0; i < 4; ++i)
-        if (points.weights[k][i] != 0.0) exclude(points.body, {&points.supports[k][i], 1}, other);
-  };
-  for (const AttachmentDescription& attachment : scene.attachments()) {
-    if (!attachment.patches.empty()) {
-      exclude_points(attachment.a, attachment.patch_body);
-      for (const Index3& patch : attachment.patches) exclude(attachment.patch_body, patch, attachment.a.body);
-    }
-    for (const PointSet& b : attachment.b) {
-      exclude_points(attachment.a, b.body);
-      exclude_points(b, attachment.a.body);
-    }
-  }
-}
-
 }  // namespace stark

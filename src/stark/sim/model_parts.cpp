@@ -153,17 +153,25 @@ void Model::Builder::list_energies() {
 }
 
 void Model::Builder::list_contact() {
-  Hash64 friction, pairs, distances, stiffness;
+  Hash64 friction, pairs, distances, stiffness, restitution;
   for (int32_t a = 0; a < scene.body_count(); ++a) {
     // Unset: the one of the settings, which are not a part of the model.
     distances.append(scene.contact_distance(BodyId{a}).value_or(-1.0));
     stiffness.append(scene.contact_stiffness(BodyId{a}).value_or(-1.0));
     for (int32_t b = 0; b <= a; ++b) {
       append_friction(friction, scene.friction(BodyId{a}, BodyId{b}));
-      pairs.append(scene.contact_enabled(BodyId{a}, BodyId{b}));
+      if (const auto e = scene.restitution(BodyId{a}, BodyId{b})) {
+        restitution.append(a);
+        restitution.append(b);
+        restitution.append(*e);
+      }
+      pairs.append(scene.contact_possible(BodyId{a}, BodyId{b}));
     }
   }
+  for (const JointDescription& joint : scene.joints()) pairs.append(joint.contact);
+  for (const AttachmentDescription& attachment : scene.attachments()) pairs.append(attachment.contact);
   add_part("coefficients of friction", false, friction);
+  if (scene.has_restitution()) add_part("coefficients of restitution", false, restitution);
   add_part("pairs of bodies without contact", false, pairs);
   add_part("contact distances of bodies", false, distances);
   add_part("contact stiffness of bodies", false, stiffness);

@@ -42,7 +42,7 @@ RigidInertia checked_inertia(const std::string& owner, const RigidInertia& inert
 RigidInertia inertia_of_mesh(const std::string& owner, const RigidDescription& body,
                              std::vector<std::string>& warnings) {
   const TriangleMesh& mesh = body.mesh;
-  const bool solid = is_closed(mesh.triangles) || body.density;
+  const bool solid = !body.hollow && (is_closed(mesh.triangles) || body.density);
   if (solid) check_closed(owner, mesh, body.density ? "a mass by density" : "its mass properties");
   const MassProperties unit = solid ? compute_solid_mass_properties(mesh.vertices, mesh.triangles, 1.0)
                                     : compute_shell_mass_properties(mesh.vertices, mesh.triangles, 1.0);
@@ -50,7 +50,7 @@ RigidInertia inertia_of_mesh(const std::string& owner, const RigidDescription& b
     throw InvalidMesh(
         owner + ": the mesh encloses a volume of " + quantity_text(unit.mass, "m^3") +
         ": triangles must be counter-clockwise seen from outside; use stark.mesh.oriented(mesh)");
-  if (!solid)
+  if (!solid && !body.hollow)
     warnings.push_back(
         owner +
         ": the mesh is open, so its mass is spread over the surface; give inertia= for another "
@@ -67,6 +67,10 @@ RigidInertia inertia_of(const std::string& owner, const RigidDescription& body,
   if (body.density)
     check_number(owner, "density", *body.density, "kg/m^3", positive(),
                  "for a body that does not move use motion = fixed");
+  if (body.hollow && body.density)
+    throw InvalidArgument(owner + ": density = " + quantity_text(*body.density, "kg/m^3") +
+                          ": a hollow body has no volume: must be given its mass= [kg], spread over the "
+                          "surface, or inertia=");
   if (body.motion != Motion::Dynamic) return {};
   const int given = (body.mass ? 1 : 0) + (body.density ? 1 : 0) + (body.inertia ? 1 : 0);
   if (given != 1)
@@ -167,9 +171,43 @@ void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
 }
 
 void Scene::disable_contact(BodyId a, BodyId b) { contact_disabled_.insert(ordered(a, b)); }
-void Scene::enable_contact(BodyId a, BodyId b) { contact_disabled_.erase(ordered(a, b)); }
+
+void Scene::enable_contact(BodyId a, BodyId b) {
+  contact_disabled_.erase(ordered(a, b));
+  const std::set<int32_t> bodies{a.index, b.index};
+  const auto enable = [&](auto& connections) {
+    for (auto& connection : connections)
+      if (connected_bodies(connection) == bodies) connection.contact = true;
+  };
+  enable(joints_);
+  enable(attachments_);
+}
 
 bool Scene::contact_enabled(BodyId a, BodyId b) const {
+  return contact_possible(a, b) && !is_kept_apart(a, b);
+}
+
+bool Scene::meeting_matters(BodyId a, BodyId b) const {
+  const bool are_prescribed = motion(a) != Motion::Dynamic && motion(b) != Motion::Dynamic;
+  const bool moves = motion(a) == Motion::Scripted || motion(b) == Motion::Scripted;
+  return a != b && are_prescribed && moves && !contact_disabled_.contains(ordered(a, b)) &&
+         !is_kept_apart(a, b);
+}
+
+bool Scene::is_kept_apart(BodyId a, BodyId b) const {
+  const std::set<int32_t> bodies{a.index, b.index};
+  const auto keeps_apart = [&](const auto& connection) {
+    return !connection.contact && connected_bodies(connection) == bodies;
+  };
+  return bodies.size() == 2 &&
+         (std::ranges::any_of(joints_, keeps_apart) || std::ranges::any_of(attachments_, keeps_apart));
+}
+
+bool Scene::is_filled(BodyId body) const {
+  return kind(body) == BodyKind::Solid || (kind(body) == BodyKind::Rigid && !rigid(body).hollow);
+}
+
+bool Scene::contact_possible(BodyId a, BodyId b) const {
   if (contact_disabled_.contains(ordered(a, b))) return false;
   if (motion(a) != Motion::Dynamic && motion(b) != Motion::Dynamic) return false;
   if (a != b) return true;

@@ -130,7 +130,10 @@ struct RigidDescription {
   std::optional<double> mass{};     ///< [kg] spread evenly over the enclosed volume (surface of open meshes)
   std::optional<double> density{};  ///< [kg/m^3]
   std::optional<RigidInertia> inertia{};  ///< overrides what follows from the mesh
-  Vec3 position{};                        ///< [m] of the origin of the mesh frame, not of the centre of mass
+  /// A closed surface is that of a solid, unless it is hollow: a shell with room inside, as of a ball or a
+  /// can, whose mass is spread over the surface.
+  bool hollow = false;
+  Vec3 position{};  ///< [m] of the origin of the mesh frame, not of the centre of mass
   Mat3 rotation = Mat3::identity();
   Vec3 velocity{};               ///< [m/s] of the centre of mass (of the origin of a scripted body)
   Vec3 angular_velocity{};       ///< [rad/s] world axes
@@ -205,6 +208,12 @@ class Scene {
   void set_friction(BodyId a, BodyId b, const FrictionCoefficient& coefficient);
   /// Coefficients along and across the surface direction of `a`, or of `b` where `a` has none.
   void set_anisotropic_friction(BodyId a, BodyId b, const AnisotropicFriction& friction);
+  /// Coefficient of restitution of two rigid bodies, in [0, 1]: relative speed along the normal after an
+  /// impact over that before. Pairs without one bounce as their contact layers, their joints and the
+  /// integrator have it. Throws InvalidArgument for deformable bodies, whose materials decide.
+  void set_restitution(BodyId a, BodyId b, double coefficient);
+  std::optional<double> restitution(BodyId a, BodyId b) const;
+  bool has_restitution() const { return !restitution_.empty(); }
   /// Direction of the surface of a body: one vector, or one for each triangle, in the frame of the body. Its
   /// part in the plane of a triangle counts, not its length nor its sign, and it is carried along with the
   /// deforming triangle. None: no direction. Throws InvalidArgument for rods, zero vectors, other counts.
@@ -223,12 +232,21 @@ class Scene {
   /// direction rules, -1 where neither has one.
   FrictionCoefficient friction(BodyId a, BodyId b) const;
 
-  /// Switches contact of a pair off and on; a == b is the self-contact of a deformable body.
+  /// Switches contact of a pair off and on, also that of bodies that joints and attachments connect; a == b
+  /// is the self-contact of a deformable body.
   void disable_contact(BodyId a, BodyId b);
   void enable_contact(BodyId a, BodyId b);
+  /// False for pairs that cannot touch, and for those of joints and attachments without contact.
+  bool contact_enabled(BodyId a, BodyId b) const;
   /// False for disabled pairs, rigid bodies with themselves and pairs of bodies that are both fixed or
   /// scripted.
-  bool contact_enabled(BodyId a, BodyId b) const;
+  bool contact_possible(BodyId a, BodyId b) const;
+  /// Whether it is reported where two prescribed bodies, at least one of them scripted, meet: unless their
+  /// contact is off.
+  bool meeting_matters(BodyId a, BodyId b) const;
+  /// Whether a body fills what its surface encloses, if that is closed: deformable solids and rigid bodies
+  /// that are not hollow.
+  bool is_filled(BodyId body) const;
 
   int32_t body_count() const { return static_cast<int32_t>(bodies_.size()); }
   BodyId find(std::string_view name) const;  ///< throws for unknown names, with the nearest one as a hint
@@ -290,6 +308,8 @@ class Scene {
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;
   bool has_surface_direction(BodyId body) const;
+  /// By a joint or an attachment without contact.
+  bool is_kept_apart(BodyId a, BodyId b) const;
 
   std::vector<Body> bodies_;
   std::vector<ClothDescription> cloths_;
@@ -307,6 +327,7 @@ class Scene {
   Names body_names_, layer_names_;  // names of layers are among those of bodies too
   Names energy_names_, joint_names_, attachment_names_;
   std::map<Pair, FrictionCoefficient> friction_;  // frame: the body that was named first
+  std::map<Pair, double> restitution_;
   std::map<int32_t, std::vector<Vec3>> surface_directions_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;

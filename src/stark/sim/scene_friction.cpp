@@ -1,4 +1,5 @@
-// Friction of a scene: coefficients of pairs, and directions of surfaces that they may depend on.
+// Friction and restitution of a scene: coefficients of pairs, and directions of surfaces that friction may
+// depend on.
 #include <algorithm>
 #include <cmath>
 
@@ -42,6 +43,24 @@ void Scene::set_anisotropic_friction(BodyId a, BodyId b, const AnisotropicFricti
     coefficient.frame = a.index;
   }
   friction_[pair] = coefficient;
+}
+
+void Scene::set_restitution(BodyId a, BodyId b, double coefficient) {
+  const std::string owner = "restitution of '" + name(a) + "' and '" + name(b) + "'";
+  for (const BodyId body : {a, b})
+    if (kind(body) != BodyKind::Rigid)
+      throw InvalidArgument(
+          owner + ": '" + name(body) + "' is a " + to_string(kind(body)) +
+          ": must be rigid bodies; what deforms gives back what its material does not damp");
+  if (a == b) throw InvalidArgument(owner + ": must be two bodies; a rigid body does not hit itself");
+  check_number(owner, "coefficient", coefficient, "1", closed_interval(0.0, 1.0),
+               "it is the speed after an impact over that before");
+  restitution_[ordered(a, b)] = coefficient;
+}
+
+std::optional<double> Scene::restitution(BodyId a, BodyId b) const {
+  const auto entry = restitution_.find(ordered(a, b));
+  return entry == restitution_.end() ? std::nullopt : std::optional(entry->second);
 }
 
 void Scene::set_default_friction(double coefficient) {

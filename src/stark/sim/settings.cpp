@@ -71,8 +71,8 @@ const FieldTable& ContactSettings::fields() {
        field(&S::distance, "distance", "m", at_least(0.0),
              "contact distance of bodies without their own; two bodies act on each other within the sum of "
              "theirs; 0: automatic, 1 mm but at most 1 % of the size of the body and half the smallest "
-             "height of "
-             "triangles that can touch their own body"),
+             "height of triangles that can touch their own body, of which no less than a tenth of the rest "
+             "counts"),
        field(&S::stiffness, "stiffness", "Pa", at_least(0.0),
              "contact stiffness of bodies without their own: the pressure at which the gap is half of the "
              "contact distance; 0: automatic, by the weight of the body"),
@@ -80,13 +80,17 @@ const FieldTable& ContactSettings::fields() {
              "automatic contact stiffness over the weight of the body per area: weight under standard "
              "gravity, half of the surface"),
        field(&S::min_separation_factor, "min_separation_factor", "1", open_interval(0.0, 0.5),
-             "distance that collision detection keeps, over the contact distance of the pair"),
+             "least distance of two surfaces, over the contact distance of the pair; in scenes that nothing "
+             "drives, impacts on soft contact may go below it"),
        field(&S::stick_velocity, "stick_velocity", "m/s", positive(),
              "sliding speed below which friction sticks; times the time step it is the most that a sticking "
              "contact gives way"),
        field(&S::friction_updates, "friction_updates", "1", at_least(1),
              "largest number of times in a step that normal forces and tangents of friction are refreshed; "
-             "fewer do when limits of friction settle to 0.1 %")});
+             "fewer do when limits of friction settle to 0.1 %"),
+       field(&S::released_overlap, "released_overlap",
+             "what to do where joints and attachments release bodies that overlap: report (a caveat of every "
+             "step until they are apart; contact comes back then) or refuse (the step is an error)")});
   return table;
 }
 
@@ -106,7 +110,11 @@ const FieldTable& ExecutionSettings::fields() {
   static const FieldTable table(
       "execution", TableKind::Settings,
       {field(&S::threads, "threads", "1", closed_interval(0, 1024),
-             "number of threads, 0 for one on each core; results have the same bits for any number"),
+             "most threads, 0 for one on each core that the process may use; results have the same bits for "
+             "any number"),
+       field(&S::oversubscribe, "oversubscribe",
+             "take more threads than there are cores, too, which is slower: to test that nothing depends on "
+             "their number"),
        field(&S::backend, "backend",
              "way energies are evaluated: machine code or interpreter, with the same bits")});
   return table;

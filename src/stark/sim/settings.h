@@ -16,6 +16,9 @@ namespace stark {
 
 /// Implicit Euler, backward differences of order 2, or a sequence of equilibria without inertia.
 enum class Integrator : uint8_t { ImplicitEuler, Bdf2, Quasistatic };
+/// What happens where joints and attachments release bodies that overlap: a caveat of every step until they
+/// are apart, or an error.
+enum class ReleasedOverlap : uint8_t { Report, Refuse };
 /// How energies are evaluated; same order as symbolic::Backend. The interpreter gives the same bits as
 /// machine code.
 enum class KernelBackend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
@@ -23,6 +26,10 @@ enum class KernelBackend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
 template <>
 struct EnumNames<Integrator> {
   static constexpr std::array<std::string_view, 3> kNames{"implicit_euler", "bdf2", "quasistatic"};
+};
+template <>
+struct EnumNames<ReleasedOverlap> {
+  static constexpr std::array<std::string_view, 2> kNames{"report", "refuse"};
 };
 template <>
 struct EnumNames<KernelBackend> {
@@ -61,6 +68,7 @@ struct ContactSettings {
       1e-3;  ///< distance kept by the collision detection, over the pair's contact distance
   double stick_velocity = 1e-3;  ///< [m/s] below it friction is sticking, regularised
   int friction_updates = 8;      ///< most refreshes of normal forces and tangents of friction in a step
+  ReleasedOverlap released_overlap = ReleasedOverlap::Report;
   static const FieldTable& fields();
 };
 
@@ -71,7 +79,8 @@ struct JointSettings {
 };
 
 struct ExecutionSettings {
-  int threads = 1;  ///< 0: one for each core; results have the same bits for any number
+  int threads = 1;             ///< 0: one for each core; results have the same bits for any number
+  bool oversubscribe = false;  ///< more threads than cores
   KernelBackend backend = KernelBackend::Automatic;
   static const FieldTable& fields();
 };

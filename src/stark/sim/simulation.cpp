@@ -30,6 +30,11 @@ ContactOptions to_options(const ContactSettings& contact, const TimeSettings& ti
           .friction = contact.friction};
 }
 
+int threads_of(const ExecutionSettings& execution) {
+  const bool is_free = execution.oversubscribe && execution.threads > 0;
+  return is_free ? execution.threads : usable_threads(execution.threads);
+}
+
 /// Motion in a quasistatic step, over the diagonal of all bodies, beyond which there is no equilibrium.
 constexpr double kFarthestMotion = 100.0;
 
@@ -51,36 +56,51 @@ std::string StepReport::brief() const {
   return out.str();
 }
 
-Simulation::Simulation(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {
+Simulation::Simulation(const Scene& scene, const Settings& settings, const std::function<void()>& between)
+    : scene_(scene), settings_(settings) {
   validate(settings_);
   if (scene_.body_count() == 0)
     throw InvalidArgument(
         "scene has no bodies; add at least one with add_cloth, add_solid, add_rod or add_rigid");
-  pool_ = std::make_unique<ThreadPool>(settings_.execution.threads);
+  pool_ = std::make_unique<ThreadPool>(threads_of(settings_.execution));
   timer_ = std::make_unique<PhaseTimer>();
   model_ = std::make_unique<Model>(scene_, settings_);
   state_ = model_->initial_state();
+  between();
   ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
+  std::vector<int32_t> first_sites;
+  for (const ModelBody& body : model_->bodies()) first_sites.push_back(body.first_site);
+  for (int32_t b = 0; b < scene_.body_count(); ++b) is_filled_.push_back(scene_.is_filled(BodyId{b}));
+  exclusions_ = Exclusions(find_exclusions(scene_, settings_.contact.self_contact), surfaces.filter,
+                           std::move(first_sites));
+  surfaces.filter = exclusions_.filter({});
   surface_mesh_ = surfaces.mesh;
+  between();
   if (settings_.contact.enabled) {
     contact_ = std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
                                                  to_options(settings_.contact, settings_.time), model_->map(),
                                                  *pool_, *timer_);
+    between();
+    prescribed_ = PrescribedBodies(scene_, surface_mesh_);
     check_initial_state();
+    between();
     const CloseBodies close = contact_->find_close_bodies(site_positions());
     state_.contact_close_bodies = close.bodies;
     state_.contact_close_distance = close.distance;
   }
+  between();
   check_energies();
   check_joints();
   check_actuators();
   check_attachments();
+  between();
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
   for (const PotentialBatch* batch : model_->all_batches()) batches.push_back(batch);
   std::vector<const QuadratureBatch*> quadrature;
   for (const ModelQuadrature& elements : model_->quadrature_batches()) quadrature.push_back(&elements.batch);
   assembler_->set_static_batches(std::move(batches), quadrature);
+  between();
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &model_->constraints(), model_->block_scales(), *timer_);
   potential_->set_active_set_updates(settings_.contact.friction_updates);
@@ -106,12 +126,17 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
                               " edge-triangle pairs, the first near " + point_text(where) +
                               "; move them apart, or disable contact between them");
   }
-  const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_);
+  const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_, is_filled_);
   if (!contained.empty()) {
     const auto& first = contained.front();
-    throw InitialIntersection(name(first.inner) + " is inside " + name(first.outer) + " " + when + ", near " +
-                              point_text(x[first.vertex]) +
-                              "; move it out, make the outer surface open, or disable contact between them");
+    const bool is_rigid = scene_.kind(BodyId{first.outer}) == BodyKind::Rigid;
+    throw InitialIntersection(
+        name(first.inner) + " is inside " + name(first.outer) + " " + when + ", near " +
+        point_text(x[first.vertex]) + ": a " + (is_rigid ? "rigid body" : "solid") +
+        " fills its closed surface; move it out, " +
+        (is_rigid ? "add the outer one with hollow = true if it is a shell, or with an inner wall"
+                  : "mesh the outer one with a cavity") +
+        ", or disable contact between them");
   }
 }
 
@@ -123,18 +148,20 @@ void Simulation::check_initial_state() const {
   const std::vector<Contact> contacts = contact_->find_contacts_at(x);
   const auto nearest = std::ranges::min_element(
       contacts, {}, [](const Contact& c) { return c.distance / c.contact_distance; });
-  if (nearest != contacts.end()) {
-    double size = 0.0;
-    for (int p = 0; p < nearest->point_count; ++p) {
-      const Vec3& at = x[nearest->sites[p]];
-      size = std::fmax(size, std::fmax(std::fabs(at.x), std::fmax(std::fabs(at.y), std::fabs(at.z))));
-    }
-    if (nearest->distance <= kTouching * size)
-      throw InitialIntersection(name(nearest->group_a) + " and " + name(nearest->group_b) +
-                                " touch at time 0 near " + point_text(x[nearest->sites[0]]) +
-                                ", their distance is " + quantity_text(nearest->distance, "m") +
-                                "; move them apart, or disable contact between them");
+  if (nearest != contacts.end() && is_touching(*nearest, x))
+    throw InitialIntersection(name(nearest->group_a) + " and " + name(nearest->group_b) +
+                              " touch at time 0 near " + point_text(x[nearest->sites[0]]) +
+                              ", their distance is " + quantity_text(nearest->distance, "m") +
+                              "; move them apart, or disable contact between them");
+}
+
+bool Simulation::is_touching(const Contact& contact, std::span<const Vec3> x) {
+  double size = 0.0;
+  for (int p = 0; p < contact.point_count; ++p) {
+    const Vec3& at = x[contact.sites[p]];
+    size = std::fmax(size, std::fmax(std::fabs(at.x), std::fmax(std::fabs(at.y), std::fabs(at.z))));
   }
+  return contact.distance <= kTouching * size;
 }
 
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
@@ -257,6 +284,17 @@ void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& ang
 void Simulation::set_interrupt(std::function<bool()> interrupted) {
   newton_->set_interrupt(std::move(interrupted));
 }
+
+StepProgress Simulation::progress() const {
+  StepProgress progress;
+  progress.step = state_.step_count + 1;
+  progress.attempt = static_cast<int>(attempts_.size()) + 1;
+  progress.solve = newton_->progress();
+  progress.iterations = report_.solve.iterations + progress.solve.iterations;
+  return progress;
+}
+
+int Simulation::thread_count() const { return pool_->thread_count(); }
 
 double Simulation::scene_size() const {
   const std::vector<Vec3> x = site_positions();

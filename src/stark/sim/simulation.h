@@ -8,7 +8,9 @@
 #include <vector>
 
 #include <stark/mechanics/time_integrator.h>
+#include <stark/sim/exclusions.h>
 #include <stark/sim/model.h>
+#include <stark/sim/prescribed.h>
 #include <stark/sim/step_report.h>
 #include <stark/sim/time_marks.h>
 #include <stark/solve/newton.h>
@@ -19,7 +21,9 @@ class Simulation {
  public:
   /// Builds the model. Throws InvalidArgument for settings or scenes that cannot be simulated and
   /// InitialIntersection when surfaces intersect or contain each other at time 0.
-  explicit Simulation(const Scene& scene, const Settings& settings = {});
+  /// `between` is called between the parts of the work; what it throws ends it.
+  explicit Simulation(
+      const Scene& scene, const Settings& settings = {}, const std::function<void()>& between = [] {});
   ~Simulation();
   Simulation(Simulation&&) noexcept;
 
@@ -124,6 +128,9 @@ class Simulation {
   /// gets the opposite. After set_state, of the multipliers of the state, as joint_reaction.
   std::vector<Vec3> attachment_forces(AttachmentId attachment) const;
 
+  /// Numbers in State::contact_regained are below this one.
+  int64_t exclusion_count() const { return exclusions_.size(); }
+
   /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
   /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
   std::vector<ContactForce> contacts() const;
@@ -131,8 +138,13 @@ class Simulation {
   /// the change of velocity over the time step. Zero before the first step and after set_state().
   Vec3 acceleration(BodyId body, const Vec3& point) const;
 
-  /// Asked between Newton iterations; returning true ends the step with status Interrupted.
+  /// Asked between Newton iterations, and within those that take long; returning true ends the step with
+  /// status Interrupted.
   void set_interrupt(std::function<bool()> interrupted);
+  /// How far the step under way has come, for what set_interrupt() was given.
+  StepProgress progress() const;
+  /// Threads that it runs on: execution.threads, or less where there are less processors.
+  int thread_count() const;
 
   /// Surfaces for checks and pictures: all sites and the primitives on them.
   const SurfaceMesh& surface_mesh() const;
@@ -158,6 +170,20 @@ class Simulation {
   void check_attachments();
   /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.
   void commit_attachments(std::span<const Vec3> x);
+  /// Which exclusions are over in the coming step.
+  void watch_released();
+  /// Those of the released exclusions whose sides overlap or touch with sites at x.
+  std::vector<int64_t> find_overlapping(const std::vector<int64_t>& released, std::span<const Vec3> x);
+  bool is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) const;
+  /// Gives bodies that come into contact now the gap that they have for a contact distance, until they part.
+  void soften_new_contact(const CloseBodies& before, std::span<const Vec3> x);
+  void set_regained(const std::vector<int64_t>& regained);
+  void check_regained(const State& state) const;
+  /// "'cloth' and 'box' overlap or touch where attachment 'glue' released them".
+  std::string overlap_text() const;
+  std::string releaser_text() const;
+  /// Whether the gap of a contact is swallowed by the rounding of its coordinates.
+  static bool is_touching(const Contact& contact, std::span<const Vec3> x);
   void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
   /// Writes the inputs of actuators for a step of length h from step_start_ and reference_.
   void begin_actuators(double h);
@@ -174,9 +200,14 @@ class Simulation {
   const ModelBody& rigid(BodyId body, const char* what) const;
   const ModelBody& rod(BodyId body) const;
   Configuration start_configuration() const;
-  bool moved_far(const ModelBody& body) const;
-  bool leads_through_something();
-  bool may_refuse_detours(double h) const;
+  /// Whether the attempt that ends where the potential stands went around something: its iterates followed a
+  /// clear path from `start`, but the way that the bodies had to go is not clear.
+  bool leads_through_something(const Configuration& start);
+  /// Whether something moved so far in the step that it may have gone around something.
+  bool moved_far() const;
+  /// Whether nothing meets on the way from the start of the step, in `pieces` of equal length in which
+  /// vertices go straight.
+  bool is_way_clear(const Configuration& start, const Configuration& end, int pieces);
   /// Diagonal blocks of inertia and elasticity at the start of a step: what joints are measured against.
   std::vector<Mat3> natural_stiffness(const Configuration& start);
   Configuration target_configuration(double h) const;
@@ -207,8 +238,19 @@ class Simulation {
   void predict(double h);
   /// The same with predictions for `duration`, and inertia and damping of a step of length `scale` [s].
   void predict(double h, double duration, double scale);
-  /// Impulses of contact on the free blocks in the step that ends now [N s, N m s].
-  std::vector<Vec3> contact_impulses();
+  /// Impulses on the free blocks in the step that ends now [N s, N m s].
+  struct Impulses {
+    std::vector<Vec3> contact;      ///< with friction
+    std::vector<Vec3> restitution;  ///< empty without contact
+  };
+  Impulses contact_impulses();
+  std::vector<Vec3> impulses_of(std::span<const PotentialBatch* const> batches) const;
+  /// What restitution needs of a step of length h, what it remembers and keeps.
+  RestitutionSet::Motion restitution_motion(double h);
+  RestitutionMemory restitution_memory() const;
+  void remember_impacts(RestitutionMemory memory);
+  /// By site [m/s].
+  std::vector<Vec3> site_velocities() const;
   /// Keeps the state that a step of length h has started from, for the next one.
   void remember_state(double h);
   struct Motions {
@@ -217,16 +259,18 @@ class Simulation {
   };
   Motions motions() const;
   /// Keeps what the velocities that were there `before` the step have gained, and how.
-  void remember_increments(const Motions& before, std::span<const Vec3> impulses, double h);
+  void remember_increments(const Motions& before, const Impulses& impulses, double h);
   /// What the step of length h that starts from the state has of the integrator.
   TimeStencil choose_stencil(double h);
   /// Sites after a step of length h in which nothing pushes [m].
   std::vector<Vec3> free_motion(double h) const;
-  bool attempt(double h, bool straight, SolveReport& total);
+  bool attempt(double h, SolveReport& total);
   void set_deadline();
   /// Ends the step with the last attempt, of length h; `is_cut`: at the limit of the caller.
   void accept(double h, bool is_cut);
   void add_caveats(double h);
+  /// "'gripper' and 'table'", of prescribed bodies that meet in the step that ends at the solution; or empty.
+  std::string meeting_text();
   void fail();
   /// Of the last attempt.
   Diagnosis diagnose();
@@ -252,6 +296,16 @@ class Simulation {
   std::unique_ptr<LinearSolver> linear_solver_;
   std::unique_ptr<NewtonSolver> newton_;
   SurfaceMesh surface_mesh_;
+  std::vector<bool> is_filled_;  ///< by body
+  Exclusions exclusions_;
+  std::vector<int64_t> filtered_;  ///< exclusions that are over in the filter of contact_
+  struct Watch {
+    std::vector<int64_t> regained{};     ///< exclusions that are over
+    std::vector<int64_t> overlapping{};  ///< those that nothing holds, of what is not apart
+    CloseBodies close{};
+  };
+  Watch watch_;  ///< of the step under way
+  PrescribedBodies prescribed_;
   State state_;
   StepReport report_;
   struct Reference {
@@ -266,6 +320,7 @@ class Simulation {
     std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
     std::vector<Vec3> friction_sites;                 ///< what slip is measured from [m]
     double friction_duration = 0.0;                   ///< and over what time [s]
+    std::vector<Vec3> site_velocities;                ///< at the start of the step, with restitution [m/s]
     // Empty without a history:
     std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
     std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
@@ -273,7 +328,6 @@ class Simulation {
   Reference reference_;
   std::vector<Attempt> attempts_;  ///< of the step under way
   LoadMemory load_;                ///< of its barriers: that of the state, more after attempts that failed
-  bool may_refuse_ = true;         ///< whether it may be tried again shorter for being a detour
   EnergyLedger energies_before_;   ///< stored at the start of the last attempt
   std::vector<Vec3> step_start_;   ///< site positions that the last step started from [m]
   BlockMatrix diagonal_hessian_;

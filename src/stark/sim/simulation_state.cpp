@@ -52,7 +52,17 @@ void Simulation::set_state(const State& state) {
   for (int32_t b = 0; b < scene_.body_count(); ++b)
     if (scene_.kind(BodyId{b}) == BodyKind::Rigid && scene_.motion(BodyId{b}) == Motion::Fixed)
       copy_place(model_->initial_state(), model_->bodies()[b].rigid_index, next);
-  if (contact_) check_clear(site_positions(next), "in this state");
+  check_regained(next);
+  if (contact_) {
+    const std::vector<int64_t> filtered = filtered_;
+    set_regained(exclusions_.over(next));
+    try {
+      check_clear(site_positions(next), "in this state");
+    } catch (...) {
+      set_regained(filtered);
+      throw;
+    }
+  }
   state_ = std::move(next);
   step_start_.clear();
   model_->constraints().set_forces(state_.joint_multiplier);

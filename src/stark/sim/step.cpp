@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <stark/sim/body_checks.h>
+#include <stark/base/rotation.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/step_evidence.h>
 
@@ -12,20 +12,20 @@ namespace stark {
 
 namespace {
 
-/// Motion in a step, over the diagonal of a body's box, from which it may go around something.
-constexpr double kFarMotion = 0.5;
-
-/// Part of the full time step down to which steps are refused that lead around something.
-constexpr double kShortestStraight = 1.0 / 16.0;
-
 /// Value of script_remaining for a scripted body that rests at the last pose it was given.
 constexpr double kAtPose = -1.0;
 
 /// Relative difference of times below which a remaining time counts as used up.
 constexpr double kTimeRounding = 1e-12;
 
+/// Acceleration that rounding may leave in silence [m/s^2]: twice the default tolerance.
+constexpr double kSilentRounding = 0.02;
+
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
 constexpr int kAttemptsBeforeRaise = 2;
+
+/// Attempts with the shortest step that failed for contacts too soft to stop what comes, and are repeated.
+constexpr int kRepeatsOfShortest = 4;
 
 /// Delay with which contact follows the loads that last [s], and that of quasistatic steps, which have no
 /// time.
@@ -66,7 +66,7 @@ const char* failure_text(SolveStatus status) {
       return "a scripted body or pinned vertex is blocked by an obstacle; change its motion or the obstacle, "
              "or raise newton.max_iterations if it could give way";
     case SolveStatus::Detour:
-      return "bodies would change places within the step; lower time.step";
+      return "bodies would change places within the step; lower time.min_step";
     case SolveStatus::Interrupted:
       return "interrupted";
     case SolveStatus::TimeBudget:
@@ -109,13 +109,14 @@ const StepReport& Simulation::step(double max_time_step) {
   timer_->reset();
   attempts_.clear();
   load_ = {state_.contact_bodies, state_.contact_factor};
+  watch_released();
   linear_solver_->begin_step();
   set_deadline();
   const PlannedStep planned = plan_step(state_, max_time_step, longest_turning_step());
   double h = planned.length;
-  double detour = 0.0;  // length of the longest step refused as one [s]
+  int repeats = 0;
   while (true) {
-    if (attempt(h, detour >= 0.0, report_.solve)) {
+    if (attempt(h, report_.solve)) {
       accept(h, planned.is_cut && h == planned.length);
       return report_;
     }
@@ -126,14 +127,10 @@ const StepReport& Simulation::step(double max_time_step) {
       return report_;
     }
     ++report_.rejected_steps;
-    if (contact_ && is_stuck(status) && report_.rejected_steps >= kAttemptsBeforeRaise)
+    const bool is_shortest = 0.5 * h < settings_.time.min_step;
+    if (contact_ && is_stuck(status) && (is_shortest || report_.rejected_steps >= kAttemptsBeforeRaise)) {
       load_ = contact_->raised_load(potential_->site_positions());
-    if (status == SolveStatus::Detour) {
-      detour = std::max(detour, h);
-    } else if (detour > 0.0) {
-      // A violent impact: shorter steps do not converge where the long one did.
-      h = 2.0 * detour;
-      detour = -1.0;
+      if (is_shortest && status == SolveStatus::LineSearchFailed && repeats++ < kRepeatsOfShortest) continue;
     }
     h *= 0.5;
     if (h < settings_.time.min_step || status == SolveStatus::TimeBudget) {
@@ -184,7 +181,10 @@ void Simulation::add_caveats(double h) {
     report_.message += (report_.message.empty() ? "" : "; ") + text;
   };
   const SolveReport& solve = report_.solve;
-  if (solve.status == SolveStatus::RoundOff)
+  const NewtonSettings& newton = settings_.newton;
+  const bool is_rough = solve.is_at_rounding && newton.acceleration_tolerance > 0.0 &&
+                        solve.acceleration > std::max(newton.acceleration_tolerance, kSilentRounding);
+  if (solve.status == SolveStatus::RoundOff || is_rough)
     add(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
                               quantity_text(solve.residual, "N") + ", acceleration " +
                               quantity_text(solve.acceleration, "m/s^2") +
@@ -192,10 +192,34 @@ void Simulation::add_caveats(double h) {
   if (solve.is_settled)
     add(Caveat::OldFriction,
         "accepted with friction or joints one refresh behind: after it, Newton's method did not converge");
-  if (!may_refuse_detours(h) && leads_through_something())
-    add(Caveat::Detour,
-        "accepted although the straight way from start to end of the step leads through "
-        "something: bodies may have changed places; lower time.step");
+  if (const std::string bodies = meeting_text(); !bodies.empty())
+    add(Caveat::PrescribedOverlap,
+        bodies +
+            " go into or through each other: nothing stops what is scripted or fixed on both sides; "
+            "change their motion, or disable contact between them if that is meant");
+  if (!watch_.overlapping.empty())
+    add(Caveat::ReleasedOverlap, overlap_text() + ": no contact there until they are apart");
+}
+
+std::string Simulation::meeting_text() {
+  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
+  const Configuration start = start_configuration();
+  const Configuration& end = potential_->configuration();
+  const auto path = [&](double fraction) {
+    Configuration at = start;
+    for (size_t b = 0; b < at.body_position.size(); ++b) {
+      at.body_position[b] += (end.body_position[b] - start.body_position[b]) * fraction;
+      at.body_rotation[b] = interpolate_rotation(start.body_rotation[b], end.body_rotation[b], fraction);
+    }
+    std::vector<Vec3> x(model_->map().site_count());
+    model_->map().positions(at, x);
+    return x;
+  };
+  std::string text;
+  for (const auto& [a, b] :
+       prescribed_.find_meetings(step_start_, potential_->site_positions(), path, *pool_))
+    text += (text.empty() ? "'" : ", '") + scene_.name(BodyId{a}) + "' and '" + scene_.name(BodyId{b}) + "'";
+  return text;
 }
 
 void Simulation::fail() {
@@ -210,7 +234,7 @@ void Simulation::fail() {
   finish_report(StepStatus::Failed);
 }
 
-bool Simulation::attempt(double h, bool straight, SolveReport& total) {
+bool Simulation::attempt(double h, SolveReport& total) {
   const Configuration start = start_configuration();
   const bool has_joints = model_->constraints().joint_count() > 0;
   {
@@ -234,47 +258,28 @@ bool Simulation::attempt(double h, bool straight, SolveReport& total) {
     predict(h);
   }
   if (contact_) {
+    // Contact stiffened with a body in it throws the body back faster than it came. Where nothing drives the
+    // bodies, an impact may go as deep as its energy brings it, unless an attempt has shown that this leads
+    // nowhere.
+    contact_->set_bound(report_.rejected_steps > 0 || potential_->has_pending_motion() ||
+                        !model_->actuators().empty());
     contact_->begin_step(potential_->site_positions(),
                          {.positions = reference_.friction_sites,
                           .duration = reference_.friction_duration,
                           .step = h,
-                          .weight = reference_.stencil.contact_weight},
+                          .weight = reference_.stencil.contact_weight,
+                          .motion = restitution_motion(h)},
                          {{state_.friction_pair, state_.friction_deflection, state_.friction_force},
                           load_,
-                          {state_.contact_close_bodies, state_.contact_close_distance}});
+                          watch_.close,
+                          restitution_memory()});
     energies_before_.contact = contact_->energy();
   }
   SolveReport solved = newton_->minimize(*potential_, h);
-  may_refuse_ = straight;
-  if (may_refuse_detours(h) && is_success(solved.status) && leads_through_something())
-    solved.status = SolveStatus::Detour;
+  if (is_success(solved.status) && leads_through_something(start)) solved.status = SolveStatus::Detour;
   attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);
   return is_success(solved.status);
-}
-
-bool Simulation::moved_far(const ModelBody& body) const {
-  const std::span<const Vec3> x = potential_->site_positions();
-  const std::span<const Vec3> start = std::span(step_start_).subspan(body.first_site, body.site_count);
-  double motion = 0.0;
-  for (size_t i = 0; i < start.size(); ++i)
-    motion = std::fmax(motion, norm(x[body.first_site + i] - start[i]));
-  return motion > kFarMotion * norm(box_size(start));
-}
-
-bool Simulation::may_refuse_detours(double h) const {
-  // Shorter steps than this are taken as they are: violent impacts seldom look straight.
-  return may_refuse_ && 0.5 * h >= std::max(settings_.time.min_step, kShortestStraight * settings_.time.step);
-}
-
-bool Simulation::leads_through_something() {
-  // The path through the iterates is certified, but at large steps it may lead around an obstacle that is
-  // straight ahead.
-  if (!contact_) return false;
-  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
-  const bool is_fast =
-      std::ranges::any_of(model_->bodies(), [&](const ModelBody& b) { return moved_far(b); });
-  return is_fast && contact_->max_step(step_start_, potential_->site_positions()) < 1.0;
 }
 
 Diagnosis Simulation::diagnose() {
@@ -287,7 +292,8 @@ Diagnosis Simulation::diagnose() {
                                             .start = step_start_,
                                             .target = target_configuration(h),
                                             .direction = newton_->direction(),
-                                            .is_first_step = state_.step_count == 0});
+                                            .is_first_step = state_.step_count == 0,
+                                            .is_detour = report_.solve.status == SolveStatus::Detour});
   evidence.solve = report_.solve;
   evidence.time_step = h;
   evidence.attempts = attempts_;
@@ -320,7 +326,7 @@ void Simulation::commit(double h) {
   const bool has_memory = settings_.time.integrator == Integrator::Bdf2;
   reference_.contact_velocity.assign(end.body_position.size(), Vec3{});
   Motions before;
-  std::vector<Vec3> impulses;
+  Impulses impulses;
   if (has_memory) {
     before = motions();
     impulses = contact_impulses();
@@ -349,7 +355,9 @@ void Simulation::commit(double h) {
   if (contact_) {
     const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
     const double duration = has_time ? h / kLoadTime : kQuasistaticLoad;
-    ContactMemory memory = contact_->end_step(potential_->site_positions(), duration);
+    std::vector<Vec3> velocities;
+    if (contact_->has_restitution()) velocities = site_velocities();
+    ContactMemory memory = contact_->end_step(potential_->site_positions(), duration, velocities);
     state_.friction_pair = std::move(memory.friction.pair);
     state_.friction_deflection = std::move(memory.friction.deflection);
     state_.friction_force = std::move(memory.friction.force);
@@ -357,6 +365,8 @@ void Simulation::commit(double h) {
     state_.contact_factor = std::move(memory.load.factor);
     state_.contact_close_bodies = std::move(memory.close.bodies);
     state_.contact_close_distance = std::move(memory.close.distance);
+    remember_impacts(std::move(memory.restitution));
+    state_.contact_regained = watch_.regained;
   }
   commit_joints();
 }
@@ -366,7 +376,8 @@ void Simulation::finish_report(StepStatus status) {
   report_.time = state_.time;
   if (report_.failed()) step_start_.clear();  // sensors have nothing to tell of it
   if (!report_.failed()) {
-    report_.min_distance = contact_ ? contact_->min_distance() : std::numeric_limits<double>::infinity();
+    report_.min_distance = contact_ ? contact_->min_distance(potential_->site_positions())
+                                    : std::numeric_limits<double>::infinity();
     report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;
     report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
     report_.momentum = momentum();

@@ -15,6 +15,9 @@ namespace stark {
 namespace {
 
 constexpr size_t kListed = 5;  ///< entries that lists are cut to
+/// An energy E with forces g and stiffness H is like a power or a logarithm of a length where |E| |H| is
+/// above this part of |g|^2; and near its end where that length is below this part of the scene.
+constexpr double kPowerLaw = 0.9, kNoLength = 1e-6;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 std::string owner_of(const Scene& scene, int32_t body) {
@@ -62,29 +65,36 @@ std::vector<NarrowGap> find_gaps(const FailedStep& step, std::span<const Vec3> x
   return find_narrow_gaps(step.scene, step.model, step.contact->find_contacts_at(x), kListed);
 }
 
-std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double max_rotation) {
-  if (!step.contact || step.direction.empty() ||
-      !std::ranges::all_of(step.direction, [](double v) { return std::isfinite(v); }))
-    return {};
-  const std::vector<Vec3> end = step.potential.positions_along(step.direction, max_rotation);
-  if (!std::ranges::all_of(end, [](const Vec3& p) { return is_finite(p); })) return {};
-  const double fraction = step.contact->max_step(step.potential.site_positions(), end);
+/// The two parts that the last motion which was looked at has been limited by.
+std::optional<BlockingPair> limiting_parts(const FailedStep& step) {
   const CcdReport& limit = step.contact->limiting_pair();
-  if (fraction >= 1.0 || limit.kind == CandidateKind::None) return {};
   const SurfaceMesh& mesh = step.contact->mesh();
   const auto edge = [&](int32_t e) { return place_of(step.scene, step.model, mesh.edges[e]); };
   const auto point = [&](int32_t p) { return place_of(step.scene, step.model, {&p, 1}); };
   switch (limit.kind) {
     case CandidateKind::PointTriangle:
       return BlockingPair{point(limit.first), place_of(step.scene, step.model, mesh.triangles[limit.second]),
-                          fraction};
+                          limit.step};
     case CandidateKind::EdgeEdge:
-      return BlockingPair{edge(limit.first), edge(limit.second), fraction};
+      return BlockingPair{edge(limit.first), edge(limit.second), limit.step};
     case CandidateKind::PointEdge:
-      return BlockingPair{point(limit.first), edge(limit.second), fraction};
-    default:
-      return BlockingPair{point(limit.first), point(limit.second), fraction};
+      return BlockingPair{point(limit.first), edge(limit.second), limit.step};
+    case CandidateKind::PointPoint:
+      return BlockingPair{point(limit.first), point(limit.second), limit.step};
+    case CandidateKind::None:
+      break;
   }
+  return {};
+}
+
+std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double max_rotation) {
+  if (!step.contact || step.direction.empty() ||
+      !std::ranges::all_of(step.direction, [](double v) { return std::isfinite(v); }))
+    return {};
+  const std::vector<Vec3> end = step.potential.positions_along(step.direction, max_rotation);
+  if (!std::ranges::all_of(end, [](const Vec3& p) { return is_finite(p); })) return {};
+  if (step.contact->max_step(step.potential.site_positions(), end) >= 1.0) return {};
+  return limiting_parts(step);
 }
 
 void add_strains(const FailedStep& step, StepEvidence& out) {
@@ -138,6 +148,51 @@ void add_not_finite(const FailedStep& step, StepEvidence& out) {
       place.vertices.push_back(site - step.model.bodies()[body].first_site);
     }
     out.not_finite.push_back(std::move(place));
+  }
+}
+
+/// Steepness of one element of an energy: its largest force on a point, and force over stiffness.
+struct Steepness {
+  double force = 0.0, length = 0.0, growth = 0.0;
+  int point = 0;
+};
+
+Steepness steepness(std::span<const double> outputs, int points) {
+  const int n = 3 * points;
+  Steepness result;
+  for (int p = 0; p < points; ++p) {
+    const double force = norm({outputs[1 + 3 * p], outputs[2 + 3 * p], outputs[3 + 3 * p]});
+    if (force > result.force) result.force = force, result.point = p;
+  }
+  double stiffness = 0.0;
+  for (int i = 0, k = 1 + n; i < n; ++i)
+    for (int j = i; j < n; ++j, ++k) stiffness = std::fmax(stiffness, std::fabs(outputs[k]));
+  result.length = result.force / stiffness;
+  result.growth = std::fabs(outputs[0]) * stiffness / (result.force * result.force);
+  return result;
+}
+
+/// A power or a logarithm of a distance r near zero: forces over stiffness are about r, and |E| |H|/|g|^2 is
+/// above 1, where it is 1/2 for a spring.
+void add_steep_energy(const FailedStep& step, StepEvidence& out) {
+  const std::span<const Vec3> x = step.potential.site_positions();
+  for (int32_t k = 0; k < static_cast<int32_t>(step.scene.energies().size()); ++k) {
+    const ModelBatch& batch = step.model.batches()[step.model.energy_batch(EnergyId{k})];
+    const int points = batch.batch.point_count();
+    if (batch.batch.size() == 0) continue;
+    const std::vector<double> values = batch.batch.evaluate(symbolic::Order::Hessian, x);
+    const size_t outputs = values.size() / static_cast<size_t>(batch.batch.size());
+    for (int64_t e = 0; e < batch.batch.size(); ++e) {
+      const std::span<const double> element =
+          std::span(values).subspan(static_cast<size_t>(e) * outputs, outputs);
+      const Steepness now = steepness(element, points);
+      const bool is_singular = now.growth > kPowerLaw && now.length < kNoLength * out.scene_size;
+      if (!is_singular || (out.steep && out.steep->force >= now.force)) continue;
+      const std::span<const int32_t> sites = batch.batch.stencil(e);
+      out.steep =
+          SteepEnergy{place_of(step.scene, step.model, sites.subspan(static_cast<size_t>(now.point), 1)),
+                      batch.owner, now.force, now.length};
+    }
   }
 }
 
@@ -232,6 +287,8 @@ std::vector<BodyVertices> block_owners(const Scene& scene, const Model& model) {
 StepEvidence collect_evidence(const FailedStep& step) {
   StepEvidence evidence;
   evidence.is_first_step = step.is_first_step;
+  if (step.is_detour) evidence.in_the_way = limiting_parts(step);
+  add_motion(step, evidence);
   add_prescribed(step, evidence);
   evidence.start_gaps = find_gaps(step, step.start);
   evidence.gaps = find_gaps(step, step.potential.site_positions());
@@ -244,7 +301,7 @@ StepEvidence collect_evidence(const FailedStep& step) {
   add_strains(step, evidence);
   add_rounding(step, hessian, evidence);
   add_stiffness_ratio(step, hessian, evidence);
-  add_motion(step, evidence);
+  add_steep_energy(step, evidence);
   evidence.unit_suspicions = check_units(step.scene, step.settings);
   return evidence;
 }

@@ -22,6 +22,7 @@ struct FailedStep {
   const Configuration& target;         ///< of prescribed parts
   std::span<const double> direction;   ///< the last Newton step
   bool is_first_step = false;
+  bool is_detour = false;  ///< refused for the pair that contact looked at last
 };
 
 /// All of it but what an attempt reports itself. Linearises the potential where it stands.

@@ -1,5 +1,6 @@
 // What a step measures velocities from, and what the next one needs to know of it
 // (mechanics/time_integrator.h). [theory eq. 26, 26a]
+#include <algorithm>
 #include <cmath>
 
 #include <stark/base/rotation.h>
@@ -39,6 +40,8 @@ TimeStencil Simulation::choose_stencil(double h) {
       settings_.time.integrator == Integrator::Bdf2 && h_before > 0.0 && h <= kLargestBdf2Ratio * h_before;
   if (!has_history) return implicit_euler(h);
   if (!contact_) return bdf2(h, h_before);
+  const bool gives_back = std::ranges::any_of(state_.restitution_due, [](double due) { return due != 0.0; });
+  if (gives_back) return bdf2_impact(h, h_before);
   const std::vector<Vec3> x = free_motion(h);
   if (contact_->max_step(step_start_, x) < 1.0) return bdf2_impact(h, h_before);
   const bool is_resolved = contact_->largest_approach(step_start_, x) <= kLargestResolved;
@@ -118,15 +121,13 @@ std::vector<double> Simulation::reference_coordinates() const {
   return result;
 }
 
-std::vector<Vec3> Simulation::contact_impulses() {
+std::vector<Vec3> Simulation::impulses_of(std::span<const PotentialBatch* const> batches) const {
   const KinematicMap& map = model_->map();
   std::vector<Vec3> impulses(map.layout().block_count);
-  if (!contact_) return impulses;
+  if (batches.empty()) return impulses;
   const std::span<const Vec3> x = potential_->site_positions();
-  contact_->settle(x);
   std::vector<Vec3> gradient(x.size());
-  for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
-    add_site_gradient(*batch, x, 1.0, gradient);
+  for (const PotentialBatch* batch : batches) add_site_gradient(*batch, x, 1.0, gradient);
   // Smooth or not, they have pushed for s with the weight that they have.
   const double factor = -reference_.stencil.scale;
   for (int32_t i = 0; i < map.site_count(); ++i) {
@@ -139,6 +140,16 @@ std::vector<Vec3> Simulation::contact_impulses() {
       impulses[term.block] += force * factor;
     }
   }
+  return impulses;
+}
+
+Simulation::Impulses Simulation::contact_impulses() {
+  Impulses impulses{std::vector<Vec3>(model_->map().layout().block_count), {}};
+  if (!contact_) return impulses;
+  contact_->settle(potential_->site_positions());
+  impulses.contact = impulses_of(contact_->batches(Curvature::Exact));
+  impulses.restitution = impulses_of(contact_->restitution_batches());
+  for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];
   return impulses;
 }
 
@@ -158,7 +169,7 @@ Simulation::Motions Simulation::motions() const {
   return now;
 }
 
-void Simulation::remember_increments(const Motions& before, std::span<const Vec3> impulses, double h) {
+void Simulation::remember_increments(const Motions& before, const Impulses& impulses, double h) {
   State& s = state_;
   const DofLayout& layout = model_->map().layout();
   const TimeStencil& stencil = reference_.stencil;
@@ -172,7 +183,7 @@ void Simulation::remember_increments(const Motions& before, std::span<const Vec3
       continue;
     }
     const Vec3 by_contact = s.point_contact_increment[p] =
-        stencil.by_contact(s.point_contact_increment[p], impulses[block] / model_->point_masses()[p]);
+        stencil.by_contact(s.point_contact_increment[p], impulses.contact[block] / model_->point_masses()[p]);
     const Vec3 A = s.point_increment[p] = change - by_contact;
     const double part = smooth_part(stencil, dot(A, by_contact), squared_norm(by_contact));
     s.point_lag[p] = next_lag(stencil, s.point_lag[p], A, by_contact, part);
@@ -181,17 +192,22 @@ void Simulation::remember_increments(const Motions& before, std::span<const Vec3
     const RigidMass& mass = model_->rigid_masses()[b];
     const bool moves = layout.body_block[b] != kNoBlock, turns = layout.rotation_block[b] != kNoBlock;
     const Vec3 p = s.body_contact_increment[b] = stencil.by_contact(
-        s.body_contact_increment[b], moves ? impulses[layout.body_block[b]] / mass.mass : Vec3{});
+        s.body_contact_increment[b], moves ? impulses.contact[layout.body_block[b]] / mass.mass : Vec3{});
     const Vec3 p_spin = s.body_spin_contact_increment[b] = stencil.by_contact(
-        s.body_spin_contact_increment[b], turns ? impulses[layout.rotation_block[b]] : Vec3{});
-    const Vec3 A = s.body_increment[b] = s.body_velocity[b] - before.body_velocity[b] - p;
-    const Vec3 A_spin = s.body_spin_increment[b] = turns ? spin(b) - before.spin[b] - p_spin : Vec3{};
+        s.body_spin_contact_increment[b], turns ? impulses.contact[layout.rotation_block[b]] : Vec3{});
+    // What restitution gives back is sudden: no part of it is smooth.
+    const bool gives_back = !impulses.restitution.empty();
+    const Vec3 back = gives_back && moves ? impulses.restitution[layout.body_block[b]] / mass.mass : Vec3{};
+    const Vec3 back_spin = gives_back && turns ? impulses.restitution[layout.rotation_block[b]] : Vec3{};
+    const Vec3 A = s.body_increment[b] = s.body_velocity[b] - before.body_velocity[b] - p - back;
+    const Vec3 A_spin = s.body_spin_increment[b] =
+        turns ? spin(b) - before.spin[b] - p_spin - back_spin : Vec3{};
     const Vec3 turn = turns ? velocity_of_momentum(s.body_rotation[b], mass.moments, p_spin) : Vec3{};
     const double part = smooth_part(stencil, mass.mass * dot(A, p) + dot(A_spin, turn),
                                     mass.mass * squared_norm(p) + dot(p_spin, turn));
     s.body_lag[b] = moves ? next_lag(stencil, s.body_lag[b], A, p, part) : Vec3{};
     s.body_spin_lag[b] = turns ? next_lag(stencil, s.body_spin_lag[b], A_spin, p_spin, part) : Vec3{};
-    if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = p;
+    if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = p + back;
   }
 }
 

@@ -133,13 +133,14 @@ EnergyLedger Simulation::balance(const EnergyLedger& before, double h) const {
     for (const PotentialBatch* batch : contact_->friction_batches())
       add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
     ledger.friction = work(friction, step_start_, x);
+    ledger.restitution = contact_->restitution_work(x);
   }
   ledger.damping = damping_work();
   ledger.external = prescribed_work();
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.actuators().size()); ++k)
     if (actuator_enabled({k})) ledger.actuation += actuator_power({k}) * h;
-  ledger.numerical = before.stored() + ledger.external + ledger.actuation - ledger.stored() - ledger.damping -
-                     ledger.friction;
+  ledger.numerical = before.stored() + ledger.external + ledger.actuation + ledger.restitution -
+                     ledger.stored() - ledger.damping - ledger.friction;
   return ledger;
 }
 

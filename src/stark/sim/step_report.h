@@ -22,15 +22,17 @@ enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
 enum class Caveat : uint8_t {
   RoundOff,     ///< the tolerances are not met: energies could not be told apart any more
   OldFriction,  ///< limits of friction are a refresh behind, or joints: the last refresh did not converge
-  Detour,  ///< the straight way from start to end leads through something, at 1/16 of time.step and below
+  PrescribedOverlap,  ///< scripted bodies go into or through others that are scripted or fixed
+  ReleasedOverlap,    ///< bodies that a joint or an attachment has released overlap, without contact so far
 };
 template <>
 struct EnumNames<Caveat> {
-  static constexpr std::array<std::string_view, 3> kNames{"round_off", "old_friction", "detour"};
+  static constexpr std::array<std::string_view, 4> kNames{"round_off", "old_friction", "prescribed_overlap",
+                                                          "released_overlap"};
 };
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step
-///   stored(end) - stored(start) = external + actuation - damping - friction - numerical.
+///   stored(end) - stored(start) = external + actuation + restitution - damping - friction - numerical.
 struct EnergyLedger {
   double kinetic = 0.0;    ///< of all free masses
   double elastic = 0.0;    ///< of elements and of users' energies
@@ -40,6 +42,9 @@ struct EnergyLedger {
   double friction = 0.0;   ///< dissipated in the step
   double external = 0.0;   ///< work of fixed, scripted and pinned parts on the rest in the step
   double actuation = 0.0;  ///< work of actuators in the step, springs on coordinates included
+  /// Given back in the step by restitution: what impacts before it had taken up, in contact that lost its
+  /// stiffness and in numerical dissipation.
+  double restitution = 0.0;
   double numerical = 0.0;  ///< what closes the balance: dissipated by the time integration and by joints
 
   double stored() const { return kinetic + elastic + gravity + contact; }
@@ -64,7 +69,7 @@ struct StepReport {
   int rejected_steps = 0;  ///< attempts thrown away before this one
   SolveReport solve;       ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;
-  double min_distance = 0.0;  ///< of the active contacts [m], infinity without any
+  double min_distance = 0.0;  ///< of surfaces within their contact distances [m], infinity without any
   /// Largest difference of a friction limit in this step from mu times the normal force at its end [N].
   double friction_residual = 0.0;
   EnergyLedger energy;
@@ -80,6 +85,14 @@ struct StepReport {
   bool failed() const { return status == StepStatus::Failed || status == StepStatus::Interrupted; }
   /// "step 12  t 0.4 s  h 33.3 ms  6 iterations  132 contacts  residual 1.2e-06 N".
   std::string brief() const;
+};
+
+/// A step that is under way, seen between two Newton iterations.
+struct StepProgress {
+  int64_t step = 0;    ///< number of the step, from 1
+  int attempt = 1;     ///< from 1; what fails is tried again with a shorter time step
+  int iterations = 0;  ///< Newton iterations, those of earlier attempts included
+  SolveReport solve;   ///< of this attempt so far
 };
 
 }  // namespace stark

@@ -25,6 +25,8 @@ constexpr double kNear = 5.0;         ///< motions over their tolerance from whe
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.1;  ///< relative residuals of linear solves
+constexpr std::chrono::milliseconds kLongPart{
+    100};  ///< of an iteration, after which interrupts are asked for
 
 bool all_finite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -42,7 +44,8 @@ NewtonSolver::NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_
     : settings_(settings), linear_solver_(linear_solver), timer_(timer) {}
 
 SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
-  SolveReport report;
+  SolveReport& report = report_;
+  report = {};
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
@@ -59,7 +62,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
     report.status = status;
     report.is_settled = given_up && objective.restore_settled();
     if (report.is_settled) {
-      report.status = SolveStatus::Converged;
+      report.status = settled.status;
       report.residual = settled.residual;
       report.acceleration = settled.acceleration;
       report.last_motion = settled.last_motion;
@@ -78,6 +81,8 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
         return finish(SolveStatus::NotFinite);
       case Direction::Failed:
         return finish(SolveStatus::LinearSolveFailed);
+      case Direction::Interrupted:
+        return finish(SolveStatus::Interrupted);
     }
     report.last_motion = objective.motion(direction_);
     report.is_at_rounding = false;
@@ -89,6 +94,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
 
     // The last direction is known, so it is taken even when its size already says "converged".
     const SolveStatus searched = line_search(objective, report);
+    if (searched == SolveStatus::Interrupted) return finish(searched);
     const bool is_full = searched == SolveStatus::Converged && report.last_step_length == 1.0;
     const bool is_near = report.last_motion < kNear * settings_.step_tolerance * time_step;
     simplified_limit_ = !pending && is_full && is_near ? kContraction * report.last_motion : 0.0;
@@ -101,6 +107,7 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
       if (++report.lag_updates >= kLagUpdateLimit || std::isinf(report.lag_residual))
         return finish(SolveStatus::ConstraintViolated);
       settled = report;
+      settled.status = converged ? SolveStatus::Converged : SolveStatus::RoundOff;
       // What has changed are forces, little as a rule.
       simplified_limit_ = std::numeric_limits<double>::infinity();
       unsure_steps_left_ = kUnsureSteps;
@@ -122,8 +129,19 @@ SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
   }
 }
 
-std::optional<SolveStatus> NewtonSolver::reason_to_stop(const Objective& objective) const {
-  if (interrupted_ && interrupted_()) return SolveStatus::Interrupted;
+bool NewtonSolver::is_interrupted() {
+  if (!interrupted_) return false;
+  const bool is_over = interrupted_();
+  asked_ = std::chrono::steady_clock::now();
+  return is_over;
+}
+
+bool NewtonSolver::is_interrupted_meanwhile() {
+  return std::chrono::steady_clock::now() - asked_ > kLongPart && is_interrupted();
+}
+
+std::optional<SolveStatus> NewtonSolver::reason_to_stop(const Objective& objective) {
+  if (is_interrupted()) return SolveStatus::Interrupted;
   if (deadline_ && std::chrono::steady_clock::now() >= *deadline_) return SolveStatus::TimeBudget;
   if (objective.has_run_away()) return SolveStatus::RunAway;
   return {};
@@ -137,6 +155,7 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, doubl
   objective.set_cautious(report.last_step_length < kShortStep);
   while (true) {
     objective.linearize(project, gradient_, hessian_);
+    if (is_interrupted_meanwhile()) return Direction::Interrupted;
     if (!all_finite(gradient_)) return Direction::NotFinite;
     // A projected matrix after the exact one is a rough model: its gradient is the same, so the forcing rule
     // gives the loosest tolerance.
@@ -150,6 +169,7 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, doubl
                              !project && settings_.projection != Projection::Never);
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
+    if (is_interrupted_meanwhile()) return Direction::Interrupted;
     const bool usable =
         solved.ok && all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
     if (usable) break;
@@ -273,6 +293,7 @@ SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report)
   const PhaseTimer::Scope scope(timer_, Phase::LineSearch);
   const double decrease = slope();
   for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
+    if (is_interrupted_meanwhile()) return SolveStatus::Interrupted;
     const TrialEnergy trial = objective.try_step(direction_, alpha);
     const double noise = kEnergyRounding * trial.magnitude;
     // What the step should lower the energy by is below its rounding, which stiff elements show as more than

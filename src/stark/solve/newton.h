@@ -19,7 +19,8 @@ class NewtonSolver {
  public:
   NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_solver, PhaseTimer& timer);
 
-  /// Asked between iterations; returning true ends the minimisation with status Interrupted.
+  /// Asked between iterations, and within those that take long; returning true ends the minimisation with
+  /// status Interrupted.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
   /// From this time on, looked at between iterations, minimisations end with status TimeBudget.
@@ -28,11 +29,13 @@ class NewtonSolver {
   /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step`
   /// [s] turns the motion of a Newton step into a velocity.
   SolveReport minimize(Objective& objective, double time_step);
+  /// Of the minimisation under way, or the last one.
+  const SolveReport& progress() const { return report_; }
   /// Last direction of the last minimisation.
   std::span<const double> direction() const { return direction_; }
 
  private:
-  enum class Direction : uint8_t { Found, NotFinite, Failed };
+  enum class Direction : uint8_t { Found, NotFinite, Failed, Interrupted };
   Direction find_direction(Objective& objective, double time_step, SolveReport& report);
   bool find_simplified_direction(Objective& objective, double time_step, SolveReport& report);
   void read_gradient(const Objective& objective, SolveReport& report);
@@ -43,7 +46,10 @@ class NewtonSolver {
   /// A full step on the word of the gradient, where energies do not show the decrease.
   bool take_unsure_step(Objective& objective, SolveReport& report);
   bool solve_shifted(Objective& objective, double tolerance, SolveReport& report);
-  std::optional<SolveStatus> reason_to_stop(const Objective& objective) const;
+  std::optional<SolveStatus> reason_to_stop(const Objective& objective);
+  bool is_interrupted();
+  /// The same where it has not been asked for a while.
+  bool is_interrupted_meanwhile();
   double slope() const;
   double forcing_tolerance(const SolveReport& report, double time_step);
   double useful_tolerance(const SolveReport& report, double time_step) const;
@@ -52,7 +58,9 @@ class NewtonSolver {
   LinearSolver& linear_solver_;
   PhaseTimer& timer_;
   std::function<bool()> interrupted_;
+  std::chrono::steady_clock::time_point asked_;  ///< when interrupted_ was
   std::optional<std::chrono::steady_clock::time_point> deadline_;
+  SolveReport report_;
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
   int unsure_steps_left_ = 0;      ///< of take_unsure_step()

@@ -69,16 +69,18 @@ def write_scene(folder: Path, name: str = "swing.py", **replaced: str) -> Path:
 
 
 def content(folder: Path) -> dict[str, Any]:
-    """All that a run folder holds, without seconds of the clock on the wall and dates."""
+    """All that a run folder holds, without seconds of the clock on the wall and dates, and without digests
+    that depend on them."""
     parts = [
         p for name in ("frames", "states") if (folder / name).exists() for p in (folder / name).iterdir()
     ]
     frames = {f"{p.parent.name}/{p.name}": p.read_bytes() for p in sorted(parts)}
     rows = [json.loads(line) for line in (folder / "telemetry.jsonl").read_text().splitlines()]
     for row in rows:
-        del row["wall"], row["phases"]
+        del row["wall"], row["phases"], row["chain"]
     manifest = json.loads((folder / "manifest.json").read_text())
     for name in ("created", "resumed"):
         del manifest[name]
     manifest["summary"].pop("wall", None)
+    del manifest["chain"]["telemetry"], manifest["chain"]["manifest"]
     return {"frames": frames, "telemetry": rows, "manifest": manifest}

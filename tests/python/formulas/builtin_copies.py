@@ -6,6 +6,7 @@ import math
 
 from friction_copies import *  # noqa: F403
 from limit_copies import edge_strain_limit, membrane_strain_limit, strain_limit  # noqa: F401
+from restitution_copies import *  # noqa: F403
 
 import stark
 from stark.loads.formulas import pressure  # noqa: F401  (the one of the package)

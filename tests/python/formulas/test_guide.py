@@ -21,4 +21,4 @@ def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert names["rubber"].c10 == 3e4  # type: ignore[attr-defined]
     assert 500.0 < names["air"].pressure < 1490.0  # the gas expands  # type: ignore[attr-defined]
     printed = capsys.readouterr().out
-    assert "magnet(p, center, strength):" in printed and "nothing is wrong" in printed
+    assert "magnet(p, center, strength, core):" in printed and "nothing is wrong" in printed

@@ -144,7 +144,8 @@ def test_results_do_not_depend_on_the_number_of_threads() -> None:
         scene, cloth, box = sheet_and_box(12)
         scene.add(spring(cloth.edges, stiffness=np.linspace(1.0, 9.0, len(cloth.edges))))
         scene.add(tie(cloth.vertices, box.points((0.0, 0.0, 0.04)), stiffness=0.05))
-        sim = stark.Simulation(scene, time_step=H, threads=threads)
+        settings = {"threads": threads, "execution.oversubscribe": True}
+        sim = stark.Simulation(scene, time_step=H, **settings)
         sim.run_until(0.1)
         hashes.append(sim._core.state_hash)
     assert len(set(hashes)) == 1

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from _draw import ODD_NUMBERS, Draw
+from _run_folders import run_folders
 from _world import CALLS, CHAIN, GRID, HEXES, TETS, Call, World
 
 import stark
@@ -293,7 +294,7 @@ def live(draw: Draw) -> None:
 
 #: Targets by name, with the longest input that makes sense.
 TARGETS: dict[str, Callable[[Draw], None]] = {
-    f.__name__: f for f in (scene, meshes, mesh_files, material, settings, live)
+    f.__name__: f for f in (scene, meshes, mesh_files, material, settings, live, run_folders)
 }
 INPUT_SIZE = 160
 

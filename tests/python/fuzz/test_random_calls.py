@@ -22,7 +22,15 @@ import stark
 ROOT = Path(__file__).resolve().parents[3]
 
 #: Inputs of each target, a second of them.
-_COUNTS = {"scene": 12, "meshes": 500, "mesh_files": 250, "material": 400, "settings": 500, "live": 12}
+_COUNTS = {
+    "scene": 12,
+    "meshes": 500,
+    "mesh_files": 250,
+    "material": 400,
+    "settings": 500,
+    "live": 12,
+    "run_folders": 100,
+}
 
 
 @pytest.mark.parametrize("name", TARGETS)

@@ -257,7 +257,8 @@ def test_threads_do_not_change_the_bits() -> None:
         block = scene.add_solid(stark.mesh.tet_box(0.1, cells=3), stark.materials.silicone)
         block.add_skin(stark.materials.pet)
         block.add_fibres(CORD, paths=[[0, 1, 2, 3], [0, 4, 8, 12]])
-        sim = stark.Simulation(scene, time_step=0.01, contact_distance=1e-3, **{"execution.threads": threads})
+        settings = {"execution.threads": threads, "execution.oversubscribe": True}
+        sim = stark.Simulation(scene, time_step=0.01, contact_distance=1e-3, **settings)
         for step in sim.run(until=0.15):
             assert not step.failed
         hashes.add(sim.state.hash)

@@ -43,7 +43,7 @@ def reference() -> list[str]:
 
 @pytest.mark.parametrize("threads", [2, 5])
 def test_bits_do_not_depend_on_the_number_of_threads(threads: int, reference: list[str]) -> None:
-    assert run(threads=threads)[0] == reference
+    assert run(threads=threads, **{"execution.oversubscribe": True})[0] == reference
 
 
 def test_bits_do_not_depend_on_the_back_end(reference: list[str]) -> None:

@@ -58,7 +58,7 @@ def test_results_do_not_depend_on_tolerances_below_rounding() -> None:
 
 
 def test_the_floor_is_the_same_for_any_number_of_threads() -> None:
-    settings = {"newton.acceleration_tolerance": 1e-9}
+    settings = {"newton.acceleration_tolerance": 1e-9, "execution.oversubscribe": True}
     one, three = _film(threads=1, **settings), _film(threads=3, **settings)
     for _ in range(6):
         assert one.step().at_rounding == three.step().at_rounding

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 import stark
-from stark.recording import Recorder
+from stark.recording import Recorder, chain
+from stark.recording.chain import RowChain
 
 
 def record(folder: Path, scene: stark.Scene, steps: int, **settings: Any) -> Path:
@@ -28,10 +29,44 @@ def record(folder: Path, scene: stark.Scene, steps: int, **settings: Any) -> Pat
     return folder
 
 
+def reseal(folder: Path) -> None:
+    """Computes all digests anew, as a forger would: what is found out then, is found out from the content."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    names = ["frames/topology.npz", *(f"states/{name}" for name in ("scene.json", "mesh.npz"))]
+    seed = chain.seed(folder, [name for name in names if (folder / name).exists()])
+    heads = {"frames": RowChain(seed, "frames"), "telemetry": RowChain(seed, "telemetry")}
+    heads |= {"states": RowChain(seed, "states")} if "states" in manifest else {}
+    for kind in ("frames", "states"):
+        for path in sorted((folder / kind).glob("chunk_*.npz")):
+            with np.load(path) as stored:
+                arrays = {key: stored[key] for key in stored.files if key != "chain"}
+            digests = [
+                heads[kind].add_arrays({key: a[0 if len(a) == 1 else k] for key, a in arrays.items()})
+                for k in range(len(arrays["times"]))
+            ]
+            np.savez(path, **arrays, chain=np.stack(digests))
+    lines = [json.loads(line) for line in (folder / "telemetry.jsonl").read_text().splitlines()]
+    texts = [
+        heads["telemetry"].add_line(json.dumps({key: row[key] for key in row if key != "chain"}))
+        for row in lines
+    ]
+    (folder / "telemetry.jsonl").write_text("".join(text + "\n" for text in texts))
+    manifest["chain"] = {"version": 1, "seed": seed, "lines": len(lines)}
+    manifest["chain"] |= {kind: head.head for kind, head in heads.items()}
+    (folder / "manifest.json").write_text(json.dumps(chain.sealed(manifest)))
+
+
+def edit_json(folder: Path, name: str, change: Callable[[Any], None]) -> None:
+    """Changes a JSON file of a recording."""
+    value = json.loads((folder / name).read_text())
+    change(value)
+    (folder / name).write_text(json.dumps(value))
+
+
 def edit_states(
     folder: Path, name: str, change: Callable[[np.ndarray, np.ndarray], None], chunk: int = 0
 ) -> None:
-    """Changes an array of a chunk of states in place: ``change(array, times)``."""
+    """Changes an array of a chunk of states in place, ``change(array, times)``, and the digests with it."""
     path = folder / f"states/chunk_{chunk:06d}.npz"
     with np.load(path) as stored:
         arrays = {key: stored[key] for key in stored.files}
@@ -39,14 +74,16 @@ def edit_states(
         arrays[name] = np.repeat(arrays[name], len(arrays["times"]), axis=0)
     change(arrays[name], arrays["times"])
     np.savez(path, **arrays)
+    reseal(folder)
 
 
 def edit_rows(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> None:
-    """Changes the telemetry."""
+    """Changes the telemetry, and the digests with it."""
     path = folder / "telemetry.jsonl"
     rows = [json.loads(line) for line in path.read_text().splitlines()]
     change(rows)
     path.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    reseal(folder)
 
 
 def sheet_on_box() -> stark.Scene:

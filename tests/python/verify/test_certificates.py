@@ -145,6 +145,17 @@ def test_pairs_without_contact_may_overlap(tmp_path: Path) -> None:
     assert certificate.verdict == "certified"
 
 
+def test_bodies_that_start_within_their_contact_distance_are_certified(tmp_path: Path) -> None:
+    """They have no contacts, but a least distance."""
+    scene = stark.Scene()
+    scene.add_box(0.1, motion="fixed", name="base")
+    scene.add_box(0.1, mass=1.0, position=(0, 0, 0.1015), name="box")
+    settings = {"time_step": 0.01, "contact_distance": 0.001, "gravity": (0, 0, 0)}
+    certificate = verify(record(tmp_path / "run", scene, 5, **settings))
+    assert certificate.verdict == "certified", certificate.text()
+    assert certificate["minimum_distance"].worst == pytest.approx(0.0015, rel=1e-6)
+
+
 def test_bdf2_steps_are_certified(tmp_path: Path) -> None:
     settings = {"time_step": 0.01, "contact_distance": 0.001, "time.integrator": "bdf2"}
     certificate = verify(record(tmp_path / "run", sheet_on_box(), 25, **settings))

@@ -1,0 +1,27 @@
+"""Objects whose attributes are all known: a misspelt assignment is an error instead of an attribute that
+nothing reads."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+
+class KnownAttributes:
+    """Refuses to assign public attributes that its class does not declare, by a property or an annotation."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not _declares(type(self), name):
+            raise AttributeError(self._unknown_attribute(name))
+        object.__setattr__(self, name, value)
+
+    def _unknown_attribute(self, name: str) -> str:
+        """What is said of an attribute that there is not."""
+        known = [other for other in dir(type(self)) if not other.startswith("_")]
+        near = difflib.get_close_matches(name, known, n=1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        return f"{self!r} has no attribute '{name}'{hint}"
+
+
+def _declares(cls: type, name: str) -> bool:
+    return hasattr(cls, name) or any(name in vars(base).get("__annotations__", {}) for base in cls.__mro__)

@@ -1,0 +1,19 @@
+"""What the command says. Names and messages may come from files of others: nothing that a terminal obeys gets
+out, and one call is one line."""
+
+from __future__ import annotations
+
+import sys
+
+from ..files import printable
+
+
+def say(text: object = "", *, error: bool = False) -> None:
+    """Prints a line, to the standard error output with ``error``."""
+    line = "\\n".join(printable(str(text)).split("\n"))
+    print(line, file=sys.stderr if error else sys.stdout)
+
+
+def complain(message: object) -> None:
+    """Prints what went wrong, on one line."""
+    say(f"stark: {' '.join(str(message).split())}", error=True)

@@ -1,0 +1,61 @@
+"""The folder of a recording: taken for one recorder, and emptied of an earlier recording."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+from ..array_file import is_leftover, naming, remove_leftovers
+from .format import CERTIFICATE, CHECKPOINT, LOCK, MANIFEST, PAGE, STATES, TELEMETRY, RecordingError
+from .lock import FolderLock
+
+
+def prepare(folder: Path) -> FolderLock:
+    """Makes the folder, locks it and removes the recording in it. Raises RecordingError for a folder with
+    other things, or that is in use, and WriteError."""
+    if folder.exists() and not folder.is_dir():
+        raise RecordingError(f"'{folder}' is a file; choose a folder for the recording")
+    with naming(folder):
+        _require_recording(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FolderLock(folder)
+        try:
+            _require_recording(folder)
+            _empty(folder)
+        except BaseException:
+            lock.release()
+            raise
+    return lock
+
+
+def _require_recording(folder: Path) -> None:
+    """A folder that does not exist or is empty will do as well, and what a process left that was killed
+    before its first manifest."""
+    if not folder.exists() or (folder / MANIFEST).exists():
+        return
+    for path in folder.iterdir():
+        if path.name != LOCK and not is_leftover(path):
+            raise RecordingError(
+                f"folder '{folder}' is not empty and holds no recording; choose another folder"
+            )
+
+
+def _empty(folder: Path) -> None:
+    """The checkpoint goes first: what is left when the process is killed here is not resumed. The manifest
+    stays until it is replaced: the folder is known as that of a recording."""
+    for name in (CHECKPOINT, CERTIFICATE, TELEMETRY, PAGE):
+        (folder / name).unlink(missing_ok=True)
+    for name in ("frames", STATES):
+        if (folder / name).is_symlink():
+            (folder / name).unlink()
+        shutil.rmtree(folder / name, ignore_errors=True)
+    remove_leftovers(folder)
+
+
+def drop_chunks_after(folder: Path, count: int) -> None:
+    """Removes chunks that a recording no longer has."""
+    for path in folder.glob("chunk_*.npz"):
+        number = re.fullmatch(r"chunk_(\d{6,})\.npz", path.name)
+        if number and int(number[1]) >= count:
+            path.unlink(missing_ok=True)

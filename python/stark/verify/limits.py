@@ -1,0 +1,160 @@
+"""What a certificate leaves out, named: pairs that were not looked at, settings that weaken a claim, ends and
+digests that are not recorded. Claims hold within these limits only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from .certificate import INCONCLUSIVE, NOT_RECORDED, Claim
+from .reading import Run, pair_count
+from .surface import exclusions
+
+#: Settings that bound something: unit and default. Values beyond it weaken a claim; 0 leaves a test of
+#: Newton's method out.
+_TOLERANCES = {
+    "newton.acceleration_tolerance": ("m/s^2", 1e-2),
+    "newton.residual_tolerance": ("N", 0.0),
+    "newton.step_tolerance": ("m/s", 1e-3),
+    "joints.length_tolerance": ("m", 1e-6),
+    "joints.angle_tolerance": ("rad", 1e-5),
+    "contact.stick_velocity": ("m/s", 1e-3),
+}
+_SEPARATION = ("contact.min_separation_factor", 1e-3)
+#: Tests of Newton's method that the default has: without them, steps may be far from solved.
+_TESTS = ("newton.acceleration_tolerance", "newton.step_tolerance")
+_NAMED = 8  # pairs in one limit
+
+Pair = dict[str, Any]
+
+
+def limits_of(run: Run, claims: list[Claim]) -> list[str]:
+    """One sentence for each limit; empty for a complete run of which everything was looked at, with
+    tolerances not looser than the defaults."""
+    parts = [_end(run), _missing(claims), _settings(run)]
+    parts += [_contact(run), _attached(run), _formulas(run)] if run.has_states else []
+    return list(chain.from_iterable(parts))
+
+
+# --- the recording ---
+
+
+def _end(run: Run) -> Iterator[str]:
+    status = run.manifest.get("status")
+    if status == "complete":
+        return
+    times = [row.get("time") for row in run.rows] or [0.0]
+    at = f"ends at step {len(run.rows)}, {times[-1]} s"
+    if status == "running":
+        yield f"the recording {at}: its end is not recorded, what came after it may have been cut off"
+    else:
+        yield f"the run {at}: it was {status}"
+
+
+def _missing(claims: list[Claim]) -> Iterator[str]:
+    for claim in claims:
+        if claim.name == "chain" and claim.status == NOT_RECORDED:
+            yield "no chain: nothing shows whether the recording was changed since it was made"
+        if claim.name == "display" and claim.status == INCONCLUSIVE:
+            yield f"frames for display without a state are not compared: {claim.detail}"
+
+
+# --- settings ---
+
+
+def _settings(run: Run) -> Iterator[str]:
+    settings = run.settings
+    for name, (unit, default) in _TOLERANCES.items():
+        value = settings.get(name)
+        if _is_number(value) and value > default > 0.0:
+            yield f"{name} = {value:g} {unit} is looser than the default, {default:g} {unit}"
+    off = [name for name in _TESTS if settings.get(name) == 0.0]
+    if off:
+        yield f"{' and '.join(off)} = 0: steps are not bounded by {'them' if len(off) > 1 else 'it'}"
+    if settings.get("newton.termination", "all") != "all":
+        yield f"newton.termination = {settings['newton.termination']}: one tolerance is enough for a step"
+    name, default = _SEPARATION
+    value = settings.get(name)
+    if _is_number(value) and value < default:
+        yield f"{name} = {value:g} asks for less distance than the default, {default:g}"
+    if settings.get("contact.friction") is False:
+        yield "friction is off: contact.friction = False"
+    if not any(map(_is_number, (settings.get(name) for name in _TOLERANCES))):
+        yield "the recording lacks the tolerances of the run"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+# --- pairs ---
+
+
+def excluded_pairs(run: Run) -> list[Pair]:
+    """Pairs of bodies that the claims about contact are not about, with the reason. A rigid body cannot meet
+    itself, and two fixed ones do not move: they are not listed."""
+    if not run.has_states:
+        return []
+    bodies, excluded = run.bodies, []
+    for a, b in sorted({(min(pair), max(pair)) for pair in map(tuple, run.scene["pairs_without_contact"])}):
+        first, second = bodies[a], bodies[b]
+        if a == b:
+            reason = "" if first.kind == "rigid" else "self-contact is off"
+        elif first.motion == second.motion == "fixed":
+            reason = ""
+        elif first.motion != "dynamic" and second.motion != "dynamic":
+            reason = "the scene moves both"
+        else:
+            reason = "excluded by the scene"
+        if reason:
+            excluded.append({"bodies": [first.name, second.name], "reason": reason})
+    every = np.ones((len(bodies),) * 2, dtype=bool)
+    for a, vertex, b in exclusions(run.scene, every):
+        if vertex < 0:
+            reason = "excluded by a joint or attachment while it holds them"
+            excluded.append({"bodies": [bodies[a].name, bodies[b].name], "reason": reason})
+    return excluded
+
+
+def _contact(run: Run) -> Iterator[str]:
+    if not run.scene["contact_enabled"]:
+        yield "contact is off: nothing is said about intersections, distances and paths of any pair"
+        return
+    by_reason: dict[str, list[Pair]] = {}
+    for pair in excluded_pairs(run):
+        by_reason.setdefault(pair["reason"], []).append(pair)
+    for reason, pairs in by_reason.items():
+        names = [_named(*pair["bodies"]) for pair in pairs]
+        more = f" and {len(names) - _NAMED} more, see recording.excluded_pairs" if len(names) > _NAMED else ""
+        count = "1 pair" if len(names) == 1 else f"{len(names)} pairs"
+        yield f"{count} not looked at, {reason}: {', '.join(names[:_NAMED])}{more}"
+    for body in run.bodies:
+        if body.contact_distance == 0.0:
+            yield f"contact distance of '{body.name}' is 0: no distance is asked of it"
+        if not len(body.triangles) and not len(body.edges):
+            yield f"'{body.name}' has no surface: nothing is said about its contact"
+
+
+def _named(a: str, b: str) -> str:
+    return f"'{a}' with itself" if a == b else f"'{a}' and '{b}'"
+
+
+def _attached(run: Run) -> Iterator[str]:
+    for attachment in run.scene["attachments"]:
+        if "patches" not in attachment and all(b.get("body") is None for b in attachment["b"]):
+            continue  # to the world, which has no surface
+        name = attachment.get("name", "")
+        count = pair_count(attachment)
+        yield (
+            f"attachment '{name}': {count} point{'s' if count != 1 else ''} not looked at against what "
+            f"carries {'them' if count != 1 else 'it'}"
+        )
+
+
+def _formulas(run: Run) -> Iterator[str]:
+    if names := [str(name) for name in run.scene["energies"]]:
+        yield f"energies of the user are taken as reported: {', '.join(map(repr, names[:_NAMED]))}"

@@ -1,0 +1,302 @@
+#include <stark/contact/restitution.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stark {
+
+namespace {
+
+/// Of a force between two bodies: three on each.
+constexpr int kPoints = 6;
+
+/// Part of the speed of approach that may be left when an approach is over: steps that are long beside an
+/// impact come to rest slowly.
+constexpr double kLittleLeft = 0.05;
+
+/// Force by missing speed, over what brings both bodies there in one step: how exact the speed is.
+constexpr double kGain = 1e3;
+
+/// Least stiffness of a layer that has taken up an impact, over its own, and the time in which it gets by a
+/// factor of e stiffer again [s].
+constexpr double kSpent = 3e-4, kRecovery = 0.1;
+
+/// Time with which the force that lasts follows the one of the step [s].
+constexpr double kLoadTime = 0.02;
+
+}  // namespace
+
+RestitutionSet::RestitutionSet(RestitutionTable table, std::shared_ptr<const Potential> potential)
+    : table_(std::move(table)) {
+  if (!empty()) batch_.emplace_back(std::move(potential));
+}
+
+void RestitutionSet::begin_step(RestitutionMemory memory, std::span<const Vec3> x, const Motion& motion) {
+  if (empty()) return;
+  impacts_.clear();
+  motion_ = motion;
+  x_start_.assign(x.begin(), x.end());
+  v_start_.assign(motion.velocities.begin(), motion.velocities.end());
+  positions_.assign(motion.positions.begin(), motion.positions.end());
+  std::vector<int32_t> stencils;
+  for (size_t k = 0; k < memory.bodies.size(); ++k) {
+    const int64_t bodies = memory.bodies[k];
+    if (!table_.coefficient.contains(bodies)) continue;  // states may name any
+    impacts_[bodies] = {memory.speed[k], memory.impulse[k],   memory.work[k],
+                        memory.load[k],  memory.stiffness[k], memory.due[k],
+                        memory.rate[k],  memory.normal[k],    memory.moment[k]};
+    if (memory.due[k] == 0.0) continue;
+    for (const int64_t group : {bodies >> 32, bodies & 0xffffffff})
+      for (const int32_t site : table_.frame[group]) stencils.push_back(site);
+  }
+  PotentialBatch& batch = batch_.front();
+  batch.resize(stencils);
+  batch.set_uniform("duration", motion.duration);
+  int64_t element = 0;
+  for (const auto& [bodies, impact] : impacts_)
+    if (impact.due != 0.0) set_element(element++, bodies, impact, x);
+  batch.set_previous(positions_);
+  remember(x);
+}
+
+void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& impact,
+                                 std::span<const Vec3> x) {
+  const double e = table_.coefficient.at(bodies), V = impact.speed, u0 = impact.rate;
+  const double h = motion_.step, sigma = motion_.duration, a = fall(bodies, impact.normal);
+  const double mass = impact.impulse / (V + u0);
+  // u^2/2 + a (way(u) - delay u h/2) = e^2 V^2/2 with way(u) = d + sigma u: the speed with which the bodies
+  // would have left where the approach ended.
+  std::vector<Vec3> lead(x.size());
+  for (const int64_t group : {bodies >> 32, bodies & 0xffffffff})
+    for (const int32_t site : table_.frame[group]) lead[site] = positions_[site] - x[site];
+  const double d = along(bodies, impact, x, lead), b = a * (sigma - 0.5 * motion_.delay * h);
+  const double target = -b + std::sqrt(std::max(0.0, b * b + e * e * V * V - 2.0 * a * d));
+  // What the layer has given back by itself before the end of the step is part of what is due.
+  const double back = 0.5 * mass * std::max(0.0, u0) * u0;
+  const double energy = std::max(0.0, e * e * (impact.work + back) - back);
+  const double by_impulse = mass * std::max(0.0, e * V - u0) / h;
+  const double mean = 0.5 * (u0 + target);
+  const double by_energy = mean > 0.0 ? energy / (h * mean) : by_impulse;
+  const double w = motion_.weight;
+  PotentialBatch& batch = batch_.front();
+  batch.set("target", element, target);
+  batch.set("gain", element, w * kGain * mass / h);
+  batch.set("push", element, w * std::min(by_impulse, by_energy));
+  batch.set("pull", element, w * impact.impulse / h);
+  double side = 1.0;
+  int i = 0;
+  for (const int64_t group : {bodies >> 32, bodies & 0xffffffff}) {
+    for (const Vec3& share : shares(static_cast<int32_t>(group), impact.normal, impact.moment, x)) {
+      const Vec3 g = share * side;
+      const int field = batch.field_index("share" + std::to_string(i++));
+      batch.set(field, element, {&g.x, 3});
+    }
+    side = -1.0;
+  }
+}
+
+std::map<int64_t, double> RestitutionSet::stiffness() const {
+  std::map<int64_t, double> stiffness;
+  for (const auto& [bodies, impact] : impacts_)
+    if (impact.stiffness != 1.0) stiffness[bodies] = impact.stiffness;
+  return stiffness;
+}
+
+void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
+  contacts_.clear();
+  for (const auto& [bodies, impact] : impacts_) {
+    if (impact.due == 0.0) continue;
+    const size_t first = contacts_.size();
+    double total = 0.0;
+    for (size_t c = 0; c < contacts.size(); ++c) {
+      const Contact& contact = contacts[c];
+      if (group_code(contact.group_a, contact.group_b) != bodies) continue;
+      contacts_.emplace_back(contact, forces[c]);
+      total += dot(forces[c], impact.normal) * (contact.group_a == bodies >> 32 ? 1.0 : -1.0);
+    }
+    if (!(total > 0.0)) contacts_.resize(first);
+    for (size_t k = first; k < contacts_.size(); ++k) contacts_[k].second = contacts_[k].second / total;
+  }
+}
+
+std::vector<RestitutionSet::Return> RestitutionSet::returns(std::span<const Vec3> x) const {
+  std::vector<Return> returns;
+  int64_t element = 0;
+  for (const auto& [bodies, impact] : impacts_) {
+    if (impact.due == 0.0) continue;
+    const PotentialBatch& batch = batch_.front();
+    const auto field = [&](const char* name) { return batch.get(batch.field_index(name), element); };
+    double way = 0.0;
+    for (int i = 0; i < kPoints; ++i) {
+      const int share = batch.field_index("share" + std::to_string(i));
+      const int32_t site = batch.stencil(element)[i];
+      const Vec3 motion = x[site] - positions_[site];
+      for (int c = 0; c < 3; ++c) way += batch.get(share, element, c) * motion[c];
+    }
+    const double rate = way / motion_.duration, wanted = field("gain") * (field("target") - rate);
+    const double force = std::clamp(wanted, -field("pull"), field("push")) / motion_.weight;
+    returns.push_back({bodies, force, 0.5 * (impact.rate + rate)});
+    ++element;
+  }
+  return returns;
+}
+
+std::vector<std::pair<Contact, Vec3>> RestitutionSet::given_back(std::span<const Vec3> x) const {
+  std::vector<std::pair<Contact, Vec3>> result;
+  for (const Return& given : returns(x))
+    for (const auto& [contact, share] : contacts_)
+      if (group_code(contact.group_a, contact.group_b) == given.bodies)
+        result.emplace_back(contact, share * given.force);
+  return result;
+}
+
+double RestitutionSet::work(std::span<const Vec3> x) const {
+  double total = 0.0;
+  for (const Return& given : returns(x)) total += given.force * given.mean_rate * motion_.step;
+  return total;
+}
+
+std::vector<const PotentialBatch*> RestitutionSet::batches() const {
+  if (batch_.empty() || batch_.front().size() == 0) return {};
+  return {&batch_.front()};
+}
+
+void RestitutionSet::remember(std::span<const Vec3> x) {
+  for (const PotentialBatch* batch : batches()) remembered_ = batch->evaluate(symbolic::Order::Energy, x);
+}
+
+EnergyDifference RestitutionSet::energy_difference(std::span<const Vec3> x) const {
+  EnergyDifference total;
+  for (const PotentialBatch* batch : batches()) {
+    const std::vector<double> now = batch->evaluate(symbolic::Order::Energy, x);
+    for (size_t e = 0; e < now.size(); ++e) {
+      total.difference += now[e] - remembered_[e];
+      total.magnitude += std::fabs(remembered_[e]);
+    }
+  }
+  return total;
+}
+
+std::array<Vec3, 3> RestitutionSet::shares(int32_t group, const Vec3& normal, const Vec3& moment,
+                                           std::span<const Vec3> x) const {
+  // The smallest ones: n/3 + b x r_i with the lever r_i from the centre of the three points.
+  const std::array<int32_t, 3>& frame = table_.frame[group];
+  const Vec3 centre = (x[frame[0]] + x[frame[1]] + x[frame[2]]) / 3.0;
+  Mat3 inertia{};
+  for (const int32_t site : frame) {
+    const Vec3 r = x[site] - centre;
+    inertia += Mat3::identity() * squared_norm(r) - outer(r, r);
+  }
+  const Vec3 turn = inverse(inertia) * (moment - cross(centre, normal));
+  std::array<Vec3, 3> shares;
+  for (int k = 0; k < 3; ++k) shares[k] = normal / 3.0 + cross(turn, x[frame[k]] - centre);
+  return shares;
+}
+
+double RestitutionSet::along(int64_t bodies, const Impact& impact, std::span<const Vec3> x,
+                             std::span<const Vec3> vectors) const {
+  double sum = 0.0, side = 1.0;
+  for (const int64_t group : {bodies >> 32, bodies & 0xffffffff}) {
+    const auto g = shares(static_cast<int32_t>(group), impact.normal, impact.moment, x);
+    for (int k = 0; k < 3; ++k) sum += side * dot(g[k], vectors[table_.frame[group][k]]);
+    side = -1.0;
+  }
+  return sum;
+}
+
+double RestitutionSet::fall(int64_t bodies, const Vec3& normal) const {
+  return std::max(0.0, dot(normal, table_.gravity[bodies & 0xffffffff] - table_.gravity[bodies >> 32]));
+}
+
+std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Contact>& contacts,
+                                                            std::span<const Vec3> forces,
+                                                            std::span<const Vec3> x,
+                                                            std::span<const Vec3> v) const {
+  std::map<int64_t, Sum> sums;
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    const Contact& contact = contacts[c];
+    const int64_t bodies = group_code(contact.group_a, contact.group_b);
+    if (!table_.coefficient.contains(bodies)) continue;
+    const double side = contact.group_a == bodies >> 32 ? 1.0 : -1.0;
+    const Vec3 force = forces[c] * side, gap = gap_vector(contact, x) * side;
+    Vec3 at;  // of the closest point of side A
+    for (int p = 0; p < contact.side_a_count; ++p) at += x[contact.sites[p]] * contact.weights[p];
+    Sum& sum = sums[bodies];
+    sum.force += dot(force, normalized(gap));
+    sum.normal += force;
+    sum.moment += cross(at, force);
+    sum.rate_start += dot(forces[c], gap_vector(contact, v_start_));
+    sum.rate_end += dot(forces[c], gap_vector(contact, v));
+    sum.way += dot(forces[c], gap_vector(contact, x) - gap_vector(contact, x_start_));
+  }
+  for (auto& [bodies, sum] : sums) {
+    if (!(sum.force > 0.0)) continue;
+    for (double* value : {&sum.rate_start, &sum.rate_end, &sum.way}) *value /= sum.force;
+    sum.normal = sum.normal / sum.force;
+    sum.moment = sum.moment / sum.force;
+  }
+  return sums;
+}
+
+RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum sum) const {
+  const double h = motion_.step, follow = 1.0 - std::exp(-h / kLoadTime);
+  impact.stiffness = std::min(1.0, impact.stiffness * std::exp(h / kRecovery));
+  if (impact.due != 0.0) impact = {.load = impact.load, .stiffness = impact.stiffness};
+  const double a = fall(bodies, sum.normal), u0 = sum.rate_start, u1 = sum.rate_end;
+  if (impact.speed == 0.0) {
+    const bool approaches = sum.force > 0.0 && u0 < 0.0;
+    const double V2 = approaches ? u0 * u0 - motion_.delay * a * h * u0 : 0.0;
+    if (!approaches || !(V2 + 2.0 * a * std::max(0.0, -sum.way) > 4.0 * a * a * h * h)) {
+      impact.load += (sum.force - impact.load) * follow;
+      return impact;
+    }
+    impact.speed = std::sqrt(V2);
+  }
+  const double force = std::max(0.0, sum.force - impact.load);
+  impact.speed = std::sqrt(impact.speed * impact.speed + 2.0 * a * std::max(0.0, -sum.way));
+  impact.impulse += force * h;
+  impact.work -= force * h * 0.5 * (u0 + u1);
+  impact.rate = u1;
+  if (sum.force > 0.0) {
+    impact.normal = sum.normal;
+    impact.moment = sum.moment;
+  }
+  if (u1 < -kLittleLeft * impact.speed) return impact;
+  if (!(impact.impulse > 0.0) || !(impact.work > 0.0))
+    return {.load = impact.load, .stiffness = impact.stiffness};
+  impact.due = 1.0;
+  const double carried = impact.load + a * impact.impulse / (impact.speed + u1);
+  if (sum.force > carried) impact.stiffness = std::max(kSpent, impact.stiffness * carried / sum.force);
+  return impact;
+}
+
+RestitutionMemory RestitutionSet::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                           std::span<const Vec3> x, std::span<const Vec3> v) const {
+  RestitutionMemory memory;
+  if (empty()) return memory;
+  std::map<int64_t, Sum> now = sums(contacts, forces, x, v);
+  for (const auto& [bodies, impact] : impacts_)
+    if (const auto [entry, is_new] = now.try_emplace(bodies); is_new && impact.speed > 0.0) {
+      entry->second.rate_start = along(bodies, impact, x_start_, v_start_);
+      entry->second.rate_end = along(bodies, impact, x, v);
+    }
+  for (const auto& [bodies, sum] : now) {
+    const auto found = impacts_.find(bodies);
+    const Impact impact = next(bodies, found == impacts_.end() ? Impact{} : found->second, sum);
+    const bool is_apart = !(sum.force > 0.0) && impact.due == 0.0;
+    if (is_apart) continue;
+    memory.bodies.push_back(bodies);
+    memory.speed.push_back(impact.speed);
+    memory.impulse.push_back(impact.impulse);
+    memory.work.push_back(impact.work);
+    memory.load.push_back(impact.load);
+    memory.stiffness.push_back(impact.stiffness);
+    memory.due.push_back(impact.due);
+    memory.rate.push_back(impact.rate);
+    memory.normal.push_back(impact.normal);
+    memory.moment.push_back(impact.moment);
+  }
+  return memory;
+}
+
+}  // namespace stark

@@ -1,0 +1,201 @@
+// Simulation: contact of what joints and attachments have released comes back once it is apart (step phase
+// 0).
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <stark/base/error.h>
+#include <stark/collision/intersection.h>
+#include <stark/geometry/intersection.h>
+#include <stark/geometry/topology.h>
+#include <stark/sim/simulation.h>
+
+namespace stark {
+
+namespace {
+
+using Numbers = std::vector<int64_t>;
+
+Numbers without(const Numbers& all, const Numbers& some) {
+  Numbers rest;
+  std::ranges::set_difference(all, some, std::back_inserter(rest));
+  return rest;
+}
+
+Numbers together(const Numbers& a, const Numbers& b) {
+  Numbers all;
+  std::ranges::set_union(a, b, std::back_inserter(all));
+  return all;
+}
+
+/// Vertices of one primitive and its body.
+struct Side {
+  std::vector<int32_t> vertices;
+  int32_t body = 0;
+};
+
+Side edge_side(const SurfaceMesh& mesh, int32_t e) {
+  return {{mesh.edges[e].begin(), mesh.edges[e].end()}, mesh.edge_group[e]};
+}
+Side triangle_side(const SurfaceMesh& mesh, int32_t t) {
+  return {{mesh.triangles[t].begin(), mesh.triangles[t].end()}, mesh.triangle_group[t]};
+}
+Side point_side(const SurfaceMesh& mesh, int32_t v) { return {{v}, mesh.vertex_group[v]}; }
+
+std::pair<Side, Side> sides_of(const SurfaceMesh& mesh, const PairKey& key) {
+  if (key.list == 1) return {edge_side(mesh, key.first), edge_side(mesh, key.second)};
+  if (key.list == 0) return {point_side(mesh, key.first), triangle_side(mesh, key.second)};
+  if (key.list == 2) return {point_side(mesh, key.first), edge_side(mesh, key.second)};
+  return {point_side(mesh, key.first), point_side(mesh, key.second)};
+}
+
+/// Exclusions by what they are about, to find those that a pair of primitives belongs to.
+class ByPlace {
+ public:
+  ByPlace(const Exclusions& exclusions, const Numbers& some) : exclusions_(exclusions), some_(some) {
+    for (const int64_t k : some) places_.insert({place(k), k});
+  }
+
+  void block(const Side& a, const Side& b, std::set<int64_t>& out) const {
+    add({-1, std::min(a.body, b.body), std::max(a.body, b.body)}, out);
+    for (const int32_t v : a.vertices) add({v, b.body, 0}, out);
+    for (const int32_t v : b.vertices) add({v, a.body, 0}, out);
+  }
+
+  /// All that are about two bodies.
+  void block(int32_t body_a, int32_t body_b, std::set<int64_t>& out) const {
+    for (const int64_t k : some_) {
+      const Exclusion& e = exclusions_[k];
+      if (std::minmax(e.body, e.other) == std::minmax(body_a, body_b)) out.insert(k);
+    }
+  }
+
+ private:
+  using Place = std::array<int32_t, 3>;
+
+  Place place(int64_t k) const {
+    const Exclusion& e = exclusions_[k];
+    return e.vertex == Exclusion::kWhole ? Place{-1, e.body, e.other}
+                                         : Place{exclusions_.site(k), e.other, 0};
+  }
+
+  void add(const Place& at, std::set<int64_t>& out) const {
+    if (const auto found = places_.find(at); found != places_.end()) out.insert(found->second);
+  }
+
+  const Exclusions& exclusions_;
+  const Numbers& some_;
+  std::map<Place, int64_t> places_;
+};
+
+}  // namespace
+
+void Simulation::set_regained(const Numbers& regained) {
+  if (regained == filtered_) return;
+  contact_->set_filter(exclusions_.filter(regained));
+  filtered_ = regained;
+}
+
+void Simulation::check_regained(const State& state) const {
+  const Numbers& regained = state.contact_regained;
+  const bool is_sorted = std::ranges::adjacent_find(regained, std::ranges::greater_equal{}) == regained.end();
+  const bool in_range = regained.empty() || (regained.front() >= 0 && regained.back() < exclusions_.size());
+  if (!is_sorted || !in_range)
+    throw InvalidArgument("state: contact_regained: must be numbers of exclusions in [0, " +
+                          std::to_string(exclusions_.size()) +
+                          "), sorted; use a state that a simulation has been in");
+}
+
+void Simulation::watch_released() {
+  watch_ = {.close = {state_.contact_close_bodies, state_.contact_close_distance}};
+  if (!contact_) return;
+  watch_.regained = exclusions_.over(state_);
+  watch_.overlapping = without(exclusions_.released(state_), watch_.regained);
+  if (watch_.overlapping.empty()) return set_regained(watch_.regained);
+  const PhaseTimer::Scope scope(*timer_, Phase::BroadPhase);
+  const std::vector<Vec3> x = site_positions();
+  set_regained(watch_.regained);
+  const CloseBodies before = contact_->find_close_bodies(x);
+  const Numbers apart = without(watch_.overlapping, find_overlapping(watch_.overlapping, x));
+  watch_.overlapping = without(watch_.overlapping, apart);
+  watch_.regained = together(watch_.regained, apart);
+  set_regained(watch_.regained);
+  if (!apart.empty()) soften_new_contact(before, x);
+  if (!watch_.overlapping.empty() && settings_.contact.released_overlap == ReleasedOverlap::Refuse)
+    throw InitialIntersection(overlap_text() +
+                              "; move them apart before they are released, or set "
+                              "contact.released_overlap = 'report'");
+}
+
+Numbers Simulation::find_overlapping(const Numbers& released, std::span<const Vec3> x) {
+  const ByPlace by_place(exclusions_, released);
+  std::set<int64_t> blocked;
+  const PairFilter between = exclusions_.filter_between(released);
+  for (const EdgeTriangleIntersection& pair : find_intersections(surface_mesh_, x, between, *pool_))
+    by_place.block(edge_side(surface_mesh_, pair.edge), triangle_side(surface_mesh_, pair.triangle), blocked);
+  for (const ContainedGroup& pair : find_contained_groups(surface_mesh_, x, between, *pool_, is_filled_))
+    by_place.block(pair.inner, pair.outer, blocked);
+  for (const int64_t k : released)
+    if (!blocked.contains(k) && is_vertex_inside(k, x)) blocked.insert(k);
+  // Those nearer than collision detection keeps bodies apart: barriers would be infinite, or noise.
+  set_regained(together(watch_.regained, without(released, {blocked.begin(), blocked.end()})));
+  for (const Contact& contact : contact_->find_contacts_at(x)) {
+    const double kept = settings_.contact.min_separation_factor * contact.contact_distance;
+    if (contact.distance >= kept && !is_touching(contact, x)) continue;
+    const auto [a, b] = sides_of(surface_mesh_, contact.key);
+    by_place.block(a, b, blocked);
+  }
+  return {blocked.begin(), blocked.end()};
+}
+
+bool Simulation::is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) const {
+  const int32_t site = exclusions_.site(exclusion);
+  const ModelBody& other = model_->bodies()[exclusions_[exclusion].other];
+  const int32_t filled = exclusions_[exclusion].other;
+  if (site < 0 || exclusions_[exclusion].body == filled || !is_filled_[filled] || !is_closed(other.triangles))
+    return false;
+  const std::span<const Vec3> of_other = x.subspan(other.first_site, other.site_count);
+  return locate_point(x[site], of_other, other.triangles) == PointLocation::Inside;
+}
+
+void Simulation::soften_new_contact(const CloseBodies& before, std::span<const Vec3> x) {
+  // As at time 0: what is within its contact distance is not thrown apart. Bodies that have been in contact
+  // elsewhere keep their contact distance, or would fall by what it lost.
+  const CloseBodies now = contact_->find_close_bodies(x);
+  for (size_t k = 0; k < now.bodies.size(); ++k) {
+    if (std::ranges::binary_search(before.bodies, now.bodies[k])) continue;
+    const auto at =
+        std::ranges::lower_bound(watch_.close.bodies, now.bodies[k]) - watch_.close.bodies.begin();
+    watch_.close.bodies.insert(watch_.close.bodies.begin() + at, now.bodies[k]);
+    watch_.close.distance.insert(watch_.close.distance.begin() + at, now.distance[k]);
+  }
+}
+
+std::string Simulation::overlap_text() const {
+  std::set<std::pair<int32_t, int32_t>> pairs;
+  for (const int64_t k : watch_.overlapping)
+    pairs.insert(std::minmax({exclusions_[k].body, exclusions_[k].other}));
+  constexpr size_t kNamed = 3;
+  std::string text;
+  size_t named = 0;
+  for (const auto& [a, b] : pairs) {
+    if (named++ == kNamed) break;
+    text += (text.empty() ? "'" : ", '") + scene_.name(BodyId{a}) + "' and '" + scene_.name(BodyId{b}) + "'";
+  }
+  if (pairs.size() > kNamed) text += " and " + std::to_string(pairs.size() - kNamed) + " more pairs";
+  return text + " overlap or touch where " + releaser_text() + " released them";
+}
+
+std::string Simulation::releaser_text() const {
+  const Exclusion& first = exclusions_[watch_.overlapping.front()];
+  if (!first.joints.empty()) return "joint '" + scene_.joints()[first.joints.front()].name + "'";
+  const auto after =
+      std::ranges::upper_bound(model_->attachments(), first.pairs.front(), {}, &ModelAttachment::first_pair);
+  return "attachment '" + scene_.attachments()[after - model_->attachments().begin() - 1].name + "'";
+}
+
+}  // namespace stark

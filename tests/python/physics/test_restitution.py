@@ -1,0 +1,164 @@
+"""Restitution of rigid bodies: the speed after an impact over that before, whatever the step and the
+integrator."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from _helpers import G
+
+import stark
+
+INTEGRATORS = ("implicit_euler", "bdf2")
+STEPS = (1 / 60, 1 / 240, 1e-3)
+DROP = 0.2  # [m]
+
+
+def dropped(kind: str, e: float | None, h: float, integrator: str, **settings: Any) -> stark.Simulation:
+    """1 kg, 0.2 m above a floor."""
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    scene.add_floor(2.0, name="floor")
+    add = scene.add_sphere if kind == "ball" else scene.add_box
+    add(0.05 if kind == "ball" else 0.1, mass=1.0, position=(0, 0, 0.05 + DROP), name="body")
+    if e is not None:
+        scene.restitution["body", "floor"] = e
+    return stark.Simulation(scene, time_step=h, **{"time.integrator": integrator, **settings})
+
+
+def heights_and_energies(sim: stark.Simulation, until: float) -> tuple[np.ndarray, np.ndarray]:
+    heights, energies = [], []
+    for report in sim.run(until=until):
+        heights.append(sim["body"].position[2] - 0.05)
+        energies.append(sum(report.energy[key] for key in ("kinetic", "gravity", "contact")))
+    return np.array(heights), np.array(energies)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("h", STEPS)
+@pytest.mark.parametrize("kind", ["ball", "box"])
+def test_bodies_rebound_by_their_coefficient(kind: str, h: float, integrator: str) -> None:
+    start = G * (0.05 + DROP)
+    for e in (0.3, 0.6, 0.9):
+        z, energies = heights_and_energies(dropped(kind, e, h, integrator), until=0.66)
+        lowest = int(np.argmin(z[: int(0.35 / h)]))
+        measured = np.sqrt(z[lowest:].max() / DROP)
+        assert measured == pytest.approx(e, abs=0.03), (e, measured)
+        assert energies.max() <= start * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("h", STEPS)
+@pytest.mark.parametrize("kind", ["ball", "box"])
+def test_nothing_rebounds_without_restitution(kind: str, h: float, integrator: str) -> None:
+    sim = dropped(kind, 0.0, h, integrator)
+    heights, speeds = [], []
+    for _report in sim.run(until=1.0):
+        heights.append(sim["body"].position[2])
+        speeds.append(sim["body"].velocity[2])
+    assert min(speeds) < -0.85 * np.sqrt(2.0 * G * DROP)  # it did fall
+    # The layer takes up the impact in the steps around the lowest place and lifts the body again at leisure.
+    over = int(np.argmin(heights[: int(0.3 / h)])) + 3
+    assert max(speeds[over:]) <= 0.02 * np.sqrt(2.0 * G * DROP)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("h", STEPS)
+def test_free_bodies_exchange_momentum(h: float, integrator: str) -> None:
+    """A box hits one three times as heavy, in the middle and beside it: momentum is conserved, no energy
+    comes from nowhere, and in the middle they part with e times the speed they met with."""
+    for e in (0.0, 0.5, 1.0):
+        for offset in (0.0, 0.02):
+            scene = stark.Scene()
+            light = scene.add_box(0.1, mass=1.0, velocity=(2, 0, 0))
+            heavy = scene.add_box(0.1, mass=3.0, position=(0.2, offset, 0.0))
+            scene.restitution[light, heavy], scene.friction[light, heavy] = e, 0.0
+            sim = stark.Simulation(scene, time_step=h, gravity=(0, 0, 0), **{"time.integrator": integrator})
+            for report in sim.run(until=0.25):
+                assert report.energy["kinetic"] + report.energy["contact"] <= 2.0 * (1.0 + 1e-9)
+            assert light.velocity + 3.0 * heavy.velocity == pytest.approx([2, 0, 0], abs=2e-6)
+            if offset == 0.0:
+                assert heavy.velocity[0] - light.velocity[0] == pytest.approx(2.0 * e, abs=0.03 * 2.0)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_contact_forces_have_the_impulse_of_both_phases(integrator: str) -> None:
+    e, h = 0.6, 1 / 240
+    sim = dropped("ball", e, h, integrator)
+    impulse, speed = 0.0, np.sqrt(2.0 * G * DROP)
+    for report in sim.run(until=0.3):
+        if report.contact_count or impulse:
+            contacts = sim.contacts
+            forces = contacts.normal_forces[:, 2].sum() if len(contacts.normal_forces) else 0.0
+            impulse += abs(forces) * report.time_step
+    assert impulse == pytest.approx((1.0 + e) * speed, rel=0.05)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_ever_shorter_bounces_end_at_rest(integrator: str) -> None:
+    """Bounces by e take T (1 + e)/(1 - e) after a fall of T; the gap at rest is that of bodies without a
+    coefficient."""
+    e, h = 0.5, 1e-3
+    sim = dropped("box", e, h, integrator)
+    fall = np.sqrt(2.0 * DROP / G)
+    end = fall * (1.0 + e) / (1.0 - e)
+    at_rest = 0.0
+    for report in sim.run(until=2.0):
+        if np.abs(sim["body"].velocity[2]) > 0.1:
+            at_rest = report.time
+    assert at_rest == pytest.approx(end, rel=0.12)  # the last bounces are shorter than what counts
+    other = dropped("box", None, h, integrator)
+    for _report in other.run(until=2.0):
+        pass
+    gap, expected = sim["body"].position[2] - 0.05, other["body"].position[2] - 0.05
+    assert gap == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_an_impact_is_part_of_the_state(integrator: str) -> None:
+    """Rewound to any step of an impact, the simulation goes on with the same bits."""
+    sim = dropped("box", 0.7, 1 / 240, integrator)
+    for _report in sim.run(until=0.19):
+        pass
+    states, hashes = [], []
+    for _ in range(12):
+        states.append(sim.state)
+        sim.step()
+        hashes.append(sim.state.hash)
+    assert len(set(hashes)) == len(hashes)
+    for state, expected in zip(states, hashes, strict=True):
+        sim.state = state
+        sim.step()
+        assert sim.state.hash == expected
+
+
+def test_the_ledger_names_what_is_given_back() -> None:
+    e = 0.8
+    sim = dropped("ball", e, 1 / 240, "bdf2")
+    given = [report.energy["restitution"] for report in sim.run(until=0.3)]
+    assert np.count_nonzero(given) == 1
+    assert sum(given) == pytest.approx(e**2 * G * DROP, rel=0.05)
+
+
+def test_only_pairs_of_rigid_bodies_have_a_coefficient() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0, name="box")
+    floor = scene.add_floor(name="floor")
+    scene.add_cloth(stark.mesh.grid(0.1, 0.1, 2), name="towel", position=(0, 0, 1))
+    assert scene.restitution[box, floor] is None
+    scene.restitution[box, floor] = 0.4
+    assert scene.restitution["floor", "box"] == 0.4
+    with pytest.raises(stark.InvalidArgument, match="'towel' is a cloth: must be rigid bodies"):
+        scene.restitution["box", "towel"] = 0.5
+    with pytest.raises(stark.InvalidArgument, match=r"coefficient = 1\.2"):
+        scene.restitution[box, floor] = 1.2
+    with pytest.raises(stark.InvalidArgument, match="two bodies"):
+        scene.restitution[box, box] = 0.5
+
+
+def test_example() -> None:
+    runpy.run_path(str(Path(__file__).parents[3] / "examples/bouncing_balls.py"))["main"]()

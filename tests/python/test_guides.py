@@ -1,0 +1,62 @@
+"""Programs of the README and the guides run as they stand, block after block in the order of reading, without
+a warning, and what they add acts."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Tutorials show parts of programs, which test_tutorials.py runs.
+GUIDES = sorted(
+    str(path.relative_to(ROOT))
+    for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    if "```python" in path.read_text()
+)
+#: Reads the recording of an example.
+NEEDS_A_RUN = {"docs/systems.md"}
+
+
+def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
+    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner."""
+    names: dict[str, Any] = {}
+    for block in re.findall(r"^```python\n(.*?)^```", (ROOT / guide).read_text(), re.MULTILINE | re.DOTALL):
+        code = re.sub(r"until=[\d.]+", "until=0.05", block)
+        # Formulas have to be in a file: their annotations are read from there.
+        exec(compile(code, str(ROOT / guide), "exec"), names)
+        if up_to in names:
+            break
+    return names
+
+
+def test_there_are_guides() -> None:
+    assert len(GUIDES) > 15 and set(GUIDES) >= NEEDS_A_RUN
+
+
+@pytest.mark.parametrize("guide", sorted(set(GUIDES) - NEEDS_A_RUN))
+def test_the_programs_of_a_guide_run_in_the_order_of_reading(
+    guide: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run_blocks(guide)
+
+
+@pytest.mark.parametrize("guide", ["README.md", "docs/energies.md"])
+def test_the_magnet_pulls_and_does_not_collapse(
+    guide: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    names = run_blocks(guide, up_to="pull")  # holds the simulation
+    pull = names["pull"]
+    assert pull.center[1] == 0.1 or pull.center[0] == 0.1  # what the loop has assigned
+    forces = pull.forces[:, 0]
+    assert np.abs(forces).max() > 1e-5 and forces.sum(axis=0)[2] > 1e-3  # [N], upwards
+    nearest = 1.0 / (0.05 * np.sqrt(2.0))  # of the largest force of a core of 5 cm
+    assert np.linalg.norm(forces, axis=1).max() <= 2e-5 * nearest**2

@@ -1,0 +1,47 @@
+"""The module stark itself: its names, and what it says of those it does not have."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+import stark
+
+
+def test_dir_has_every_name() -> None:
+    names = dir(stark)
+    assert names == sorted(set(names))
+    assert set(stark.__all__) <= set(names)
+    assert {"energy", "joint", "scenes", "recording", "Vec3", "sqrt", "Checkpoint"} <= set(names)
+    for name in names:
+        assert getattr(stark, name) is not None or name.startswith("__")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("Simulator", "Simulation"),
+        ("CLOTH", "Cloth"),
+        ("enrgy", "energy"),
+        ("material_", "material"),
+        ("checkpoints", "checkpoint"),
+        ("Vec5", "Vec"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_nearest(wrong: str, right: str) -> None:
+    with pytest.raises(AttributeError, match=rf"no attribute '{wrong}'; did you mean stark\.{right}"):
+        getattr(stark, wrong)
+
+
+@pytest.mark.parametrize("name", ["qqqqqqqqq", "__wrapped__", "_hidden"])
+def test_no_guess_where_nothing_is_near(name: str) -> None:
+    with pytest.raises(AttributeError) as caught:
+        getattr(stark, name)
+    assert str(caught.value) == f"module 'stark' has no attribute {name!r}"
+
+
+def test_what_is_loaded_on_demand_is_the_module_itself() -> None:
+    assert stark.joints is importlib.import_module("stark.joints")
+    with pytest.raises(ImportError):
+        exec("from stark import simulator")
