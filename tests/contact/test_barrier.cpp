@@ -14,9 +14,15 @@ const Potential& barrier_of(StencilKind kind) {
   return *contact_potentials().barriers[static_cast<int>(kind)];
 }
 
-FilledSample sample_at(std::vector<Vec3> x, double d_hat, double kappa, double threshold = 1.0) {
-  return {
-      x, x, x, {{"contact_distance", {d_hat}}, {"stiffness", {kappa}}, {"parallel_threshold", {threshold}}}};
+FilledSample sample_at(std::vector<Vec3> x, double d_hat, double kappa, double threshold = 1.0,
+                       double least = 0.0) {
+  return {x,
+          x,
+          x,
+          {{"contact_distance", {d_hat}},
+           {"least_distance", {least}},
+           {"stiffness", {kappa}},
+           {"parallel_threshold", {threshold}}}};
 }
 
 }  // namespace
@@ -75,4 +81,24 @@ TEST_CASE("force and stiffness vanish towards the contact distance and grow with
         1e-10 * d_hat);  // quadratic in the overlap: 3 (1e-6)^2 d_hat
   CHECK(slope_at(1e-9) < -1e4 * d_hat);
   CHECK(slope_at(1e-4) < slope_at(2e-4));
+}
+
+TEST_CASE("within twice the least distance a second barrier adds up, without bound towards that") {
+  const double d_hat = 0.01, least = 1e-5, kappa = 300.0;
+  const auto at = [&](double d, double xi) {
+    const std::vector<Vec3> x{{0, 0, d}, {0, 0, 0}};
+    const FilledSample sample = sample_at(x, d_hat, kappa, 1.0, xi);
+    const Potential& potential = barrier_of(StencilKind::PointPoint);
+    return std::pair(energy(potential, sample, x), gradient(potential, sample, x)[2]);
+  };
+  for (const double d : {2.01e-5, 1e-4, 9e-3}) CHECK(at(d, least) == at(d, 0.0));
+  for (const double d : {1.001e-5, 1.1e-5, 1.5e-5, 1.99e-5}) {
+    CAPTURE(d);
+    const double u = (d - least) / least, wall = -(u - 1.0) * (u - 1.0) * std::log(u);
+    CHECK(at(d, least).first ==
+          doctest::Approx(kappa * (barrier(d, d_hat) + d_hat * d_hat * wall)).epsilon(1e-9));
+    CHECK(at(d, least).second < at(d, 0.0).second);
+  }
+  CHECK(at(least * (1.0 + 1e-9), least).second < -1e10 * kappa * d_hat);
+  CHECK(std::isnan(at(0.5 * least, least).first));  // no step ends there
 }

@@ -1,8 +1,9 @@
 // Barrier energy of contact: E = kappa b(d, d_hat), b = -(d - d_hat)^2 ln(d / d_hat) for d < d_hat.
 // [Li et al. 2020, "Incremental Potential Contact", eq. 6, in the distance instead of its square] b is C2 at
-// d_hat and infinite at d = 0. Near-parallel edges are mollified with m(c) = (2 - c/eps) c/eps, c = |e_a x
-// e_b|^2 [eq. 24], since the distance of lines is not differentiable there. kappa [N/m] is chosen per pair
-// (contact/stiffness.h).
+// d_hat. A second barrier of the same form, from twice the least distance on, is infinite at that distance
+// [theory eq. 16c]: no load is too large for it. Near-parallel edges are mollified with m(c) = (2 - c/eps)
+// c/eps, c = |e_a x e_b|^2 [eq. 24], since the distance of lines is not differentiable there. kappa [N/m] is
+// chosen per pair (contact/stiffness.h).
 #include <stark/contact/distance.h>
 
 namespace stark::models {
@@ -12,7 +13,10 @@ namespace {
 Scalar barrier(PotentialBuilder& b, const Scalar& d) {
   const Scalar kappa = b.data("stiffness", "N/m", "barrier stiffness of the pair");
   const Scalar d_hat = b.data("contact_distance", "m", "distance below which the pair repels");
-  return -(kappa * square(d - d_hat) * log(d / d_hat));
+  const Scalar least = b.data("least_distance", "m", "distance at which the barrier is infinite");
+  const Scalar u = (d - least) / least;
+  const Scalar wall = select(u < 1.0, square(d_hat) * square(u - 1.0) * log(u), 0.0);
+  return -(kappa * (square(d - d_hat) * log(d / d_hat) + wall));
 }
 
 Scalar mollifier(PotentialBuilder& b) {
@@ -31,8 +35,10 @@ PotentialSample sample_apart(std::mt19937_64& random, std::vector<stark::Vec3> a
   for (const stark::Vec3& p : a) sample.x.push_back(p + stark::Vec3{noise(random), noise(random), d});
   for (const stark::Vec3& p : b) sample.x.push_back(p + stark::Vec3{noise(random), noise(random), 0.0});
   sample.X = sample.x_prev = sample.x;
-  sample.values = {
-      {"contact_distance", {0.3}}, {"stiffness", {2.0}}, {"parallel_threshold", {parallel_threshold}}};
+  sample.values = {{"contact_distance", {0.3}},
+                   {"least_distance", {0.015}},
+                   {"stiffness", {2.0}},
+                   {"parallel_threshold", {parallel_threshold}}};
   return sample;
 }
 

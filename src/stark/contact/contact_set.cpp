@@ -17,6 +17,10 @@ constexpr double kParallelFactor =
     1e-3;  ///< mollify below this times |e_a|^2 |e_b|^2 of the rest shape [Li 2020]
 constexpr int64_t kCandidatesPerTask = 2048;
 
+/// Where barriers are infinite, over the distance that collision detection keeps: the force there is 10^4
+/// times that at half the contact distance, and what pushes harder is blocked instead of pushed to rounding.
+constexpr double kPole = 0.9;
+
 struct Box {
   Vec3 low, high;
 };
@@ -147,9 +151,10 @@ class Classifier {
     contact.contact_distance = geometry_.distance(group_a, group_b);
   }
 
-  static bool within(Contact& contact, double squared_distance) {
+  bool within(Contact& contact, double squared_distance) const {
     if (!(squared_distance < contact.contact_distance * contact.contact_distance)) return false;
     contact.distance = std::sqrt(squared_distance);
+    contact.least_distance = geometry_.least_distance(contact.group_a, contact.group_b);
     return true;
   }
 
@@ -196,6 +201,11 @@ double ContactGeometry::distance(int32_t group_a, int32_t group_b) const {
     if (found != close.bodies.end() && *found == code) return close.distance[found - close.bodies.begin()];
   }
   return group_distance[group_a] + group_distance[group_b];
+}
+
+double ContactGeometry::least_distance(int32_t group_a, int32_t group_b) const {
+  if (!has_least_distance || group_separation.empty()) return 0.0;
+  return kPole * Separations{group_separation, pair_separation}(group_a, group_b);
 }
 
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
@@ -272,12 +282,14 @@ void ContactSet::reset(std::vector<Contact> contacts) {
     batch.resize(stencils);
     const bool mollified = kind >= static_cast<int>(StencilKind::MollifiedPointPoint);
     const int stiffness = batch.field_index("stiffness"), distance = batch.field_index("contact_distance");
+    const int least = batch.field_index("least_distance");
     const int threshold = mollified ? batch.field_index("parallel_threshold") : -1;
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Contact& contact = contacts_[contact_of_[kind][e]];
       const double weighted = contact.stiffness * weight_;
       batch.set(stiffness, e, {&weighted, 1});
       batch.set(distance, e, {&contact.contact_distance, 1});
+      batch.set(least, e, {&contact.least_distance, 1});
       if (mollified) batch.set(threshold, e, {&contact.parallel_threshold, 1});
     }
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <stark/collision/candidates.h>
+#include <stark/collision/ccd.h>
 #include <stark/mechanics/assembler.h>
 
 namespace stark {
@@ -51,6 +52,7 @@ struct Contact {
   int32_t multiplicity = 1;
   double distance = 0.0;            ///< [m]
   double contact_distance = 0.0;    ///< [m]
+  double least_distance = 0.0;      ///< at which the barrier is infinite [m]
   double parallel_threshold = 0.0;  ///< [m^4], edge-edge only
   double stiffness = 0.0;           ///< [N/m]
 };
@@ -82,9 +84,15 @@ struct ContactGeometry {
   std::vector<int32_t> face{};
   CloseBodies close{};
   std::vector<uint8_t> prescribed{};  ///< by site, 1 where no force moves it; none: all are free
+  /// What collision detection keeps between two groups: the sum over both [m], or that of the pair.
+  std::vector<double> group_separation{};
+  std::vector<Separations::Pair> pair_separation{};
+  bool has_least_distance = true;  ///< false: barriers act down to 0
 
   /// Contact distance of two groups [m].
   double distance(int32_t group_a, int32_t group_b) const;
+  /// Where their barrier is infinite [m], which is just below what collision detection keeps.
+  double least_distance(int32_t group_a, int32_t group_b) const;
 };
 
 /// Contacts among the candidates at site positions x, in the order of the lists. Stiffness is left at zero.

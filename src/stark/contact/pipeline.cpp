@@ -22,6 +22,13 @@ constexpr double kClosest = 0.01;
 /// Rounding of a gap that does not count as closer.
 constexpr double kRounding = 1e-9;
 
+/// Part of their gap that pairs of bodies keep in a step that starts below their least distance.
+constexpr double kKeptGap = 0.5;
+
+Separations::Pair pair_of(int64_t code, double separation) {
+  return {static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff), separation};
+}
+
 ContactLaw make_law(const ContactSurfaces& surfaces) {
   std::vector<BodyStiffness> bodies = surfaces.stiffness;
   if (bodies.empty()) bodies.assign(surfaces.group_distance.size(), {.pressure = 1.0, .is_given = false});
@@ -83,7 +90,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   for (int32_t site = 0; site < map.site_count(); ++site)
     geometry_.prescribed.push_back(map.is_prescribed(site) ? 1 : 0);
   for (const double d : surfaces.group_distance)
-    group_separation_.push_back(options.min_separation_factor * d);
+    geometry_.group_separation.push_back(options.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
   geometry_.mesh = &broad_phase_.mesh();
   std::vector<bool> rigid;
@@ -106,19 +113,35 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   set_close_bodies(std::move(memory.close));
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
   law_.begin_step(std::move(memory.load), restitution_.stiffness());
+  geometry_.has_least_distance = is_bound_;
   update(x);
+  if (is_bound_ && lower_separations()) update(x);
   if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
   if (options_.friction) freeze_friction(x);
 }
 
 void ContactPipeline::set_close_bodies(CloseBodies close) {
   geometry_.close = std::move(close);
-  close_separation_.clear();
-  for (size_t k = 0; k < geometry_.close.bodies.size(); ++k) {
-    const int64_t code = geometry_.close.bodies[k];
-    close_separation_.push_back({static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff),
-                                 options_.min_separation_factor * geometry_.close.distance[k]});
+  geometry_.pair_separation.clear();
+  for (size_t k = 0; k < geometry_.close.bodies.size(); ++k)
+    geometry_.pair_separation.push_back(
+        pair_of(geometry_.close.bodies[k], options_.min_separation_factor * geometry_.close.distance[k]));
+}
+
+bool ContactPipeline::lower_separations() {
+  std::map<int64_t, double> lower;
+  for (const Contact& contact : contacts()) {
+    if (contact.distance > (1.0 + kRounding) * contact.least_distance) continue;
+    const double kept = kKeptGap * contact.distance;
+    const auto [entry, is_new] = lower.try_emplace(group_code(contact.group_a, contact.group_b), kept);
+    entry->second = std::min(entry->second, kept);
   }
+  if (lower.empty()) return false;
+  for (const Separations::Pair& pair : geometry_.pair_separation)
+    lower.try_emplace(group_code(pair.low, pair.high), pair.separation);
+  geometry_.pair_separation.clear();
+  for (const auto& [code, separation] : lower) geometry_.pair_separation.push_back(pair_of(code, separation));
+  return true;
 }
 
 ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration,
@@ -263,11 +286,11 @@ std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature)
 }
 
 double ContactPipeline::max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) {
-  return safe_fraction(x0, x1, {group_separation_, close_separation_});
+  return safe_fraction(x0, x1, {geometry_.group_separation, geometry_.pair_separation});
 }
 
 bool ContactPipeline::is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1) {
-  const std::vector<double> none(group_separation_.size(), 0.0);
+  const std::vector<double> none(geometry_.group_separation.size(), 0.0);
   return safe_fraction(x0, x1, {none}) == 1.0;
 }
 

@@ -108,8 +108,6 @@ class ContactPipeline final : public ActiveSet {
   /// Factor of the energies of batches(), 1 but with BDF2; forces and energies reported are without it.
   double weight() const { return weight_; }
   double max_step(std::span<const Vec3> x0, std::span<const Vec3> x1) override;
-  /// Whether the least distance is a bound from now on, or motions may take nine tenths of any gap.
-  void set_bound(bool is_bound) { is_bound_ = is_bound; }
   /// Whether no two primitives meet on the straight way of all sites from x0 to x1.
   bool is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
@@ -134,6 +132,9 @@ class ContactPipeline final : public ActiveSet {
   /// See FrictionSet.
   double bristle_energy_at_start() const { return friction_.energy_at_start(); }
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
+  /// Whether the least distance is a bound from the next begin_step() on, or motions may take nine tenths of
+  /// any gap.
+  void set_bound(bool is_bound) { is_bound_ = is_bound; }
   /// Energy that restitution has given back in the step that ended at x [J].
   double restitution_work(std::span<const Vec3> x) const { return restitution_.work(x); }
   std::vector<const PotentialBatch*> restitution_batches() const { return restitution_.batches(); }
@@ -162,6 +163,8 @@ class ContactPipeline final : public ActiveSet {
   /// Largest safe fraction of the way from x0 to x1.
   double safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1, const Separations& separations);
   void set_close_bodies(CloseBodies close);
+  /// Lowers the least distance of pairs of bodies that start the step below it. Returns whether any does.
+  bool lower_separations();
   double freeze_friction(std::span<const Vec3> x);
   /// Forces on sides A of the active contacts [N].
   std::vector<Vec3> forces(std::span<const Vec3> x) const;
@@ -186,14 +189,12 @@ class ContactPipeline final : public ActiveSet {
   ContactSet active_, trial_;
   FrictionSet friction_;
   RestitutionSet restitution_;
+  bool is_bound_ = true;
   Candidates candidates_, trial_candidates_;
   CandidateList swept_;
   CcdReport ccd_report_;
   ContactCounters counters_;
   std::vector<int32_t> surface_sites_;
-  std::vector<double> group_separation_;
-  std::vector<Separations::Pair> close_separation_;  ///< of geometry_.close
-  bool is_bound_ = true;
   std::vector<Vec3> x_reference_;
   std::vector<Vec3> x_active_;  ///< of the last update()
   double duration_ = 0.0, weight_ = 1.0;

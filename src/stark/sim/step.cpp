@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <stark/base/rotation.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/step_evidence.h>
 
@@ -199,27 +198,6 @@ void Simulation::add_caveats(double h) {
             "change their motion, or disable contact between them if that is meant");
   if (!watch_.overlapping.empty())
     add(Caveat::ReleasedOverlap, overlap_text() + ": no contact there until they are apart");
-}
-
-std::string Simulation::meeting_text() {
-  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
-  const Configuration start = start_configuration();
-  const Configuration& end = potential_->configuration();
-  const auto path = [&](double fraction) {
-    Configuration at = start;
-    for (size_t b = 0; b < at.body_position.size(); ++b) {
-      at.body_position[b] += (end.body_position[b] - start.body_position[b]) * fraction;
-      at.body_rotation[b] = interpolate_rotation(start.body_rotation[b], end.body_rotation[b], fraction);
-    }
-    std::vector<Vec3> x(model_->map().site_count());
-    model_->map().positions(at, x);
-    return x;
-  };
-  std::string text;
-  for (const auto& [a, b] :
-       prescribed_.find_meetings(step_start_, potential_->site_positions(), path, *pool_))
-    text += (text.empty() ? "'" : ", '") + scene_.name(BodyId{a}) + "' and '" + scene_.name(BodyId{b}) + "'";
-  return text;
 }
 
 void Simulation::fail() {

@@ -74,6 +74,21 @@ bool Simulation::moved_far() const {
   return motion > kFarMotion * smallest;
 }
 
+std::string Simulation::meeting_text() {
+  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
+  const Configuration start = start_configuration();
+  const auto sites_at = [&](double fraction) {
+    std::vector<Vec3> x(model_->map().site_count());
+    model_->map().positions(interpolated(start, potential_->configuration(), fraction), x);
+    return x;
+  };
+  std::string text;
+  for (const auto& [a, b] :
+       prescribed_.find_meetings(step_start_, potential_->site_positions(), sites_at, *pool_))
+    text += (text.empty() ? "'" : ", '") + scene_.name(BodyId{a}) + "' and '" + scene_.name(BodyId{b}) + "'";
+  return text;
+}
+
 bool Simulation::is_way_clear(const Configuration& start, const Configuration& end, int pieces) {
   std::vector<Vec3> from(step_start_), to(from.size());
   for (int k = 1; k <= pieces; ++k) {

@@ -335,8 +335,10 @@ def orthotropic_cloth(
 # Contact.
 
 
-def barrier(d: object, kappa: object, d_hat: object) -> object:
-    return -(kappa * stark.square(d - d_hat) * stark.log(d / d_hat))
+def barrier(d: object, kappa: object, d_hat: object, least: object) -> object:
+    u = (d - least) / least
+    wall = stark.where(u < 1.0, stark.square(d_hat) * stark.square(u - 1.0) * stark.log(u), 0.0)
+    return -(kappa * (stark.square(d - d_hat) * stark.log(d / d_hat) + wall))
 
 
 def mollifier(x: list, threshold: object) -> object:
@@ -358,24 +360,30 @@ def edge_edge(a0: object, a1: object, b0: object, b1: object) -> object:
 
 
 @stark.energy
-def barrier_point_point(s: stark.Stencil[2], stiffness: float, contact_distance: float):
-    return barrier(stark.norm(s[0].x - s[1].x), stiffness, contact_distance)
+def barrier_point_point(
+    s: stark.Stencil[2], stiffness: float, contact_distance: float, least_distance: float
+):
+    return barrier(stark.norm(s[0].x - s[1].x), stiffness, contact_distance, least_distance)
 
 
 @stark.energy
-def barrier_point_edge(s: stark.Stencil[3], stiffness: float, contact_distance: float):
-    return barrier(point_edge(*(p.x for p in s)), stiffness, contact_distance)
+def barrier_point_edge(s: stark.Stencil[3], stiffness: float, contact_distance: float, least_distance: float):
+    return barrier(point_edge(*(p.x for p in s)), stiffness, contact_distance, least_distance)
 
 
 @stark.energy
-def barrier_point_triangle(s: stark.Stencil[4], stiffness: float, contact_distance: float):
+def barrier_point_triangle(
+    s: stark.Stencil[4], stiffness: float, contact_distance: float, least_distance: float
+):
     p, a, b, c = (point.x for point in s)
-    return barrier(plane_distance(p - a, stark.cross(b - a, c - a)), stiffness, contact_distance)
+    return barrier(
+        plane_distance(p - a, stark.cross(b - a, c - a)), stiffness, contact_distance, least_distance
+    )
 
 
 @stark.energy
-def barrier_edge_edge(s: stark.Stencil[4], stiffness: float, contact_distance: float):
-    return barrier(edge_edge(*(p.x for p in s)), stiffness, contact_distance)
+def barrier_edge_edge(s: stark.Stencil[4], stiffness: float, contact_distance: float, least_distance: float):
+    return barrier(edge_edge(*(p.x for p in s)), stiffness, contact_distance, least_distance)
 
 
 @stark.material
@@ -422,28 +430,44 @@ def rod_damping(
 
 @stark.energy
 def barrier_mollified_point_point(
-    s: stark.Stencil[4], stiffness: float, contact_distance: float, parallel_threshold: float
+    s: stark.Stencil[4],
+    stiffness: float,
+    contact_distance: float,
+    least_distance: float,
+    parallel_threshold: float,
 ):
     x = [p.x for p in s]
-    return mollifier(x, parallel_threshold) * barrier(stark.norm(x[0] - x[2]), stiffness, contact_distance)
+    return mollifier(x, parallel_threshold) * barrier(
+        stark.norm(x[0] - x[2]), stiffness, contact_distance, least_distance
+    )
 
 
 @stark.energy
 def barrier_mollified_point_edge(
-    s: stark.Stencil[4], stiffness: float, contact_distance: float, parallel_threshold: float
+    s: stark.Stencil[4],
+    stiffness: float,
+    contact_distance: float,
+    least_distance: float,
+    parallel_threshold: float,
 ):
     x = [p.x for p in s]
     return mollifier(x, parallel_threshold) * barrier(
-        point_edge(x[0], x[2], x[3]), stiffness, contact_distance
+        point_edge(x[0], x[2], x[3]), stiffness, contact_distance, least_distance
     )
 
 
 @stark.energy
 def barrier_mollified_edge_edge(
-    s: stark.Stencil[4], stiffness: float, contact_distance: float, parallel_threshold: float
+    s: stark.Stencil[4],
+    stiffness: float,
+    contact_distance: float,
+    least_distance: float,
+    parallel_threshold: float,
 ):
     x = [p.x for p in s]
-    return mollifier(x, parallel_threshold) * barrier(edge_edge(*x), stiffness, contact_distance)
+    return mollifier(x, parallel_threshold) * barrier(
+        edge_edge(*x), stiffness, contact_distance, least_distance
+    )
 
 
 @stark.energy

@@ -47,8 +47,9 @@ def inputs_of(formula: Any, rng: np.random.Generator) -> dict[str, Any]:
         return (X + rng.uniform(-0.1, 0.1, X.shape)).reshape(-1, 3)
 
     values = {}
+    ranges = {"poissons_ratio": (0.0, 0.45), "least_distance": (0.01, 0.1)}
     for row in formula.fields:
-        low, high = (0.0, 0.45) if row["name"] == "poissons_ratio" else (0.5, 1.5)
+        low, high = ranges.get(row["name"], (0.5, 1.5))
         values[row["name"]] = rng.uniform(low, high, ELEMENTS * row["width"])
     positions = {key: strained() for key in ("x", "x_prev", "x_initial")}
     return {**positions, "X": X.reshape(-1, 3), "values": values, "time_step": 0.01, "time": 0.2}
