@@ -37,17 +37,21 @@ def _leave(number: int = signal.SIGINT, frame: FrameType | None = None) -> None:
     os._exit(EXIT_INTERRUPTED)
 
 
-def is_command() -> bool:
-    """Whether this process is ``stark`` or ``python -m stark``, and not a program that imports it."""
+def _is_command() -> bool:
     words = sys.orig_argv
     as_module = sys.argv[:1] == ["-m"] and "-m" in words and words[words.index("-m") + 1 :][:1] == ["stark"]
     return as_module or os.path.basename(sys.argv[0] if sys.argv else "") == "stark"
 
 
+#: Whether this process is ``stark`` or ``python -m stark``, and not a program that imports it. What tells is
+#: there only while the package is imported.
+IS_COMMAND = _is_command()
+
+
 def leave_while_starting() -> None:
     """Until the command is up there is nothing to finish, and an exception would end in a traceback out of
     the middle of an import."""
-    if is_command() and _in_main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if IS_COMMAND and _in_main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _leave)
 
 
@@ -82,7 +86,7 @@ class RaisedOnce:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        over = RaisedOnce._first is not None and is_command()
+        over = RaisedOnce._first is not None and IS_COMMAND
         for number, handler in self._before.items():
             is_inner = getattr(handler, "__func__", None) is RaisedOnce._raise
             # What is left of an interrupted command is to exit with its code: the same signal again, which
