@@ -62,7 +62,9 @@ def test_barrier_agrees(name: str) -> None:
         gradient = getattr(ipctk, f"{distance}_distance_gradient")(*x)
         hessian = getattr(ipctk, f"{distance}_distance_hessian")(*x)
         expected = chain(float(np.sqrt(squared)), np.asarray(gradient), np.asarray(hessian))
-        assert_close(evaluate(name, x, stiffness=KAPPA, contact_distance=D_HAT), expected)
+        assert_close(
+            evaluate(name, x, stiffness=KAPPA, contact_distance=D_HAT, least_distance=1e-3 * D_HAT), expected
+        )
 
 
 def test_mollified_edge_edge_agrees() -> None:
@@ -86,6 +88,7 @@ def test_mollified_edge_edge_agrees() -> None:
             x,
             stiffness=KAPPA,
             contact_distance=D_HAT,
+            least_distance=1e-3 * D_HAT,
             parallel_threshold=threshold,
         )
         assert_close(ours, expected)
