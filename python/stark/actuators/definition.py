@@ -19,7 +19,6 @@ from typing import Any
 
 from stark import _core
 from stark._core import TraceError
-from stark.actuators.handle import RESERVED
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter, signature_of
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter
@@ -29,6 +28,13 @@ from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar, Tensor, convert
 
 MAX_COORDINATES = 3
+# Attributes of Actuator, which values cannot be.
+RESERVED = frozenset(
+    {
+        *("name", "kind", "formula", "joint", "coordinates", "parameters", "units"),
+        *("effort", "torque", "force", "power", "enabled"),
+    }
+)
 _CHOICES = "stark.Coordinate, stark.Memory, float, stark.Time or stark.TimeStep"
 
 

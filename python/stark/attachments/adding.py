@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +12,9 @@ from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import as_array, given_flag, given_name
 from stark.attachments.handle import Attachment
-from stark.bodies import Body, RigidBody, Solid
-from stark.formulas.points import Points, Stencils, local_points, node_frame, vertex_points, world_points
-from stark.rods import Rod
-
-if TYPE_CHECKING:
-    from stark.scene import Scene
+from stark.bodies import Body, RigidBody, Rod, Solid
+from stark.handle import SceneLink
+from stark.selections import Points, Stencils, local_points, node_frame, vertex_points, world_points
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
@@ -26,7 +23,7 @@ _COINCIDENT = 1e-9  # [m] below which points count as being at the same place
 
 
 def attach(
-    scene: Scene,
+    scene: SceneLink,
     a: Any,
     b: Any,
     *,
@@ -66,7 +63,7 @@ def attach(
 # --- sides ---
 
 
-def _side(scene: Scene, owner: str, label: str, side: Any) -> Body | Points | None:
+def _side(scene: SceneLink, owner: str, label: str, side: Any) -> Body | Points | None:
     """A body, points, or None for the world."""
     if isinstance(side, str):
         side = scene[side] if side != "world" or "world" in scene else None

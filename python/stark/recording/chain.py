@@ -59,7 +59,7 @@ class RowChain:
 
     def add_line(self, text: str) -> str:
         """A JSON object on one line, with its digest as the last entry."""
-        self.head = hashlib.sha256(f"{self.head}\n{text}".encode()).hexdigest()
+        self.head: str = hashlib.sha256(f"{self.head}\n{text}".encode()).hexdigest()
         return f'{text[:-1]},"{KEY}":"{self.head}"}}'
 
 

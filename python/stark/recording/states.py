@@ -212,7 +212,7 @@ class StateWriter:
         write_arrays(self._path(), arrays)
         self._synced = self.count
         if self._chain is not None:
-            self.head = self._chain.head
+            self.head: str = self._chain.head
 
     def _path(self) -> Path:
         """Of the chunk that is not full yet."""

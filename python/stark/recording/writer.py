@@ -108,7 +108,7 @@ class Recorder:
     ) -> None:
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
-        self.folder = resolved(given_path(folder, "recording: folder"))
+        self.folder: Path = resolved(given_path(folder, "recording: folder"))
         self._written = 0
         self._chunk_frames = chunk_frames
         self._chunk_index = 0
@@ -322,7 +322,7 @@ class Recorder:
         row = {"times": np.float64(at), **{f"positions_{i:04d}": x for i, x in enumerate(frame)}}
         digest = None if self._frame_chain is None else self._frame_chain.add_arrays(row)
         self._pending.append(_Pending(at, frame, digest))  # at once: an interrupt leaves no half frame
-        self.last_time = at
+        self.last_time: float = at
         if len(self._pending) >= self._chunk_frames:
             self._flush_frames()
             self._write_manifest()

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import soft_column_6
 
-until = 2.0  # [s]
+until: float = 2.0  # [s]
 build = soft_column_6.build
 observables = soft_column_6.observables
 _PLATE = soft_column_6._PLATE

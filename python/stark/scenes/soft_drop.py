@@ -5,7 +5,7 @@ from typing import Any
 from . import soft_box_drop_20
 from ._common import no_nans
 
-until = 1.0  # [s]
+until: float = 1.0  # [s]
 build = soft_box_drop_20.build
 observables = soft_box_drop_20.observables
 

@@ -36,12 +36,12 @@ class Formula:
         function: Callable[..., object] | None = None,
     ) -> None:
         self.name = name
-        self.arguments = tuple(arguments)
+        self.arguments: tuple[Argument, ...] = tuple(arguments)
         self.result = result
         self.shape: tuple[int, ...] = getattr(result, "shape", ())
-        self.outputs = list(result.entries) if isinstance(result, Tensor) else [result]
+        self.outputs: list[Scalar] = list(result.entries) if isinstance(result, Tensor) else [result]
         self.backend = backend
-        self.own_shapes = [a.shape for a in self.arguments]
+        self.own_shapes: list[tuple[int, ...]] = [a.shape for a in self.arguments]
         self._compiled: dict[tuple[int, ...], core.ArrayFunction] = {}
         self._lock = threading.Lock()
         self._check(function)

@@ -19,8 +19,8 @@ class ExpressionGraph:
 
     def __init__(self, title: str, outputs: Sequence[Scalar]) -> None:
         self.title = title
-        self.outputs = list(outputs)
-        self.nodes = _reachable(self.outputs)
+        self.outputs: list[Scalar] = list(outputs)
+        self.nodes: dict[int, Scalar] = _reachable(self.outputs)
 
     @property
     def counts(self) -> dict[str, int]:

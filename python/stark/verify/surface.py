@@ -37,19 +37,23 @@ class Surface:
 
     def __init__(self, run: Run) -> None:
         self.bodies: list[Body] = run.bodies
-        self.starts = np.cumsum([0, *(body.vertex_count for body in self.bodies)])
-        self.triangles = np.concatenate([b.triangles + s for b, s in self._placed()]).astype(np.int64)
-        self.edges = np.concatenate([_edges(b) + s for b, s in self._placed()]).astype(np.int64)
-        self.points = np.unique(np.concatenate([self.triangles.ravel(), self.edges.ravel()]))
-        self.body_of = np.repeat(np.arange(len(self.bodies)), [b.vertex_count for b in self.bodies])
+        self.starts: NDArray[Any] = np.cumsum([0, *(body.vertex_count for body in self.bodies)])
+        self.triangles: NDArray[Any] = np.concatenate([b.triangles + s for b, s in self._placed()]).astype(
+            np.int64
+        )
+        self.edges: NDArray[Any] = np.concatenate([_edges(b) + s for b, s in self._placed()]).astype(np.int64)
+        self.points: NDArray[Any] = np.unique(np.concatenate([self.triangles.ravel(), self.edges.ravel()]))
+        self.body_of: NDArray[Any] = np.repeat(
+            np.arange(len(self.bodies)), [b.vertex_count for b in self.bodies]
+        )
         #: Contact distance of each body [m]; two act on each other within the sum of theirs.
-        self.distance = np.array([body.contact_distance for body in self.bodies])
+        self.distance: NDArray[Any] = np.array([body.contact_distance for body in self.bodies])
         #: Bodies that are not excluded for good.
-        self.can_touch = np.ones((len(self.bodies),) * 2, dtype=bool)
+        self.can_touch: NDArray[Any] = np.ones((len(self.bodies),) * 2, dtype=bool)
         for a, b in run.scene["pairs_without_contact"]:
             self.can_touch[a, b] = self.can_touch[b, a] = False
         #: What joints and attachments keep from contact, in the order in which states have it.
-        self.exclusions = exclusions(run.scene, self.can_touch)
+        self.exclusions: list[tuple[int, int, int]] = exclusions(run.scene, self.can_touch)
         if not run.scene["contact_enabled"]:
             self.can_touch[:] = False
         self._regained: bytes | None = None
