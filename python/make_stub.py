@@ -30,6 +30,8 @@ def typed(text: str) -> str:
 
 def _typed_signature(line: str) -> str:
     line = re.sub(r"(?<![\w\]'\".])(dict|list|tuple)(?![\w\[('\"])", lambda m: _ENTRIES[m[1]], line)
+    if line.lstrip().startswith("def __eq__(") or line.lstrip().startswith("def __ne__("):
+        line = re.sub(r"(arg|other): [\w.| ]+(, /)?\) -> \w+:", r"\1: object\2) -> bool:", line)
     # Operators of expressions give expressions of several kinds; comparisons are told by bool.
     return re.sub(r"-> object:", "-> Any:", line)
 

@@ -110,7 +110,8 @@ class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoa
         """Skins and fibres of all bodies, in the order of adding."""
         return tuple(self._layers)
 
-    def __getitem__(self, name: str) -> Body:
+    def __getitem__(self, name: str) -> Any:
+        """The body of a name; what kind of body it is, type checkers do not know."""
         return self._bodies[self._index(name)]
 
     def __contains__(self, name: object) -> bool:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from stark import _core
 from stark._core import InvalidArgument, State, StepReport
@@ -18,6 +17,7 @@ from stark.bodies import Body, Layer
 from stark.bodies.sensors import Contacts, contacts_of
 from stark.errors import StarkWarning
 from stark.handle import Follower
+from stark.overloads import overload
 from stark.scene import Scene
 from stark.settings import FixedSettings, Settings
 from stark.steps import (
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from stark.formulas.handle import Energy
     from stark.joints.handle import Actuator, Joint
 
+AnyBody = TypeVar("AnyBody", bound=Body)
+
 #: From one call of a progress callback to the next, and to the first [s].
 PROGRESS_PERIOD = 0.25
 
@@ -50,6 +52,8 @@ class Simulation(Stepping, KnownAttributes):
 
     Several simulations of one scene may live side by side. ``sim[body]``, ``sim.joints`` and the like are
     handles of one simulation; those that ``scene.add_*`` returned are of the newest one that is alive."""
+
+    _scene: Scene
 
     def __init__(self, scene: Scene, settings: Settings | None = None, **options: Any) -> None:
         if not isinstance(scene, Scene):
@@ -244,11 +248,6 @@ class Simulation(Stepping, KnownAttributes):
 
         return write(self, folder, reduce=reduce)
 
-    @cached_property
-    def _parts(self) -> list[tuple[str, bool, str]]:
-        """What the model was made of, with hashes."""
-        return self._core.parts()
-
     @property
     def settings(self) -> Settings:
         """The settings it was made with, which stay as they are; ``sim.settings.copy()`` can be changed, for
@@ -266,7 +265,13 @@ class Simulation(Stepping, KnownAttributes):
         """Handles of all bodies, bound to this simulation, in the order of the scene."""
         return [body._bound_to(self) for body in self._scene.bodies[: self._core.body_count]]
 
-    def __getitem__(self, body: Body | str) -> Body:
+    @overload
+    def __getitem__(self, body: AnyBody) -> AnyBody: ...
+
+    @overload
+    def __getitem__(self, body: str) -> Any: ...
+
+    def __getitem__(self, body: Body | str) -> Any:
         """The handle of a body, bound to this simulation."""
         found = self._scene.bodies[self._scene._index(body)]
         if found._index >= self._core.body_count:
@@ -322,3 +327,6 @@ class Simulation(Stepping, KnownAttributes):
 
     def __repr__(self) -> str:
         return f"<stark.Simulation of '{self._scene.name}' at {self.time:g} s>"
+
+
+Simulation._again = Scene, Simulation

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copyreg
 import math
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from stark import _core
@@ -47,7 +48,12 @@ class Stepping(SimulationLink):
     _last_step: LastStep | None
     _taken: TakenStep | None
     _calls: list[Call]  # that made its scene
-    _parts: list[tuple[str, bool, str]]  # of its model: name, whether a state depends on it, hash
+    _again: tuple[Any, Any]  # stark.Scene and stark.Simulation, to make both again
+
+    @cached_property
+    def _parts(self) -> list[tuple[str, bool, str]]:
+        """What the model was made of: name, whether a state depends on it, hash."""
+        return self._core.parts()
 
     @property
     def time(self) -> float:

@@ -15,7 +15,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from stark import _core
 from stark._core import TraceError
@@ -85,9 +85,13 @@ class Coordinate:
         return f"<stark.Coordinate {self._label}>"
 
 
-class Memory:
-    """Annotation of an argument that is a number kept from step to step, zero at first; ``stark.act(...,
-    remember={"name": value})`` says what it becomes at the end of a step."""
+if TYPE_CHECKING:
+    Memory: TypeAlias = Scalar  # what the argument is while a formula is recorded
+else:
+
+    class Memory:
+        """Annotation of an argument that is a number kept from step to step, zero at first; ``stark.act(...,
+        remember={"name": value})`` says what it becomes at the end of a step."""
 
 
 @dataclass(frozen=True)

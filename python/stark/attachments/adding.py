@@ -41,13 +41,12 @@ def attach(
     if pairs is not None:
         if distance is not None:
             raise InvalidArgument(f"{owner}: pairs and distance are both given: give one of them")
-        points, carriers = _indexed(owner, side_a, side_b, pairs)
+        points, side_b = _indexed(owner, side_a, side_b, pairs)
     else:
         points = _points_of(owner, side_a, distance)
-        carriers = side_b
     if distance is not None and not (_is_number(distance) and 0.0 <= distance < math.inf):
         raise InvalidArgument(f"{owner}: distance = {distance!r} m: must be a finite number >= 0")
-    points, description = _carried(owner, points, carriers, distance)
+    points, description = _carried(owner, points, side_b, distance)
     given = {
         "name": given_name(name),
         "a": points._description(),
@@ -209,7 +208,9 @@ def _on_partners(owner: str, b: Points, places: Floats) -> dict[str, Any]:
         nodes = b._columns.get("vertices", np.full(len(b), b._columns.get("node", 0)))
         return _on_nodes(body, nodes, places)
     if b._kind == "embedded":
+        assert isinstance(body, Body)
         return _on_patches(body, b._columns["supports"][:, :3], places)
+    assert isinstance(body, Body)
     triangles = body.triangles
     first = np.full(len(body.mesh.vertices), -1, dtype=np.int64)  # a triangle of each vertex
     first[triangles[::-1].ravel()] = np.repeat(np.arange(len(triangles))[::-1], 3)

@@ -191,7 +191,7 @@ class ContactSensors(BodyHandle):
             vertex[contacts.vertices[mine, k]] = True
         for patch in patches:
             vertex[patch] = True
-        return vertex[self.triangles].all(axis=1)
+        return np.asarray(vertex[self.triangles].all(axis=1))
 
     def _flat_patches(self, contacts: Contacts) -> list[Ints]:
         """Vertices of each flat face of a rigid body that lie within the points where it touches. Its inner

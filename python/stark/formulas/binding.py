@@ -38,7 +38,7 @@ class RecordedEnergy:
         self._declared_invariant = translation_invariant
         self._traces: dict[tuple[str, ...], tracing.Trace] = {}
         self._lock = threading.Lock()
-        functools.update_wrapper(self, function)
+        functools.update_wrapper(self, function)  # type: ignore[arg-type]
         self.__signature__: inspect.Signature = _call_signature(signature, self.arguments)
 
     def trace(self, frames: Sequence[str] = ()) -> tracing.Trace:

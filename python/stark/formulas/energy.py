@@ -23,6 +23,7 @@ from stark.formulas.frames import Frame
 from stark.formulas.handle import RESERVED
 from stark.formulas.inspection import benchmark
 from stark.formulas.kinematics import Point, Stencil
+from stark.overloads import overload
 from stark.symbolic.tensor import Scalar, Tensor
 
 
@@ -87,6 +88,16 @@ class Binding(BoundEnergy):
 
     def __repr__(self) -> str:
         return f"<{self.name} on {counted(self.element_count, 'element')}; add it with scene.add>"
+
+
+@overload
+def energy(function: Callable[..., object], /) -> EnergyFormula: ...
+
+
+@overload
+def energy(
+    *, translation_invariant: bool | None = None
+) -> Callable[[Callable[..., object]], EnergyFormula]: ...
 
 
 def energy(

@@ -23,24 +23,41 @@ from __future__ import annotations
 import functools
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from stark.formulas.arguments import signature_of
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.recorded_law import ROD_STRAINS, STRAINS, read_others
 from stark.formulas.rod_material import rod_material
+from stark.overloads import overload
 from stark.symbolic.errors import formula_error
 from stark.symbolic.signature import ArgumentType, Matrix
+from stark.symbolic.tensor import Mat
 
-DeformationGradient = Matrix[3, 3]
-ShellDeformationGradient = Matrix[3, 2]
-CauchyGreen = Matrix[2, 2]
+if TYPE_CHECKING:
+    DeformationGradient: TypeAlias = Mat
+    ShellDeformationGradient: TypeAlias = Mat
+    CauchyGreen: TypeAlias = Mat
+else:
+    DeformationGradient = Matrix[3, 3]
+    ShellDeformationGradient = Matrix[3, 2]
+    CauchyGreen = Matrix[2, 2]
 
 _NEED = (
     "the first argument must be the strain: F: stark.DeformationGradient (3x3, solids), "
     "F: stark.ShellDeformationGradient (3x2) or C: stark.CauchyGreen (2x2, shells), or arguments named "
     "stretch, curvature, twist (rods)"
 )
+
+
+@overload
+def material(function: Callable[..., object], /) -> MaterialLaw: ...
+
+
+@overload
+def material(
+    *, stress_free: bool = True, objective: bool = True, isotropic: bool | None = None
+) -> Callable[[Callable[..., object]], MaterialLaw]: ...
 
 
 def material(

@@ -24,7 +24,7 @@ from stark.symbolic.tensor import Mat, columns
 
 _RESERVED = frozenset({"law", "name", "source", "base", "time", "time_step", "thickness", "warp_direction"})
 ROD_STRAINS = ("stretch", "curvature", "twist")
-STRAINS = {
+STRAINS: dict[tuple[int, ...], tuple[str, str]] = {
     (3, 3): ("F", "solid"),
     (3, 2): ("F", "shell"),
     (2, 2): ("C", "shell"),
@@ -56,7 +56,7 @@ class RecordedLaw:
         self.declared: dict[str, bool | None] = dict(declared)
         self._recorded: tuple[_core.Formula, ExpressionGraph] | None = None
         self._lock = threading.Lock()
-        functools.update_wrapper(self, function)
+        functools.update_wrapper(self, function)  # type: ignore[arg-type]
         shown = [
             inspect.Parameter(p.name, inspect.Parameter.KEYWORD_ONLY, default=p.declaration.default)
             for p in self.parameters

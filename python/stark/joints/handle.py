@@ -99,7 +99,9 @@ class JointActuators(Handle):
         """Stops at ``lower`` and ``upper`` [rad, m], or at one of them; held within the tolerances of joints,
         whatever pushes."""
         bounds = (("lower", lower), ("upper", upper))
-        given = {k: real_number(value, f"add_limit: {k}") for k, value in bounds if value is not None}
+        given: dict[str, Any] = {
+            k: real_number(value, f"add_limit: {k}") for k, value in bounds if value is not None
+        }
         if not given:
             raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
         if len(given) == 2 and not given["lower"] < given["upper"]:

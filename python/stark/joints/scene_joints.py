@@ -56,7 +56,7 @@ class SceneJoints(SceneLink):
         from stark.joints.adding import add_joint
 
         joint = add_joint(
-            self,  # type: ignore[arg-type]
+            self,
             kind,
             a,
             b,

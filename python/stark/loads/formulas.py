@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stark.formulas import Frame, Point, TimeStep, Triangle, Vec3, energy, parameter
-from stark.symbolic import cross, dot
+from stark.symbolic import Scalar, cross, dot
 
 
 @energy(translation_invariant=False)  # a closed surface is, its triangles are not
@@ -11,14 +11,14 @@ def pressure(
     t: Triangle,
     pressure: float = parameter(unit="Pa", doc="pressure inside over that outside"),
     origin: Vec3 = parameter(unit="m", doc="any point near the body, the same for all triangles"),
-):
+) -> Scalar:
     """Pressure inside a closed surface: minus pressure times enclosed volume. [theory eq. 15a]"""
     a, b, c = t[0].x - origin, t[1].x - origin, t[2].x - origin
     return -pressure / 6.0 * dot(a, cross(b, c))
 
 
 @energy
-def force(p: Point, force: Vec3 = parameter(unit="N", doc="force on each point")):
+def force(p: Point, force: Vec3 = parameter(unit="N", doc="force on each point")) -> Scalar:
     """A force that keeps its direction."""
     return -dot(force, p.x)
 
@@ -28,6 +28,6 @@ def torque(
     f: Frame,
     h: TimeStep,
     torque: Vec3 = parameter(unit="N m", doc="torque on the body"),
-):
+) -> Scalar:
     """A torque that keeps its direction, as minus the work that it does in a step."""
     return -h * dot(torque, f.angular_velocity)

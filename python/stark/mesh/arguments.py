@@ -101,9 +101,9 @@ def cells_of(cells: Any, dimensions: int, name: str) -> list[int]:
     counts = [cells] * dimensions if isinstance(cells, (int, np.integer)) else cells
     if not isinstance(counts, (list, tuple, np.ndarray)) or len(counts) != dimensions:
         raise InvalidArgument(f"{name} = {cells!r}: must be one whole number or {dimensions}")
-    counts = [count_of(count, name) for count in counts]
-    require_few(math.prod(count + 1 for count in counts), f"{name} = {cells!r}")
-    return counts
+    checked = [count_of(count, name) for count in counts]
+    require_few(math.prod(count + 1 for count in checked), f"{name} = {cells!r}")
+    return checked
 
 
 def require_few(vertex_count: int, what: str) -> None:

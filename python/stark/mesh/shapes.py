@@ -33,7 +33,7 @@ def box(size: float | ArrayLike, subdivisions: int = 1) -> TriangleMesh:
     """Closed box about the origin; ``size`` is one edge length or three [m]."""
     count = count_of(subdivisions, "box: subdivisions")
     require_few(6 * count**2, f"box: subdivisions = {count}")
-    return TriangleMesh(*_core.make_box(sizes_of(size, "box: size"), count))
+    return TriangleMesh(*_core.make_box(sizes_of(size, "box: size").tolist(), count))
 
 
 def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
@@ -105,11 +105,15 @@ def helix(radius: float, pitch: float, turns: float, segments: int) -> Polyline:
 
 def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMesh:
     """Solid box about the origin: cuboid cells with a node at each centre, twelve tetrahedra a cell."""
-    return TetMesh(*_core.make_tet_box(sizes_of(size, "tet_box: size"), cells_of(cells, 3, "tet_box: cells")))
+    return TetMesh(
+        *_core.make_tet_box(sizes_of(size, "tet_box: size").tolist(), cells_of(cells, 3, "tet_box: cells"))
+    )
 
 
 def box_hexahedra(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> SolidMesh:
     """Solid box about the origin of cuboid elements with 8 nodes."""
     return SolidMesh(
-        *_core.make_hex_box(sizes_of(size, "box_hexahedra: size"), cells_of(cells, 3, "box_hexahedra: cells"))
+        *_core.make_hex_box(
+            sizes_of(size, "box_hexahedra: size").tolist(), cells_of(cells, 3, "box_hexahedra: cells")
+        )
     )

@@ -216,4 +216,5 @@ def compact(mesh: Any) -> Any:
     elements = getattr(mesh, name)
     corners_of(mesh.vertices, elements, f"compact: {name}")
     used, renumbered = np.unique(elements, return_inverse=True)
-    return type(mesh)(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))
+    kind: Any = type(mesh)
+    return kind(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))

@@ -115,7 +115,7 @@ class Recorder:
         #: Frames of the chunk that is not full yet: time [s], positions of each body, digest.
         self._pending: list[_Pending] = []
         #: Time of the last frame [s], minus infinity before the first.
-        self.last_time = -np.inf
+        self.last_time: float = -np.inf
         self._closed = False
         self._synced = 0
         bodies = drawn(sim)
@@ -319,10 +319,13 @@ class Recorder:
                 )
             frame.append(positions)
         at = float(sim.time if time is None else time)
-        row = {"times": np.float64(at), **{f"positions_{i:04d}": x for i, x in enumerate(frame)}}
+        row: dict[str, Any] = {
+            "times": np.float64(at),
+            **{f"positions_{i:04d}": x for i, x in enumerate(frame)},
+        }
         digest = None if self._frame_chain is None else self._frame_chain.add_arrays(row)
         self._pending.append(_Pending(at, frame, digest))  # at once: an interrupt leaves no half frame
-        self.last_time: float = at
+        self.last_time = at
         if len(self._pending) >= self._chunk_frames:
             self._flush_frames()
             self._write_manifest()

@@ -33,7 +33,7 @@ def load(path: str | PathLike[str]) -> Simulation:
     owner = f"reproducer '{path}'"
     header, arrays = _read(path, owner)
     try:
-        sim = simulation_of(header, arrays, owner, (Scene, Simulation))
+        sim: Simulation = simulation_of(header, arrays, owner, (Scene, Simulation))
     except ReproducerError:
         raise
     except (InvalidArgument, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:

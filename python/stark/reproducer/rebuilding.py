@@ -3,42 +3,26 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import numpy as np
 
 from stark import _core
 from stark.bodies import Cloth, RigidBody, Rod, Solid
-from stark.bodies.scene_bodies import SceneBodies
 from stark.checkpoint import memory
 from stark.errors import StarkWarning
 from stark.mesh import Polyline, SolidMesh, TetMesh, TriangleMesh
-from stark.steps import Stepping
 
 from .errors import ReproducerError
 from .parts import from_data
 
-Made = TypeVar("Made", bound=Stepping, covariant=True)
-
-
-class NewScene(Protocol):
-    """Makes an empty scene."""
-
-    def __call__(self, name: str) -> SceneBodies: ...
-
-
-class NewSimulation(Protocol[Made]):
-    """Makes a simulation of a scene."""
-
-    def __call__(self, scene: Any, /, **settings: Any) -> Made: ...
-
 
 def simulation_of(
-    header: dict[str, Any], arrays: dict[str, Any], owner: str, make: tuple[NewScene, NewSimulation[Made]]
-) -> Made:
-    """The simulation of what a file holds. ``make``: ``stark.Scene`` and ``stark.Simulation``, which stand
+    header: dict[str, Any], arrays: dict[str, Any], owner: str, classes: tuple[Any, Any]
+) -> Any:
+    """The simulation of what a file holds. ``classes``: ``stark.Scene`` and ``stark.Simulation``, which stand
     above."""
-    new_scene, new_simulation = make
+    new_scene, new_simulation = classes
     needed = [row["what"] for row in header["missing"] if row["call"] != "add_energy"]
     if needed:
         raise ReproducerError(
@@ -60,7 +44,7 @@ def simulation_of(
     return sim
 
 
-def _repeat(scene: SceneBodies, name: str, arguments: list[Any]) -> None:
+def _repeat(scene: Any, name: str, arguments: list[Any]) -> None:
     """A call on the core, and a handle of the body that it adds."""
     if name not in _CALLS:
         raise ValueError(f"unknown call '{name}'")

@@ -118,8 +118,7 @@ def _described(
 
 def _fails_alike(sim: Stepping, taken: TakenStep, header: dict[str, Any], arrays: dict[str, Any]) -> bool:
     try:
-        make: Any = type(sim._scene), type(sim)
-        smaller: Stepping = simulation_of(json.loads(json.dumps(header)), arrays, "reproducer", make)
+        smaller: Stepping = simulation_of(json.loads(json.dumps(header)), arrays, "reproducer", sim._again)
         report = smaller.step() if taken.limit is None else smaller.step(max_time_step=taken.limit)
     except InvalidArgument:
         return False
@@ -127,6 +126,8 @@ def _fails_alike(sim: Stepping, taken: TakenStep, header: dict[str, Any], arrays
     return (
         report.failed
         and report.solve_status == expected.solve_status
+        and report.diagnosis is not None
+        and expected.diagnosis is not None
         and report.diagnosis.cause == expected.diagnosis.cause
     )
 

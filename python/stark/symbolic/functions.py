@@ -90,7 +90,7 @@ def gradient(output: object, wrt: object) -> Any:
     return from_shape(core.jacobian([output], _entries(variable))[0], shape)
 
 
-def jacobian(output: object, wrt: object) -> Any:
+def jacobian(output: Any, wrt: Any) -> Any:
     """Derivatives of the entries of a vector expression (rows) by those of a vector of symbols."""
     output, variable = convert(output, "jacobian"), convert(wrt, "jacobian: wrt")
     shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())

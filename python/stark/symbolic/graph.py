@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
 from stark.symbolic.tensor import Scalar
 
@@ -33,7 +34,9 @@ class ExpressionGraph:
         return sum(self.counts.values())
 
     def __str__(self) -> str:
-        lines, texts, names = [], {}, {}
+        lines: list[str] = []
+        texts: dict[int, Any] = {}
+        names: dict[int, Any] = {}
         uses = Counter(operand.id for node in self.nodes.values() for operand in node.operands)
         uses.update(y.id for y in self.outputs)
         for key, node in self.nodes.items():

@@ -163,8 +163,11 @@ class Tensor:
             "with <= and >="
         )
 
-    __ne__ = __eq__
-    __hash__ = object.__hash__
+    def __ne__(self, other: object) -> bool:
+        return self == other
+
+    def __hash__(self) -> int:
+        return object.__hash__(self)
 
     def __bool__(self) -> bool:
         raise TraceError(

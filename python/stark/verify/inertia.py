@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
-from .reading import Body, Run, State, need
+from .files import need
+from .reading import Body, Run, State
 from .rotation import impulse, momentum
 from .telemetry import number
 

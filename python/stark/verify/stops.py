@@ -47,6 +47,7 @@ class StopCheck:
             self._turned[key] = value + 2.0 * math.pi * turns
         if state.actuators is None or state.index == 0 or self.lacking:
             return
+        assert state.actuator_values is not None
         first = 0
         for k, actuator in enumerate(self.actuators):
             count = len(actuator["values"])

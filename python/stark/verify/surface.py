@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from .boxes import BoxTree, overlapping_pairs
 from .distances import Kind
-from .reading import Body, Run, need
+from .files import need
+from .reading import Body, Run
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -70,7 +71,7 @@ class Surface:
         if rows.tobytes() == self._regained:
             return
         self._regained = rows.tobytes()
-        self.allowed = self.can_touch.copy()
+        self.allowed: NDArray[Any] = self.can_touch.copy()
         #: Points that are kept from a body (N, bodies), None if there are none.
         self.kept: NDArray[np.bool_] | None = None
         for (body, vertex, other), back in zip(self.exclusions, rows.tolist(), strict=True):
@@ -105,12 +106,14 @@ class Surface:
     def edge_triangle_pairs_of(self, a: int, b: int, x: Floats) -> PairList:
         """The same of two bodies, whatever is excluded."""
         allowed, kept = self.allowed, self.kept
-        self.allowed, self.kept = np.zeros_like(allowed), None
+        self.allowed = np.zeros_like(allowed)
+        self.kept = None
         self.allowed[a, b] = self.allowed[b, a] = True
         try:
             return self.edge_triangle_pairs(x)
         finally:
-            self.allowed, self.kept = allowed, kept
+            self.allowed = allowed
+            self.kept = kept
 
     def _tree(self, primitives: Integers, low: Floats, high: Floats) -> BoxTree:
         bodies = self.body_of[primitives[:, 0]] if len(primitives) else np.zeros(0, dtype=np.int64)
