@@ -2,6 +2,7 @@
 
 The allowed arrows are the DEPENDS lists of src/stark/CMakeLists.txt. A file of a layer may include headers of
 its own layer and of the layers in its list, nothing else of Stark; the umbrella stark.h is for users only.
+The floors of the Python package are in python_floors.py.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import re
 import sys
 from pathlib import Path
 
+import python_floors
 from repository import CPP, ROOT, run_check, source_files
 
 LIST = "src/stark/CMakeLists.txt"
@@ -34,7 +36,12 @@ def cycles_and_unknowns(arrows: dict[str, set[str]]) -> list[str]:
 
 
 def check(root: Path) -> list[str]:
-    """All forbidden includes below root/src/stark, one message each."""
+    """All forbidden includes below root/src/stark and imports of the Python package, one message each."""
+    return cpp_errors(root) + (python_floors.check(root) if (root / python_floors.PACKAGE).is_dir() else [])
+
+
+def cpp_errors(root: Path) -> list[str]:
+    """All forbidden includes below root/src/stark."""
     arrows = allowed_arrows((root / LIST).read_text())
     errors = cycles_and_unknowns(arrows)
     for path in source_files(root, CPP, "src/stark"):

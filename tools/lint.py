@@ -10,6 +10,7 @@ import check_forbidden
 import check_layers
 import check_mirror
 import check_sizes
+import check_types
 import check_versions
 from repository import ROOT, run_check
 
@@ -28,8 +29,8 @@ def main(arguments: list[str]) -> int:
     status |= run_check("sizes", *check_sizes.check(ROOT))
     status |= run_check("forbidden", check_forbidden.check(ROOT))
     status |= run_check("versions", check_versions.check(ROOT))
-    orphans = check_mirror.check(ROOT)
-    status |= run_check(f"mirror ({len(orphans)} sources share a test; tools/check_mirror.py lists them)", [])
+    status |= run_check("mirror", check_mirror.check(ROOT))
+    status |= run_check("types", check_types.check(ROOT))
     status |= command("ruff", str(tools / "ruff"), "check", "-q", ".")
     if "--no-format" not in arguments:
         status |= command("format", "sh", "tools/format.sh", "--check")

@@ -1,4 +1,4 @@
-// Bindings of layers. The front end is stark/layers.py.
+// Bindings of layers. The front end is stark/bodies/layered.py.
 #include "layers.h"
 
 #include <nanobind/stl/string.h>

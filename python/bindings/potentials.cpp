@@ -111,7 +111,7 @@ void bind_potentials(nb::module_& m) {
   m.def("potentials", potential_list, "All registered potentials: name, points, doc.");
   m.def(
       "evaluate_potential", evaluate_potential, "name"_a, "x"_a, "X"_a = nb::none(), "x_prev"_a = nb::none(),
-      "values"_a,
+      nb::kw_only(), "values"_a,
       "Energy [J], gradient (n, 3) [N] and Hessian (9 n^2,) [N/m], row by row, of one element of a "
       "registered "
       "potential. `values` holds its data and parameters by name; rest and previous positions default to x.");

@@ -31,17 +31,18 @@ from stark._core import (  # noqa: E402
     TraceError,
     __version__,
 )
-from stark.bodies import Body, Cloth, RigidBody, Solid  # noqa: E402
-from stark.friction import Anisotropic  # noqa: E402
-from stark.layers import Fibres, Layer, Skin  # noqa: E402
+from stark.bodies import Body, Cloth, Fibres, Layer, RigidBody, Rod, Skin, Solid  # noqa: E402
+from stark.bodies.friction import Anisotropic  # noqa: E402
+from stark.bodies.sensors import Contacts, Imu  # noqa: E402
+from stark.errors import StarkWarning  # noqa: E402
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
-from stark.rods import Rod  # noqa: E402
+from stark.on_demand import attach  # noqa: E402
 from stark.rotations import deg, rotation, to_quaternion  # noqa: E402
-from stark.scene import Scene, StarkWarning  # noqa: E402
-from stark.sensors import Contacts, Imu  # noqa: E402
+from stark.scene import Scene  # noqa: E402
 from stark.settings import Settings  # noqa: E402
-from stark.simulation import Simulation, StepFailed  # noqa: E402
+from stark.simulation import Simulation  # noqa: E402
+from stark.steps import StepFailed  # noqa: E402
 from stark.surfaces import Surface  # noqa: E402
 
 # Tracebacks and pickles name the public place of the exceptions.
@@ -53,11 +54,12 @@ for _exception in (
     InitialIntersection,
     TraceError,
     InternalError,
+    StarkWarning,
 ):
     _exception.__module__ = "stark"
 
-# Imported when first used, to keep `import stark` fast.
-_ON_DEMAND = (
+# What a scene does not need is imported when it is first used. __init__.pyi has all names with their types.
+_MODULES = (
     "actuators",
     "attachments",
     "checkpoint",
@@ -73,11 +75,11 @@ _ON_DEMAND = (
     "telemetry",
     "verify",
 )
-_NAMES_ON_DEMAND = {
+_PLACES = {
     "stark.formulas": (
-        "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil Tetrahedron "
-        "Time TimeStep Triangle ShellDeformationGradient Vec2 Vec3 Vec4 energy material parameter stencils "
-        "world_frame world_points"
+        "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil "
+        "Tetrahedron Time TimeStep Triangle ShellDeformationGradient Vec2 Vec3 Vec4 energy material "
+        "parameter stencils world_frame world_points"
     ),
     "stark.joints": "Joint Wrench hold joint",
     "stark.attachments": "Attachment",
@@ -85,41 +87,14 @@ _NAMES_ON_DEMAND = {
     "stark.reproducer": "ReproducerError",
     "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
-        "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross determinant diag "
-        "dot exp fma identity invariants inverse log mat maximum minimum norm normalized outer pow sin sinh "
-        "skew sqrt square squared_norm tan tanh trace transpose vec where"
+        "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross "
+        "determinant diag dot exp fma identity invariants inverse log mat maximum minimum norm "
+        "normalized outer pow sin sinh skew sqrt square squared_norm tan tanh trace transpose vec "
+        "where"
     ),
 }
-_PLACES = {name: module for module, names in _NAMES_ON_DEMAND.items() for name in names.split()}
 
-
-def __getattr__(name: str) -> object:
-    import importlib
-
-    if name in _ON_DEMAND:
-        return importlib.import_module(f"stark.{name}")
-    if name in _PLACES:
-        value = globals()[name] = getattr(importlib.import_module(_PLACES[name]), name)
-        return value
-    raise AttributeError(f"module 'stark' has no attribute {name!r}{_nearest(name)}")
-
-
-def _nearest(name: str) -> str:
-    """'; did you mean ...?', or nothing."""
-    import difflib
-
-    if name.startswith("_"):
-        return ""
-    known = sorted({*__all__, *_ON_DEMAND, *_PLACES})
-    lower = {n.lower(): n for n in known}
-    near = difflib.get_close_matches(name, known, n=1)
-    near = near or [lower[n] for n in difflib.get_close_matches(name.lower(), lower, n=1)]
-    return f"; did you mean stark.{near[0]}?" if near else ""
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *_ON_DEMAND, *_PLACES})
-
+__getattr__, __dir__ = attach("stark", _PLACES, _MODULES)
 
 __all__ = [
     "Anisotropic",

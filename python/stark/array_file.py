@@ -60,7 +60,7 @@ def naming(path: Path) -> Iterator[None]:
     except WriteError:
         raise
     except OSError as error:
-        reason, remedy = error.strerror or str(error), _REMEDIES.get(error.errno, "choose another place")
+        reason, remedy = error.strerror or str(error), _REMEDIES.get(error.errno or 0, "choose another place")
         named = WriteError(f"'{path}' cannot be written: {reason}; {remedy}")
         named.errno = error.errno
         raise named from error
@@ -122,7 +122,7 @@ def check_format(header: Any, noun: str, name: str, version: int) -> dict[str, A
 
 def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
     """Writes an NPZ file, whole or not at all. Equal arrays make equal files."""
-    write_atomically(path, lambda file: np.savez(file, **arrays))
+    write_atomically(path, lambda file: np.savez(file, **arrays))  # type: ignore[arg-type]
 
 
 def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:

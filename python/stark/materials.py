@@ -340,7 +340,8 @@ def plate(
             f"materials.plate: poissons_ratio = {poissons_ratio!r}, youngs_modulus = {youngs_modulus!r} Pa, "
             f"thickness = {thickness!r} m: must give a finite rigidity"
         )
-    return ShellMaterial(**{"flexural_rigidity": rigidity, "mass_damping": 0.1, **given, **parameters})
+    values: dict[str, Any] = {"flexural_rigidity": rigidity, "mass_damping": 0.1, **given, **parameters}
+    return ShellMaterial(**values)
 
 
 cotton: ShellMaterial = _shells["cotton"]

@@ -2,106 +2,47 @@
 
 from __future__ import annotations
 
-import copyreg
-import math
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from stark import _core
-from stark._core import Error, InvalidArgument
+from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import KnownAttributes
-from stark.bodies import Body
-from stark.scene import Scene, StarkWarning
-from stark.sensors import Contacts, contacts_of
+from stark.bodies import Body, Layer
+from stark.bodies.sensors import Contacts, contacts_of
+from stark.errors import StarkWarning
+from stark.handle import Follower
+from stark.overloads import overload
+from stark.scene import Scene
 from stark.settings import FixedSettings, Settings
+from stark.steps import (
+    LastStep,
+    OnProgress,
+    StepFailed,
+    Stepping,
+    TakenStep,
+    limit_of_step,
+    reached,
+    require_callable,
+)
 
 if TYPE_CHECKING:
-    from stark._core import State, StepProgress, StepReport
-    from stark.actuators.handle import Actuator
     from stark.attachments import Attachment
-    from stark.following import Follower
     from stark.formulas.handle import Energy
-    from stark.joints.handle import Joint
-    from stark.layers import Layer
+    from stark.joints.handle import Actuator, Joint
 
-
-def _state_of(arrays: dict[str, Any]) -> _core.State:
-    return _core.State.of_arrays(arrays)
-
-
-# States are values: they can be copied, pickled and sent to other processes.
-copyreg.pickle(_core.State, lambda state: (_state_of, (state.arrays(),)))  # type: ignore[arg-type]
-
-
-class LastStep(NamedTuple):
-    """What a step started from: taken again, it brings back what sensors read."""
-
-    before: State
-    limit: float | None  #: [s], of a step that was cut short
-    values: list[dict[str, Any]]  #: live values of the energies, arrays by name
-
-
-class TakenStep(NamedTuple):
-    """The step that was taken last, failed or not: what a reproducer holds."""
-
-    before: State
-    limit: float | None  #: [s]
-    report: StepReport
-
-
-#: Called while a step is under way: how far it has come.
-OnProgress = Callable[["StepProgress"], object]
+AnyBody = TypeVar("AnyBody", bound=Body)
 
 #: From one call of a progress callback to the next, and to the first [s].
 PROGRESS_PERIOD = 0.25
 
-#: Share of a step below which a difference of times is rounding, not a step to take.
-TIME_SLIVER = 1e-9
 
-
-def _time_rounding(sim: Simulation) -> float:
-    return max(TIME_SLIVER * sim.time_step, 4.0 * math.ulp(sim.time))
-
-
-def reached(sim: Simulation, end: float) -> bool:
-    """Whether a simulation has come to the time ``end`` [s], up to rounding."""
-    return sim.time >= end - _time_rounding(sim)
-
-
-def limit_of_step(sim: Simulation, end: float) -> float | None:
-    """What the coming step has to be shortened to [s], not to go beyond ``end``; None when it is taken whole.
-    What differs from a whole step by rounding is one, so that ends between steps of a longer run change
-    nothing in it."""
-    rest = float(end) - sim.time
-    if rest >= sim.time_step - _time_rounding(sim):
-        return None
-    # Rounded so that the sum is the end, in every bit.
-    candidates = (rest, math.nextafter(rest, 0.0), math.nextafter(rest, math.inf))
-    return next((limit for limit in candidates if sim.time + limit == end), rest)
-
-
-def _require_callable(progress: OnProgress | None, caller: str) -> None:
-    if progress is not None and not callable(progress):
-        raise InvalidArgument(
-            f"{caller}: progress = {progress!r}: must be a function of one argument, or None"
-        )
-
-
-class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
-    """``Simulation.run`` met a step that failed even at the shortest time step; ``report`` is its report."""
-
-    def __init__(self, report: StepReport) -> None:
-        super().__init__(report.message or "the time step failed")
-        self.report = report
-
-
-class Simulation(KnownAttributes):
+class Simulation(Stepping, KnownAttributes):
     """A scene being simulated.
 
     ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3,
@@ -111,6 +52,8 @@ class Simulation(KnownAttributes):
 
     Several simulations of one scene may live side by side. ``sim[body]``, ``sim.joints`` and the like are
     handles of one simulation; those that ``scene.add_*`` returned are of the newest one that is alive."""
+
+    _scene: Scene
 
     def __init__(self, scene: Scene, settings: Settings | None = None, **options: Any) -> None:
         if not isinstance(scene, Scene):
@@ -162,7 +105,7 @@ class Simulation(KnownAttributes):
         ``p.seconds``, ``p.residual`` and the other attributes say how far it has come. The simulation itself
         cannot be used before the step is over. What the callback raises ends the step as Ctrl-C does."""
         self._require_free("step()")
-        _require_callable(progress, "step")
+        require_callable(progress, "step")
         if max_time_step is None:
             return self._step(None, progress)
         limit = real_number(max_time_step, "step: max_time_step")
@@ -176,7 +119,7 @@ class Simulation(KnownAttributes):
 
         A failed step is yielded as well; going on after it raises StepFailed.
         """
-        _require_callable(progress, "run")
+        require_callable(progress, "run")
         end = real_number(until, "run: until")
         if not end >= 0.0:  # also NaN
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
@@ -276,7 +219,7 @@ class Simulation(KnownAttributes):
         """Writes where it is to a file, to go on from bit for bit: the state, the live values of energies,
         and ``memory``, what a controller remembers (numbers, texts, lists, dictionaries, arrays). The file is
         written whole or not at all. Raises ``stark.CheckpointError`` when it cannot be written."""
-        from stark.checkpoint import Checkpoint
+        from stark.checkpoint.value import Checkpoint
 
         file = given_path(path, "save: path")
         Checkpoint.of(self, memory=memory).write(file)
@@ -288,7 +231,7 @@ class Simulation(KnownAttributes):
         ``exact=False`` accepts other materials, values and settings. Values of energies become those of the
         file for all simulations of the scene. Raises ``stark.CheckpointError`` for files that are missing,
         damaged or of another scene, and leaves everything as it was."""
-        from stark.checkpoint import Checkpoint
+        from stark.checkpoint.value import Checkpoint
 
         file = given_path(path, "load: path")
         checkpoint = Checkpoint.read(file)
@@ -301,14 +244,9 @@ class Simulation(KnownAttributes):
         the user's own are code and not in it; the script says which. ``reduce`` leaves out bodies that have
         no part in a failure, if the rest is found to fail for the same cause. Raises
         ``stark.ReproducerError`` when no step was taken since the simulation was made, loaded or rewound."""
-        from stark import reproducer
+        from stark.reproducer.writing import write
 
-        return reproducer.write(self, folder, reduce=reduce)
-
-    @cached_property
-    def _parts(self) -> list[tuple[str, bool, str]]:
-        """What the model was made of, with hashes."""
-        return self._core.parts()
+        return write(self, folder, reduce=reduce)
 
     @property
     def settings(self) -> Settings:
@@ -327,7 +265,13 @@ class Simulation(KnownAttributes):
         """Handles of all bodies, bound to this simulation, in the order of the scene."""
         return [body._bound_to(self) for body in self._scene.bodies[: self._core.body_count]]
 
-    def __getitem__(self, body: Body | str) -> Body:
+    @overload
+    def __getitem__(self, body: AnyBody) -> AnyBody: ...
+
+    @overload
+    def __getitem__(self, body: str) -> Any: ...
+
+    def __getitem__(self, body: Body | str) -> Any:
         """The handle of a body, bound to this simulation."""
         found = self._scene.bodies[self._scene._index(body)]
         if found._index >= self._core.body_count:
@@ -383,3 +327,6 @@ class Simulation(KnownAttributes):
 
     def __repr__(self) -> str:
         return f"<stark.Simulation of '{self._scene.name}' at {self.time:g} s>"
+
+
+Simulation._again = Scene, Simulation

@@ -66,26 +66,26 @@ class Surface:
         return self.stiffness * relative_pressure(np.asarray(gap, dtype=np.float64) / (2.0 * self.thickness))
 
 
-rigid = Surface(
+rigid: Surface = Surface(
     "rigid",
     0.1e-3,
     1e6,
     "a choice: hard enough to give way by less than 0.1 mm under what people and robots press",
 )
-rubber = Surface(
+rubber: Surface = Surface(
     "rubber",
     0.5e-3,
     1e6,
     "a layer of rubber of 1.5 MPa under uniaxial compression: E ln 2 at half of its thickness",
 )
-skin = Surface(
+skin: Surface = Surface(
     "skin",
     1e-3,
     5e4,
     "epidermis and dermis of a finger, 1 mm of 70 kPa under uniaxial compression: E ln 2; an estimate, skin "
     "differs by a factor of several from person to person and with the method",
 )
-terry_towel = Surface(
+terry_towel: Surface = Surface(
     "terry_towel",
     1.625e-3,
     1e3,

@@ -1,5 +1,6 @@
 """The package as installed: version, exceptions, type stubs, refusal of old processors, and a fast import."""
 
+import ast
 import importlib.metadata
 import json
 import os
@@ -47,8 +48,10 @@ def test_exceptions_can_be_sent_between_processes() -> None:
 def test_type_information_is_shipped() -> None:
     package = Path(stark.__file__).parent
     assert (package / "py.typed").is_file()
-    stub = (package / "_core.pyi").read_text()
+    stub = (package / "_core/__init__.pyi").read_text()
     assert "class InvalidMesh(InvalidArgument)" in stub
+    for path in (package / "_core/__init__.pyi", package / "_core/symbolic.pyi", package / "__init__.pyi"):
+        ast.parse(path.read_text())
 
 
 def test_import_is_fast_and_loads_nothing_optional() -> None:

@@ -124,7 +124,20 @@ def test_sizes(tree: Path) -> None:
 def test_mirror_lists_sources_without_test(tree: Path) -> None:
     (tree / "src/stark/base/tested.cpp").write_text("\n")
     (tree / "tests/base/test_tested.cpp").write_text("\n")
-    assert [w.split()[0] for w in check_mirror.check(tree)] == ["src/stark/linalg/b.cpp"]
+    (tree / "python/stark/mesh").mkdir(parents=True)
+    (tree / "tests/python").mkdir()
+    for name in ("mesh/shapes.py", "mesh/files.py", "handle.py", "_cpu.py"):
+        (tree / "python/stark" / name).write_text("\n")
+    for name in ("shapes", "cpu"):
+        (tree / f"tests/python/test_{name}.py").write_text("\n")
+    orphans = ["src/stark/linalg/b.cpp", "python/stark/handle.py", "python/stark/mesh/files.py"]
+    assert check_mirror.orphans(tree) == orphans
+    assert [e.split()[0] for e in check_mirror.check(tree)] == orphans
+    (tree / "tools").mkdir()
+    (tree / "tools/tested_elsewhere.txt").write_text("\n".join([*orphans, "src/stark/base/tested.cpp"]))
+    assert check_mirror.check(tree) == [
+        "tools/tested_elsewhere.txt: src/stark/base/tested.cpp need not be listed"
+    ]
 
 
 def test_versions_agree_and_a_difference_is_reported(tmp_path: Path) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
+from pathlib import Path
 
 import pytest
 
 import stark
+from stark import _MODULES, _PLACES
 
 
 def test_dir_has_every_name() -> None:
@@ -39,6 +42,18 @@ def test_no_guess_where_nothing_is_near(name: str) -> None:
     with pytest.raises(AttributeError) as caught:
         getattr(stark, name)
     assert str(caught.value) == f"module 'stark' has no attribute {name!r}"
+
+
+def test_the_stub_has_the_names_of_the_module() -> None:
+    """Type checkers see what users see: every public name, and no other."""
+    stub = ast.parse(Path(stark.__file__).with_name("__init__.pyi").read_text())
+    imported = {
+        alias.asname for node in ast.walk(stub) if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    not_public = {"array_file", "attributes", "bodies", "errors", "files", "handle", "on_demand"}
+    demanded = {*_MODULES, *(name for names in _PLACES.values() for name in names.split())}
+    assert imported == {*stark.__all__, *demanded}
+    assert not imported & not_public
 
 
 def test_what_is_loaded_on_demand_is_the_module_itself() -> None:

@@ -14,7 +14,7 @@ import pytest
 
 import stark
 from stark import reproducer
-from stark.reproducer import loading
+from stark.reproducer import rebuilding
 from stark.scene_record import RecordedScene
 
 UNTURNED = np.eye(3)
@@ -270,4 +270,4 @@ def test_every_recorded_call_can_be_repeated() -> None:
         for call in vars(RecordedScene)
         if call.startswith(("add_", "set_", "pin", "clamp", "disable_", "enable_"))
     }
-    assert recorded - {"add_energy"} | {"default_friction"} == loading._CALLS  # formulas are code
+    assert recorded - {"add_energy"} | {"default_friction"} == rebuilding._CALLS  # formulas are code

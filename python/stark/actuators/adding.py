@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
-from stark.actuators.handle import Actuator, number_of
 from stark.arguments import given_flag, given_name
-from stark.joints.handle import Joint
-
-if TYPE_CHECKING:
-    from stark.scene import Scene
+from stark.handle import SceneLink
+from stark.joints.handle import Actuator, Joint, number_of
 
 
 def add_actuator(
-    scene: Scene,
+    scene: SceneLink,
     kind: str | ActuatorFormula,
     on: Any,
     *,
@@ -51,7 +48,7 @@ def _entries(owner: str, on: Any) -> list[Any]:
     )
 
 
-def _target(scene: Scene, owner: str, entry: Any) -> tuple[Joint, str]:
+def _target(scene: SceneLink, owner: str, entry: Any) -> tuple[Joint, str]:
     joint, coordinate = entry if isinstance(entry, tuple) and len(entry) == 2 else (entry, "")
     if not isinstance(joint, Joint) or not isinstance(coordinate, str):
         raise InvalidArgument(f"{owner}: on = {entry!r}: must be a joint or (joint, 'coordinate')")

@@ -15,11 +15,10 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from stark import _core
 from stark._core import TraceError
-from stark.actuators.handle import RESERVED
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter, signature_of
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter
@@ -29,6 +28,13 @@ from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar, Tensor, convert
 
 MAX_COORDINATES = 3
+# Attributes of Actuator, which values cannot be.
+RESERVED = frozenset(
+    {
+        *("name", "kind", "formula", "joint", "coordinates", "parameters", "units"),
+        *("effort", "torque", "force", "power", "enabled"),
+    }
+)
 _CHOICES = "stark.Coordinate, stark.Memory, float, stark.Time or stark.TimeStep"
 
 
@@ -79,9 +85,13 @@ class Coordinate:
         return f"<stark.Coordinate {self._label}>"
 
 
-class Memory:
-    """Annotation of an argument that is a number kept from step to step, zero at first; ``stark.act(...,
-    remember={"name": value})`` says what it becomes at the end of a step."""
+if TYPE_CHECKING:
+    Memory: TypeAlias = Scalar  # what the argument is while a formula is recorded
+else:
+
+    class Memory:
+        """Annotation of an argument that is a number kept from step to step, zero at first; ``stark.act(...,
+        remember={"name": value})`` says what it becomes at the end of a step."""
 
 
 @dataclass(frozen=True)

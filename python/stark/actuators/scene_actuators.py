@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stark.handle import SceneLink
+
 if TYPE_CHECKING:
     from stark.actuators.definition import ActuatorFormula
-    from stark.actuators.handle import Actuator
+    from stark.joints.handle import Actuator
 
 
-class SceneActuators:
+class SceneActuators(SceneLink):
     """What ``stark.Scene`` knows about actuators."""
-
-    _actuators: list[Actuator]
-    _warn_of_late: Any
 
     def add_actuator(
         self,
@@ -31,7 +30,7 @@ class SceneActuators:
         from stark.actuators.adding import add_actuator
 
         actuator = add_actuator(
-            self,  # type: ignore[arg-type]
+            self,
             kind,
             on,
             name=name,

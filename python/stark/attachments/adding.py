@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +12,9 @@ from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import as_array, given_flag, given_name
 from stark.attachments.handle import Attachment
-from stark.bodies import Body, RigidBody, Solid
-from stark.formulas.points import Points, Stencils, local_points, node_frame, vertex_points, world_points
-from stark.rods import Rod
-
-if TYPE_CHECKING:
-    from stark.scene import Scene
+from stark.bodies import Body, RigidBody, Rod, Solid
+from stark.handle import SceneLink
+from stark.selections import Points, Stencils, local_points, node_frame, vertex_points, world_points
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
@@ -26,7 +23,7 @@ _COINCIDENT = 1e-9  # [m] below which points count as being at the same place
 
 
 def attach(
-    scene: Scene,
+    scene: SceneLink,
     a: Any,
     b: Any,
     *,
@@ -44,13 +41,12 @@ def attach(
     if pairs is not None:
         if distance is not None:
             raise InvalidArgument(f"{owner}: pairs and distance are both given: give one of them")
-        points, carriers = _indexed(owner, side_a, side_b, pairs)
+        points, side_b = _indexed(owner, side_a, side_b, pairs)
     else:
         points = _points_of(owner, side_a, distance)
-        carriers = side_b
     if distance is not None and not (_is_number(distance) and 0.0 <= distance < math.inf):
         raise InvalidArgument(f"{owner}: distance = {distance!r} m: must be a finite number >= 0")
-    points, description = _carried(owner, points, carriers, distance)
+    points, description = _carried(owner, points, side_b, distance)
     given = {
         "name": given_name(name),
         "a": points._description(),
@@ -66,7 +62,7 @@ def attach(
 # --- sides ---
 
 
-def _side(scene: Scene, owner: str, label: str, side: Any) -> Body | Points | None:
+def _side(scene: SceneLink, owner: str, label: str, side: Any) -> Body | Points | None:
     """A body, points, or None for the world."""
     if isinstance(side, str):
         side = scene[side] if side != "world" or "world" in scene else None
@@ -212,7 +208,9 @@ def _on_partners(owner: str, b: Points, places: Floats) -> dict[str, Any]:
         nodes = b._columns.get("vertices", np.full(len(b), b._columns.get("node", 0)))
         return _on_nodes(body, nodes, places)
     if b._kind == "embedded":
+        assert isinstance(body, Body)
         return _on_patches(body, b._columns["supports"][:, :3], places)
+    assert isinstance(body, Body)
     triangles = body.triangles
     first = np.full(len(body.mesh.vertices), -1, dtype=np.int64)  # a triangle of each vertex
     first[triangles[::-1].ravel()] = np.repeat(np.arange(len(triangles))[::-1], 3)

@@ -3,32 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import added_later, needs_simulation
 from stark.attributes import KnownAttributes
-
-if TYPE_CHECKING:
-    from stark.formulas.points import Points
-    from stark.scene import Scene
-    from stark.simulation import Simulation
+from stark.handle import Handle, SceneLink, SimulationLink
+from stark.selections import Points
 
 Floats = NDArray[np.float64]
 
 
-class Attachment(KnownAttributes):
+class Attachment(Handle, KnownAttributes):
     """Pairs of a scene that are glued: points of ``a``, each carried by ``b``."""
 
-    def __init__(self, scene: Scene, index: int, a: Points, given: Mapping[str, Any]) -> None:
-        self._scene = scene
-        self._index = index
+    def __init__(self, scene: SceneLink, index: int, a: Points, given: Mapping[str, Any]) -> None:
+        super().__init__(scene, index)
         self._a = a
         self._given = given  # as the core was given it
-        self._simulation: Simulation | None = None
 
     @property
     def name(self) -> str:
@@ -49,7 +43,7 @@ class Attachment(KnownAttributes):
         """Forces on the points of ``a`` in the last step (n, 3) [N], zero for pairs that do not hold; what
         carries them gets the opposite. After a rewind, of the multipliers of the state, which differ by what
         residuals below a hundredth of the tolerance hold."""
-        return self._core("forces").attachment_forces(self._index)
+        return self._require_simulation("forces")._core.attachment_forces(self._index)
 
     @property
     def force(self) -> Floats:
@@ -59,22 +53,21 @@ class Attachment(KnownAttributes):
     @property
     def broken(self) -> NDArray[np.bool_]:
         """Which pairs have broken (n,)."""
-        return self._core("broken").attachment_status(self._index) < 0
+        return self._require_simulation("broken")._core.attachment_status(self._index) < 0
 
     @property
     def enabled(self) -> bool:
         """Whether it holds what is not broken; assign False to release it and True to hold it again, from the
         next step on. What is apart by then is pulled together at once."""
-        simulation = self._simulation or self._scene._latest_simulation()
-        if simulation is None:
+        if self._newest() is None:
             return bool(self._given["enabled"])
-        return not (self._core("enabled").attachment_status(self._index) == 0).any()
+        return not bool((self._require_simulation("enabled")._core.attachment_status(self._index) == 0).any())
 
     @enabled.setter
     def enabled(self, value: bool) -> None:
         if not isinstance(value, (bool, np.bool_)):
             raise InvalidArgument(f"attachment '{self.name}': enabled = {value!r}: must be True or False")
-        self._core("enabled").set_attachment_enabled(self._index, bool(value))
+        self._require_simulation("enabled")._core.set_attachment_enabled(self._index, bool(value))
 
     def __len__(self) -> int:
         """Number of pairs."""
@@ -83,15 +76,9 @@ class Attachment(KnownAttributes):
     def __repr__(self) -> str:
         return f"<stark.Attachment '{self.name}' of {len(self)} points>"
 
-    def _core(self, what: str) -> Any:
-        simulation = self._simulation or self._scene._latest_simulation()
-        if simulation is None:
-            raise needs_simulation(f"attachment '{self.name}'", what)
-        if self._index >= simulation._core.attachment_count:
-            raise added_later(f"attachment '{self.name}'", what)
-        return simulation._core
+    @property
+    def _title(self) -> str:
+        return f"attachment '{self.name}'"
 
-    def _bound_to(self, simulation: Simulation) -> Attachment:
-        handle = Attachment(self._scene, self._index, self._a, self._given)
-        handle._simulation = simulation
-        return handle
+    def _count_in(self, simulation: SimulationLink) -> int:
+        return simulation._core.attachment_count

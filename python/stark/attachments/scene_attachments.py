@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 from numpy.typing import ArrayLike
 
-if TYPE_CHECKING:
-    from stark.attachments.handle import Attachment
-    from stark.bodies import Body
-    from stark.formulas.points import Points, Stencils
+from stark.attachments.handle import Attachment
+from stark.bodies import Body
+from stark.handle import SceneLink
+from stark.selections import Points, Stencils
 
 
-class SceneAttachments:
+class SceneAttachments(SceneLink):
     """``Scene``: attachments."""
 
     _attachments: list[Attachment]
-    _warn_of_late: Any
 
     def attach(
         self,
@@ -44,7 +41,7 @@ class SceneAttachments:
         from stark.attachments.adding import attach
 
         attachment = attach(
-            self,  # type: ignore[arg-type]
+            self,
             a,
             b,
             distance=distance,

@@ -9,31 +9,53 @@ memory/<k>             arrays of what a controller remembers"""
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stark import _core
-from stark._core import InvalidArgument
+from stark._core import InvalidArgument, State
 from stark.array_file import DamageError, check_format, read_arrays, write_arrays
-from stark.simulation import LastStep
+from stark.steps import LastStep
 
 from . import memory
+from .differences import Part
 from .errors import CheckpointError
-from .value import Checkpoint, Values
-
-if TYPE_CHECKING:
-    from stark._core import State
 
 FORMAT_NAME = "stark-checkpoint"
 FORMAT_VERSION = 2
 
 Arrays = dict[str, NDArray[Any]]
 
+#: Values of the parameters of one energy by name.
+Values = dict[str, NDArray[np.float64]]
 
-def write(checkpoint: Checkpoint, path: Path) -> None:
+
+@dataclass(frozen=True)
+class Content:
+    """What a checkpoint holds."""
+
+    scene: str  #: name of the scene
+    stark_version: str  #: that wrote it
+    state: State
+    settings: dict[str, Any] = field(repr=False)
+    parts: list[Part] = field(repr=False)
+    energies: list[str] = field(repr=False)  #: names
+    values: list[Values] = field(repr=False)  #: live values, by energy
+    last: LastStep | None = field(repr=False)
+    memory: dict[str, Any] = field(default_factory=dict)  #: what a controller remembers
+    run: dict[str, Any] | None = None  #: of ``stark run``: how to go on
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.state.time
+
+
+def write(checkpoint: Content, path: Path) -> None:
     arrays: Arrays = {}
     _put_state(arrays, "state", checkpoint.state)
     _put_values(arrays, "values", checkpoint.values)
@@ -70,7 +92,7 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{value!r} is not a number")
 
 
-def read(path: Path) -> Checkpoint:
+def read(path: Path) -> Content:
     owner = f"checkpoint '{path}'"
     try:
         arrays = read_arrays(path)
@@ -101,7 +123,7 @@ def _header(arrays: Arrays, owner: str) -> dict[str, Any]:
         raise CheckpointError(f"{owner}: {error}") from None
 
 
-def _checkpoint(header: dict[str, Any], arrays: Arrays) -> Checkpoint:
+def _checkpoint(header: dict[str, Any], arrays: Arrays) -> Content:
     energies = _texts(header["energies"], "energies")
     last = None
     if header["before_hash"] is not None:
@@ -115,7 +137,7 @@ def _checkpoint(header: dict[str, Any], arrays: Arrays) -> Checkpoint:
             raise TypeError(f"{name} must be an object")
     if not isinstance(header["run"], (dict, type(None))):
         raise TypeError("run must be an object")
-    return Checkpoint(
+    return Content(
         scene=str(header["scene"]),
         stark_version=str(header["stark_version"]),
         state=_state(arrays, "state", header["state_hash"]),

@@ -4,60 +4,36 @@ from __future__ import annotations
 
 import copy
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, Self
 
 from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import given_path
-from stark.simulation import LastStep
+from stark.errors import StarkWarning
+from stark.steps import Stepping
 
-from . import differences
+from . import differences, file
 from . import memory as memories
 from .errors import CheckpointError
-
-if TYPE_CHECKING:
-    from stark._core import State
-    from stark.simulation import Simulation
-
-#: Values of the parameters of one energy by name.
-Values = dict[str, NDArray[np.float64]]
+from .file import Content, Values
 
 
 @dataclass(frozen=True)
-class Checkpoint:
+class Checkpoint(Content):
     """Where a simulation is. ``Checkpoint.of(sim)``, ``Checkpoint.read(path)``; ``write(path)`` and
     ``put_into(sim)`` are the ways back. ``Simulation.save`` and ``load`` are these in one."""
 
-    scene: str  #: name of the scene
-    stark_version: str  #: that wrote it
-    state: State
-    settings: dict[str, Any] = field(repr=False)
-    parts: list[differences.Part] = field(repr=False)
-    energies: list[str] = field(repr=False)  #: names
-    values: list[Values] = field(repr=False)  #: live values, by energy
-    last: LastStep | None = field(repr=False)
-    memory: dict[str, Any] = field(default_factory=dict)  #: what a controller remembers
-    run: dict[str, Any] | None = None  #: of ``stark run``: how to go on
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return self.state.time
-
     @classmethod
     def of(
-        cls, sim: Simulation, *, memory: dict[str, Any] | None = None, run: dict[str, Any] | None = None
-    ) -> Checkpoint:
+        cls, sim: Stepping, *, memory: dict[str, Any] | None = None, run: dict[str, Any] | None = None
+    ) -> Self:
         """Takes a copy of everything, so that the simulation may go on. Raises ``CheckpointError`` for a
         memory that no file can hold."""
         memories.check(memory)
         return cls(
-            scene=sim.scene.name,
+            scene=sim._scene.name,
             stark_version=_core.__version__,
             state=sim.state,
             settings=sim.settings.to_dict(),
@@ -71,18 +47,14 @@ class Checkpoint:
 
     def write(self, path: str | PathLike[str]) -> None:
         """Writes a file, whole or not at all."""
-        from .file import write
-
-        write(self, given_path(path, "checkpoint: path"))
+        file.write(self, given_path(path, "checkpoint: path"))
 
     @classmethod
-    def read(cls, path: str | PathLike[str]) -> Checkpoint:
+    def read(cls, path: str | PathLike[str]) -> Self:
         """Raises ``CheckpointError`` for files that are missing, damaged or of another format."""
-        from .file import read
+        return cls(**vars(file.read(given_path(path, "checkpoint: path"))))
 
-        return read(given_path(path, "checkpoint: path"))
-
-    def put_into(self, sim: Simulation, *, exact: bool = True, owner: str = "checkpoint") -> None:
+    def put_into(self, sim: Stepping, *, exact: bool = True, owner: str = "checkpoint") -> None:
         """Makes a simulation go on from here, bit for bit, with sensors that read what they read.
 
         Raises ``CheckpointError`` and changes nothing when the scene or the settings are not the same; the
@@ -99,7 +71,7 @@ class Checkpoint:
             _assign(sim, values)
             raise CheckpointError(f"{owner}: {error}") from None
 
-    def _check_scene(self, sim: Simulation, exact: bool, owner: str) -> None:
+    def _check_scene(self, sim: Stepping, exact: bool, owner: str) -> None:
         found = differences.of_parts(self.parts, sim._parts, structure_only=not exact)
         if exact:
             found += differences.of_settings(self.settings, sim.settings.to_dict())
@@ -114,7 +86,7 @@ class Checkpoint:
                 f"{owner}: is of another scene: it differs in {differences.listed(found)}; {remedy}"
             )
 
-    def _check_values(self, sim: Simulation, owner: str) -> None:
+    def _check_values(self, sim: Stepping, owner: str) -> None:
         names = [live.energy.name for live in sim._live_values]
         if names != self.energies:
             raise CheckpointError(
@@ -132,11 +104,11 @@ class Checkpoint:
                 except InvalidArgument as error:
                     raise CheckpointError(str(error)) from None
 
-    def _set(self, sim: Simulation) -> None:
+    def _set(self, sim: Stepping) -> None:
         sim.state = self.state
         _assign(sim, self.values)
 
-    def _replay(self, sim: Simulation) -> None:
+    def _replay(self, sim: Stepping) -> None:
         assert self.last is not None
         _assign(sim, self.last.values)
         for live in sim._live_values:
@@ -145,8 +117,6 @@ class Checkpoint:
         _assign(sim, self.values)
         sim._last_step = self.last if same else None
         if not same:
-            from stark.scene import StarkWarning
-
             warnings.warn(
                 f"the last step before the checkpoint at {self.time:g} s, taken again, has other bits: this "
                 f"Stark ({_core.__version__}, written by {self.stark_version}) computes differently; the "
@@ -156,6 +126,6 @@ class Checkpoint:
             )
 
 
-def _assign(sim: Simulation, values: list[Values]) -> None:
+def _assign(sim: Stepping, values: list[Values]) -> None:
     for live, given in zip(sim._live_values, values, strict=True):
         live.assign(given)

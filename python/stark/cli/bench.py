@@ -54,7 +54,8 @@ def measure(
 
     from ..recording.format import surface
     from ..scenes import load
-    from ..scenes.runner import DRIVE_RULE, end_time, reached, status_of
+    from ..scenes.runner import DRIVE_RULE, end_time, status_of
+    from ..steps import reached
     from ..telemetry import report_to_dict
 
     scene_file = load(name)

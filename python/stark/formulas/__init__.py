@@ -6,15 +6,10 @@ from stark.formulas.energy import EnergyFormula, energy
 from stark.formulas.frames import Frame
 from stark.formulas.handle import Energy
 from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, Triangle
-from stark.formulas.material import (
-    CauchyGreen,
-    DeformationGradient,
-    MaterialLaw,
-    ShellDeformationGradient,
-    material,
-)
+from stark.formulas.material import CauchyGreen, DeformationGradient, ShellDeformationGradient, material
+from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import parameter
-from stark.formulas.points import stencils, world_frame, world_points
+from stark.selections import stencils, world_frame, world_points
 
 __all__ = [
     "CauchyGreen",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,14 +12,12 @@ from stark.formulas.diagnosis import culprit
 from stark.formulas.energy import Binding, EnergyFormula
 from stark.formulas.handle import Energy
 from stark.formulas.inspection import sample_inputs, stacked
-
-if TYPE_CHECKING:
-    from stark.scene import Scene
+from stark.handle import SceneLink
 
 _CHUNK = 16384  # elements evaluated together, to bound the memory
 
 
-def add_energy(scene: Scene, binding: Any, name: str | None) -> Energy:
+def add_energy(scene: SceneLink, binding: Any, name: str | None) -> Energy:
     """Adds an energy to a scene; InvalidArgument says what is wrong with it."""
     if isinstance(binding, EnergyFormula):
         raise InvalidArgument(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 from stark._core import TraceError
 from stark.formulas.frames import Frame
@@ -13,18 +14,26 @@ from stark.formulas.parameters import Declaration, Parameter
 from stark.formulas.parameters import parameter as declare
 from stark.symbolic.errors import formula_error
 from stark.symbolic.signature import ArgumentType, Matrix, Vector
-from stark.symbolic.tensor import Scalar
+from stark.symbolic.tensor import Mat, Scalar, Vec
 
-Vec2, Vec3, Vec4 = Vector[2], Vector[3], Vector[4]
-Mat2, Mat3 = Matrix[2, 2], Matrix[3, 3]
+if TYPE_CHECKING:
+    # What the arguments are while a formula is recorded.
+    Vec2: TypeAlias = Vec
+    Vec3: TypeAlias = Vec
+    Vec4: TypeAlias = Vec
+    Mat2: TypeAlias = Mat
+    Mat3: TypeAlias = Mat
+    Time: TypeAlias = Scalar
+    TimeStep: TypeAlias = Scalar
+else:
+    Vec2, Vec3, Vec4 = Vector[2], Vector[3], Vector[4]
+    Mat2, Mat3 = Matrix[2, 2], Matrix[3, 3]
 
+    class Time:
+        """Annotation of an argument that is the time at the end of the step [s]."""
 
-class Time:
-    """Annotation of an argument that is the time at the end of the step [s]."""
-
-
-class TimeStep:
-    """Annotation of an argument that is the length of the step [s]."""
+    class TimeStep:
+        """Annotation of an argument that is the length of the step [s]."""
 
 
 @dataclass(frozen=True)

@@ -4,16 +4,15 @@ differences, behaviour under rigid motion, definiteness, values at the start and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stark._core import symbolic as core_symbolic
+from stark.formulas.binding import BoundEnergy
 from stark.formulas.inspection import sample_inputs, stacked
 from stark.rotations import rotation
-
-if TYPE_CHECKING:
-    from stark.formulas.energy import Binding
 
 _MOST_ELEMENTS = 512
 _DIFFERENCE_STEP = 1e-6  # of the size of an element: truncation and rounding errors of about 1e-10 meet
@@ -67,19 +66,21 @@ class CheckReport:
 class Elements:
     """Some elements of a binding, evaluated at any positions."""
 
-    def __init__(self, binding: Binding, rng: np.random.Generator) -> None:
+    def __init__(self, binding: BoundEnergy, rng: np.random.Generator) -> None:
         self.binding = binding
         count = min(binding.element_count, _MOST_ELEMENTS)
-        self.rows = np.sort(rng.permutation(binding.element_count)[:count])
-        self.start = stacked(binding, "positions", self.rows)
-        self.is_direction = np.array([c.is_direction for c in binding.columns])
+        self.rows: NDArray[Any] = np.sort(rng.permutation(binding.element_count)[:count])
+        self.start: NDArray[Any] = stacked(binding, "positions", self.rows)
+        self.is_direction: NDArray[Any] = np.array([c.is_direction for c in binding.columns])
         spread = self.start - self.start.mean(axis=1, keepdims=True)
         sizes = 2.0 * np.sqrt((spread**2).sum(axis=2).max(axis=1))
         # Points alone, or all in one place, have no size of their own.
-        self.size = np.where(sizes > 0.0, sizes, max(float(np.ptp(self.start, axis=(0, 1)).max()), 1e-2))
+        self.size: NDArray[Any] = np.where(
+            sizes > 0.0, sizes, max(float(np.ptp(self.start, axis=(0, 1)).max()), 1e-2)
+        )
         noise = rng.uniform(-1.0, 1.0, (2, *self.start.shape))
-        self.moved = self.start + _MOVE * self.size[:, None, None] * noise[0]
-        self.moved_before = self.start + _MOVE * self.size[:, None, None] * noise[1]
+        self.moved: Any = self.start + _MOVE * self.size[:, None, None] * noise[0]
+        self.moved_before: Any = self.start + _MOVE * self.size[:, None, None] * noise[1]
         self._sample = self._compiled("automatic", self.moved)
 
     def evaluate(self, x: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -111,7 +112,7 @@ class Elements:
         return values[:, 0], values[:, 1 : 1 + n] if order > 0 else np.zeros((len(self.rows), n)), hessian
 
 
-def check(binding: Binding, seed: int = 0) -> CheckReport:
+def check(binding: BoundEnergy, seed: int = 0) -> CheckReport:
     """Tests a bound energy on its own points, moved at random by 5 % of the size of an element."""
     rng = np.random.default_rng(seed)
     elements = Elements(binding, rng)

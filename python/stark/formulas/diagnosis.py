@@ -6,19 +6,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from types import CodeType, FrameType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stark._core import symbolic as core
+from stark.formulas.binding import BoundEnergy
 from stark.formulas.kinematics import Inputs
 from stark.formulas.tracing import record
 from stark.symbolic.errors import location_text
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar
-
-if TYPE_CHECKING:
-    from stark.formulas.energy import Binding
 
 _WORDS = {
     "/": "a division by zero",
@@ -70,7 +68,7 @@ class Lines:
         return self._stepped
 
 
-def culprit(binding: Binding, sample: Mapping[str, Any]) -> str:
+def culprit(binding: BoundEnergy, sample: Mapping[str, Any]) -> str:
     """Words and line for an element that is not finite, "" if the operation was not found. `sample`: inputs
     of this one element as for Formula.sample."""
     energy = binding.energy

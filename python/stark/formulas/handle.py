@@ -3,41 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import added_later, needs_simulation
+from stark.formulas.binding import BoundEnergy
+from stark.formulas.checks import check
+from stark.formulas.inspection import benchmark
 from stark.formulas.parameters import Parameter, Value, check_range, numbers_of
-
-if TYPE_CHECKING:
-    from stark.formulas.energy import Binding
-    from stark.scene import Scene
-    from stark.simulation import Simulation
+from stark.handle import Handle, SceneLink, SimulationLink
 
 Floats = NDArray[np.float64]
 
 
-class Energy:
+class Energy(Handle):
     """An energy of a scene. Its parameters are attributes: ``pull.center = (0, 0.1, 0.3)``, also
     ``pull.stiffness[3] = 0.0`` in place. Every simulation of the scene takes the values at its next step;
     nothing is recompiled."""
 
-    _scene: Scene
-    _index: int
-    _binding: Binding
-    _simulation: Simulation | None
+    _binding: BoundEnergy
 
-    def __init__(self, scene: Scene, index: int, binding: Binding) -> None:
-        for name, value in (
-            ("_scene", scene),
-            ("_index", index),
-            ("_binding", binding),
-            ("_simulation", None),
-        ):
-            object.__setattr__(self, name, value)
+    def __init__(self, scene: SceneLink, index: int, binding: BoundEnergy) -> None:
+        super().__init__(scene, index)
+        self.__dict__.update(_binding=binding)
 
     @property
     def name(self) -> str:
@@ -60,7 +50,7 @@ class Energy:
     @property
     def energies(self) -> Floats:
         """Energies of the elements at the end of the last step (n,) [J]."""
-        return self._core("energies").element_energies(self._index)
+        return self._require_simulation("energies")._core.element_energies(self._index)
 
     @property
     def energy(self) -> float:
@@ -71,30 +61,23 @@ class Energy:
     def forces(self) -> Floats:
         """Forces on the points of the elements at the end of the last step (n, points, 3) [N]. Points of a
         formula are those of its arguments in order; of a frame, origin and axes as far as they occur."""
-        flat = self._core("forces").element_forces(self._index)
+        flat = self._require_simulation("forces")._core.element_forces(self._index)
         return flat.reshape(self.element_count, -1, 3)
 
     def check(self) -> Any:
         """As ``EnergyFormula.check``, with the points and the present values."""
-        return self._binding.check()
+        return check(self._binding)
 
     def benchmark(self) -> dict[str, float]:
         """As ``EnergyFormula.benchmark``."""
-        return self._binding.benchmark()
+        return benchmark(self._binding)
 
-    def _core(self, what: str) -> Any:
-        simulation = self._simulation or self._scene._latest_simulation()
-        if simulation is None:
-            raise needs_simulation(f"energy '{self.name}'", what)
-        if self._index >= len(simulation._live_values):
-            raise added_later(f"energy '{self.name}'", what)
-        return simulation._core
+    @property
+    def _title(self) -> str:
+        return f"energy '{self.name}'"
 
-    def _bound_to(self, simulation: Simulation) -> Energy:
-        """The same energy, whose energies and forces are those of this simulation."""
-        handle = Energy(self._scene, self._index, self._binding)
-        object.__setattr__(handle, "_simulation", simulation)
-        return handle
+    def _count_in(self, simulation: SimulationLink) -> int:
+        return len(simulation._live_values)
 
     def _live_values(self) -> LiveValues:
         return LiveValues(self)

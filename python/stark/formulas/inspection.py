@@ -1,36 +1,18 @@
-"""What the compiler made of a formula, and how fast it is."""
+"""Energies of some elements, evaluated for tests and benchmarks."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from stark import _core
-from stark.symbolic.statistics import Statistics
-
-if TYPE_CHECKING:
-    from stark.formulas.energy import Binding
-
-ORDERS = ("value", "gradient", "hessian")
-
-
-class FormulaStatistics(Statistics):
-    """Counts of a formula for "value", "gradient" and "hessian"."""
-
-    @classmethod
-    def of(cls, formula: _core.Formula, backend: str = "automatic") -> FormulaStatistics:  # type: ignore[override]
-        """Compiles the formula with all parameters shared, and counts."""
-        s: Mapping[str, Any] = formula.statistics(backend)
-        columns = ("operations", "instructions", "code_bytes", "build_seconds")
-        counts = {c: dict(zip(ORDERS, s[c], strict=True)) for c in columns}
-        return cls(s["backend"], **counts, algorithm=s["algorithm"])
+from stark.formulas.binding import BoundEnergy
+from stark.formulas.statistics import ORDERS
 
 
 def sample_inputs(
-    binding: Binding, x: np.ndarray, x_prev: np.ndarray, rows: np.ndarray, time_step: float = 1.0 / 60.0
+    binding: BoundEnergy, x: np.ndarray, x_prev: np.ndarray, rows: np.ndarray, time_step: float = 1.0 / 60.0
 ) -> dict[str, Any]:
     """Inputs of some elements for Formula.evaluate. x, x_prev (elements, points, 3); rows: their numbers."""
     rest = stacked(binding, "rest_positions", rows)
@@ -45,13 +27,13 @@ def sample_inputs(
     return {**arrays, "values": values, "time_step": time_step, "time": time_step}
 
 
-def stacked(binding: Binding, kind: str, rows: np.ndarray) -> np.ndarray:
+def stacked(binding: BoundEnergy, kind: str, rows: np.ndarray) -> np.ndarray:
     """ "positions" or "rest_positions" of the points of some elements (elements, points, 3)."""
     columns = [getattr(c, kind) for c in binding.columns]
     return np.stack([c[rows if len(c) > 1 else np.zeros_like(rows)] for c in columns], axis=1)
 
 
-def benchmark(binding: Binding, seconds: float = 0.05) -> dict[str, float]:
+def benchmark(binding: BoundEnergy, seconds: float = 0.05) -> dict[str, float]:
     """Nanoseconds per element and order on one thread, the best of several runs."""
     count = 4096
     rows = np.arange(count) % binding.element_count

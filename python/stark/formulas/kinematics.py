@@ -18,7 +18,7 @@ class Inputs:
 
     def __init__(self, kept: Sequence[int]) -> None:
         """`kept`: points of the arguments that the formula has, in order."""
-        self.builder = FormulaBuilder(len(kept))
+        self.builder: FormulaBuilder = FormulaBuilder(len(kept))
         self.point_of: dict[int, int] = {}  # node -> point it is a coordinate of
         self.unknowns: dict[int, int] = {}  # node of an unknown -> its coordinate 0, 1, 2
         self.clocks: dict[str, int] = {}  # argument -> node
@@ -107,7 +107,9 @@ class Stencil:
 
     def __init__(self, inputs: Inputs, first: int, label: str) -> None:
         self._label = label
-        self.points = tuple(Point(inputs, first + i, f"{label}[{i}]") for i in range(self.point_count))
+        self.points: tuple[Point, ...] = tuple(
+            Point(inputs, first + i, f"{label}[{i}]") for i in range(self.point_count)
+        )
 
     def __class_getitem__(cls, count: int) -> type[Stencil]:
         if cls is not Stencil or not isinstance(count, int) or count < 1:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stark.formulas.checks import CheckReport, Finding
+from stark.formulas.recorded_law import RecordedLaw
 from stark.rotations import rotation
-
-if TYPE_CHECKING:
-    from stark.formulas.material import MaterialLaw
 
 _SAMPLES = 64
 _STRAIN = 0.15  # of the random deformations
@@ -35,9 +34,9 @@ class Problem:
 class Law:
     """A law with values of its parameters, evaluated at any deformation gradients."""
 
-    def __init__(self, law: MaterialLaw, values: Mapping[str, np.ndarray]) -> None:
-        self.name = law.name
-        self.columns = law.directions
+    def __init__(self, law: RecordedLaw, values: Mapping[str, np.ndarray]) -> None:
+        self.name: str = law.name
+        self.columns: int = law.directions
         self._law, self._values = law, values
         self._rows = max(
             (len(values[p.name]) for p in law.parameters if values[p.name].ndim > len(p.shape)), default=1
@@ -82,23 +81,28 @@ class Law:
 class Samples:
     """Random deformations of a law, and what it says to them."""
 
-    def __init__(self, law: MaterialLaw, values: Mapping[str, np.ndarray]) -> None:
+    def __init__(self, law: RecordedLaw, values: Mapping[str, np.ndarray]) -> None:
         rng = np.random.default_rng(7)
-        self.law = Law(law, values)
-        self.columns = self.law.columns
-        self.rest = self.law.at(np.repeat(self.law.identity[None], _ROWS, axis=0))
+        self.law: Law = Law(law, values)
+        self.columns: int = self.law.columns
+        self.rest: tuple[NDArray[Any], ...] = self.law.at(np.repeat(self.law.identity[None], _ROWS, axis=0))
         self.F = self.law.identity + rng.uniform(-_STRAIN, _STRAIN, (_SAMPLES, 3, self.columns))
-        self.before = self.law.identity + rng.uniform(-_STRAIN, _STRAIN, (_SAMPLES, 3, self.columns))
-        self.turns = np.stack(
+        self.before: NDArray[Any] = self.law.identity + rng.uniform(
+            -_STRAIN, _STRAIN, (_SAMPLES, 3, self.columns)
+        )
+        self.turns: NDArray[Any] = np.stack(
             [rotation(axis=rng.normal(size=3), angle=a) for a in rng.uniform(0.2, 3, _SAMPLES)]
         )
         angles = rng.uniform(0.2, 3.0, _SAMPLES)
         plane = np.stack([rotation(axis="z", angle=a) for a in angles])[:, :2, :2]
-        self.material_turns = self.turns if self.columns == 3 else plane
+        self.material_turns: NDArray[Any] = self.turns if self.columns == 3 else plane
+        self.psi: NDArray[Any]
+        self.stress: NDArray[Any]
+        self.tangent: NDArray[Any]
         self.psi, self.stress, self.tangent = self.law.at(self.F, self.before)
         rest = self.rest[0][np.arange(_SAMPLES) % _ROWS]
         # Constants in psi carry rounding errors but no physics.
-        self.scale = float(np.abs(self.psi - rest).max() + 1e-6 * np.abs(rest).max()) or 1.0
+        self.scale: float = float(np.abs(self.psi - rest).max() + 1e-6 * np.abs(rest).max()) or 1.0
 
     @property
     def modulus(self) -> float:
@@ -141,12 +145,12 @@ def is_finite(samples: Samples) -> bool:
     return all(np.isfinite(part).all() for part in samples.rest)
 
 
-def is_isotropic(law: MaterialLaw, values: Mapping[str, np.ndarray]) -> bool:
+def is_isotropic(law: RecordedLaw, values: Mapping[str, np.ndarray]) -> bool:
     """Whether rotations of the material leave psi as it is, for random deformations."""
     return Samples(law, values).isotropy_error <= _INVARIANCE_TOLERANCE
 
 
-def problems(law: MaterialLaw, values: Mapping[str, np.ndarray]) -> list[Problem]:
+def problems(law: RecordedLaw, values: Mapping[str, np.ndarray]) -> list[Problem]:
     """What speaks against using a law with these values, errors first."""
     samples = Samples(law, values)
     if not is_finite(samples):
@@ -204,7 +208,7 @@ def _unstable(samples: Samples) -> str:
     )
 
 
-def check(law: MaterialLaw, values: Mapping[str, np.ndarray]) -> CheckReport:
+def check(law: RecordedLaw, values: Mapping[str, np.ndarray]) -> CheckReport:
     """Report on a law with these values."""
     samples = Samples(law, values)
     findings = [_rest(law, samples)]
@@ -219,7 +223,7 @@ def check(law: MaterialLaw, values: Mapping[str, np.ndarray]) -> CheckReport:
     return CheckReport(f"{law.name}", tuple(findings))
 
 
-def _rest(law: MaterialLaw, samples: Samples) -> Finding:
+def _rest(law: RecordedLaw, samples: Samples) -> Finding:
     if not is_finite(samples):
         return Finding("rest", "wrong", problems(law, samples.law._values)[0].text, float("nan"))
     stress = samples.rest_stress
@@ -251,7 +255,7 @@ def _derivative(name: str, samples: Samples, order: int) -> Finding:
     return Finding(name, "wrong", text, error)
 
 
-def _objectivity(law: MaterialLaw, samples: Samples) -> Finding:
+def _objectivity(law: RecordedLaw, samples: Samples) -> Finding:
     error = samples.objectivity_error
     if error <= _INVARIANCE_TOLERANCE:
         return Finding("objectivity", "ok", "rotations of space leave psi as it is", error)

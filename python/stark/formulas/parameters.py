@@ -117,10 +117,10 @@ class Value:
     __slots__ = ("array", "exposed", "per_element", "version")
 
     def __init__(self, array: Array, per_element: bool) -> None:
-        self.array = array
-        self.per_element = per_element
-        self.version = 0  # counts assignments
-        self.exposed = False  # whether someone may change the array in place
+        self.array: Array = array
+        self.per_element: bool = per_element
+        self.version: int = 0  # counts assignments
+        self.exposed: bool = False  # whether someone may change the array in place
 
     @property
     def numbers(self) -> Array:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stark.formulas.checks import CheckReport, Finding
 from stark.formulas.law_checks import Problem
-
-if TYPE_CHECKING:
-    from stark.formulas.rod_material import RodMaterialLaw
+from stark.formulas.recorded_law import RecordedLaw
 
 _SAMPLES = 64
 _STRETCH = 0.15  # of the random deformations
@@ -30,14 +29,17 @@ _WHAT = ("stretch", "curvature about d1", "curvature about d2", "twist")
 class Samples:
     """A law with values of its parameters at rest and at random strains."""
 
-    def __init__(self, law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> None:
+    def __init__(self, law: RecordedLaw, values: Mapping[str, np.ndarray]) -> None:
         rng = np.random.default_rng(7)
         size = np.array([_STRETCH, _TURN, _TURN, _TURN])
         self._law, self._values = law, values
-        self.rest = self.at(np.repeat(_REST[None], _ROWS, axis=0))
-        self.strains = _REST + size * rng.uniform(-1.0, 1.0, (_SAMPLES, 4))
-        self.before = _REST + size * rng.uniform(-1.0, 1.0, (_SAMPLES, 4))
-        self.directions = size * rng.normal(size=(_SAMPLES, 4))
+        self.rest: tuple[NDArray[Any], ...] = self.at(np.repeat(_REST[None], _ROWS, axis=0))
+        self.strains: NDArray[Any] = _REST + size * rng.uniform(-1.0, 1.0, (_SAMPLES, 4))
+        self.before: NDArray[Any] = _REST + size * rng.uniform(-1.0, 1.0, (_SAMPLES, 4))
+        self.directions: NDArray[Any] = size * rng.normal(size=(_SAMPLES, 4))
+        self.psi: NDArray[Any]
+        self.forces: NDArray[Any]
+        self.stiffness: NDArray[Any]
         self.psi, self.forces, self.stiffness = self.at(self.strains, self.before)
 
     def at(
@@ -87,7 +89,7 @@ class Samples:
         return float(np.linalg.eigvalsh(self.rest[2] / (unit[:, None] * unit))[:, 0].min())
 
 
-def problems(law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> list[Problem]:
+def problems(law: RecordedLaw, values: Mapping[str, np.ndarray]) -> list[Problem]:
     """What speaks against using a law with these values, errors first."""
     samples = Samples(law, values)
     if not samples.is_finite:
@@ -112,7 +114,7 @@ def problems(law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> list[Prob
     return found
 
 
-def check(law: RodMaterialLaw, values: Mapping[str, np.ndarray]) -> CheckReport:
+def check(law: RecordedLaw, values: Mapping[str, np.ndarray]) -> CheckReport:
     """Report on a law with these values."""
     samples = Samples(law, values)
     if not samples.is_finite:
@@ -152,7 +154,7 @@ def _force_at_rest(samples: Samples) -> str | None:
     return f"the {'force' if k == 0 else 'moment'} against {_WHAT[k]} is {force[k]:.4g} {_UNITS[k]}"
 
 
-def _rest(law: RodMaterialLaw, samples: Samples) -> Finding:
+def _rest(law: RecordedLaw, samples: Samples) -> Finding:
     strongest, value = _force_at_rest(samples), float(np.abs(samples.rest[1]).max())
     if strongest is None:
         return Finding("rest", "ok", "no force and no moment at rest", value)

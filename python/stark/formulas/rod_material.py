@@ -27,8 +27,9 @@ from stark.formulas import rod_checks
 from stark.formulas.arguments import ClockArgument
 from stark.formulas.kinematics import Inputs
 from stark.formulas.law_checks import Problem
-from stark.formulas.material import ROD_STRAINS, MaterialLaw, Past, read_others
+from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import Parameter
+from stark.formulas.recorded_law import ROD_STRAINS, Past, read_others
 from stark.materials import RodMaterial
 from stark.symbolic.errors import formula_error
 from stark.symbolic.signature import ArgumentType
@@ -65,7 +66,7 @@ class RodMaterialLaw(MaterialLaw):
     def check(self, **given: Any) -> Any:
         """Tests the law with these parameters: rest state, derivatives, stability. Returns a report; print
         it."""
-        values = {p.name: self._value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
+        values = {p.name: self.value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
         return rod_checks.check(self, values)
 
     def law(self, values: Mapping[str, np.ndarray]) -> Any:

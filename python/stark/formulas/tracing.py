@@ -83,7 +83,8 @@ def record(
     inputs: Inputs,
 ) -> Scalar:
     """The energy as an expression of the inputs."""
-    kinds, values, point = iter(frames), [], 0
+    values: list[object] = []
+    kinds, point = iter(frames), 0
     for argument, count in zip(arguments, point_counts(arguments, frames), strict=True):
         if isinstance(argument, PointArgument):
             values.append(argument.kind(inputs, point, argument.name))
@@ -148,14 +149,16 @@ def is_translation_invariant(output: Scalar, unknowns: dict[int, int]) -> bool:
             weights[key] = tuple(1.0 if c == unknowns[key] else 0.0 for c in range(3))
         elif all(w == still for w in known):
             weights[key] = still
-        elif any(w is None for w in known):
-            weights[key] = None
         else:
-            weights[key] = _combined(node.operation, operands, known)
+            moving = [w for w in known if w is not None]
+            all_known = len(moving) == len(known)
+            weights[key] = _combined(node.operation, operands, moving) if all_known else None
     return output.graph is not None and weights[output.id] == still
 
 
-def _combined(operation: str, operands: Sequence[Scalar], w: Sequence[tuple[float, ...]]) -> object:
+def _combined(
+    operation: str, operands: Sequence[Scalar], w: Sequence[tuple[float, ...]]
+) -> tuple[float, ...] | None:
     """Weights of an operation on values of which at least one moves."""
     if operation in ("+", "-"):
         if len(w) == 1:

@@ -1,23 +1,21 @@
 """Joints between rigid bodies, patches of deformable ones and the world: the built-in ones and, with
 ``@stark.joint``, those of your own. docs/joints.md is the guide."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-_PLACES = {
-    "Joint": "handle",
-    "Wrench": "handle",
-    "JointFormula": "definition",
-    "hold": "definition",
-    "joint": "definition",
-}
+if TYPE_CHECKING:
+    from stark.joints.definition import JointFormula, hold, joint
+    from stark.joints.handle import Joint, Wrench
+else:
+    from stark.on_demand import attach
+
+    # Imported when first used, to keep `import stark` fast.
+    __getattr__, __dir__ = attach(
+        __name__,
+        {
+            "stark.joints.definition": "JointFormula hold joint",
+            "stark.joints.handle": "Joint Wrench",
+        },
+    )
 
 __all__ = ["Joint", "JointFormula", "Wrench", "hold", "joint"]
-
-
-def __getattr__(name: str) -> Any:
-    # Imported when first used, to keep `import stark` fast.
-    if name in _PLACES:
-        import importlib
-
-        return getattr(importlib.import_module(f"stark.joints.{_PLACES[name]}"), name)
-    raise AttributeError(f"module 'stark.joints' has no attribute {name!r}")

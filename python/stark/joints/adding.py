@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_flag, given_name
-from stark.bodies import Body, RigidBody
+from stark.bodies import Body, RigidBody, Rod
 from stark.formulas.parameters import Parameter, check_range, numbers_of
-from stark.formulas.points import FrameHandle, rigid_frame, world_frame
+from stark.handle import SceneLink
 from stark.joints.definition import JointFormula, built_in
 from stark.joints.handle import Joint
-from stark.rods import Rod
 from stark.rotations import as_matrix, vector
-
-if TYPE_CHECKING:
-    from stark.scene import Scene
+from stark.selections import FrameHandle, rigid_frame, world_frame
 
 Floats = NDArray[np.float64]
 
 
 def add_joint(
-    scene: Scene,
+    scene: SceneLink,
     kind: str | JointFormula,
     a: Any,
     b: Any,
@@ -61,7 +58,7 @@ def add_joint(
     return Joint(scene, index, formula, enabled, given)
 
 
-def place_side(scene: Scene, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:
+def place_side(scene: SceneLink, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:
     """Frame of a side at a place of the world, with the axes of the world."""
     owner = f"{owner}: side {label}"
     if isinstance(side, str):
@@ -109,7 +106,7 @@ def _placement(
 
 
 def _frame(
-    scene: Scene, owner: str, label: str, side: Any, place: tuple[Floats, Floats] | None
+    scene: SceneLink, owner: str, label: str, side: Any, place: tuple[Floats, Floats] | None
 ) -> dict[str, Any]:
     """A side as the core reads it."""
     owner = f"{owner}: side {label}"
@@ -147,7 +144,7 @@ def _frame(
     return _described("body", axes.T @ (position - origin), axes.T @ rotation, side._index)
 
 
-def _explicit(scene: Scene, owner: str, frame: FrameHandle) -> dict[str, Any]:
+def _explicit(scene: SceneLink, owner: str, frame: FrameHandle) -> dict[str, Any]:
     if len(frame) != 1:
         raise InvalidArgument(f"{owner}: {frame!r} is {len(frame)} frames: a joint has one on each side")
     body = frame.columns[0].body

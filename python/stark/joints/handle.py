@@ -1,21 +1,18 @@
-"""Joints of a scene: coordinates, reactions, enabling."""
+"""Joints of a scene and the actuators on their coordinates. Each names the other, so they share a file."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.actuators.joint_actuators import JointActuators
-from stark.arguments import added_later, needs_simulation
-
-if TYPE_CHECKING:
-    from stark.joints.definition import JointFormula
-    from stark.scene import Scene
-    from stark.simulation import Simulation
+from stark.actuators.definition import ActuatorFormula
+from stark.arguments import real_number
+from stark.handle import Handle, SceneLink, SimulationLink
+from stark.joints.definition import JointFormula
 
 Floats = NDArray[np.float64]
 
@@ -27,28 +24,131 @@ class Wrench(NamedTuple):
     torque: Floats
 
 
+class JointActuators(Handle):
+    """What ``stark.Joint`` knows about actuators.
+
+    All act along a coordinate of the joint: its only one, or ``coordinate="angle"``. Efforts are torques
+    [N m] along angles and forces [N] along displacements, positive where they raise the coordinate: they act
+    on side b, their opposites on side a. Options of all: ``coordinate``, ``name``, ``enabled``."""
+
+    def add_actuator(
+        self,
+        kind: str | ActuatorFormula,
+        *,
+        coordinate: str | None = None,
+        name: str | None = None,
+        enabled: bool = True,
+        **values: float,
+    ) -> Actuator:
+        """Adds an actuator of any kind: the name of a built-in one or a function with ``@stark.actuator``;
+        ``values`` are those that the kind has."""
+        on = self if coordinate is None else (self, coordinate)
+        added: Actuator = self._scene.add_actuator(kind, on, name=name, enabled=enabled, **values)
+        return added
+
+    def add_motor(self, target: float = 0.0, *, cap: float, delta: float, **options: Any) -> Actuator:
+        """Drives the rate to ``target`` [rad/s, m/s] with at most ``cap`` [N m, N]; closer than ``delta``
+        [rad/s, m/s] to it the effort is in proportion to the difference."""
+        return self.add_actuator("velocity_motor", target=target, cap=cap, delta=delta, **options)
+
+    def add_servo(
+        self,
+        target: float = 0.0,
+        *,
+        stiffness: float,
+        damping: float,
+        cap: float,
+        integral: float = 0.0,
+        **options: Any,
+    ) -> Actuator:
+        """Drives the coordinate to ``target`` [rad, m], full turns included, with a PID controller of at most
+        ``cap`` [N m, N]. ``stiffness``: effort per error; ``damping``: per rate; ``integral``: per error and
+        second. ``target_rate`` and ``feedforward`` are further values."""
+        return self.add_actuator(
+            "position_servo",
+            target=target,
+            stiffness=stiffness,
+            damping=damping,
+            integral=integral,
+            cap=cap,
+            **options,
+        )
+
+    def add_effort(self, target: float = 0.0, **options: Any) -> Actuator:
+        """A given torque [N m] or force [N]: ``target``."""
+        return self.add_actuator("effort", target=target, **options)
+
+    def add_spring(
+        self, stiffness: float, *, damping: float = 0.0, rest: float = 0.0, **options: Any
+    ) -> Actuator:
+        """Linear spring with linear damper; ``rest``: the coordinate where the spring rests [rad, m]."""
+        return self.add_actuator("spring_damper", stiffness=stiffness, damping=damping, rest=rest, **options)
+
+    def add_friction(
+        self, cap: float, *, stick_rate: float = 1e-3, viscous: float = 0.0, **options: Any
+    ) -> Actuator:
+        """Dry friction of at most ``cap`` [N m, N], which it reaches at ``stick_rate`` [rad/s, m/s] (a joint
+        that sticks creeps slower than that), and viscous friction [N m s/rad, N s/m]."""
+        return self.add_actuator("joint_friction", cap=cap, stick_rate=stick_rate, viscous=viscous, **options)
+
+    def add_armature(self, inertia: float, **options: Any) -> Actuator:
+        """Inertia of the coordinate [kg m^2, kg] that is in neither body, such as that of a geared rotor."""
+        return self.add_actuator("armature", inertia=inertia, **options)
+
+    def add_limit(self, lower: float | None = None, upper: float | None = None, **options: Any) -> Actuator:
+        """Stops at ``lower`` and ``upper`` [rad, m], or at one of them; held within the tolerances of joints,
+        whatever pushes."""
+        bounds = (("lower", lower), ("upper", upper))
+        given: dict[str, Any] = {
+            k: real_number(value, f"add_limit: {k}") for k, value in bounds if value is not None
+        }
+        if not given:
+            raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
+        if len(given) == 2 and not given["lower"] < given["upper"]:
+            raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
+        kind = "limit" if len(given) == 2 else f"{next(iter(given))}_limit"
+        return self.add_actuator(kind, **given, **options)
+
+    def add_gear(
+        self,
+        other: Joint,
+        ratio: float,
+        *,
+        offset: float = 0.0,
+        coordinate: str | None = None,
+        other_coordinate: str | None = None,
+        name: str | None = None,
+        enabled: bool = True,
+    ) -> Actuator:
+        """Couples two joints: this coordinate = ``ratio`` times that of ``other`` + ``offset``; held within
+        the tolerances of joints. Gears, belts, racks, mimic joints."""
+        on = [(self, coordinate or ""), (other, other_coordinate or "")]
+        gear: Actuator = self._scene.add_actuator(
+            "gear", on, name=name, enabled=enabled, ratio=ratio, offset=offset
+        )
+        return gear
+
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """Actuators on coordinates of this joint, in the order of adding."""
+        known: list[Actuator] = self._scene._actuators
+        if self._of is not None:
+            known = [a._bound_to(self._of) for a in known[: self._of._core.actuator_count]]
+        return tuple(a for a in known if any(joint._index == self._index for joint, _ in a.coordinates))
+
+
 class Joint(JointActuators):
     """A joint of a scene. Its coordinates are attributes: ``hinge.angle``, ``slider.displacement``."""
 
-    _scene: Scene
-    _index: int
     _formula: JointFormula
     _enabled_at_start: bool
     _given: Mapping[str, Any]  # sides a and b and values, as the core was given them
-    _simulation: Simulation | None
 
     def __init__(
-        self, scene: Scene, index: int, formula: JointFormula, enabled: bool, given: Mapping[str, Any]
+        self, scene: SceneLink, index: int, formula: JointFormula, enabled: bool, given: Mapping[str, Any]
     ) -> None:
-        for attribute, value in (
-            ("_scene", scene),
-            ("_index", index),
-            ("_formula", formula),
-            ("_enabled_at_start", enabled),
-            ("_given", given),
-            ("_simulation", None),
-        ):
-            object.__setattr__(self, attribute, value)
+        super().__init__(scene, index)
+        self.__dict__.update(_formula=formula, _enabled_at_start=enabled, _given=given)
 
     @property
     def name(self) -> str:
@@ -67,42 +167,44 @@ class Joint(JointActuators):
     @property
     def coordinates(self) -> dict[str, float]:
         """Coordinates by name [m, rad]; angles are counted over full turns from time 0 on."""
-        return self._named(self._core("coordinates").joint_coordinates(self._index))
+        return self._named(self._require_simulation("coordinates")._core.joint_coordinates(self._index))
 
     @property
     def rates(self) -> dict[str, float]:
         """Rates of the coordinates in the last step, by name [m/s, rad/s]."""
-        return self._named(self._core("rates").joint_rates(self._index))
+        return self._named(self._require_simulation("rates")._core.joint_rates(self._index))
 
     @property
     def residuals(self) -> Floats:
         """What is left of the residuals that it holds [m, rad], in the order of the definition."""
-        return self._core("residuals").joint_residuals(self._index)
+        return self._require_simulation("residuals")._core.joint_residuals(self._index)
 
     @property
     def reaction(self) -> Wrench:
         """Force and torque of the joint on what carries frame b in the last step, about the origin of that
         frame; what carries frame a gets the opposite. After a rewind, of the multipliers of the state, which
         differ by what residuals below a hundredth of the tolerance hold."""
-        return Wrench(*self._core("reaction").joint_reaction(self._index))
+        return Wrench(*self._require_simulation("reaction")._core.joint_reaction(self._index))
 
     @property
     def enabled(self) -> bool:
         """Whether it holds; assign False to release it and True to hold it again, from the next step on."""
-        simulation = self._simulation or self._scene._latest_simulation()
+        simulation = self._simulation()
         return self._enabled_at_start if simulation is None else simulation._core.joint_enabled(self._index)
 
     @enabled.setter
     def enabled(self, value: bool) -> None:
         if not isinstance(value, (bool, np.bool_)):
             raise InvalidArgument(f"joint '{self.name}': enabled = {value!r}: must be True or False")
-        self._core("enabled").set_joint_enabled(self._index, bool(value))
+        self._require_simulation("enabled")._core.set_joint_enabled(self._index, bool(value))
 
     def __getattr__(self, name: str) -> float:
         if name.startswith("_"):  # asked for while a copy has no attributes yet
             raise AttributeError(name)
         if name in (known := [n for n, _ in self._formula.coordinates]):
-            return float(self._core(name).joint_coordinates(self._index)[known.index(name)])
+            return float(
+                self._require_simulation(name)._core.joint_coordinates(self._index)[known.index(name)]
+            )
         raise AttributeError(f"joint of the kind '{self._formula.name}' has no attribute '{name}'")
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -124,15 +226,154 @@ class Joint(JointActuators):
     def _named(self, values: Floats) -> dict[str, float]:
         return {name: float(v) for (name, _), v in zip(self._formula.coordinates, values, strict=True)}
 
-    def _core(self, what: str) -> Any:
-        simulation = self._simulation or self._scene._latest_simulation()
-        if simulation is None:
-            raise needs_simulation(f"joint '{self.name}'", what)
-        if self._index >= simulation._core.joint_count:
-            raise added_later(f"joint '{self.name}'", what)
-        return simulation._core
+    @property
+    def _title(self) -> str:
+        return f"joint '{self.name}'"
 
-    def _bound_to(self, simulation: Simulation) -> Joint:
-        handle = Joint(self._scene, self._index, self._formula, self._enabled_at_start, self._given)
-        object.__setattr__(handle, "_simulation", simulation)
+    def _count_in(self, simulation: SimulationLink) -> int:
+        return simulation._core.joint_count
+
+
+class Actuator(Handle):
+    """An actuator of a scene. Its values are attributes: ``motor.target = 2.0`` holds from the next step on;
+    before a simulation is made it is the value to start with. Values are part of ``sim.state``."""
+
+    _formula: ActuatorFormula
+    _on: tuple[tuple[Joint, str, str], ...]  # joint, name and unit of its coordinate
+    _units: dict[str, str]
+
+    def __init__(
+        self, scene: SceneLink, index: int, formula: ActuatorFormula, on: tuple[tuple[Joint, str, str], ...]
+    ) -> None:
+        super().__init__(scene, index)
+        rows = formula.core.parameters([unit for _, _, unit in on])
+        units = {row["name"]: row["unit"] for row in rows}
+        self.__dict__.update(_formula=formula, _on=on, _units=units)
+
+    @property
+    def name(self) -> str:
+        return self._scene._core.actuator_name(self._index)
+
+    @property
+    def kind(self) -> str:
+        """Name of the definition: "velocity_motor", or that of the decorated function."""
+        return self._formula.name
+
+    @property
+    def formula(self) -> ActuatorFormula:
+        """The definition."""
+        return self._formula
+
+    @property
+    def joint(self) -> Joint:
+        """The joint that it acts on, of a gear the first one."""
+        return self._on[0][0]
+
+    @property
+    def coordinates(self) -> tuple[tuple[Joint, str], ...]:
+        """Joint and name of each coordinate that it acts on."""
+        return tuple((joint, name) for joint, name, _ in self._on)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Its values by name, a copy."""
+        return {name: self._read(name) for name in self._units}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of its values by name."""
+        return dict(self._units)
+
+    @property
+    def effort(self) -> float:
+        """Force [N] or torque [N m] along its coordinate in the last step, positive where it raises the
+        coordinate. It acts on side b of the joint, its opposite on side a. Of a gear: along the first
+        coordinate."""
+        return float(self._require_simulation("effort")._core.actuator_effort(self._index))
+
+    @property
+    def torque(self) -> float:
+        """``effort`` along an angle [N m]."""
+        return self._effort_along("rad", "torque", "force")
+
+    @property
+    def force(self) -> float:
+        """``effort`` along a displacement or a distance [N]."""
+        return self._effort_along("m", "force", "torque")
+
+    @property
+    def power(self) -> float:
+        """Power that it fed into the motion in the last step [W]: effort times rate."""
+        return float(self._require_simulation("power")._core.actuator_power(self._index))
+
+    @property
+    def enabled(self) -> bool:
+        """Whether it acts; assign it to switch. Actuators of released joints rest."""
+        return bool(self._core().actuator_enabled(self._index))
+
+    @enabled.setter
+    def enabled(self, value: bool) -> None:
+        if not isinstance(value, (bool, np.bool_)):
+            raise InvalidArgument(f"actuator '{self.name}': enabled = {value!r}: must be True or False")
+        self._core().set_actuator_enabled(self._index, bool(value))
+
+    def __getattr__(self, name: str) -> float:
+        if not name.startswith("_") and name in self._units:
+            return self._read(name)
+        raise AttributeError(f"actuator '{self.name}' has no attribute '{name}'; {self._known()}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "enabled":
+            object.__setattr__(self, name, value)
+        elif name in self._units:
+            number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
+            self._core().set_actuator_value(self._index, name, number)
+        else:
+            raise AttributeError(f"actuator '{self.name}' has no value '{name}'; {self._known()}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._units]
+
+    def __repr__(self) -> str:
+        where = ", ".join(f"{joint.name}.{name}" for joint, name, _ in self._on)
+        return f"<stark.Actuator '{self.name}' ({self.kind}) on {where}>"
+
+    # --- details ---
+
+    def _read(self, name: str) -> float:
+        return float(self._core().actuator_value(self._index, name))
+
+    def _known(self) -> str:
+        return f"its values are {', '.join(self._units)}" if self._units else "it has no values"
+
+    def _effort_along(self, unit: str, what: str, other: str) -> float:
+        _, coordinate, mine = self._on[0]
+        if mine != unit:
+            raise InvalidArgument(
+                f"actuator '{self.name}' acts along '{coordinate}' [{mine}]: has no {what}; use {other} or "
+                f"effort"
+            )
+        return self.effort
+
+    @property
+    def _title(self) -> str:
+        return f"actuator '{self.name}'"
+
+    def _count_in(self, simulation: SimulationLink) -> int:
+        return simulation._core.actuator_count
+
+    def _core(self) -> Any:
+        """The simulation, or the scene while there is none."""
+        simulation = self._simulation()
+        return self._scene._core if simulation is None else simulation._core
+
+    def _bound_to(self, simulation: SimulationLink) -> Self:
+        handle = super()._bound_to(simulation)
+        on = tuple((joint._bound_to(simulation), name, unit) for joint, name, unit in self._on)
+        handle.__dict__.update(_on=on)
         return handle
+
+
+def number_of(owner: str, name: str, unit: str, value: Any) -> float:
+    """A real number, or InvalidArgument that names it; its range is for the core to check."""
+    return real_number(value, f"{owner}: {name} [{unit}]")

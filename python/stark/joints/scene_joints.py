@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
+from stark.bodies import Body
+from stark.handle import SceneLink
 from stark.rotations import Vec3Like, vector
+from stark.selections import FrameHandle
 
 if TYPE_CHECKING:
-    from stark.actuators.handle import Actuator
-    from stark.bodies import Body
-    from stark.formulas.points import FrameHandle
     from stark.joints.definition import JointFormula
-    from stark.joints.handle import Joint
+    from stark.joints.handle import Actuator, Joint
 
-    Side = Body | FrameHandle | str | None
+Side: TypeAlias = Body | FrameHandle | str | None
 
 
-class SceneJoints:
+class SceneJoints(SceneLink):
     """What ``stark.Scene`` knows about joints.
 
     The sides ``a`` and ``b`` of a joint are rigid bodies, None for the world, or frames: ``box.frame(...)``,
@@ -31,10 +31,7 @@ class SceneJoints:
     connects do
     not touch each other unless ``contact=True``."""
 
-    _core: Any
     _joints: list[Joint]
-    _actuators: list[Actuator]
-    _warn_of_late: Any
 
     def add_joint(
         self,
@@ -59,7 +56,7 @@ class SceneJoints:
         from stark.joints.adding import add_joint
 
         joint = add_joint(
-            self,  # type: ignore[arg-type]
+            self,
             kind,
             a,
             b,
@@ -276,8 +273,6 @@ def _bounds(kind: str, limits: tuple[float, float]) -> tuple[float, float]:
 
 def _anchored(a: Side, b: Side, anchor: Vec3Like | None) -> dict[str, Any]:
     """Bodies get frames at the anchor; frames have places of their own."""
-    from stark.formulas.points import FrameHandle
-
     if anchor is None and (isinstance(a, FrameHandle) or isinstance(b, FrameHandle)):
         return {}
     return {"anchor": (0.0, 0.0, 0.0) if anchor is None else anchor}

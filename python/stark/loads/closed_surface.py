@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.bodies import Body, Cloth, Solid
-from stark.formulas.points import Stencils
-from stark.mesh import Indices, Points
+from stark.bodies import Cloth, Solid
+from stark.handle import BodyHandle
+from stark.mesh import Indices
+from stark.selections import Stencils, vertex_points
 
 
 def closed_surface(surface: Any, owner: str) -> tuple[Stencils, NDArray[np.float64]]:
@@ -27,20 +28,20 @@ def closed_surface(surface: Any, owner: str) -> tuple[Stencils, NDArray[np.float
         )
     triangles = np.stack([column._columns["vertices"] for column in columns], axis=1)
     _check_closed(body, triangles, owner)
-    positions = np.asarray(body.vertices.positions)
+    positions = vertex_points(body, np.arange(len(body.mesh.vertices), dtype=np.int32)).positions
     centre = positions[triangles].mean(axis=(0, 1))
     if enclosed_volume(positions - centre, triangles) < 0.0:
         faces = Stencils([columns[k] for k in (0, 2, 1)], "triangles")
     return faces, centre
 
 
-def enclosed_volume(positions: Points, triangles: Indices) -> float:
+def enclosed_volume(positions: NDArray[np.float64], triangles: Indices) -> float:
     """Volume inside a closed surface of outward triangles [m^3]."""
     a, b, c = (positions[triangles[:, i]] for i in range(3))
     return float(np.einsum("ni,ni->", a, np.cross(b, c)) / 6.0)
 
 
-def _check_closed(body: Body, triangles: Indices, owner: str) -> None:
+def _check_closed(body: BodyHandle, triangles: Indices, owner: str) -> None:
     """Every directed edge has to occur once, and once the other way round."""
     edges = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
     directed, counts = np.unique(edges, axis=0, return_counts=True)

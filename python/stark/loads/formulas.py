@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
-import stark
+from stark.formulas import Frame, Point, TimeStep, Triangle, Vec3, energy, parameter
+from stark.symbolic import Scalar, cross, dot
 
 
-@stark.energy(translation_invariant=False)  # a closed surface is, its triangles are not
+@energy(translation_invariant=False)  # a closed surface is, its triangles are not
 def pressure(
-    t: stark.Triangle,
-    pressure: float = stark.parameter(unit="Pa", doc="pressure inside over that outside"),
-    origin: stark.Vec3 = stark.parameter(unit="m", doc="any point near the body, the same for all triangles"),
-):
+    t: Triangle,
+    pressure: float = parameter(unit="Pa", doc="pressure inside over that outside"),
+    origin: Vec3 = parameter(unit="m", doc="any point near the body, the same for all triangles"),
+) -> Scalar:
     """Pressure inside a closed surface: minus pressure times enclosed volume. [theory eq. 15a]"""
     a, b, c = t[0].x - origin, t[1].x - origin, t[2].x - origin
-    return -pressure / 6.0 * stark.dot(a, stark.cross(b, c))
+    return -pressure / 6.0 * dot(a, cross(b, c))
 
 
-@stark.energy
-def force(p: stark.Point, force: stark.Vec3 = stark.parameter(unit="N", doc="force on each point")):
+@energy
+def force(p: Point, force: Vec3 = parameter(unit="N", doc="force on each point")) -> Scalar:
     """A force that keeps its direction."""
-    return -stark.dot(force, p.x)
+    return -dot(force, p.x)
 
 
-@stark.energy
+@energy
 def torque(
-    f: stark.Frame,
-    h: stark.TimeStep,
-    torque: stark.Vec3 = stark.parameter(unit="N m", doc="torque on the body"),
-):
+    f: Frame,
+    h: TimeStep,
+    torque: Vec3 = parameter(unit="N m", doc="torque on the body"),
+) -> Scalar:
     """A torque that keeps its direction, as minus the work that it does in a step."""
-    return -h * stark.dot(torque, f.angular_velocity)
+    return -h * dot(torque, f.angular_velocity)

@@ -8,13 +8,14 @@ from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
 from stark.bodies import Body, RigidBody
+from stark.handle import SceneLink
+from stark.selections import FrameHandle, Points, Stencils
 
 if TYPE_CHECKING:
     from stark.formulas.handle import Energy
-    from stark.formulas.points import FrameHandle, Points, Stencils
 
 
-class SceneLoads:
+class SceneLoads(SceneLink):
     """Loads are energies: what is returned is the handle of one, whose value holds from the next step on when
     it is changed."""
 
@@ -36,7 +37,6 @@ class SceneLoads:
         """A force [N] that keeps its direction, on each of some points, ``cloth.vertices[[0, 5]]`` or
         ``box.points((0, 0, 0.1))``, or on the centre of mass of a rigid body. (3,) for all points, (n, 3) for
         each its own. ``handle.force`` may change at any time."""
-        from stark.formulas.points import Points
         from stark.loads import formulas
 
         if isinstance(points, RigidBody):

@@ -30,7 +30,8 @@ def seed(folder: Path, names: list[str]) -> str:
     lines = []
     for name in sorted(names):
         with open_regular(folder / name) as file:
-            lines.append(f"{hashlib.file_digest(file, 'sha256').hexdigest()}  {name}\n")
+            digest = hashlib.file_digest(file, "sha256").hexdigest()  # type: ignore[arg-type]
+        lines.append(f"{digest}  {name}\n")
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
@@ -38,7 +39,7 @@ class RowChain:
     """The chain of one kind of rows. ``head`` is the digest of the last one, in hexadecimal digits."""
 
     def __init__(self, seed: str, kind: str) -> None:
-        self.head = hashlib.sha256(f"stark {kind} {seed}".encode()).hexdigest()
+        self.head: str = hashlib.sha256(f"stark {kind} {seed}".encode()).hexdigest()
 
     @classmethod
     def after(cls, head: str) -> RowChain:

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable
+from functools import partial
 from os import PathLike
 from pathlib import Path
+from typing import BinaryIO
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -130,7 +132,7 @@ def export(
         frame = recording.frame(index)
         data = writers[format](frame)
         path = folder / f"{stem}_{frame.index:06d}.{format}"
-        write_atomically(path, lambda file, data=data: file.write(data))
+        write_atomically(path, partial(_write, data))
         written.append(path)
         series.append((frame.time, path.name))
     if format == "vtu":
@@ -138,3 +140,7 @@ def export(
         write_atomically(index_path, lambda file: file.write(pvd_bytes(series)))
         written.append(index_path)
     return written
+
+
+def _write(data: bytes, file: BinaryIO) -> object:
+    return file.write(data)

@@ -27,7 +27,7 @@ class FolderLock:
     else has it."""
 
     def __init__(self, folder: Path) -> None:
-        self.path = folder / LOCK
+        self.path: Path = folder / LOCK
         with naming(self.path):
             descriptor = self._acquire()
         self._release = weakref.finalize(self, _let_go, descriptor, self.path, os.getpid())

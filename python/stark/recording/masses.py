@@ -48,7 +48,8 @@ def second_moments(body: Any) -> Floats | None:
 def _lumped(vertices: Floats, elements: NDArray[np.int32], masses: Floats, corners: int) -> Floats:
     """Equal shares of the masses of elements (m,) for their corners."""
     shares = np.repeat(masses / corners, corners)
-    return np.bincount(elements.ravel(), weights=shares, minlength=len(vertices))
+    sums = np.bincount(elements.ravel(), weights=shares, minlength=len(vertices))
+    return np.asarray(sums, dtype=np.float64)
 
 
 def _areas(mesh: Any) -> Floats:

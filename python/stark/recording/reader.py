@@ -48,15 +48,15 @@ class Recording:
     """A recorded run. Frames are read chunk by chunk, so a long recording need not fit into memory."""
 
     def __init__(self, folder: str | PathLike[str]) -> None:
-        self.folder = given_path(folder, "recording: folder")
+        self.folder: Path = given_path(folder, "recording: folder")
         self._place = resolved(self.folder)  # where it is read, whatever the current folder will be
-        self.manifest = self._read_manifest()
+        self.manifest: dict[str, Any] = self._read_manifest()
         try:
             self.bodies: list[BodyEntry] = [_body(entry) for entry in self.manifest["bodies"]]
             chunk_count = int(self.manifest["chunk_count"])
             frame_count = int(self.manifest["frame_count"])
-            self.scene = str(self.manifest["scene"])
-            self.status = str(self.manifest["status"])
+            self.scene: str = str(self.manifest["scene"])
+            self.status: str = str(self.manifest["status"])
             if not 0 <= chunk_count <= frame_count:
                 raise ValueError("chunk_count must be in [0, frame_count]")
             if not isinstance(self.manifest.get("chain", {}), dict):
@@ -246,7 +246,7 @@ class Recording:
     def still(self, time: float, **options: Any) -> np.ndarray:
         """Picture of the frame nearest to ``time`` [s]: (height, width, 3) uint8; options as
         ``stark.render.render``."""
-        from ..render import render
+        from ..render.picture import render
 
         return render(self.frame(self.nearest(time)), **options)
 

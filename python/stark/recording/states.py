@@ -137,7 +137,7 @@ class StateWriter:
         self._written, self._full_chunks, self._synced = 0, 0, 0
         self._chain: RowChain | None = None
         #: Digest of the last state that is on disk.
-        self.head = ""
+        self.head: str = ""
 
     def begin_chain(self, seed: str) -> None:
         """Before the first state."""
@@ -221,7 +221,7 @@ class StateWriter:
 
 def _state_of(sim: Any) -> dict[str, np.ndarray]:
     """A state as it is recorded."""
-    state: dict[str, np.ndarray] = {"times": np.float64(sim.time)}
+    state: dict[str, Any] = {"times": np.float64(sim.time)}
     turning = sim._core.state.arrays()["body_angular_velocity"]
     for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
         state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)

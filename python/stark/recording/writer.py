@@ -108,14 +108,14 @@ class Recorder:
     ) -> None:
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
-        self.folder = resolved(given_path(folder, "recording: folder"))
+        self.folder: Path = resolved(given_path(folder, "recording: folder"))
         self._written = 0
         self._chunk_frames = chunk_frames
         self._chunk_index = 0
         #: Frames of the chunk that is not full yet: time [s], positions of each body, digest.
         self._pending: list[_Pending] = []
         #: Time of the last frame [s], minus infinity before the first.
-        self.last_time = -np.inf
+        self.last_time: float = -np.inf
         self._closed = False
         self._synced = 0
         bodies = drawn(sim)
@@ -319,7 +319,10 @@ class Recorder:
                 )
             frame.append(positions)
         at = float(sim.time if time is None else time)
-        row = {"times": np.float64(at), **{f"positions_{i:04d}": x for i, x in enumerate(frame)}}
+        row: dict[str, Any] = {
+            "times": np.float64(at),
+            **{f"positions_{i:04d}": x for i, x in enumerate(frame)},
+        }
         digest = None if self._frame_chain is None else self._frame_chain.add_arrays(row)
         self._pending.append(_Pending(at, frame, digest))  # at once: an interrupt leaves no half frame
         self.last_time = at

@@ -12,7 +12,8 @@ import numpy as np
 from ..arguments import given_path
 from ..array_file import naming, refuse_special
 from ..files import resolved
-from ..recording import Recording, RecordingError
+from ..recording.format import RecordingError
+from ..recording.reader import Recording
 from .camera import Camera, auto_camera, scene_bounds
 from .picture import render
 

@@ -40,9 +40,10 @@ def as_data(value: Any) -> Any:
             return {"core": name, "fields": value.to_dict()}
     for name, (kind, known) in _LAWS.items():
         if isinstance(value, kind):
-            if known.get(value.name) is not value:
-                raise NotDataError(f"law '{value.name}'")
-            return {"core": name, "name": value.name}
+            title = str(getattr(value, "name", ""))
+            if known.get(title) is not value:
+                raise NotDataError(f"law '{title}'")
+            return {"core": name, "name": title}
     for name, (kind, find) in _DEFINITIONS.items():
         if isinstance(value, kind):
             if not _is_built_in(value, find):

@@ -3,13 +3,12 @@ believed."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from stark.scene_record import Call
-    from stark.simulation import Simulation
+from stark.scene_record import Call
+from stark.steps import Stepping
 
 _ADDING = ("add_cloth", "add_solid", "add_rigid", "add_rod")
 _ABOUT_ONE = ("pin", "clamp", "set_surface_directions")
@@ -25,7 +24,7 @@ _REDUCIBLE = {*_ADDING, *_ABOUT_ONE, *_ABOUT_TWO, "default_friction"}
 Arrays = dict[str, Any]
 
 
-def candidates(sim: Simulation, diagnosis: Any) -> list[list[int]]:
+def candidates(sim: Stepping, diagnosis: Any) -> list[list[int]]:
     """Sets of bodies to try, the smallest first: those of the diagnosis, then all that it mentions. None when
     they are all there are, or when bodies hang together by more than contact."""
     if any(name not in _REDUCIBLE for name, _ in sim._calls):
@@ -46,7 +45,7 @@ def _mentioned(diagnosis: Any) -> list[str]:
     return names + [pair[side]["body"] for pair in pairs for side in ("a", "b")]
 
 
-def reduced(sim: Simulation, state: Arrays, keep: list[int]) -> tuple[list[Call], Arrays]:
+def reduced(sim: Stepping, state: Arrays, keep: list[int]) -> tuple[list[Call], Arrays]:
     """Calls that make the scene of some of its bodies, and their part of a state. What contact remembers is
     lost: it is known by numbers of primitives and bodies."""
     number = {old: new for new, old in enumerate(keep)}

@@ -6,7 +6,7 @@ import json
 import textwrap
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,14 +15,13 @@ from stark._core import InvalidArgument
 from stark.arguments import given_path
 from stark.array_file import naming, write_arrays, write_atomically
 from stark.checkpoint import CheckpointError, memory
+from stark.scene_record import Call
+from stark.steps import Stepping, TakenStep
 
 from . import reduction
 from .errors import ReproducerError
 from .parts import NotDataError, as_data
-
-if TYPE_CHECKING:
-    from stark.scene_record import Call
-    from stark.simulation import Simulation, TakenStep
+from .rebuilding import simulation_of
 
 FORMAT_NAME = "stark-reproducer"
 FORMAT_VERSION = 1
@@ -54,7 +53,7 @@ if __name__ == "__main__":
 '''
 
 
-def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
+def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -> Path:
     """Writes the step that ``sim`` took last, failed or not, into ``folder``; returns the script. ``reduce``
     leaves out the bodies that have no part in it, where the step of what is left fails for the same cause: it
     is taken, which may last as long as the step itself.
@@ -73,7 +72,7 @@ def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False)
     if reduce and taken.report.diagnosis:
         for keep in reduction.candidates(sim, taken.report.diagnosis):
             smaller = _described(sim, taken, *reduction.reduced(sim, state, keep))
-            if _fails_alike(taken, *smaller):
+            if _fails_alike(sim, taken, *smaller):
                 header, arrays = smaller
                 left_out = [body.name for k, body in enumerate(sim.bodies) if k not in keep]
                 break
@@ -90,7 +89,7 @@ def write(sim: Simulation, folder: str | PathLike[str], *, reduce: bool = False)
 
 
 def _described(
-    sim: Simulation, taken: TakenStep, calls: list[Call], state: dict[str, Any]
+    sim: Stepping, taken: TakenStep, calls: list[Call], state: dict[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Header and arrays of the file."""
     arrays: dict[str, Any] = {f"state/{name}": array for name, array in state.items()}
@@ -103,7 +102,7 @@ def _described(
         "format": FORMAT_NAME,
         "version": FORMAT_VERSION,
         "stark_version": _core.__version__,
-        "scene": sim.scene.name,
+        "scene": sim._scene.name,
         "step": report.step,
         "settings": sim.settings.to_dict(),
         "calls": encoded,
@@ -117,18 +116,18 @@ def _described(
     return header, arrays
 
 
-def _fails_alike(taken: TakenStep, header: dict[str, Any], arrays: dict[str, Any]) -> bool:
-    from .loading import simulation_of
-
+def _fails_alike(sim: Stepping, taken: TakenStep, header: dict[str, Any], arrays: dict[str, Any]) -> bool:
     try:
-        sim = simulation_of(json.loads(json.dumps(header)), arrays, "reproducer")
-        report = sim.step() if taken.limit is None else sim.step(max_time_step=taken.limit)
+        smaller: Stepping = simulation_of(json.loads(json.dumps(header)), arrays, "reproducer", sim._again)
+        report = smaller.step() if taken.limit is None else smaller.step(max_time_step=taken.limit)
     except InvalidArgument:
         return False
     expected = taken.report
     return (
         report.failed
         and report.solve_status == expected.solve_status
+        and report.diagnosis is not None
+        and expected.diagnosis is not None
         and report.diagnosis.cause == expected.diagnosis.cause
     )
 
@@ -147,10 +146,10 @@ def _encoded(calls: list[Call], arrays: dict[str, Any]) -> tuple[list[Any], list
     return encoded, missing
 
 
-def _script(sim: Simulation, taken: TakenStep, left_out: list[str], missing: list[dict[str, Any]]) -> str:
+def _script(sim: Stepping, taken: TakenStep, left_out: list[str], missing: list[dict[str, Any]]) -> str:
     report = taken.report
     failed = f"which {report.status}" if not report.failed else "which failed"
-    title = f"Step {report.step} of the scene '{sim.scene.name}' at t = {taken.before.time:.6g} s, {failed}."
+    title = f"Step {report.step} of the scene '{sim._scene.name}' at t = {taken.before.time:.6g} s, {failed}."
     bodies = "\n".join(
         f"    {body.kind} '{body.name}' ({len(body.mesh.vertices)} vertices)"
         for body in sim.bodies

@@ -8,7 +8,7 @@ import stark
 
 from ._common import heights, no_nans
 
-until = 2.0  # [s]
+until: float = 2.0  # [s]
 _RADIUS, _HEIGHT = 0.25, 0.26  # of the sphere and its centre [m]
 
 

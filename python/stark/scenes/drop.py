@@ -14,7 +14,7 @@ import stark
 
 from ._common import no_nans
 
-until = 1.5  # [s]
+until: float = 1.5  # [s]
 _SIZE = 0.12  # largest extent of the nut [m]
 _HAMMOCK = (0.6, 0.36, 0.15)  # length, width and height above the floor [m]
 

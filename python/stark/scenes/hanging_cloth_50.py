@@ -8,7 +8,7 @@ import stark
 
 from ._common import bench_cotton, bench_settings, heights
 
-until = 3.0  # [s]
+until: float = 3.0  # [s]
 
 
 def settings() -> dict[str, object]:

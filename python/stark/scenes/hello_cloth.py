@@ -8,7 +8,7 @@ import stark
 
 from ._common import no_nans, spinning_box, spinning_box_observables, turn_box
 
-until = 10.0  # [s]
+until: float = 10.0  # [s]
 drive = turn_box
 observables = spinning_box_observables
 

@@ -15,7 +15,8 @@ from ..files import resolved
 from ..recording import Recorder
 from ..recording.format import CHECKPOINT
 from ..recording.lock import FolderLock
-from .runner import COUNTS, Job, OnProgress, OnStep, Plan, RunResult, end_time, make_simulation
+from ..steps import OnProgress
+from .runner import COUNTS, Job, OnStep, Plan, RunResult, end_time, make_simulation
 from .scene_file import SceneFile, load, names
 
 
@@ -75,7 +76,7 @@ def _job(
     scene_file.recall(checkpoint.memory)
     with Deferred():
         recorder = Recorder.resume(folder, sim, **recorded, lock=lock)
-    result = RunResult(scene_file.name, "complete", "", 0.0, wall, **counts)
+    result = RunResult(scene_file.name, "complete", "", 0.0, wall, **dict[str, Any](counts))
     return Job(scene_file, plan, sim, recorder, result)
 
 

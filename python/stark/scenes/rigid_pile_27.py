@@ -8,7 +8,7 @@ import stark
 
 from ._common import bench_settings, heights
 
-until = 2.0  # [s]
+until: float = 2.0  # [s]
 
 
 def settings() -> dict[str, object]:

@@ -19,7 +19,7 @@ from ..checkpoint import CheckpointError
 from ..files import resolved
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
-from ..simulation import OnProgress, limit_of_step, reached
+from ..steps import OnProgress, limit_of_step, reached
 from .scene_file import SceneFile, SceneFileError, load
 
 #: An interrupted run still gets its replay page when its recording is smaller than this.
@@ -288,8 +288,8 @@ class Job:
         than it needs."""
         if moment is None:
             return
-        now = clock.perf_counter()
-        if only_when_due and now - self._saved_at < self.plan.checkpoint_every:
+        now, period = clock.perf_counter(), self.plan.checkpoint_every
+        if only_when_due and period is not None and now - self._saved_at < period:
             return
         self.recorder.sync()
         moment.write(self.recorder.folder / CHECKPOINT)

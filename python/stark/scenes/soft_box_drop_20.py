@@ -6,7 +6,7 @@ import stark
 
 from ._common import bench_settings, heights
 
-until = 0.5  # [s]
+until: float = 0.5  # [s]
 
 
 def settings() -> dict[str, object]:

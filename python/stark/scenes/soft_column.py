@@ -1,14 +1,17 @@
 """Five soft boxes, one on the other, are pressed by a plate and let go."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+import stark
+
 from . import soft_column_6
 
-until = 2.0  # [s]
-build = soft_column_6.build
-observables = soft_column_6.observables
+until: float = 2.0  # [s]
+build: Callable[[], stark.Scene] = soft_column_6.build
+observables: Callable[[Any], dict[str, float]] = soft_column_6.observables
 _PLATE = soft_column_6._PLATE
 _DEPTH, _PERIOD = 0.1, 2.0  # of the plate's way [m] and of going down and up again [s]
 

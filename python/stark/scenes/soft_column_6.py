@@ -8,7 +8,7 @@ import stark
 
 from ._common import bench_settings, heights
 
-until = 1.0  # [s]
+until: float = 1.0  # [s]
 _SPEED = -0.1  # of the plate along z [m/s]
 #: Height of the plate's centre at the start [m]: over the top of the highest cube, a gap of twice 1.5 mm.
 _PLATE = 0.0515 + 4 * 0.1015 + 0.05 + 0.003 + 0.01

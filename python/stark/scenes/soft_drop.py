@@ -1,13 +1,16 @@
 """A soft cube of 20 x 20 x 20 cells falls on a floor, bounces and comes to rest."""
 
+from collections.abc import Callable
 from typing import Any
+
+import stark
 
 from . import soft_box_drop_20
 from ._common import no_nans
 
-until = 1.0  # [s]
-build = soft_box_drop_20.build
-observables = soft_box_drop_20.observables
+until: float = 1.0  # [s]
+build: Callable[[], stark.Scene] = soft_box_drop_20.build
+observables: Callable[[Any], dict[str, float]] = soft_box_drop_20.observables
 
 
 def settings() -> dict[str, object]:

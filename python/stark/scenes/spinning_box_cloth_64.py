@@ -4,7 +4,7 @@ import stark
 
 from ._common import bench_settings, spinning_box, spinning_box_observables, turn_box
 
-until = 0.5  # [s]
+until: float = 0.5  # [s]
 drive = turn_box
 observables = spinning_box_observables
 

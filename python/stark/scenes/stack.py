@@ -6,7 +6,7 @@ import numpy as np
 
 import stark
 
-until = 2.0  # [s]
+until: float = 2.0  # [s]
 _SIZE, _GAP = 0.1, 0.004  # [m]
 
 

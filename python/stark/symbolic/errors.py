@@ -55,7 +55,7 @@ def recording(formula: str) -> Iterator[None]:
         place = user_line(error.__traceback__)
         if not getattr(error, "located", False):
             error.args = (f"{formula}: {error}" + (f"\n{place}" if place else ""),)
-            error.located = True
+            error.__dict__["located"] = True
         raise
     except Exception as error:
         place = user_line(error.__traceback__)
@@ -65,7 +65,7 @@ def recording(formula: str) -> Iterator[None]:
 
 def formula_error(formula: str, message: str, function: Callable[..., object] | None = None) -> TraceError:
     """TraceError that points at the definition of the formula."""
-    place = f"\n{definition_of(function)}" if hasattr(function, "__code__") else ""
+    place = f"\n{definition_of(function)}" if function is not None and hasattr(function, "__code__") else ""
     error = TraceError(f"{formula}: {message}{place}")
-    error.located = True
+    error.__dict__["located"] = True
     return error

@@ -7,11 +7,13 @@ import inspect
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from stark._core import InvalidArgument, TraceError
 from stark._core import symbolic as core
+from stark.overloads import overload
 from stark.symbolic.arrays import batch_of
 from stark.symbolic.errors import formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
@@ -36,12 +38,12 @@ class Formula:
         function: Callable[..., object] | None = None,
     ) -> None:
         self.name = name
-        self.arguments = tuple(arguments)
+        self.arguments: tuple[Argument, ...] = tuple(arguments)
         self.result = result
         self.shape: tuple[int, ...] = getattr(result, "shape", ())
-        self.outputs = list(result.entries) if isinstance(result, Tensor) else [result]
+        self.outputs: list[Scalar] = list(result.entries) if isinstance(result, Tensor) else [result]
         self.backend = backend
-        self.own_shapes = [a.shape for a in self.arguments]
+        self.own_shapes: list[tuple[int, ...]] = [a.shape for a in self.arguments]
         self._compiled: dict[tuple[int, ...], core.ArrayFunction] = {}
         self._lock = threading.Lock()
         self._check(function)
@@ -111,7 +113,7 @@ class Function:
                     self._recording = False
         return self._formula
 
-    def __call__(self, *args: object, **kwargs: object) -> object:
+    def __call__(self, *args: object, **kwargs: object) -> Any:
         """Values, shape batch + shape of the result. Symbols as arguments give the formula of them."""
         if _any_symbols(args, kwargs):
             return self._of_symbols(self.formula.outputs, self.formula.shape, args, kwargs)
@@ -120,11 +122,11 @@ class Function:
         values, _, _ = self._run(0, True, False, (0,), arrays, batch)
         return values.reshape(batch + formula.shape)[()]
 
-    def gradient(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
+    def gradient(self, *args: object, wrt: Wrt = None, **kwargs: object) -> Any:
         """First derivatives of a scalar function: batch + shape of the argument."""
         return self._first("gradient", args, kwargs, wrt, False)[1]
 
-    def jacobian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
+    def jacobian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> Any:
         """First derivatives: batch + shape of the result + shape of the argument."""
         return self._first("jacobian", args, kwargs, wrt, False)[1]
 
@@ -136,12 +138,12 @@ class Function:
         """(values, jacobian) of one evaluation."""
         return self._first("jacobian", args, kwargs, wrt, True)
 
-    def hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> object:
+    def hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> Any:
         """Second derivatives of a scalar function: batch + shape of the argument, twice; for several
         arguments a tuple of rows of blocks."""
         return self._second(args, kwargs, wrt, False)[2]
 
-    def value_gradient_hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple:
+    def value_gradient_hessian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[Any, ...]:
         """(values, gradient, hessian) of one evaluation."""
         return self._second(args, kwargs, wrt, True)
 
@@ -168,7 +170,9 @@ class Function:
     def __repr__(self) -> str:
         return f"<stark.symbolic.Function {self.__name__}{self.__signature__}>"
 
-    def _of_symbols(self, outputs: list, shape: tuple, args: tuple, kwargs: dict) -> Scalar | Vec | Mat:
+    def _of_symbols(
+        self, outputs: list[Any], shape: tuple[Any, ...], args: tuple[Any, ...], kwargs: dict[Any, Any]
+    ) -> Scalar | Vec | Mat:
         """Expressions of the formula with the given symbols or expressions as arguments."""
         bound = self._bind(args, kwargs)
         values: list[Scalar] = []
@@ -185,7 +189,9 @@ class Function:
         symbols = [entry for argument in self.formula.arguments for entry in argument.entries]
         return from_shape(core.substitute(outputs, symbols, values), shape)
 
-    def _derivatives_of_symbols(self, order: int, args: tuple, kwargs: dict, wrt: Wrt) -> object:
+    def _derivatives_of_symbols(
+        self, order: int, args: tuple[Any, ...], kwargs: dict[Any, Any], wrt: Wrt
+    ) -> Any:
         """Derivatives as expressions, for formulas that use this one."""
         formula, which = self.formula, self._wrt(wrt)
         blocks = []
@@ -201,7 +207,7 @@ class Function:
             blocks.append(self._of_symbols([y for row in rows for y in row], shape, args, kwargs))
         return _single(tuple(blocks), wrt)
 
-    def _bind(self, args: tuple, kwargs: dict) -> dict[str, object]:
+    def _bind(self, args: tuple[Any, ...], kwargs: dict[Any, Any]) -> dict[str, object]:
         try:
             bound = self.__signature__.bind(*args, **kwargs)
         except TypeError as error:
@@ -209,7 +215,9 @@ class Function:
         bound.apply_defaults()
         return bound.arguments
 
-    def _arrays(self, args: tuple, kwargs: dict) -> tuple[list[np.ndarray], tuple[int, ...]]:
+    def _arrays(
+        self, args: tuple[Any, ...], kwargs: dict[Any, Any]
+    ) -> tuple[list[np.ndarray], tuple[int, ...]]:
         arguments = self.formula.arguments
         given, defaults = len(args), self._defaults
         # Signature.bind is slow and needed only for keywords and for mistakes.
@@ -236,8 +244,14 @@ class Function:
         return tuple(names.index(name) for name in wanted)
 
     def _run(
-        self, order: int, values: bool, first: bool, wrt: tuple[int, ...], arrays: list, batch: tuple
-    ) -> tuple:
+        self,
+        order: int,
+        values: bool,
+        first: bool,
+        wrt: tuple[int, ...],
+        arrays: list[Any],
+        batch: tuple[Any, ...],
+    ) -> tuple[Any, ...]:
         formula = self.formula
         return formula.compiled(wrt).evaluate(order, values, first, arrays, formula.own_shapes, batch)
 
@@ -248,7 +262,9 @@ class Function:
                 f"{describe(self.formula.result)}; use jacobian"
             )
 
-    def _first(self, what: str, args: tuple, kwargs: dict, wrt: Wrt, with_values: bool) -> tuple:
+    def _first(
+        self, what: str, args: tuple[Any, ...], kwargs: dict[Any, Any], wrt: Wrt, with_values: bool
+    ) -> tuple[Any, ...]:
         if what == "gradient":
             self._require_scalar(what)
         if _any_symbols(args, kwargs):
@@ -267,7 +283,9 @@ class Function:
             values = values.reshape(batch + formula.shape)[()]
         return values, _single(blocks, wrt)
 
-    def _second(self, args: tuple, kwargs: dict, wrt: Wrt, with_lower: bool) -> tuple:
+    def _second(
+        self, args: tuple[Any, ...], kwargs: dict[Any, Any], wrt: Wrt, with_lower: bool
+    ) -> tuple[Any, ...]:
         self._require_scalar("hessian")
         if _any_symbols(args, kwargs):
             lower = self._first("gradient", args, kwargs, wrt, True) if with_lower else (None, None)
@@ -296,11 +314,11 @@ class Function:
         return values.reshape(batch)[()], _single(slopes, wrt), _single(rows, wrt)
 
 
-def _any_symbols(args: tuple, kwargs: dict) -> bool:
+def _any_symbols(args: tuple[Any, ...], kwargs: dict[Any, Any]) -> bool:
     return any(isinstance(x, _SYMBOLS) for x in args) or any(isinstance(x, _SYMBOLS) for x in kwargs.values())
 
 
-def _single(blocks: tuple, wrt: Wrt) -> object:
+def _single(blocks: tuple[Any, ...], wrt: Wrt) -> Any:
     return blocks[0] if wrt is None or isinstance(wrt, str) else blocks
 
 
@@ -319,6 +337,14 @@ def _result(name: str, value: object, function: Callable[..., object] | None) ->
     return result
 
 
+@overload
+def function(f: Callable[..., object], /, *, backend: str = "automatic") -> Function: ...
+
+
+@overload
+def function(*, backend: str = "automatic") -> Callable[[Callable[..., object]], Function]: ...
+
+
 def function(
     f: Callable[..., object] | None = None, /, *, backend: str = "automatic"
 ) -> Function | Callable[[Callable[..., object]], Function]:
@@ -332,7 +358,7 @@ def function(
     outer = dict(sys._getframe(1).f_locals)
     signature, shapes = read_signature(f, name, outer)
 
-    def run(values: Sequence[object]) -> object:
+    def run(values: Sequence[object]) -> Any:
         given = dict(zip(shapes, values, strict=True))
         keyword_only = {p.name for p in signature.parameters.values() if p.kind is p.KEYWORD_ONLY}
         positional = [given[n] for n in shapes if n not in keyword_only]
@@ -366,7 +392,7 @@ def compile(
 
     inputs: symbols in the order of the arguments, or a mapping from names to symbols."""
     named = inputs.items() if isinstance(inputs, Mapping) else [(None, value) for value in inputs]
-    arguments = []
+    arguments: list[Argument] = []
     for key, value in named:
         symbol = convert(value, f"{name}: input {len(arguments)}")
         first = symbol.entries[0] if isinstance(symbol, Tensor) else symbol

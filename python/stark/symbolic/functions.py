@@ -4,16 +4,21 @@ scalar, which float() turns into a number."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, TypeAlias
 
 from stark._core import TraceError
 from stark._core import symbolic as core
 from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, elementwise, from_shape
 
+#: Of a scalar or number a scalar, of a vector or matrix one of the same shape.
+Unary: TypeAlias = Callable[[object], Any]
+Binary: TypeAlias = Callable[[object, object], Any]
 
-def _unary(name: str) -> Callable[[object], Scalar | Vec | Mat]:
+
+def _unary(name: str) -> Unary:
     compiled = getattr(core, name)
 
-    def function(x: object) -> Scalar | Vec | Mat:
+    def function(x: object) -> Any:
         return elementwise(compiled, name, x)
 
     function.__name__ = function.__qualname__ = name
@@ -21,10 +26,10 @@ def _unary(name: str) -> Callable[[object], Scalar | Vec | Mat]:
     return function
 
 
-def _binary(name: str, doc: str) -> Callable[[object, object], Scalar | Vec | Mat]:
+def _binary(name: str, doc: str) -> Binary:
     compiled = getattr(core, name)
 
-    def function(a: object, b: object) -> Scalar | Vec | Mat:
+    def function(a: object, b: object) -> Any:
         return elementwise(compiled, name, a, b)
 
     function.__name__ = function.__qualname__ = name
@@ -32,37 +37,37 @@ def _binary(name: str, doc: str) -> Callable[[object, object], Scalar | Vec | Ma
     return function
 
 
-abs = _unary("abs")
-sqrt = _unary("sqrt")
-square = _unary("square")
-exp = _unary("exp")
-log = _unary("log")
-sin = _unary("sin")
-cos = _unary("cos")
-tan = _unary("tan")
-asin = _unary("asin")
-acos = _unary("acos")
-atan = _unary("atan")
-sinh = _unary("sinh")
-cosh = _unary("cosh")
-tanh = _unary("tanh")
-minimum = _binary("minimum", "The smaller of two: a < b ? a : b.")
-maximum = _binary("maximum", "The larger of two: a > b ? a : b.")
-atan2 = _binary("atan2", "Angle [rad] of the direction (x, y); arguments y, x.")
-pow = _binary("pow", "Power: products for integer exponents, else the real power of a base >= 0.")
+abs: Unary = _unary("abs")
+sqrt: Unary = _unary("sqrt")
+square: Unary = _unary("square")
+exp: Unary = _unary("exp")
+log: Unary = _unary("log")
+sin: Unary = _unary("sin")
+cos: Unary = _unary("cos")
+tan: Unary = _unary("tan")
+asin: Unary = _unary("asin")
+acos: Unary = _unary("acos")
+atan: Unary = _unary("atan")
+sinh: Unary = _unary("sinh")
+cosh: Unary = _unary("cosh")
+tanh: Unary = _unary("tanh")
+minimum: Binary = _binary("minimum", "The smaller of two: a < b ? a : b.")
+maximum: Binary = _binary("maximum", "The larger of two: a > b ? a : b.")
+atan2: Binary = _binary("atan2", "Angle [rad] of the direction (x, y); arguments y, x.")
+pow: Binary = _binary("pow", "Power: products for integer exponents, else the real power of a base >= 0.")
 
 
-def fma(a: object, b: object, c: object) -> Scalar | Vec | Mat:
+def fma(a: object, b: object, c: object) -> Any:
     """a b + c with one rounding."""
     return elementwise(core.fma, "fma", a, b, c)
 
 
-def clip(x: object, lower: object, upper: object) -> Scalar | Vec | Mat:
+def clip(x: object, lower: object, upper: object) -> Any:
     """x, at least `lower` and at most `upper`."""
     return minimum(maximum(x, lower), upper)
 
 
-def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
+def where(condition: object, a: object, b: object) -> Any:
     """a where the condition holds, else b. The branch that is not taken never contributes to value or
     derivatives, not even as NaN. One condition may choose between vectors or matrices."""
     a, b = convert(a, "where"), convert(b, "where")
@@ -75,7 +80,7 @@ def where(condition: object, a: object, b: object) -> Scalar | Vec | Mat:
     return elementwise(lambda x, y: core.where(condition, x, y), "where", a, b)
 
 
-def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
+def gradient(output: object, wrt: object) -> Any:
     """Derivative of a scalar expression with respect to symbols, in their shape: the stress gradient(psi, F)
     of an argument F, say. For other values F write psi as a function of its own and call psi.gradient(F)."""
     output, variable = convert(output, "gradient"), convert(wrt, "gradient: wrt")
@@ -85,7 +90,7 @@ def gradient(output: object, wrt: object) -> Scalar | Vec | Mat:
     return from_shape(core.jacobian([output], _entries(variable))[0], shape)
 
 
-def jacobian(output: object, wrt: object) -> Scalar | Vec | Mat:
+def jacobian(output: Any, wrt: Any) -> Any:
     """Derivatives of the entries of a vector expression (rows) by those of a vector of symbols."""
     output, variable = convert(output, "jacobian"), convert(wrt, "jacobian: wrt")
     shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())
@@ -110,7 +115,7 @@ def _entries(value: Scalar | Vec | Mat) -> list[Scalar]:
     return list(value.entries) if isinstance(value, Tensor) else [value]
 
 
-def mark_stage(value: Scalar | Vec | Mat) -> Scalar | Vec | Mat:
+def mark_stage(value: Scalar | Vec | Mat) -> Any:
     """Hint for second derivatives: they may be formed through this value (points of a body, a deformation
     gradient). Never changes results. Returns the value."""
     for entry in _entries(convert(value, "mark_stage")):
@@ -119,4 +124,4 @@ def mark_stage(value: Scalar | Vec | Mat) -> Scalar | Vec | Mat:
     return value
 
 
-is_same = core.is_same
+is_same: Callable[[Scalar, Scalar], bool] = core.is_same

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
 from stark.symbolic.tensor import Scalar
 
@@ -19,8 +20,8 @@ class ExpressionGraph:
 
     def __init__(self, title: str, outputs: Sequence[Scalar]) -> None:
         self.title = title
-        self.outputs = list(outputs)
-        self.nodes = _reachable(self.outputs)
+        self.outputs: list[Scalar] = list(outputs)
+        self.nodes: dict[int, Scalar] = _reachable(self.outputs)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -33,7 +34,9 @@ class ExpressionGraph:
         return sum(self.counts.values())
 
     def __str__(self) -> str:
-        lines, texts, names = [], {}, {}
+        lines: list[str] = []
+        texts: dict[int, Any] = {}
+        names: dict[int, Any] = {}
         uses = Counter(operand.id for node in self.nodes.values() for operand in node.operands)
         uses.update(y.id for y in self.outputs)
         for key, node in self.nodes.items():

@@ -3,6 +3,8 @@ src/stark/symbolic/tensor.h."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from stark._core import TraceError
 from stark._core import symbolic as core
 from stark.symbolic.tensor import Mat, Scalar, Tensor, Vec, convert, describe, dot_entries, transpose
@@ -30,7 +32,7 @@ def dot(a: object, b: object) -> Scalar:
     return dot_entries(a.entries, b.entries)
 
 
-def cross(a: object, b: object) -> Vec | Scalar:
+def cross(a: Any, b: Any) -> Any:
     """Cross product of vectors of 3; of vectors of 2, its out-of-plane component."""
     a, b = _vectors("cross", a, b)
     if len(a) == 2:
@@ -40,7 +42,7 @@ def cross(a: object, b: object) -> Vec | Scalar:
     return Vec([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def squared_norm(a: object) -> Scalar:
+def squared_norm(a: Any) -> Scalar:
     """Sum of the squares of all entries."""
     a = convert(a, "squared_norm")
     return dot_entries(a.entries, a.entries) if isinstance(a, Tensor) else a * a

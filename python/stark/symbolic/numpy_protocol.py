@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -79,7 +80,7 @@ _FUNCTIONS: dict[Callable[..., object], Callable[..., object]] = {
 }
 
 
-def _dot(a: object, b: object) -> object:
+def _dot(a: Any, b: Any) -> object:
     a, b = tensor.convert(a, "dot"), tensor.convert(b, "dot")
     both = isinstance(a, tensor.Tensor) and isinstance(b, tensor.Tensor)
     return tensor.matmul(a, b) if both else a * b
@@ -98,7 +99,11 @@ def array_ufunc(self: object, ufunc: np.ufunc, method: str, *inputs: object, **o
 
 
 def array_function(
-    self: object, function: Callable[..., object], types: object, args: tuple, kwargs: dict
+    self: object,
+    function: Callable[..., object],
+    types: object,
+    args: tuple[Any, ...],
+    kwargs: dict[Any, Any],
 ) -> object:
     """NumPy's hook for its other functions."""
     name = getattr(function, "__name__", str(function))
@@ -111,6 +116,7 @@ def array_function(
         raise TraceError(f"np.{name}: only its plain form works on traced values ({error})") from None
 
 
-for _type in (tensor.Scalar, tensor.Tensor):
+_types: tuple[Any, ...] = (tensor.Scalar, tensor.Tensor)
+for _type in _types:
     _type.__array_ufunc__ = array_ufunc
     _type.__array_function__ = array_function

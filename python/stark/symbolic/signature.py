@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ class ArgumentType:
     __repr__ = __str__  # in signatures of functions
 
 
-def _checked(kind: str, shape: tuple[object, ...], dimensions: int) -> ArgumentType:
+def _checked(kind: str, shape: tuple[Any, ...], dimensions: int) -> ArgumentType:
     if len(shape) != dimensions or not all(isinstance(n, (int, np.integer)) and n > 0 for n in shape):
         need = "Vector[n]" if dimensions == 1 else "Matrix[rows, columns]"
         raise TraceError(f"{kind}{list(shape)}: need {need} with positive integers")
@@ -65,7 +66,7 @@ class Argument:
 
     @property
     def entries(self) -> list[Scalar]:
-        return list(self.value.entries) if self.shape else [self.value]
+        return list(self.value.entries) if isinstance(self.value, (Vec, Mat)) else [self.value]
 
 
 def new_symbols(graph: core.Graph, name: str, shape: tuple[int, ...]) -> Scalar | Vec | Mat:

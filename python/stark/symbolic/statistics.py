@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -18,10 +19,10 @@ class Statistics:
     algorithm: str  # how the hessian was formed
 
     @classmethod
-    def of(cls, backend: str, orders: Mapping[str, Mapping[str, object]]) -> Statistics:
+    def of(cls, backend: str, orders: Mapping[str, Mapping[str, Any]]) -> Statistics:
         """From the counts of each order."""
         columns = ("operations", "instructions", "code_bytes", "build_seconds")
-        counts = {c: {order: values[c] for order, values in orders.items()} for c in columns}
+        counts: dict[str, Any] = {c: {order: values[c] for order, values in orders.items()} for c in columns}
         return cls(backend, **counts, algorithm=str(orders.get("hessian", {}).get("algorithm", "")))
 
     def __str__(self) -> str:

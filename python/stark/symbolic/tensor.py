@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Self
 
 import numpy as np
 
@@ -50,23 +51,28 @@ class Tensor:
     def size(self) -> int:
         return len(self._entries)
 
-    def map(self, function: Callable[[Scalar], object]) -> Tensor:
+    def map(self, function: Callable[[Scalar], object]) -> Self:
         """The function of every entry."""
         return type(self)._of([function(entry) for entry in self._entries], self.shape)
 
     @classmethod
-    def _of(cls, entries: Sequence[object], shape: tuple[int, ...]) -> Tensor:
+    def _of(cls, entries: Sequence[object], shape: tuple[int, ...]) -> Self:
         result = object.__new__(cls)
         Tensor.__init__(result, entries, shape)
+        return result
+
+    def _like(self, function: Callable[..., object], sign: str, *operands: object) -> Self:
+        """Of the shape of this one."""
+        result: Self = elementwise(function, sign, *operands)
         return result
 
     def __len__(self) -> int:
         return self.shape[0]
 
-    def __iter__(self) -> Iterator[Scalar | Vec]:
+    def __iter__(self) -> Iterator[Any]:
         return (self[i] for i in range(len(self)))
 
-    def __getitem__(self, key: object) -> Scalar | Vec | Mat:
+    def __getitem__(self, key: Any) -> Any:
         try:
             places = np.arange(self.size).reshape(self.shape)[key]
         except IndexError as error:
@@ -85,70 +91,70 @@ class Tensor:
             "stark.vec(entries) or stark.mat(rows)"
         )
 
-    def __add__(self, other: object) -> Tensor:
-        return elementwise(operator.add, "+", self, other)
+    def __add__(self, other: object) -> Self:
+        return self._like(operator.add, "+", self, other)
 
-    def __radd__(self, other: object) -> Tensor:
-        return elementwise(operator.add, "+", other, self)
+    def __radd__(self, other: object) -> Self:
+        return self._like(operator.add, "+", other, self)
 
-    def __sub__(self, other: object) -> Tensor:
-        return elementwise(operator.sub, "-", self, other)
+    def __sub__(self, other: object) -> Self:
+        return self._like(operator.sub, "-", self, other)
 
-    def __rsub__(self, other: object) -> Tensor:
-        return elementwise(operator.sub, "-", other, self)
+    def __rsub__(self, other: object) -> Self:
+        return self._like(operator.sub, "-", other, self)
 
-    def __mul__(self, other: object) -> Tensor:
-        return elementwise(operator.mul, "*", self, other)
+    def __mul__(self, other: object) -> Self:
+        return self._like(operator.mul, "*", self, other)
 
-    def __rmul__(self, other: object) -> Tensor:
-        return elementwise(operator.mul, "*", other, self)
+    def __rmul__(self, other: object) -> Self:
+        return self._like(operator.mul, "*", other, self)
 
-    def __truediv__(self, other: object) -> Tensor:
-        return elementwise(operator.truediv, "/", self, other)
+    def __truediv__(self, other: object) -> Self:
+        return self._like(operator.truediv, "/", self, other)
 
-    def __rtruediv__(self, other: object) -> Tensor:
-        return elementwise(operator.truediv, "/", other, self)
+    def __rtruediv__(self, other: object) -> Self:
+        return self._like(operator.truediv, "/", other, self)
 
-    def __pow__(self, other: object) -> Tensor:
-        return elementwise(core.pow, "**", self, other)
+    def __pow__(self, other: object) -> Self:
+        return self._like(core.pow, "**", self, other)
 
-    def __rpow__(self, other: object) -> Tensor:
-        return elementwise(core.pow, "**", other, self)
+    def __rpow__(self, other: object) -> Self:
+        return self._like(core.pow, "**", other, self)
 
-    def __lt__(self, other: object) -> Tensor:
-        return elementwise(operator.lt, "<", self, other)
+    def __lt__(self, other: object) -> Self:
+        return self._like(operator.lt, "<", self, other)
 
-    def __le__(self, other: object) -> Tensor:
-        return elementwise(operator.le, "<=", self, other)
+    def __le__(self, other: object) -> Self:
+        return self._like(operator.le, "<=", self, other)
 
-    def __gt__(self, other: object) -> Tensor:
-        return elementwise(operator.gt, ">", self, other)
+    def __gt__(self, other: object) -> Self:
+        return self._like(operator.gt, ">", self, other)
 
-    def __ge__(self, other: object) -> Tensor:
-        return elementwise(operator.ge, ">=", self, other)
+    def __ge__(self, other: object) -> Self:
+        return self._like(operator.ge, ">=", self, other)
 
-    def __and__(self, other: object) -> Tensor:
-        return elementwise(operator.and_, "&", self, other)
+    def __and__(self, other: object) -> Self:
+        return self._like(operator.and_, "&", self, other)
 
-    def __or__(self, other: object) -> Tensor:
-        return elementwise(operator.or_, "|", self, other)
+    def __or__(self, other: object) -> Self:
+        return self._like(operator.or_, "|", self, other)
 
-    def __invert__(self) -> Tensor:
+    def __invert__(self) -> Self:
         return self.map(operator.invert)
 
-    def __neg__(self) -> Tensor:
+    def __neg__(self) -> Self:
         return self.map(operator.neg)
 
-    def __pos__(self) -> Tensor:
+    def __pos__(self) -> Self:
         return self
 
-    def __abs__(self) -> Tensor:
+    def __abs__(self) -> Self:
         return self.map(core.abs)
 
-    def __matmul__(self, other: object) -> Scalar | Vec | Mat:
+    def __matmul__(self, other: object) -> Any:
         return matmul(self, other)
 
-    def __rmatmul__(self, other: object) -> Scalar | Vec | Mat:
+    def __rmatmul__(self, other: object) -> Any:
         return matmul(other, self)
 
     def __eq__(self, other: object) -> bool:
@@ -157,8 +163,11 @@ class Tensor:
             "with <= and >="
         )
 
-    __ne__ = __eq__
-    __hash__ = object.__hash__
+    def __ne__(self, other: object) -> bool:
+        return self == other
+
+    def __hash__(self) -> int:
+        return object.__hash__(self)
 
     def __bool__(self) -> bool:
         raise TraceError(
@@ -276,7 +285,7 @@ class Mat(Tensor):
         return self[:, j]
 
 
-def from_shape(entries: Sequence[object], shape: tuple[int, ...]) -> Scalar | Vec | Mat:
+def from_shape(entries: Sequence[Any], shape: tuple[int, ...]) -> Any:
     """Scalar, Vec or Mat of row-major entries."""
     if len(shape) == 0:
         return core.constant(entries[0])
@@ -285,7 +294,7 @@ def from_shape(entries: Sequence[object], shape: tuple[int, ...]) -> Scalar | Ve
     return (Vec if len(shape) == 1 else Mat)._of(entries, tuple(shape))
 
 
-def convert(value: object, what: str) -> Scalar | Vec | Mat:
+def convert(value: Any, what: str) -> Any:
     """A scalar, number, sequence or array as Scalar, Vec or Mat; `what` names it in the message."""
     if isinstance(value, (Scalar, Tensor)):
         return value
@@ -302,7 +311,7 @@ def convert(value: object, what: str) -> Scalar | Vec | Mat:
     raise TraceError(f"{what}: got {type(value).__name__}, need a scalar, Vec, Mat or numbers")
 
 
-def vec(*entries: object) -> Vec:
+def vec(*entries: Any) -> Vec:
     """vec(a, b, c) or vec([a, b, c])."""
     if len(entries) == 1 and not core.is_scalar_like(entries[0]):
         if isinstance(entries[0], Vec):
@@ -313,12 +322,12 @@ def vec(*entries: object) -> Vec:
     return Vec(entries)
 
 
-def mat(rows: Sequence[Sequence[object]]) -> Mat:
+def mat(rows: Any) -> Mat:
     """Matrix of rows: mat([[a, b], [c, d]]) or mat([u, v])."""
     return rows if isinstance(rows, Mat) else Mat(list(rows))
 
 
-def columns(*vectors: object) -> Mat:
+def columns(*vectors: Any) -> Mat:
     """Matrix with these columns."""
     return transpose(Mat(vectors[0] if len(vectors) == 1 and not isinstance(vectors[0], Vec) else vectors))
 
@@ -339,7 +348,7 @@ def diag(value: object) -> Mat | Vec:
     return Mat([[value[i] if i == j else 0.0 for j in range(n)] for i in range(n)])
 
 
-def elementwise(function: Callable[..., object], sign: str, *operands: object) -> Scalar | Vec | Mat:
+def elementwise(function: Callable[..., object], sign: str, *operands: object) -> Any:
     """The function entry by entry; scalars go with every entry, other shapes have to be equal."""
     values = [convert(operand, f"operator {sign}" if not sign.isalpha() else sign) for operand in operands]
     tensors = [value for value in values if isinstance(value, Tensor)]
@@ -361,7 +370,7 @@ def dot_entries(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return total
 
 
-def matmul(a: object, b: object) -> Scalar | Vec | Mat:
+def matmul(a: object, b: object) -> Any:
     """Product of matrices and vectors, the operator @."""
     a, b = convert(a, "@"), convert(b, "@")
     if not (isinstance(a, Tensor) and isinstance(b, Tensor)):

@@ -117,7 +117,7 @@ class TelemetryWriter:
     (stark.recording.chain)."""
 
     def __init__(self, path: str | os.PathLike[str], *, kept: bytes = b"", chain: Any = None) -> None:
-        self.path = Path(path)
+        self.path: Path = Path(path)
         write_atomically(self.path, lambda file: file.write(kept))  # a file of its own, whatever was there
         with naming(self.path):
             self._file = self.path.open("a", encoding="utf-8", buffering=1)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 if not __package__:
     sys.path[0] = str(Path(__file__).resolve().parents[1])
-    from verify import UnreadableRecording, verify
-    from verify.files import printable
+    from verify import UnreadableRecording, verify  # type: ignore[import-not-found, no-redef, unused-ignore]
+    from verify.files import printable  # type: ignore[import-not-found, no-redef, unused-ignore]
 else:
     from . import UnreadableRecording, verify
     from .files import printable

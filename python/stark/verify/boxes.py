@@ -4,6 +4,8 @@ array."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +39,7 @@ class BoxTree:
         self.count = count
         size = 1 << max(0, (count - 1).bit_length())
         #: Number of the box of each leaf.
-        self.order = (
+        self.order: NDArray[Any] = (
             np.lexsort((_morton(0.5 * (low + high)), group)) if count else np.zeros(0, dtype=np.int64)
         )
         leaves = _Level(np.full((3, size), np.inf), np.full((3, size), -np.inf), np.full(size, -1))
@@ -45,7 +47,7 @@ class BoxTree:
         leaves.high[:, :count] = high[self.order].T
         leaves.group[:count] = group[self.order]
         #: From the leaves to the root.
-        self.levels = [leaves]
+        self.levels: list[_Level] = [leaves]
         while self.levels[-1].group.size > 1:
             self.levels.append(self.levels[-1].parents(group_count))
 

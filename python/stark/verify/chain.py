@@ -37,11 +37,13 @@ class ChainCheck:
             f"'{self.run.folder}/manifest.json': chain must be an object",
         )
         self.given: dict[str, Any] = given or {}
-        self.recorded = given is not None
+        self.recorded: bool = given is not None
         seed = _seed(self.run.files)
         #: The recorded one where it differs: rows are judged on their own.
-        self.seed = str(self.given.get("seed", seed))
-        self.heads = {kind: _start(kind, self.seed) for kind in ("states", "frames", "telemetry")}
+        self.seed: str = str(self.given.get("seed", seed))
+        self.heads: dict[str, str] = {
+            kind: _start(kind, self.seed) for kind in ("states", "frames", "telemetry")
+        }
         self._broken: set[str] = set()
         if not self.recorded:
             return

@@ -13,7 +13,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 
@@ -125,14 +125,14 @@ def _array(data: bytes, name: str) -> np.ndarray:
     plain = dtype.kind in "biuf" and all(extent >= 0 for extent in shape)
     if not plain or count * dtype.itemsize != len(data) - end:
         raise ValueError(f"'{name[:80]}' claims the shape {shape} of {dtype}, which is not what it holds")
-    order = "F" if header["fortran_order"] else "C"
+    order: Literal["C", "F"] = "F" if header["fortran_order"] else "C"
     return np.frombuffer(data, dtype=dtype, offset=end).reshape(shape, order=order).copy()
 
 
 def file_digest(path: Path) -> str:
     try:
         with open_file(path) as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+            return hashlib.file_digest(file, "sha256").hexdigest()  # type: ignore[arg-type]
     except OSError as error:
         raise UnreadableRecording(f"'{path}' cannot be read: {error}") from error
 

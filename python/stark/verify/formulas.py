@@ -33,15 +33,15 @@ def _tilt(A: Floats, B: Floats) -> float:
 COORDINATES: dict[str, dict[str, Callable[[Floats, Floats, Floats, Floats], float]]] = {
     "hinge": {"angle": lambda p, A, q, B: turn_about_z(A, B)},
     "direction": {"angle": lambda p, A, q, B: turn_about_z(A, B)},
-    "slider": {"displacement": lambda p, A, q, B: A[:, 2] @ (q - p)},
-    "point_on_axis": {"displacement": lambda p, A, q, B: A[:, 2] @ (q - p)},
+    "slider": {"displacement": lambda p, A, q, B: float(A[:, 2] @ (q - p))},
+    "point_on_axis": {"displacement": lambda p, A, q, B: float(A[:, 2] @ (q - p))},
     "cylindrical": {
-        "displacement": lambda p, A, q, B: A[:, 2] @ (q - p),
+        "displacement": lambda p, A, q, B: float(A[:, 2] @ (q - p)),
         "angle": lambda p, A, q, B: turn_about_z(A, B),
     },
     "planar": {
-        "displacement_x": lambda p, A, q, B: A[:, 0] @ (q - p),
-        "displacement_y": lambda p, A, q, B: A[:, 1] @ (q - p),
+        "displacement_x": lambda p, A, q, B: float(A[:, 0] @ (q - p)),
+        "displacement_y": lambda p, A, q, B: float(A[:, 1] @ (q - p)),
         "angle": lambda p, A, q, B: turn_about_z(A, B),
     },
     "universal": {

@@ -172,6 +172,7 @@ def _frames(
                 and len(track) in (1, len(times))
             )
             need(fits, f"'{path}': positions of body '{body.name}' are missing or have a wrong shape")
+            assert track is not None
             tracks[f"positions_{i:04d}"] = track
         for k, time in enumerate(times):
             if index == total and run.manifest.get("status") == "running":

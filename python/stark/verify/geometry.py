@@ -58,9 +58,9 @@ class GeometryCheck:
 
     def __post_init__(self) -> None:
         self.surface = Surface(self.run)
-        self.factor = self.run.bound("contact.min_separation_factor") or 0.0
+        self.factor: float = self.run.bound("contact.min_separation_factor") or 0.0
         #: What claims about contact are about, where that is not everything.
-        self.scope = ""
+        self.scope: str = ""
         if left_out := len(excluded_pairs(self.run)):
             self.scope = f" (without {left_out} pair{'s' if left_out > 1 else ''} of bodies, see limits)"
 

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
-from .reading import Body, Run, State, need
+from .files import need
+from .reading import Body, Run, State
 from .rotation import impulse, momentum
 from .telemetry import number
 
@@ -47,22 +48,22 @@ class InertiaCheck:
     worst: dict[str, tuple[float, dict[str, Any] | None]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.weights = [_weights(body) for body in self.run.bodies]
-        self.unknown = [
+        self.weights: list[_Weights | None] = [_weights(body) for body in self.run.bodies]
+        self.unknown: list[str] = [
             b.name
             for b, w in zip(self.run.bodies, self.weights, strict=True)
             if w is None and b.motion == "dynamic"
         ]
         gravity = self.run.settings.get("gravity", (0.0, 0.0, 0.0))
-        self.gravity = np.array(gravity, dtype=np.float64)
+        self.gravity: NDArray[Any] = np.array(gravity, dtype=np.float64)
         need(
             self.gravity.shape == (3,) and bool(np.isfinite(self.gravity).all()),
             f"'{self.run.folder / 'manifest.json'}': setting gravity = {gravity!r} breaks an entry: "
             f"must be three finite numbers",
         )
         #: Without them nothing can be compared.
-        self.lacking = self.run.lacks("gravity", "time.integrator")
-        self.integrator = self.run.settings.get("time.integrator")
+        self.lacking: str = self.run.lacks("gravity", "time.integrator")
+        self.integrator: Any = self.run.settings.get("time.integrator")
 
     def add(self, start: State, end: State, row: dict[str, Any]) -> None:
         h = number(row, "time_step")

@@ -124,12 +124,12 @@ class JointCheck:
 
     def __post_init__(self) -> None:
         settings = self.run.settings
-        self.length = self.run.bound("joints.length_tolerance") or 0.0
-        self.angle = self.run.bound("joints.angle_tolerance") or 0.0
-        self.lacking = self.run.lacks("joints.length_tolerance", "joints.angle_tolerance")
+        self.length: float = self.run.bound("joints.length_tolerance") or 0.0
+        self.angle: float = self.run.bound("joints.angle_tolerance") or 0.0
+        self.lacking: str = self.run.lacks("joints.length_tolerance", "joints.angle_tolerance")
         #: Joints that cannot be looked at, and why.
         self.unknown: dict[str, str] = {}
-        self.stops = StopCheck(self.run)
+        self.stops: StopCheck = StopCheck(self.run)
         self.previous: State | None = None
         # With bdf2, what formulas take for the start of a step is not a state.
         self._has_start = settings.get("time.integrator") in ("implicit_euler", "quasistatic")

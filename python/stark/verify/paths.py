@@ -37,7 +37,7 @@ def _apart_along_axes(kind: Kind, x0: Floats, x1: Floats) -> NDArray[np.bool_]:
         a, b = x[:, :count].swapaxes(0, 1), x[:, count:].swapaxes(0, 1)
         above &= reduce(np.minimum, a) > reduce(np.maximum, b)
         below &= reduce(np.maximum, a) < reduce(np.minimum, b)
-    return (above | below).any(axis=1)
+    return np.asarray((above | below).any(axis=1))
 
 
 def _march(kind: Kind, x0: Floats, x1: Floats) -> tuple[NDArray[np.int64], Floats]:

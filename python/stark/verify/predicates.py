@@ -87,7 +87,7 @@ def _dot(a: Point, b: Point) -> Fraction:
 
 def _meets_exactly(p: Point, q: Point, a: Point, b: Point, c: Point) -> bool:
     normal = _cross(_minus(b, a), _minus(c, a))
-    if normal == (0, 0, 0):  # a triangle without area is its longest side, at most
+    if not any(normal):  # a triangle without area is its longest side, at most
         return any(_segments_meet(p, q, s, t) for s, t in ((a, b), (b, c), (c, a)))
     height_p, height_q = _dot(normal, _minus(p, a)), _dot(normal, _minus(q, a))
     if height_p * height_q > 0:
@@ -114,11 +114,11 @@ def _segments_meet(p: Point, q: Point, s: Point, t: Point) -> bool:
             return False
         along_u, along_v = _dot(normal, _cross(w, v)) / area, _dot(normal, _cross(w, u)) / area
         return 0 <= along_u <= 1 and 0 <= along_v <= 1
-    if u == (0, 0, 0):
+    if not any(u):
         return _on_segment(p, s, t)
     return any((_on_segment(p, s, t), _on_segment(s, p, q), _on_segment(t, p, q)))
 
 
 def _on_segment(p: Point, s: Point, t: Point) -> bool:
     v, w = _minus(t, s), _minus(p, s)
-    return _cross(v, w) == (0, 0, 0) and 0 <= _dot(v, w) <= _dot(v, v)
+    return not any(_cross(v, w)) and 0 <= _dot(v, w) <= _dot(v, v)

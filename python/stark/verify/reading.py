@@ -155,7 +155,7 @@ class Run:
         times = arrays.get("times", np.zeros(0))
         need(times.ndim == 1 and np.isfinite(times).all() and times.size > 0, f"'{path}' has no valid times")
         for i, body in enumerate(self.bodies):
-            shapes = {"positions": (body.vertex_count, 3)}
+            shapes: dict[str, tuple[int, ...]] = {"positions": (body.vertex_count, 3)}
             n = body.vertex_count
             shapes |= {"poses": (4, 3), "angular_velocities": (3,)} if body.kind == "rigid" else {}
             shapes |= {"frames": (n, 3, 3), "angular_velocities": (n, 3)} if body.kind == "rod" else {}
@@ -286,7 +286,7 @@ def _read_scene(run: Run) -> None:
     except (KeyError, TypeError, ValueError) as error:
         raise UnreadableRecording(f"'{path}' lacks or breaks an entry: {error}") from error
     need(
-        bool(run.bodies) and ((pairs >= 0) & (pairs < len(run.bodies))).all(),
+        bool(run.bodies) and bool(((pairs >= 0) & (pairs < len(run.bodies))).all()),
         f"'{path}' has no bodies, or a pair of bodies that it does not have",
     )
     enabled = scene.get("contact_enabled")

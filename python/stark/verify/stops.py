@@ -28,9 +28,9 @@ class StopCheck:
     _turned: dict[tuple[int, str], float] = field(default_factory=dict)  # angles over full turns
 
     def __post_init__(self) -> None:
-        self.length = self.run.bound("joints.length_tolerance") or 0.0
-        self.angle = self.run.bound("joints.angle_tolerance") or 0.0
-        self.actuators = [a for a in self.run.scene["actuators"] if isinstance(a, dict)]
+        self.length: float = self.run.bound("joints.length_tolerance") or 0.0
+        self.angle: float = self.run.bound("joints.angle_tolerance") or 0.0
+        self.actuators: list[dict[str, Any]] = [a for a in self.run.scene["actuators"] if isinstance(a, dict)]
         if len(self.actuators) < len(self.run.scene["actuators"]):
             self.lacking = "actuators are recorded by name only"
         for actuator in self.actuators:
@@ -47,6 +47,7 @@ class StopCheck:
             self._turned[key] = value + 2.0 * math.pi * turns
         if state.actuators is None or state.index == 0 or self.lacking:
             return
+        assert state.actuator_values is not None
         first = 0
         for k, actuator in enumerate(self.actuators):
             count = len(actuator["values"])

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from .boxes import BoxTree, overlapping_pairs
 from .distances import Kind
-from .reading import Body, Run, need
+from .files import need
+from .reading import Body, Run
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -37,19 +38,23 @@ class Surface:
 
     def __init__(self, run: Run) -> None:
         self.bodies: list[Body] = run.bodies
-        self.starts = np.cumsum([0, *(body.vertex_count for body in self.bodies)])
-        self.triangles = np.concatenate([b.triangles + s for b, s in self._placed()]).astype(np.int64)
-        self.edges = np.concatenate([_edges(b) + s for b, s in self._placed()]).astype(np.int64)
-        self.points = np.unique(np.concatenate([self.triangles.ravel(), self.edges.ravel()]))
-        self.body_of = np.repeat(np.arange(len(self.bodies)), [b.vertex_count for b in self.bodies])
+        self.starts: NDArray[Any] = np.cumsum([0, *(body.vertex_count for body in self.bodies)])
+        self.triangles: NDArray[Any] = np.concatenate([b.triangles + s for b, s in self._placed()]).astype(
+            np.int64
+        )
+        self.edges: NDArray[Any] = np.concatenate([_edges(b) + s for b, s in self._placed()]).astype(np.int64)
+        self.points: NDArray[Any] = np.unique(np.concatenate([self.triangles.ravel(), self.edges.ravel()]))
+        self.body_of: NDArray[Any] = np.repeat(
+            np.arange(len(self.bodies)), [b.vertex_count for b in self.bodies]
+        )
         #: Contact distance of each body [m]; two act on each other within the sum of theirs.
-        self.distance = np.array([body.contact_distance for body in self.bodies])
+        self.distance: NDArray[Any] = np.array([body.contact_distance for body in self.bodies])
         #: Bodies that are not excluded for good.
-        self.can_touch = np.ones((len(self.bodies),) * 2, dtype=bool)
+        self.can_touch: NDArray[Any] = np.ones((len(self.bodies),) * 2, dtype=bool)
         for a, b in run.scene["pairs_without_contact"]:
             self.can_touch[a, b] = self.can_touch[b, a] = False
         #: What joints and attachments keep from contact, in the order in which states have it.
-        self.exclusions = exclusions(run.scene, self.can_touch)
+        self.exclusions: list[tuple[int, int, int]] = exclusions(run.scene, self.can_touch)
         if not run.scene["contact_enabled"]:
             self.can_touch[:] = False
         self._regained: bytes | None = None
@@ -66,7 +71,7 @@ class Surface:
         if rows.tobytes() == self._regained:
             return
         self._regained = rows.tobytes()
-        self.allowed = self.can_touch.copy()
+        self.allowed: NDArray[Any] = self.can_touch.copy()
         #: Points that are kept from a body (N, bodies), None if there are none.
         self.kept: NDArray[np.bool_] | None = None
         for (body, vertex, other), back in zip(self.exclusions, rows.tolist(), strict=True):
@@ -101,12 +106,14 @@ class Surface:
     def edge_triangle_pairs_of(self, a: int, b: int, x: Floats) -> PairList:
         """The same of two bodies, whatever is excluded."""
         allowed, kept = self.allowed, self.kept
-        self.allowed, self.kept = np.zeros_like(allowed), None
+        self.allowed = np.zeros_like(allowed)
+        self.kept = None
         self.allowed[a, b] = self.allowed[b, a] = True
         try:
             return self.edge_triangle_pairs(x)
         finally:
-            self.allowed, self.kept = allowed, kept
+            self.allowed = allowed
+            self.kept = kept
 
     def _tree(self, primitives: Integers, low: Floats, high: Floats) -> BoxTree:
         bodies = self.body_of[primitives[:, 0]] if len(primitives) else np.zeros(0, dtype=np.int64)

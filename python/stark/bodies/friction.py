@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array, real_number
-
-if TYPE_CHECKING:
-    from stark.bodies import Body
-    from stark.scene import Scene
-
+from stark.handle import BodyHandle, SceneLink
 
 _FIELDS = ("along", "across", "kinetic")
 
@@ -44,20 +39,22 @@ class FrictionTable:
     ``scene.default_friction`` stands in for a body that was given none. A body with itself is its
     self-contact."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneLink) -> None:
         self._scene = scene
 
-    def __getitem__(self, pair: tuple[Body | str, Body | str]) -> float | Anisotropic:
+    def __getitem__(self, pair: tuple[BodyHandle | str, BodyHandle | str]) -> float | Anisotropic:
         static, kinetic, along, across = self._scene._core.friction(*self._scene._pair(pair))
         return static if along == across else Anisotropic(static * along, static * across, kinetic / static)
 
-    def kinetic(self, a: Body | str, b: Body | str) -> float | Anisotropic:
+    def kinetic(self, a: BodyHandle | str, b: BodyHandle | str) -> float | Anisotropic:
         """Coefficient of sliding contact of the pair."""
         _, kinetic, along, across = self._scene._core.friction(*self._scene._pair((a, b)))
         return kinetic if along == across else Anisotropic(kinetic * along, kinetic * across)
 
     def __setitem__(
-        self, pair: tuple[Body | str, Body | str], coefficient: float | tuple[float, float] | Anisotropic
+        self,
+        pair: tuple[BodyHandle | str, BodyHandle | str],
+        coefficient: float | tuple[float, float] | Anisotropic,
     ) -> None:
         a, b = self._scene._pair(pair)
         if isinstance(coefficient, Anisotropic):

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from stark.arguments import real_number
-
-if TYPE_CHECKING:
-    from stark.bodies import Body
-    from stark.scene import Scene
+from stark.handle import BodyHandle, SceneLink
 
 
 class RestitutionTable:
@@ -19,12 +14,12 @@ class RestitutionTable:
     without a coefficient, ``None``, bounces as its contact layer and the integrator have it, which depends on
     the time step. Deformable bodies give back what their materials do not damp."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: SceneLink) -> None:
         self._scene = scene
 
-    def __getitem__(self, pair: tuple[Body | str, Body | str]) -> float | None:
+    def __getitem__(self, pair: tuple[BodyHandle | str, BodyHandle | str]) -> float | None:
         return self._scene._core.restitution(*self._scene._pair(pair))
 
-    def __setitem__(self, pair: tuple[Body | str, Body | str], coefficient: float) -> None:
+    def __setitem__(self, pair: tuple[BodyHandle | str, BodyHandle | str], coefficient: float) -> None:
         a, b = self._scene._pair(pair)
         self._scene._core.set_restitution(a, b, real_number(coefficient, f"restitution of {pair!r}"))

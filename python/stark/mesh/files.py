@@ -19,7 +19,10 @@ from stark import _core
 from stark._core import InvalidMesh
 from stark.arguments import given_path
 from stark.files import read_bytes
-from stark.mesh import Mesh, SolidMesh, TetMesh, TriangleMesh, compact, merged, oriented, positive
+from stark.mesh.arguments import positive
+from stark.mesh.conversion import as_triangle_mesh
+from stark.mesh.repair import merged, oriented
+from stark.mesh.types import Mesh, SolidMesh, TetMesh, TriangleMesh, compact
 
 #: What readers stumble over in files that are not what they say.
 _DAMAGE = (
@@ -38,7 +41,9 @@ _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
 
 def load(path: str | os.PathLike[str]) -> Mesh:
-    """See ``stark.mesh.load``."""
+    """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
+    need ``meshio``, all other formats ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates are taken as
+    metres: use ``.scaled`` if they are not."""
     file = given_path(path, "mesh.load: path")
     try:
         data = read_bytes(file)
@@ -251,8 +256,14 @@ def _load_by_meshio(file: Path) -> Mesh:
     )
 
 
-def tetrahedralise(surface: TriangleMesh, edge_length: float | None, tolerance: float) -> TetMesh:
-    """See ``stark.mesh.tetrahedralise``."""
+def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: float = 1e-3) -> TetMesh:
+    """Volume mesh of a closed surface, by fTetWild (``pip install stark-sim[mesh]``).
+
+    ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out.
+    ``tolerance``: largest distance between the given surface and the result, over that diagonal. fTetWild is
+    randomised: meshes of two calls differ a little; keep one with ``mesh.save("cup.npz")`` to repeat a
+    simulation bit by bit."""
+    surface = as_triangle_mesh(mesh, "tetrahedralise")
     if len(surface.triangles) == 0:
         raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
     if not _core.is_closed(surface.triangles):

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
-from stark.bodies import _Deformable
-from stark.mesh import Indices, Points, Polyline
+from stark.bodies.deformable import DeformableBody
+from stark.mesh import Indices, Polyline
+from stark.selections import FrameHandle, node_frame
 from stark.tubes import outline, tube
 
-if TYPE_CHECKING:
-    from stark.formulas.points import FrameHandle
+Floats = NDArray[np.float64]
 
 
-class Rod(_Deformable):
+class Rod(DeformableBody):
     """A thin elastic rod: a chain of nodes, each with a material frame."""
 
     kind = "rod"
@@ -27,12 +25,10 @@ class Rod(_Deformable):
     ) -> FrameHandle:
         """Frame carried by a node, for energies and joints: ``position`` [m] and ``rotation`` in the frame of
         the node, whose axes are d1 and d2 of the section and d3 along the rod."""
-        from stark.formulas.points import node_frame
-
         return node_frame(self, node, position, rotation)
 
     @property
-    def frames(self) -> NDArray[np.float64]:
+    def frames(self) -> Floats:
         """Material frames of the nodes (n, 3, 3): axes d1, d2 of the section and d3 along the rod as columns;
         a copy."""
         simulation = self._simulation()
@@ -56,7 +52,7 @@ class Rod(_Deformable):
         self._scene._warn_of_simulation(self, "clamp")
 
     @property
-    def clamp_targets(self) -> NDArray[np.float64]:
+    def clamp_targets(self) -> Floats:
         """Frames that the clamped nodes reach at the end of the next step (k, 3, 3), in the order of
         ``clamped``; assign to turn them."""
         simulation = self._require_simulation("clamp_targets")
@@ -81,7 +77,7 @@ class Rod(_Deformable):
         return np.empty((0, 3), dtype=np.int32)
 
     @property
-    def surface_positions(self) -> Points:
+    def surface_positions(self) -> Floats:
         """Vertices of a tube around the rod (k, 3) [m], for pictures: the section at each node, and the
         middles of both ends."""
         positions, frames = self.positions, self.frames

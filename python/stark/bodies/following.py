@@ -4,28 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array
+from stark.handle import BodyHandle, SceneLink, SimulationLink
+from stark.mesh import Indices
 from stark.motion import Motion, as_motion
 from stark.rotations import as_matrix, check_places, vector
 
-if TYPE_CHECKING:
-    from stark.bodies import Body
-    from stark.simulation import Simulation
-
 Floats = NDArray[np.float64]
+
+
+class PinnedBody(Protocol):
+    """What following needs of a deformable body."""
+
+    _scene: SceneLink
+    _index: int
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def pins(self) -> Indices: ...
 
 
 @dataclass
 class PoseFollower:
     """A scripted body on a path."""
 
-    body: Body
+    body: BodyHandle
     position: Motion | None
     rotation: Motion | None
 
@@ -39,7 +50,7 @@ class PoseFollower:
             rotation = as_matrix(self.rotation(time), f"{owner}: rotation at {time:g} s")
         return position, rotation
 
-    def apply(self, simulation: Simulation, time: float, duration: float) -> None:
+    def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         simulation._core.set_pose(self.body._index, *self.pose(time), duration)
 
 
@@ -47,7 +58,7 @@ class PoseFollower:
 class PinFollower:
     """Pinned vertices on paths: each on its own, or all like a rigid body."""
 
-    body: Body
+    body: PinnedBody
     rows: NDArray[np.intp]  # among the pins of the body
     targets: Motion | None
     displacement: Motion | None
@@ -78,7 +89,7 @@ class PinFollower:
             return np.eye(3)
         return as_matrix(self.rotation(time), f"'{self.body.name}': rotation at {time:g} s")
 
-    def apply(self, simulation: Simulation, time: float, duration: float) -> None:
+    def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         core, index = simulation._core, self.body._index
         targets = core.pin_targets(index)
         # Pins are appended: those that the simulation was made with are the first ones.
@@ -96,10 +107,7 @@ class PinFollower:
         core.set_clamp_targets(index, np.ascontiguousarray(frames.reshape(-1, 9)), duration)
 
 
-Follower = PoseFollower | PinFollower
-
-
-def follow_pose(body: Body, position: Any, rotation: Any) -> None:
+def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
     """``RigidBody.follow``."""
     if body.motion != "scripted":
         raise InvalidArgument(
@@ -116,7 +124,7 @@ def follow_pose(body: Body, position: Any, rotation: Any) -> None:
 
 
 def follow_pins(
-    body: Body,
+    body: PinnedBody,
     targets: Any,
     displacement: Any,
     rotation: Any,
@@ -156,7 +164,7 @@ def follow_pins(
     followers[body._index] = [*kept, follower]
 
 
-def _covers(others: Sequence[Follower], rows: NDArray[np.intp]) -> bool:
+def _covers(others: Sequence[object], rows: NDArray[np.intp]) -> bool:
     """Whether the followers that share pins with these have no other ones."""
     return all(
         np.isin(f.rows, rows).all()
@@ -165,8 +173,8 @@ def _covers(others: Sequence[Follower], rows: NDArray[np.intp]) -> bool:
     )
 
 
-def _pin_rows(body: Body, vertices: ArrayLike | None) -> NDArray[np.intp]:
-    pins = body.pins  # type: ignore[attr-defined]
+def _pin_rows(body: PinnedBody, vertices: ArrayLike | None) -> NDArray[np.intp]:
+    pins = body.pins
     if len(pins) == 0:
         raise InvalidArgument(
             f"'{body.name}': follow: no vertex is pinned: must have pins to move; call "

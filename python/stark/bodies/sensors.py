@@ -5,18 +5,15 @@ Everything here is of the last step, and empty before the first one and after ``
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument
+from stark.handle import BodyHandle, SimulationLink, names_of
 from stark.rotations import as_matrix, vector
-
-if TYPE_CHECKING:
-    from stark.bodies import Body
-    from stark.simulation import Simulation
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -52,7 +49,7 @@ class Contacts:
         """Unit vectors from the second to the first body (n, 3)."""
         return (self.points_a - self.points_b) / self.distances[:, None]
 
-    def of(self, body: Body | str, other: Body | str | None = None) -> Contacts:
+    def of(self, body: BodyHandle | str, other: BodyHandle | str | None = None) -> Contacts:
         """The contacts of a body, or of two with each other, turned so that ``body`` is the first of each
         pair. Self-contact counts from both sides."""
         a = self._index(body)
@@ -76,7 +73,7 @@ class Contacts:
             np.add.at(result, self.vertices[mine, k], self.weights[mine, k, None] * forces[mine])
         return result
 
-    def _index(self, body: Body | str) -> int:
+    def _index(self, body: BodyHandle | str) -> int:
         name = body if isinstance(body, str) else body.name
         if name not in self.names:
             raise InvalidArgument(f"contacts: no body is named '{name}'; there are {', '.join(self.names)}")
@@ -105,9 +102,9 @@ class Contacts:
         )
 
 
-def contacts_of(simulation: Simulation) -> Contacts:
+def contacts_of(simulation: SimulationLink) -> Contacts:
     """All contacts of the last step of a simulation."""
-    names = tuple(body.name for body in simulation.bodies)
+    names = tuple(names_of(simulation))
     return Contacts(names=names, **_core.contacts(simulation._core))
 
 
@@ -135,17 +132,20 @@ def _surrounded(points: Array, by: Array, normal: Array) -> NDArray[np.bool_]:
     return gaps.max(axis=1) <= np.pi * (1.0 + 1e-9)
 
 
-class ContactSensors:
+class ContactSensors(BodyHandle):
     """What contact does to a body; a part of ``Body``."""
 
-    _require_simulation: Any
-    _index: int
-    positions: Array
-    triangles: Ints
+    @property
+    def positions(self) -> Array:
+        raise NotImplementedError
 
-    def contacts(self, other: Body | str | None = None) -> Contacts:
+    @property
+    def triangles(self) -> Ints:
+        raise NotImplementedError
+
+    def contacts(self, other: BodyHandle | str | None = None) -> Contacts:
         """Contacts with everything, or with another body; this body is the first of each pair."""
-        return contacts_of(self._require_simulation("contacts")).of(self, other)  # type: ignore[arg-type]
+        return contacts_of(self._require_simulation("contacts")).of(self, other)
 
     @property
     def contact_force(self) -> Array:
@@ -157,14 +157,14 @@ class ContactSensors:
         """Contact forces on each vertex, friction included (n, 3) [N]."""
         return self.contacts().vertex_forces(len(self.positions))
 
-    def contact_area(self, other: Body | str | None = None) -> float:
+    def contact_area(self, other: BodyHandle | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution
         is that of the mesh: of two bodies, ask the finer one."""
         contacts = self.contacts(other)
         touching = self._touching(contacts, self._flat_patches(contacts))
         return float(self._triangle_areas()[touching].sum())
 
-    def contact_pressure(self, other: Body | str | None = None) -> Array:
+    def contact_pressure(self, other: BodyHandle | str | None = None) -> Array:
         """Normal contact force over the area that belongs to each vertex (n,) [Pa]: a third of its triangles,
         or of those that touch where there are any. Flat faces of rigid bodies that have vertices inside them
         show their mean: how a rigid face shares its load is not determined."""
@@ -191,7 +191,7 @@ class ContactSensors:
             vertex[contacts.vertices[mine, k]] = True
         for patch in patches:
             vertex[patch] = True
-        return vertex[self.triangles].all(axis=1)
+        return np.asarray(vertex[self.triangles].all(axis=1))
 
     def _flat_patches(self, contacts: Contacts) -> list[Ints]:
         """Vertices of each flat face of a rigid body that lie within the points where it touches. Its inner
@@ -222,11 +222,8 @@ class ContactSensors:
         return 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
 
 
-class InertialSensors:
+class InertialSensors(BodyHandle):
     """What a rigid body feels; a part of ``RigidBody``."""
-
-    _require_simulation: Any
-    _index: int
 
     def acceleration(self, point: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
         """Acceleration of a point, given in the frame of the mesh [m]: change of its velocity over the last

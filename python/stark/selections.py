@@ -6,17 +6,15 @@ Energies pair selections element by element; a selection of one goes with all el
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
+from stark.handle import BodyHandle
 from stark.rotations import as_matrix, vector
-
-if TYPE_CHECKING:
-    from stark.bodies import Body
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
@@ -28,14 +26,14 @@ class Points:
     point_count = 1
 
     def __init__(
-        self, body: Body | None, kind: str, columns: dict[str, Any], initial: Callable[[Points], Floats]
+        self, body: BodyHandle | None, kind: str, columns: dict[str, Any], initial: Callable[[Points], Floats]
     ) -> None:
         self.body = body
         """The body whose points they are, None for points of the world."""
         self._kind = kind
         self._columns = columns  # arrays with a row for each point
         self._initial = initial
-        self.is_direction = kind == "direction"
+        self.is_direction: bool = kind == "direction"
         """Whether the positions are directions, which do not move with the origin."""
 
     def __len__(self) -> int:
@@ -87,7 +85,7 @@ class Stencils:
     """n stencils of k points each: edges, triangles, tetrahedra, hinges, or any points in columns."""
 
     def __init__(self, columns: Sequence[Points], noun: str = "stencils") -> None:
-        self.columns = tuple(columns)
+        self.columns: tuple[Points, ...] = tuple(columns)
         """k selections of points, equally long or of one point."""
         self._noun = noun
         counts = {len(c) for c in columns} - {1}
@@ -120,7 +118,7 @@ class FrameHandle:
 
     def __init__(self, kind: str, columns: Sequence[Points], constants: dict[str, Floats]) -> None:
         self.kind = kind
-        self.columns = tuple(columns)
+        self.columns: tuple[Points, ...] = tuple(columns)
         self.constants = constants
 
     def __len__(self) -> int:
@@ -134,14 +132,14 @@ class FrameHandle:
 # --- of bodies ---
 
 
-def vertex_points(body: Body, vertices: Integers) -> Points:
+def vertex_points(body: BodyHandle, vertices: Integers) -> Points:
     """Vertices of the body's mesh."""
     return Points(
         body, "vertices", {"vertices": vertices}, lambda p: _vertices_at_start(body)[p._columns["vertices"]]
     )
 
 
-def stencils(body: Body, indices: ArrayLike, noun: str = "stencils") -> Stencils:
+def stencils(body: BodyHandle, indices: ArrayLike, noun: str = "stencils") -> Stencils:
     """Stencils of vertices of one body from an index array (n, k)."""
     given = as_array(indices, f"'{body.name}': stencils")
     if given.ndim != 2 or given.dtype.kind not in "iu" or given.shape[1] < 1:
@@ -154,7 +152,7 @@ def stencils(body: Body, indices: ArrayLike, noun: str = "stencils") -> Stencils
     return Stencils([vertex_points(body, np.ascontiguousarray(column)) for column in rows.T], noun)
 
 
-def local_points(body: Body, local: ArrayLike) -> Points:
+def local_points(body: BodyHandle, local: ArrayLike) -> Points:
     """Points fixed to a rigid body (n, 3), in the frame of its mesh [m]."""
 
     def initial(points: Points) -> Floats:
@@ -164,7 +162,7 @@ def local_points(body: Body, local: ArrayLike) -> Points:
     return Points(body, "point", {"local": _point_rows(local, f"'{body.name}': points")}, initial)
 
 
-def local_directions(body: Body, local: ArrayLike) -> Points:
+def local_directions(body: BodyHandle, local: ArrayLike) -> Points:
     """Directions fixed to a rigid body (n, 3), in the frame of its mesh; they count as points whose position
     is the direction in the world."""
 
@@ -174,7 +172,7 @@ def local_directions(body: Body, local: ArrayLike) -> Points:
     return Points(body, "direction", {"local": _point_rows(local, f"'{body.name}': directions")}, initial)
 
 
-def embedded_points(body: Body, supports: Integers, weights: ArrayLike) -> Points:
+def embedded_points(body: BodyHandle, supports: Integers, weights: ArrayLike) -> Points:
     """Points of elements of a cloth or a solid: vertices (n, k) of the elements, k <= 4, and barycentric
     coordinates (n, k) or (k,) that sum to 1."""
     count, k = supports.shape
@@ -207,7 +205,7 @@ def world_points(positions: ArrayLike) -> Points:
 # --- frames ---
 
 
-def rigid_frame(body: Body, position: ArrayLike, rotation: ArrayLike | None) -> FrameHandle:
+def rigid_frame(body: BodyHandle, position: ArrayLike, rotation: ArrayLike | None) -> FrameHandle:
     """Frame fixed to a rigid body; position [m] and rotation in the frame of its mesh."""
     owner = f"'{body.name}': frame"
     axes = as_matrix(rotation, f"{owner}: rotation")
@@ -216,7 +214,7 @@ def rigid_frame(body: Body, position: ArrayLike, rotation: ArrayLike | None) -> 
     return FrameHandle("sites", columns, {})
 
 
-def node_frame(body: Body, node: int, position: ArrayLike, rotation: ArrayLike | None) -> FrameHandle:
+def node_frame(body: BodyHandle, node: int, position: ArrayLike, rotation: ArrayLike | None) -> FrameHandle:
     """Frame carried by a node of a rod; position [m] and rotation in the frame of the node, whose axes are
     d1, d2 of the section and d3 along the rod."""
     owner = f"'{body.name}': frame"
@@ -250,7 +248,7 @@ def world_frame(position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | Non
 
 
 def patch_frame(
-    body: Body, vertices: ArrayLike, position: ArrayLike | None, rotation: ArrayLike | None
+    body: BodyHandle, vertices: ArrayLike, position: ArrayLike | None, rotation: ArrayLike | None
 ) -> FrameHandle:
     """Frame carried by a triangle of three vertices of a deformable body. position [m] and rotation are those
     in the world at time 0; without them, the centre of the triangle and the axes (along its first edge,
@@ -287,7 +285,7 @@ def patch_frame(
 # --- details ---
 
 
-def _vertices_at_start(body: Body) -> Floats:
+def _vertices_at_start(body: BodyHandle) -> Floats:
     return body._scene._core.initial_positions(body._index)
 
 
@@ -303,7 +301,7 @@ def _point_rows(given: ArrayLike, owner: str) -> Floats:
     return rows
 
 
-def _check_vertices(body: Body, indices: NDArray[Any]) -> None:
+def _check_vertices(body: BodyHandle, indices: NDArray[Any]) -> None:
     count = len(body.mesh.vertices)
     wrong = indices[(indices < 0) | (indices >= count)]
     if wrong.size:

@@ -1,0 +1,112 @@
+"""Bodies of vertices that move against each other: pins, frames, embedded points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.arguments import as_array, real_array
+from stark.bodies.body import Body
+from stark.bodies.following import follow_pins
+from stark.mesh import Indices
+from stark.rotations import check_places
+from stark.selections import FrameHandle, Points, embedded_points, patch_frame
+
+Floats = NDArray[np.float64]
+
+
+class DeformableBody(Body):
+    """A body of vertices that move against each other: cloth, solids, rods."""
+
+    def frame(
+        self, vertices: ArrayLike, *, position: ArrayLike | None = None, rotation: ArrayLike | None = None
+    ) -> FrameHandle:
+        """Frame carried by the triangle of three vertices, for energies. ``position`` [m] and ``rotation``
+        are those in the world at time 0; without them the centre of the triangle, and its axes along the
+        first edge, across it, and along the normal."""
+        return patch_frame(self, vertices, position, rotation)
+
+    def embedded(self, elements: ArrayLike, weights: ArrayLike) -> Points:
+        """Points of elements, for energies: ``elements`` are numbers of triangles (of solids: of tetrahedra),
+        ``weights`` their barycentric coordinates (n, 3) or (n, 4), or one row for all."""
+        rows = self._elements()
+        numbers = np.atleast_1d(as_array(elements, f"'{self.name}': elements"))
+        if numbers.ndim != 1 or numbers.dtype.kind not in "iu":
+            raise InvalidArgument(f"'{self.name}': elements = {elements!r}: must be numbers of elements")
+        wrong = numbers[(numbers < 0) | (numbers >= len(rows))]
+        if wrong.size:
+            raise InvalidArgument(f"'{self.name}': element {wrong[0]}: must be in [0, {len(rows)})")
+        return embedded_points(self, rows[numbers], weights)
+
+    def _elements(self) -> Indices:
+        return self.triangles
+
+    @property
+    def velocities(self) -> Floats:
+        """Velocities of all vertices (n, 3) [m/s]; a copy."""
+        return self._require_simulation("velocities")._core.velocities(self._index)
+
+    @property
+    def pins(self) -> Indices:
+        """Indices of the pinned vertices, in the order of pinning. Those of ``sim[body]`` are what the
+        simulation was made with."""
+        if self._of is not None:
+            return self._of._pins[self._index].copy()
+        return self._scene._core.pins(self._index)
+
+    def pin(self, vertices: ArrayLike) -> None:
+        """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Simulations have
+        the pins that there are when they are made: a StarkWarning says where one is there already."""
+        self._require_of_scene("pin")
+        indices = as_array(vertices, f"'{self.name}': pin")
+        if indices.dtype == bool:
+            if indices.shape != (len(self._mesh.vertices),):
+                raise InvalidArgument(
+                    f"'{self.name}': pin: the mask has the shape {indices.shape}: "
+                    f"must be ({len(self._mesh.vertices)},)"
+                )
+            indices = np.flatnonzero(indices)
+        self._scene._core.pin(self._index, np.atleast_1d(indices))
+        self._scene._warn_of_simulation(self, "pin")
+
+    @property
+    def pin_targets(self) -> Floats:
+        """Positions that the pinned vertices reach at the end of the next step (k, 3) [m], in the order of
+        the ``pins`` of the simulation; assign to move them."""
+        return self._require_simulation("pin_targets")._core.pin_targets(self._index)
+
+    @pin_targets.setter
+    def pin_targets(self, targets: ArrayLike) -> None:
+        array = real_array(targets, f"'{self.name}': pin_targets")
+        simulation = self._require_simulation("pin_targets")
+        count = len(simulation._pins[self._index])
+        if array.shape != (count, 3):
+            raise InvalidArgument(
+                f"'{self.name}': pin_targets has the shape {array.shape}: "
+                f"must be ({count}, 3), a row for each vertex that was pinned when the simulation was made"
+            )
+        check_places(array, f"'{self.name}': pin_targets")
+        simulation._core.set_pin_targets(self._index, np.ascontiguousarray(array))
+
+    def follow(
+        self,
+        targets: Any = None,
+        *,
+        displacement: Any = None,
+        rotation: Any = None,
+        center: ArrayLike | None = None,
+        vertices: ArrayLike | None = None,
+    ) -> None:
+        """Moves pinned vertices on motions (stark.motion, or functions of the time [s]) from the next step
+        on.
+
+        ``targets``: positions (k, 3) [m] of the pins, in their order. Or all together, like a rigid body:
+        turned by ``rotation`` about ``center`` [m] (the mean of the pins at time 0 if left out) and moved by
+        ``displacement`` [m] from where they are at time 0; clamped nodes of rods turn with them.
+        ``vertices``: only these of the pinned ones; others may follow another motion. Without arguments
+        nothing is followed any more. Values are those of the end of each step, whatever its length; a step
+        that the solver halves goes halfway on the straight line."""
+        follow_pins(self, targets, displacement, rotation, center, vertices)

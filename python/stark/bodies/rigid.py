@@ -1,0 +1,137 @@
+"""Handles of rigid bodies: poses, velocities, scripted motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.bodies.body import Body
+from stark.bodies.following import follow_pose
+from stark.bodies.sensors import InertialSensors
+from stark.rotations import as_matrix, vector
+from stark.selections import FrameHandle, Points, local_points, rigid_frame
+
+
+class RigidBody(InertialSensors, Body):
+    """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its
+    centre of mass. Scripted bodies are moved by assigning to them: the pose that holds at the end of the next
+    step."""
+
+    kind = "rigid"
+
+    def points(self, local: ArrayLike) -> Points:
+        """Points fixed to the body, for energies: (n, 3) or (3,) in the frame of its mesh [m]."""
+        return local_points(self, local)
+
+    def frame(self, position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None) -> FrameHandle:
+        """Frame fixed to the body, for energies: ``position`` [m] and ``rotation`` in the frame of its
+        mesh."""
+        return rigid_frame(self, position, rotation)
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """Origin of the mesh frame in the world (3,) [m]."""
+        return self._pose()[0]
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        position = vector(value, f"'{self.name}': position")
+        self._require_scripted("position")
+        self._set_pose(position, self._target()[1])
+
+    @property
+    def rotation(self) -> NDArray[np.float64]:
+        """Rotation of the mesh frame to the world (3, 3); a quaternion (w, x, y, z) may be assigned too."""
+        return self._pose()[1]
+
+    @rotation.setter
+    def rotation(self, value: ArrayLike) -> None:
+        rotation = as_matrix(value, f"'{self.name}': rotation")
+        self._require_scripted("rotation")
+        self._set_pose(self._target()[0], rotation)
+
+    @property
+    def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(position, rotation); assign both at once to a scripted body."""
+        return self._pose()
+
+    @pose.setter
+    def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
+        if not isinstance(value, (tuple, list)) or len(value) != 2:
+            raise InvalidArgument(
+                f"'{self.name}': pose = {value!r}: must be (position [m], rotation); assign position or "
+                f"rotation for one of them"
+            )
+        self._set_pose(
+            vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation")
+        )
+
+    def follow(self, position: Any = None, rotation: Any = None) -> None:
+        """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step:
+        ``position`` (3,) [m], ``rotation`` (matrix or quaternion); what is left out stays as at time 0.
+        Without arguments nothing is followed any more. Values are those of the end of each step, whatever its
+        length; a step that the solver halves goes halfway on the straight line."""
+        follow_pose(self, position, rotation)
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies,
+        which move at it from the next step on when it is assigned."""
+        core = self._require_simulation("velocity")._core
+        of_origin, angular = core.twist(self._index)
+        return of_origin + np.cross(angular, core.pose(self._index)[1] @ self.center_of_mass)
+
+    @velocity.setter
+    def velocity(self, value: ArrayLike) -> None:
+        velocity = vector(value, f"'{self.name}': velocity")
+        self._require_scripted("velocity")
+        self._set_velocity(velocity, self.angular_velocity)
+
+    @property
+    def angular_velocity(self) -> NDArray[np.float64]:
+        """(3,) [rad/s], world axes; assign it to scripted bodies."""
+        return self._require_simulation("angular_velocity")._core.twist(self._index)[1]
+
+    @angular_velocity.setter
+    def angular_velocity(self, value: ArrayLike) -> None:
+        angular_velocity = vector(value, f"'{self.name}': angular_velocity")
+        self._require_scripted("angular_velocity")
+        self._set_velocity(self.velocity, angular_velocity)
+
+    @property
+    def center_of_mass(self) -> NDArray[np.float64]:
+        """In the frame of the mesh (3,) [m]."""
+        return np.array(self._scene._core.inertia(self._index)["center_of_mass"])
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """About the centre of mass, axes of the mesh frame (3, 3) [kg m^2]."""
+        return self._scene._core.inertia(self._index)["tensor"]
+
+    def _pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        simulation = self._simulation()
+        return (
+            self._scene._core.pose(self._index) if simulation is None else simulation._core.pose(self._index)
+        )
+
+    def _target(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self._require_simulation("setting a pose")._core.target_pose(self._index)
+
+    def _set_pose(self, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
+        simulation = self._require_simulation("setting a pose")
+        simulation._core.set_pose(self._index, position, rotation)
+
+    def _set_velocity(self, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]) -> None:
+        simulation = self._require_simulation("setting a velocity")
+        simulation._core.set_twist(self._index, velocity, angular_velocity)
+
+    def _require_scripted(self, what: str) -> None:
+        if self.motion != "scripted":
+            raise InvalidArgument(
+                f"'{self.name}' is {self.motion}: its {what} cannot be set; "
+                f"only bodies with motion='scripted' are moved so; where a body starts is said when it is "
+                f"added, with position=, rotation=, velocity= and angular_velocity="
+            )

@@ -1,0 +1,60 @@
+"""Handles of soft volumes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.bodies.layered import LayeredBody
+from stark.mesh import Indices, SolidMesh, TetMesh
+from stark.selections import Stencils
+
+Floats = NDArray[np.float64]
+
+
+class Solid(LayeredBody):
+    """A soft volume."""
+
+    kind = "solid"
+
+    @property
+    def tetrahedra(self) -> Stencils:
+        """All elements of a mesh of linear tetrahedra, as stencils of four points for energies."""
+        return self._stencils(self._elements, "tetrahedra")
+
+    def _elements(self) -> Indices:
+        mesh = self._mesh
+        elements = mesh.tets if isinstance(mesh, TetMesh) else mesh.elements  # type: ignore[union-attr]
+        if elements.shape[1] != 4:
+            raise InvalidArgument(
+                f"'{self.name}': its elements have {elements.shape[1]} nodes: must be tetrahedra of 4; "
+                f"choose points with vertices, faces or stark.stencils(body, indices)"
+            )
+        return elements
+
+    def _edge_indices(self) -> Indices:
+        return _core.find_tet_edges(self._elements())
+
+    def _surface(self) -> tuple[Indices, Indices, Indices]:
+        """Boundary triangles, the sorted vertices they use, the triangles renumbered to those."""
+        if "surface" not in self._shared:
+            assert isinstance(self._mesh, (TetMesh, SolidMesh))
+            triangles = self._mesh.surface_triangles()
+            used, renumbered = np.unique(triangles, return_inverse=True)
+            renumbered = renumbered.reshape(triangles.shape).astype(np.int32)
+            self._shared["surface"] = triangles, used, renumbered
+        return self._shared["surface"]
+
+    @property
+    def triangles(self) -> Indices:
+        return self._surface()[0]
+
+    @property
+    def surface_positions(self) -> Floats:
+        return self.positions[self._surface()[1]]
+
+    @property
+    def surface_triangles(self) -> Indices:
+        return self._surface()[2]

@@ -1,0 +1,82 @@
+"""Laws of solids and shells: called with values, they give materials."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.errors import StarkWarning
+from stark.formulas import law_checks
+from stark.formulas.parameters import Parameter
+from stark.formulas.recorded_law import RecordedLaw
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
+
+
+class MaterialLaw(RecordedLaw):
+    """A constitutive law; what ``@stark.material`` makes of a function. Calling it with values gives a
+    material for ``add_solid`` or ``add_cloth``."""
+
+    def __call__(
+        self,
+        *args: Any,
+        base: SolidMaterial | ShellMaterial | RodMaterial | None = None,
+        name: str = "",
+        **given: Any,
+    ) -> Any:
+        """A material of this law. Keywords are the parameters of the law, each a number or an array with a
+        value for each element, and those of the material (density, thickness, damping, ...), which come from
+        ``base`` where they are left out. Called with a strain instead: its energy density."""
+        if args:
+            return self._function(*args, **given)
+        kind = self.material_type
+        if base is not None and not isinstance(base, kind):
+            raise InvalidArgument(
+                f"{self.name}: base = {base!r}: must be a stark.{kind.__name__}, for which the law is"
+            )
+        values = {p.name: self.value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
+        self.checked(values)
+        inherited = {} if base is None else base._core.to_dict()
+        flat = {p.name: _flattened(p, values[p.name]) for p in self.parameters}
+        return kind(law=self.law(values), name=name or self.name, **{**inherited, **given, **flat})
+
+    @property
+    def material_type(self) -> type[Any]:
+        """The class of its materials."""
+        return SolidMaterial if self.is_solid else ShellMaterial
+
+    def check(self, **given: Any) -> Any:
+        """Tests the law with these parameters: rest state, objectivity, isotropy, derivatives, stability.
+        Returns a report; print it."""
+        values = {p.name: self.value(p, given.pop(p.name, p.declaration.default)) for p in self.parameters}
+        return law_checks.check(self, values)
+
+    def checked(self, values: Mapping[str, np.ndarray]) -> None:
+        """Raises InvalidArgument for a law that is not finite or has stresses at rest, and warns of one that
+        is not objective or not stable, unless it is declared so."""
+        for problem in self._problems(values):
+            if problem.is_error:
+                raise InvalidArgument(f"{problem.text}\n{self.location}")
+            warnings.warn(f"{problem.text}\n{self.location}", StarkWarning, stacklevel=3)
+
+    def _problems(self, values: Mapping[str, np.ndarray]) -> list[law_checks.Problem]:
+        return law_checks.problems(self, values)
+
+    def law(self, values: Mapping[str, np.ndarray]) -> Any:
+        """The law of the core."""
+        make = _core.solid_law if self.is_solid else _core.shell_law
+        isotropic = self.declared["isotropic"]
+        if isotropic is None:
+            isotropic = law_checks.is_isotropic(self, values)
+        return make(self.name, self.doc, self.formula, isotropic)
+
+
+def _flattened(parameter: Parameter, value: np.ndarray) -> Any:
+    """As materials hold it: matrices in a row."""
+    if not parameter.shape:
+        return float(value) if value.ndim == 0 else value
+    return value.reshape(*value.shape[: value.ndim - len(parameter.shape)], -1)

@@ -1,0 +1,197 @@
+"""Constitutive laws as formulas: strains, parameters, and what of them is recorded."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import threading
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.formulas.arguments import ClockArgument, read_clock, read_parameter
+from stark.formulas.kinematics import Inputs
+from stark.formulas.parameters import Parameter, check_range, numbers_of
+from stark.formulas.statistics import FormulaStatistics
+from stark.formulas.tracing import clock_symbol, parameter_symbols, scalar_result, unused_text
+from stark.symbolic.errors import definition_of, formula_error, recording
+from stark.symbolic.graph import ExpressionGraph
+from stark.symbolic.tensor import Mat, columns
+
+_RESERVED = frozenset({"law", "name", "source", "base", "time", "time_step", "thickness", "warp_direction"})
+ROD_STRAINS = ("stretch", "curvature", "twist")
+STRAINS: dict[tuple[int, ...], tuple[str, str]] = {
+    (3, 3): ("F", "solid"),
+    (3, 2): ("F", "shell"),
+    (2, 2): ("C", "shell"),
+}
+
+
+@dataclass(frozen=True)
+class Past:
+    """The strain at the start of the time step, for viscous laws: an argument F_prev or C_prev."""
+
+    name: str
+
+
+class RecordedLaw:
+    """A constitutive law as a formula: a function of strains and parameters that is recorded once."""
+
+    def __init__(
+        self,
+        function: Callable[..., object],
+        strain: tuple[str, tuple[int, ...]],
+        arguments: Sequence[Parameter | ClockArgument | Past],
+        declared: Mapping[str, bool | None],
+    ) -> None:
+        self.name: str = function.__name__
+        self.doc: str = inspect.getdoc(function) or self.name
+        self.arguments: tuple[Parameter | ClockArgument | Past, ...] = tuple(arguments)
+        self._function = function
+        self._strain = strain
+        self.declared: dict[str, bool | None] = dict(declared)
+        self._recorded: tuple[_core.Formula, ExpressionGraph] | None = None
+        self._lock = threading.Lock()
+        functools.update_wrapper(self, function)  # type: ignore[arg-type]
+        shown = [
+            inspect.Parameter(p.name, inspect.Parameter.KEYWORD_ONLY, default=p.declaration.default)
+            for p in self.parameters
+        ]
+        others = inspect.Parameter("of_material", inspect.Parameter.VAR_KEYWORD)
+        self.__signature__: inspect.Signature = inspect.Signature([*shown, others])
+
+    @property
+    def is_solid(self) -> bool:
+        """Whether it is a law of solids, else of shells."""
+        return STRAINS[self._strain[1]][1] == "solid"
+
+    @property
+    def directions(self) -> int:
+        """Number of material directions: columns of the deformation gradient."""
+        return 3 if self.is_solid else 2
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        return tuple(a for a in self.arguments if isinstance(a, Parameter))
+
+    @property
+    def formula(self) -> _core.Formula:
+        """The recorded formula of the columns of F."""
+        return self._trace()[0]
+
+    def graph(self) -> ExpressionGraph:
+        """The recorded operations; print it for a listing."""
+        return self._trace()[1]
+
+    @property
+    def statistics(self) -> FormulaStatistics:
+        """Counts of the energy density as a function of F."""
+        return FormulaStatistics.of(self.formula)
+
+    @property
+    def location(self) -> str:
+        """Where the function is defined."""
+        return definition_of(self._function)
+
+    def value(self, parameter: Parameter, given: Any) -> np.ndarray:
+        if given is None:
+            rule = parameter.declaration.rule
+            raise InvalidArgument(
+                f"{self.name}: {parameter.describe()} has no value: must be given"
+                + (f", {rule}" if rule else "")
+            )
+        array = numbers_of(self.name, parameter, given)
+        own = len(parameter.shape)
+        if array.shape[max(array.ndim - own, 0) :] != parameter.shape or array.ndim > own + 1:
+            raise InvalidArgument(
+                f"{self.name}: {parameter.describe()} has the shape {array.shape}: must be "
+                f"{parameter.shape}, or have one leading dimension more with a value for each element"
+            )
+        check_range(self.name, parameter, array, array.ndim > own)
+        return array
+
+    def _trace(self) -> tuple[_core.Formula, ExpressionGraph]:
+        with self._lock:
+            if self._recorded is None:
+                self._recorded = self._record()
+            return self._recorded
+
+    def _record(self) -> tuple[_core.Formula, ExpressionGraph]:
+        inputs = Inputs(list(range(self._point_count)))
+        values: list[object] = self._strains(inputs)
+        for argument in self.arguments:
+            if isinstance(argument, Past):
+                values.append(self._past(inputs, argument))
+            elif isinstance(argument, ClockArgument):
+                values.append(clock_symbol(inputs, argument))
+            else:
+                values.append(parameter_symbols(inputs, argument))
+        with recording(self.name):
+            result = self._function(*values)
+        output = scalar_result(self.name, result, self._function)
+        title = f"{self.name}({', '.join([*self._strain_names, *(a.name for a in self.arguments)])})"
+        graph = ExpressionGraph(title, [output])
+        for name in self._strain_names:
+            if not any(node in graph.nodes for node in inputs.nodes_of(name)):
+                raise formula_error(self.name, f"the energy does not depend on {name}", self._function)
+        formula = inputs.builder.finish([output])
+        known = {row["name"] for row in formula.fields}
+        for argument in self.arguments:
+            occurs = (
+                argument.name in known
+                if isinstance(argument, Parameter)
+                else any(node in graph.nodes for node in inputs.nodes_of(argument.name))
+            )
+            if not occurs:
+                raise formula_error(self.name, unused_text(argument.name), self._function)
+        return formula, graph
+
+    @property
+    def _point_count(self) -> int:
+        """Points of the formula."""
+        return self.directions
+
+    @property
+    def _strain_names(self) -> tuple[str, ...]:
+        """The arguments that are strains; they come first."""
+        return (self._strain[0],)
+
+    def _strains(self, inputs: Inputs) -> list[object]:
+        return [self._strain_symbols(inputs, "x", self._strain[0])]
+
+    def _past(self, inputs: Inputs, argument: Past) -> object:
+        return self._strain_symbols(inputs, "x_prev", argument.name)
+
+    def _strain_symbols(self, inputs: Inputs, kind: str, label: str) -> Mat:
+        """F, or C of it, from the columns that are the points of the formula."""
+        F = columns([inputs.column(j, kind, label) for j in range(self.directions)])
+        return F.T @ F if self._strain[1] == (2, 2) else F
+
+    def __repr__(self) -> str:
+        return f"<stark.material {self.name}{self.__signature__}>"
+
+
+def read_others(
+    parameters: Sequence[inspect.Parameter], pasts: Set[str], name: str, function: Callable[..., object]
+) -> list[Parameter | ClockArgument | Past]:
+    """Arguments behind the strains: strains of the past, which have the names `pasts`, clocks, parameters."""
+    arguments: list[Parameter | ClockArgument | Past] = []
+    for parameter in parameters:
+        clock = read_clock(parameter)
+        if clock is not None:
+            arguments.append(clock)
+        elif parameter.name in pasts:
+            arguments.append(Past(parameter.name))
+        elif parameter.name in _RESERVED:
+            raise formula_error(
+                name, f"a parameter of a law must not be called '{parameter.name}'; choose another", function
+            )
+        else:
+            arguments.append(
+                read_parameter(parameter, name, function, "float, stark.Vec3, stark.Mat3 or stark.TimeStep")
+            )
+    return arguments

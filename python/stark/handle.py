@@ -1,0 +1,211 @@
+"""Handles: what users hold of the parts of a scene, and which simulation they read. This is the one place
+that decides it.
+
+A handle of ``sim[body]``, ``sim.joints`` and the like belongs to that simulation. Those that ``scene.add_*``
+returned read the newest simulation of the scene that is alive: a temporary second one changes nothing for
+them once it is gone. Handles know links to their scene and simulation, not what stands above them:
+``stark.Scene`` and ``stark.Simulation`` are links."""
+
+from __future__ import annotations
+
+import warnings
+import weakref
+from collections.abc import Sequence
+from typing import Any, Protocol, Self
+
+from stark import _core
+from stark.arguments import added_later, needs_simulation
+from stark.errors import StarkWarning
+from stark.mesh import Indices, Polyline, SolidMesh, TetMesh, TriangleMesh
+from stark.scene_record import RecordedScene
+from stark.settings import Settings
+
+
+class SimulationLink:
+    """What handles know of a simulation."""
+
+    _core: _core.Simulation
+    _scene: SceneLink
+    _pins: list[Indices]  # of the bodies, when it was made
+    _clamped: list[Indices]
+    _live_values: list[Any]  # of the energies
+
+    @property
+    def settings(self) -> Settings:
+        """The settings it was made with."""
+        raise NotImplementedError
+
+    def contact_distance(self, body: Any) -> float:
+        """[m] within which surfaces of the body repel others."""
+        raise NotImplementedError
+
+
+class Follower(Protocol):
+    """Targets of a body for the end of each step."""
+
+    def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
+        """Sets them for the step that ends at a time [s] and takes a duration [s]."""
+
+
+class SceneLink:
+    """What handles know of their scene, and what it knows of its simulations."""
+
+    name: str
+    _core: RecordedScene
+    _actuators: list[Any]
+    _layers: list[Any]
+    _followers: dict[int, list[Follower]]  # by body
+    _simulations: list[weakref.ref[SimulationLink]]  # in the order in which they were made
+    _simulated_bodies: int  # that some simulation had
+    _warned: int  # warnings of the core that were passed on
+
+    def _begin_simulations(self) -> None:
+        self._simulations, self._simulated_bodies, self._warned = [], 0, 0
+
+    def _is_simulated_by(self, simulation: SimulationLink) -> None:
+        """Handles of the scene read the newest simulation that is alive. Weak, or a scene would keep all of
+        its simulations alive."""
+        self._simulations = [known for known in self._simulations if known() is not None]
+        self._simulations.append(weakref.ref(simulation))
+        self._simulated_bodies = max(self._simulated_bodies, simulation._core.body_count)
+
+    def _latest_simulation(self) -> SimulationLink | None:
+        for known in reversed(self._simulations):
+            if (simulation := known()) is not None:
+                return simulation
+        return None
+
+    def __getitem__(self, name: str) -> Any:
+        raise NotImplementedError
+
+    def __contains__(self, name: object) -> bool:
+        raise NotImplementedError
+
+    def add_actuator(
+        self, kind: Any, on: Any, *, name: str | None = None, enabled: bool = True, **values: float
+    ) -> Any:
+        """Adds an actuator to joints."""
+        raise NotImplementedError
+
+    def _pair(self, pair: Any) -> tuple[int, int]:
+        """Indices of two bodies, given as handles or names."""
+        raise NotImplementedError
+
+    def _append_layer(self, layer: Any) -> None:
+        self._layers.append(layer)
+        self._warn_of_late(f"layer '{layer.name}'")
+        self._warn(stacklevel=4)
+
+    # --- warnings ---
+
+    def _warn(self, stacklevel: int) -> None:
+        """Passes on what the core has warned about since the last call."""
+        found = self._core.warnings
+        for message in found[self._warned :]:
+            warnings.warn(message, StarkWarning, stacklevel=stacklevel)
+        self._warned = len(found)
+
+    def _warn_of_late(self, what: str) -> None:
+        """After something that acts was added to a scene that is being simulated."""
+        if self._latest_simulation() is not None:
+            warnings.warn(
+                f"{what}: was added after the simulation was made: it acts in simulations made from now on, "
+                f"not in that one; add it before stark.Simulation(scene) is made, or make a new one",
+                StarkWarning,
+                stacklevel=4,
+            )
+
+    def _warn_of_simulation(self, body: BodyHandle, what: str) -> None:
+        """After a change of a body that one may take for a change of the simulation that it is in."""
+        latest = self._latest_simulation()
+        if latest is not None and body._index < latest._core.body_count:
+            warnings.warn(
+                f"'{body.name}': {what}: holds in simulations made from now on, not in the one that was "
+                f"made; {what} before stark.Simulation(scene) is made, or make a new one",
+                StarkWarning,
+                stacklevel=3,
+            )
+
+
+class Handle:
+    """A part of a scene, of one simulation or of the newest one that is alive."""
+
+    _scene: SceneLink
+    _index: int
+    _of: SimulationLink | None  # the simulation that it belongs to
+
+    def __init__(self, scene: SceneLink, index: int) -> None:
+        self.__dict__.update(_scene=scene, _index=index, _of=None)  # beside what __setattr__ refuses
+
+    @property
+    def name(self) -> str:
+        raise NotImplementedError
+
+    @property
+    def _title(self) -> str:
+        """As messages call it."""
+        return f"'{self.name}'"
+
+    def _count_in(self, simulation: SimulationLink) -> int:
+        """How many parts of this kind a simulation has."""
+        raise NotImplementedError
+
+    def _if_gone(self) -> None:
+        """Where no simulation is alive."""
+
+    def _newest(self) -> SimulationLink | None:
+        """That of sim[body]; of handles of the scene the newest one that is alive."""
+        return self._scene._latest_simulation() if self._of is None else self._of
+
+    def _simulation(self) -> SimulationLink | None:
+        """The simulation to read; None while there is none with this part."""
+        simulation = self._newest()
+        if simulation is None:
+            self._if_gone()
+            return None
+        return simulation if self._index < self._count_in(simulation) else None
+
+    def _require_simulation(self, what: str) -> SimulationLink:
+        simulation = self._simulation()
+        if simulation is None:
+            raise (needs_simulation if self._newest() is None else added_later)(self._title, what)
+        return simulation
+
+    def _bound_to(self, simulation: SimulationLink) -> Self:
+        """The same part, of one simulation."""
+        handle = object.__new__(type(self))
+        handle.__dict__.update(self.__dict__, _of=simulation)
+        return handle
+
+
+AnyMesh = TriangleMesh | TetMesh | SolidMesh | Polyline
+
+
+class BodyHandle(Handle):
+    """What points, joints and sensors know of a body."""
+
+    kind: str = ""
+    _mesh: AnyMesh
+    _rest_placement: tuple[Any, Any] | None  # of bodies that start in another shape than rest
+
+    @property
+    def name(self) -> str:
+        return self._scene._core.name(self._index)
+
+    @property
+    def motion(self) -> str:
+        """ "dynamic", "fixed" or "scripted"."""
+        return self._scene._core.motion(self._index)
+
+    @property
+    def mesh(self) -> AnyMesh:
+        """The mesh it was made from, in the frame of the body [m]."""
+        return self._mesh
+
+    def _count_in(self, simulation: SimulationLink) -> int:
+        return simulation._core.body_count
+
+
+def names_of(simulation: SimulationLink) -> Sequence[str]:
+    """Names of the bodies of a simulation."""
+    return [simulation._scene._core.name(k) for k in range(simulation._core.body_count)]

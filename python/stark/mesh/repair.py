@@ -1,0 +1,76 @@
+"""Repairs of meshes: unused vertices, vertices at the same place, orientation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stark._core import InvalidArgument, InvalidMesh
+from stark.mesh.arguments import corners_of, numbers_of
+from stark.mesh.types import TetMesh, TriangleMesh, compact
+
+
+def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
+    """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed
+    triangles go."""
+    if not isinstance(mesh, TriangleMesh):
+        raise InvalidMesh(f"merged: got {type(mesh).__name__}, need a TriangleMesh")
+    grid = numbers_of(tolerance)
+    if grid.shape != () or not 0.0 <= grid < np.inf:
+        raise InvalidArgument(f"merged: tolerance = {tolerance!r} m: must be a number >= 0")
+    corners_of(mesh.vertices, mesh.triangles, "merged: triangles")
+    keys = mesh.vertices if grid == 0.0 else np.round(mesh.vertices / grid)
+    _, first, renumbered = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # keeps the order of the file
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    triangles = rank[renumbered.reshape(-1)][mesh.triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    return compact(TriangleMesh(mesh.vertices[first[order]], triangles.astype(np.int32)))
+
+
+def oriented(mesh: Any) -> Any:
+    """Copy with tetrahedra of positive volume; or with triangles that agree with their neighbours and, where
+    they enclose a volume, face outwards."""
+    if isinstance(mesh, TetMesh):
+        tets = mesh.tets.copy()
+        negative = mesh.volumes < 0.0
+        tets[negative] = tets[negative][:, [0, 1, 3, 2]]
+        return TetMesh(mesh.vertices, tets)
+    if not isinstance(mesh, TriangleMesh):
+        raise InvalidMesh(f"oriented: got {type(mesh).__name__}, need a TriangleMesh or a TetMesh")
+    corners_of(mesh.vertices, mesh.triangles, "oriented: triangles")
+    return _oriented_triangles(mesh)
+
+
+def _oriented_triangles(mesh: TriangleMesh) -> TriangleMesh:
+    triangles = mesh.triangles.copy()
+    by_edge: dict[tuple[int, int], list[int]] = {}
+    for t, (a, b, c) in enumerate(triangles.tolist()):
+        for edge in ((a, b), (b, c), (c, a)):
+            by_edge.setdefault((min(edge), max(edge)), []).append(t)
+    seen = np.zeros(len(triangles), dtype=bool)
+    for seed in range(len(triangles)):
+        if seen[seed]:
+            continue
+        seen[seed] = True
+        component, stack = [seed], [seed]
+        while stack:
+            a, b, c = triangles[stack.pop()].tolist()
+            for u, v in ((a, b), (b, c), (c, a)):
+                neighbours = by_edge[min(u, v), max(u, v)]
+                for other in neighbours if len(neighbours) == 2 else ():
+                    if seen[other]:
+                        continue
+                    x, y, z = triangles[other].tolist()
+                    if (u, v) in ((x, y), (y, z), (z, x)):  # runs the same way: turned over relative to us
+                        triangles[other] = (z, y, x)
+                    seen[other] = True
+                    component.append(other)
+                    stack.append(other)
+        part = TriangleMesh(mesh.vertices, triangles[component])
+        if part.is_closed and part.volume < 0.0:
+            triangles[component] = triangles[component][:, ::-1]
+    return TriangleMesh(mesh.vertices, triangles)

@@ -1,0 +1,119 @@
+"""Simple shapes: sheets, boxes, round bodies, chains."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.mesh.arguments import (
+    cells_of,
+    count_of,
+    counts_around,
+    numbers_of,
+    positive,
+    require_few,
+    sizes_of,
+)
+from stark.mesh.types import Polyline, SolidMesh, TetMesh, TriangleMesh
+from stark.rotations import vector
+
+
+def grid(width: float, depth: float, cells: int | tuple[int, int]) -> TriangleMesh:
+    """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m], two triangles
+    a cell."""
+    nx, ny = cells_of(cells, 2, "grid: cells")
+    return TriangleMesh(
+        *_core.make_grid(positive(width, "grid: width"), positive(depth, "grid: depth"), nx, ny)
+    )
+
+
+def box(size: float | ArrayLike, subdivisions: int = 1) -> TriangleMesh:
+    """Closed box about the origin; ``size`` is one edge length or three [m]."""
+    count = count_of(subdivisions, "box: subdivisions")
+    require_few(6 * count**2, f"box: subdivisions = {count}")
+    return TriangleMesh(*_core.make_box(sizes_of(size, "box: size").tolist(), count))
+
+
+def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
+    """Icosphere about the origin: an icosahedron split ``subdivisions`` times."""
+    count = count_of(subdivisions, "sphere: subdivisions", 0)
+    if count > 8:
+        raise InvalidArgument(
+            f"sphere: subdivisions = {count}: must be at most 8, which is 1,310,720 triangles"
+        )
+    return TriangleMesh(*_core.make_icosphere(positive(radius, "sphere: radius"), count))
+
+
+def cylinder(radius: float, height: float, segments: int = 32, stacks: int = 1) -> TriangleMesh:
+    """Closed cylinder about the z axis, ``height`` from cap to cap."""
+    return TriangleMesh(
+        *_core.make_cylinder(
+            positive(radius, "cylinder: radius"),
+            positive(height, "cylinder: height"),
+            *counts_around("cylinder", segments=(segments, 3), stacks=(stacks, 1)),
+        )
+    )
+
+
+def capsule(radius: float, height: float, segments: int = 32, rings: int = 8) -> TriangleMesh:
+    """Capsule about the z axis; ``height`` between the centres of the half spheres."""
+    return TriangleMesh(
+        *_core.make_capsule(
+            positive(radius, "capsule: radius"),
+            positive(height, "capsule: height"),
+            *counts_around("capsule", segments=(segments, 3), rings=(rings, 1)),
+        )
+    )
+
+
+def torus(
+    major_radius: float, minor_radius: float, major_segments: int = 48, minor_segments: int = 24
+) -> TriangleMesh:
+    """Torus about the z axis: a tube of ``minor_radius`` around a circle of ``major_radius``."""
+    if positive(minor_radius, "torus: minor_radius") >= positive(major_radius, "torus: major_radius"):
+        raise InvalidArgument(
+            f"torus: minor_radius = {minor_radius} m: must be below major_radius = {major_radius} m"
+        )
+    return TriangleMesh(
+        *_core.make_torus(
+            float(major_radius),
+            float(minor_radius),
+            *counts_around("torus", major_segments=(major_segments, 3), minor_segments=(minor_segments, 3)),
+        )
+    )
+
+
+def polyline(start: ArrayLike, end: ArrayLike, segments: int) -> Polyline:
+    """Straight chain from ``start`` to ``end`` [m] with equal edges."""
+    a, b = vector(start, "polyline: start"), vector(end, "polyline: end")
+    t = np.linspace(0.0, 1.0, count_of(segments, "polyline: segments") + 1)[:, None]
+    return Polyline(a + t * (b - a))
+
+
+def helix(radius: float, pitch: float, turns: float, segments: int) -> Polyline:
+    """Helix about z that starts at (radius, 0, 0) and rises by ``pitch`` [m] a turn; ``segments`` in all."""
+    r, rise = positive(radius, "helix: radius"), numbers_of(pitch)
+    if rise.shape != () or not np.isfinite(rise):
+        raise InvalidArgument(f"helix: pitch = {pitch!r} m: must be a finite number")
+    angle = np.linspace(
+        0.0, 2.0 * np.pi * positive(turns, "helix: turns"), count_of(segments, "helix: segments") + 1
+    )
+    return Polyline(np.column_stack([r * np.cos(angle), r * np.sin(angle), rise * angle / (2.0 * np.pi)]))
+
+
+def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMesh:
+    """Solid box about the origin: cuboid cells with a node at each centre, twelve tetrahedra a cell."""
+    return TetMesh(
+        *_core.make_tet_box(sizes_of(size, "tet_box: size").tolist(), cells_of(cells, 3, "tet_box: cells"))
+    )
+
+
+def box_hexahedra(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> SolidMesh:
+    """Solid box about the origin of cuboid elements with 8 nodes."""
+    return SolidMesh(
+        *_core.make_hex_box(
+            sizes_of(size, "box_hexahedra: size").tolist(), cells_of(cells, 3, "box_hexahedra: cells")
+        )
+    )

@@ -1,0 +1,220 @@
+"""Meshes as NumPy arrays: surfaces, volumes, chains of points."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark import _core
+from stark._core import InvalidArgument, InvalidMesh
+from stark.arguments import given_path
+from stark.array_file import write_atomically
+from stark.mesh.arguments import Indices, Points, corners_of, indices_of, numbers_of, points_of
+from stark.rotations import as_matrix, vector
+
+
+def edge_counts(triangles: Indices) -> NDArray[np.int64]:
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return np.unique(edges, axis=0, return_counts=True)[1]
+
+
+class MeshBase:
+    vertices: Points
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable: make a new one instead of setting {name}")
+
+    def _with(self, vertices: Points) -> Self:
+        raise NotImplementedError
+
+    @property
+    def bounds(self) -> Points:
+        """Lowest and highest corner, shape (2, 3) [m]."""
+        if len(self.vertices) == 0:
+            raise InvalidMesh(f"{type(self).__name__}: 0 vertices: must have at least one to have bounds")
+        return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def scaled(self, factor: float | ArrayLike) -> Self:
+        """Copy with all coordinates times a factor, or times one for each axis: ``scaled(1e-3)`` for
+        millimetres."""
+        factors = numbers_of(factor)
+        if factors.shape not in ((), (3,)) or not (np.isfinite(factors) & (factors > 0)).all():
+            raise InvalidArgument(f"scaled: factor = {factor!r}: must be one positive number or three")
+        return self._with(self.vertices * factors)
+
+    def translated(self, offset: ArrayLike) -> Self:
+        """Copy moved by an offset [m]."""
+        return self._with(self.vertices + vector(offset, "translated: offset"))
+
+    def rotated(self, rotation: ArrayLike) -> Self:
+        """Copy turned about the origin by a matrix or quaternion, as ``stark.rotation`` makes them."""
+        return self._with(self.vertices @ as_matrix(rotation, "rotated: rotation").T)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the arrays, with all digits, as a NumPy file that ``stark.mesh.load`` reads:
+        ``mesh.save("cup.npz")``."""
+        file = given_path(path, "save: path")
+        if file.suffix != ".npz":
+            raise InvalidArgument(f"save: path = '{path}': must end in .npz")
+        write_atomically(file, lambda stream: np.savez_compressed(stream, **self.__dict__))
+
+    def centered(self) -> Self:
+        """Copy with the middle of its bounds at the origin."""
+        return self._with(self.vertices - self.bounds.mean(axis=0))
+
+
+class TriangleMesh(MeshBase):
+    """Surface: ``vertices`` (n, 3) float64 [m], ``triangles`` (m, 3) int32."""
+
+    triangles: Indices
+
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        self.__dict__["vertices"] = points_of(vertices, "TriangleMesh: vertices")
+        self.__dict__["triangles"] = indices_of(triangles, 3, "TriangleMesh: triangles")
+
+    def _with(self, vertices: Points) -> TriangleMesh:
+        return TriangleMesh(vertices, self.triangles)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge belongs to exactly two triangles."""
+        return bool((edge_counts(self.triangles) == 2).all())
+
+    @property
+    def volume(self) -> float:
+        """Signed volume [m^3], positive when the triangles are oriented outwards; only of closed meshes."""
+        a, b, c = corners_of(self.vertices, self.triangles, "TriangleMesh: triangles")
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    @property
+    def area(self) -> float:
+        a, b, c = corners_of(self.vertices, self.triangles, "TriangleMesh: triangles")
+        return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+    def flipped(self) -> TriangleMesh:
+        """Copy with all triangles turned over."""
+        return TriangleMesh(self.vertices, self.triangles[:, ::-1])
+
+    def __repr__(self) -> str:
+        return f"TriangleMesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
+
+
+class TetMesh(MeshBase):
+    """Volume: ``vertices`` (n, 3) float64 [m], ``tets`` (m, 4) int32."""
+
+    tets: Indices
+
+    def __init__(self, vertices: ArrayLike, tets: ArrayLike) -> None:
+        self.__dict__["vertices"] = points_of(vertices, "TetMesh: vertices")
+        self.__dict__["tets"] = indices_of(tets, 4, "TetMesh: tets")
+
+    def _with(self, vertices: Points) -> TetMesh:
+        return TetMesh(vertices, self.tets)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Signed volume of each tetrahedron [m^3], shape (m,)."""
+        a, b, c, d = corners_of(self.vertices, self.tets, "TetMesh: tets")
+        return np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a)) / 6.0
+
+    @property
+    def volume(self) -> float:
+        return float(self.volumes.sum())
+
+    def surface_triangles(self) -> Indices:
+        """Boundary triangles (k, 3), outwards, as indices of ``vertices``."""
+        faces = self.tets[:, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]].reshape(-1, 3)
+        _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        return faces[np.sort(first[counts == 1])]
+
+    def surface(self) -> TriangleMesh:
+        """The boundary as a mesh of its own, without the inner vertices."""
+        return compact(TriangleMesh(self.vertices, self.surface_triangles()))
+
+    def __repr__(self) -> str:
+        return f"TetMesh({len(self.vertices)} vertices, {len(self.tets)} tets)"
+
+
+class SolidMesh(MeshBase):
+    """Volume of elements with 10 (quadratic tetrahedra), 8 or 27 nodes (trilinear and triquadratic
+    hexahedra): ``vertices`` (n, 3) float64 [m], ``elements`` (m, 10 | 8 | 27) int32, nodes in the order of
+    VTK. Four columns make linear tetrahedra, as a TetMesh does."""
+
+    elements: Indices
+
+    def __init__(self, vertices: ArrayLike, elements: ArrayLike) -> None:
+        columns = np.shape(elements)[1] if np.ndim(elements) == 2 else 0
+        if columns not in (4, 8, 10, 27):
+            raise InvalidMesh(
+                f"SolidMesh: elements: got the shape {np.shape(elements)}, need (m, k) with 4, 8, 10 or 27 "
+                f"vertex indices each"
+            )
+        self.__dict__["vertices"] = points_of(vertices, "SolidMesh: vertices")
+        self.__dict__["elements"] = indices_of(elements, columns, "SolidMesh: elements")
+
+    def _with(self, vertices: Points) -> SolidMesh:
+        return SolidMesh(vertices, self.elements)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volume of each element [m^3], shape (m,)."""
+        return _core.element_volumes(self.vertices, self.elements)
+
+    @property
+    def volume(self) -> float:
+        return float(self.volumes.sum())
+
+    def surface_triangles(self) -> Indices:
+        """Boundary triangles (k, 3), outwards, as indices of ``vertices``: faces of quadratic elements are
+        cut into four or eight."""
+        return _core.solid_boundary_triangles(self.elements)
+
+    def surface(self) -> TriangleMesh:
+        """The boundary as a mesh of its own, without the inner vertices."""
+        return compact(TriangleMesh(self.vertices, self.surface_triangles()))
+
+    def __repr__(self) -> str:
+        kind = _core.element_name(self.elements)
+        return f"SolidMesh({len(self.vertices)} vertices, {len(self.elements)} elements: {kind})"
+
+
+class Polyline(MeshBase):
+    """Chain of points for rods: ``vertices`` (n, 3) float64 [m], each joined to the next."""
+
+    def __init__(self, vertices: ArrayLike) -> None:
+        self.__dict__["vertices"] = points_of(vertices, "Polyline: vertices")
+
+    def _with(self, vertices: Points) -> Polyline:
+        return Polyline(vertices)
+
+    @property
+    def edges(self) -> Indices:
+        """Edges (n - 1, 2) as indices of ``vertices``."""
+        first = np.arange(len(self.vertices) - 1, dtype=np.int32)
+        return np.column_stack([first, first + 1]).astype(np.int32)
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return float(np.linalg.norm(np.diff(self.vertices, axis=0), axis=1).sum())
+
+    def __repr__(self) -> str:
+        return f"Polyline({len(self.vertices)} points, {self.length:g} m)"
+
+
+Mesh: TypeAlias = TriangleMesh | TetMesh | SolidMesh
+
+
+def compact(mesh: Any) -> Any:
+    """Copy without the vertices that no element uses."""
+    name = next((n for n in ("tets", "elements", "triangles") if hasattr(mesh, n)), None)
+    if not isinstance(mesh, MeshBase) or name is None:
+        raise InvalidMesh(f"compact: got {type(mesh).__name__}, need a TriangleMesh, TetMesh or SolidMesh")
+    elements = getattr(mesh, name)
+    corners_of(mesh.vertices, elements, f"compact: {name}")
+    used, renumbered = np.unique(elements, return_inverse=True)
+    kind: Any = type(mesh)
+    return kind(mesh.vertices[used], renumbered.reshape(elements.shape).astype(np.int32))

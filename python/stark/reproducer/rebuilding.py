@@ -1,0 +1,81 @@
+"""Makes the simulation of a reproducer again, right before the step."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from stark import _core
+from stark.bodies import Cloth, RigidBody, Rod, Solid
+from stark.checkpoint import memory
+from stark.errors import StarkWarning
+from stark.mesh import Polyline, SolidMesh, TetMesh, TriangleMesh
+
+from .errors import ReproducerError
+from .parts import from_data
+
+
+def simulation_of(
+    header: dict[str, Any], arrays: dict[str, Any], owner: str, classes: tuple[Any, Any]
+) -> Any:
+    """The simulation of what a file holds. ``classes``: ``stark.Scene`` and ``stark.Simulation``, which stand
+    above."""
+    new_scene, new_simulation = classes
+    needed = [row["what"] for row in header["missing"] if row["call"] != "add_energy"]
+    if needed:
+        raise ReproducerError(
+            f"{owner}: {', '.join(needed)} could not be written, because formulas are code, and the state "
+            f"does not fit a scene without; make the scene with its own script and load a checkpoint"
+        )
+    scene = new_scene(str(header["scene"]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StarkWarning)  # given when the scene was made
+        for name, arguments in header["calls"]:
+            _repeat(scene, name, from_data(memory.decode(arguments, arrays)))
+        sim = new_simulation(scene, **header["settings"])
+    state = _core.State.of_arrays(
+        {n.removeprefix("state/"): a for n, a in arrays.items() if n[:6] == "state/"}
+    )
+    if state.hash != header["state_hash"]:
+        raise ReproducerError(f"{owner} is damaged (state); write it again")
+    sim.state = state
+    return sim
+
+
+def _repeat(scene: Any, name: str, arguments: list[Any]) -> None:
+    """A call on the core, and a handle of the body that it adds."""
+    if name not in _CALLS:
+        raise ValueError(f"unknown call '{name}'")
+    if name == "default_friction":
+        scene.default_friction = arguments[0]
+        return
+    index = getattr(scene._core, name)(*arguments)
+    if name in _BODIES:
+        scene._append(_BODIES[name](scene, index, arguments[0]))
+
+
+def _mesh_of_solid(given: dict[str, Any]) -> Any:
+    elements = np.asarray(given["elements"])
+    mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
+    return mesh(given["vertices"], elements)
+
+
+def _surface(given: dict[str, Any]) -> TriangleMesh:
+    return TriangleMesh(given["vertices"], given["triangles"])
+
+
+_BODIES: dict[str, Any] = {
+    "add_cloth": lambda scene, index, g: Cloth(scene, index, _surface(g), g["color"]),
+    "add_rigid": lambda scene, index, g: RigidBody(scene, index, _surface(g), g["color"]),
+    "add_solid": lambda scene, index, g: Solid(scene, index, _mesh_of_solid(g), g["color"]),
+    "add_rod": lambda scene, index, g: Rod(scene, index, Polyline(g["vertices"]), g["color"]),
+}
+_CALLS = {
+    *_BODIES,
+    *("add_skin", "add_fibres", "add_joint", "add_actuator", "add_attachment"),
+    *("set_actuator_value", "set_actuator_enabled", "pin", "clamp"),
+    *("set_friction", "set_anisotropic_friction", "set_restitution", "set_surface_directions"),
+    *("disable_contact", "enable_contact", "default_friction"),
+}

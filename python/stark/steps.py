@@ -1,0 +1,122 @@
+"""Steps of a simulation: what they started from, how they are shortened to end at a given time."""
+
+from __future__ import annotations
+
+import copyreg
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from stark import _core
+from stark._core import Error, InvalidArgument, State, StepProgress, StepReport
+from stark.handle import BodyHandle, SimulationLink
+from stark.scene_record import Call
+
+
+def _state_of(arrays: dict[str, Any]) -> _core.State:
+    return _core.State.of_arrays(arrays)
+
+
+# States are values: they can be copied, pickled and sent to other processes.
+copyreg.pickle(_core.State, lambda state: (_state_of, (state.arrays(),)))
+
+
+class LastStep(NamedTuple):
+    """What a step started from: taken again, it brings back what sensors read."""
+
+    before: State
+    limit: float | None  #: [s], of a step that was cut short
+    values: list[dict[str, Any]]  #: live values of the energies, arrays by name
+
+
+class TakenStep(NamedTuple):
+    """The step that was taken last, failed or not: what a reproducer holds."""
+
+    before: State
+    limit: float | None  #: [s]
+    report: StepReport
+
+
+#: Called while a step is under way: how far it has come.
+OnProgress = Callable[[StepProgress], object]
+
+
+class Stepping(SimulationLink):
+    """What checkpoints and reproducers know of a simulation."""
+
+    _last_step: LastStep | None
+    _taken: TakenStep | None
+    _calls: list[Call]  # that made its scene
+    _again: tuple[Any, Any]  # stark.Scene and stark.Simulation, to make both again
+
+    @cached_property
+    def _parts(self) -> list[tuple[str, bool, str]]:
+        """What the model was made of: name, whether a state depends on it, hash."""
+        return self._core.parts()
+
+    @property
+    def time(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def time_step(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def state(self) -> State:
+        raise NotImplementedError
+
+    @state.setter
+    def state(self, state: State) -> None:
+        raise NotImplementedError
+
+    @property
+    def bodies(self) -> Sequence[BodyHandle]:
+        raise NotImplementedError
+
+    def step(self, *, max_time_step: float | None = None, progress: OnProgress | None = None) -> StepReport:
+        raise NotImplementedError
+
+    def _require_free(self, what: str) -> None:
+        raise NotImplementedError
+
+
+#: Share of a step below which a difference of times is rounding, not a step to take.
+TIME_SLIVER = 1e-9
+
+
+def _time_rounding(sim: Stepping) -> float:
+    return max(TIME_SLIVER * sim.time_step, 4.0 * math.ulp(sim.time))
+
+
+def reached(sim: Stepping, end: float) -> bool:
+    """Whether a simulation has come to the time ``end`` [s], up to rounding."""
+    return sim.time >= end - _time_rounding(sim)
+
+
+def limit_of_step(sim: Stepping, end: float) -> float | None:
+    """What the coming step has to be shortened to [s], not to go beyond ``end``; None when it is taken whole.
+    What differs from a whole step by rounding is one, so that ends between steps of a longer run change
+    nothing in it."""
+    rest = float(end) - sim.time
+    if rest >= sim.time_step - _time_rounding(sim):
+        return None
+    # Rounded so that the sum is the end, in every bit.
+    candidates = (rest, math.nextafter(rest, 0.0), math.nextafter(rest, math.inf))
+    return next((limit for limit in candidates if sim.time + limit == end), rest)
+
+
+def require_callable(progress: OnProgress | None, caller: str) -> None:
+    if progress is not None and not callable(progress):
+        raise InvalidArgument(
+            f"{caller}: progress = {progress!r}: must be a function of one argument, or None"
+        )
+
+
+class StepFailed(Error):  # noqa: N818 (exceptions of Stark say what happened)
+    """``Simulation.run`` met a step that failed even at the shortest time step; ``report`` is its report."""
+
+    def __init__(self, report: StepReport) -> None:
+        super().__init__(report.message or "the time step failed")
+        self.report = report
