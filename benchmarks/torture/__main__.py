@@ -1,8 +1,10 @@
 """Runs the scenes at full size, or many random ones, and prints what became of them:
 
     PYTHONPATH=python python -m benchmarks.torture [NAME...] [--small] [--write]
-    PYTHONPATH=python python -m benchmarks.torture random --count 2000 --seed 1 [--first N] [--write]
+    PYTHONPATH=python python -m benchmarks.torture random --count 2000 --seed 1 [--first N] [--kinds KIND...]
+    PYTHONPATH=python python -m benchmarks.torture random --count 0 --rows FILE --write     # of what was run
 
+Scene N of a seed is of kind N modulo the number of kinds.
 ``--write`` puts tables into benchmarks/results."""
 
 from __future__ import annotations
@@ -18,8 +20,9 @@ from typing import Any
 
 import stark
 
-from .campaign import run_campaign, summary
+from .campaign import PATIENCE, read, run_campaign, summary
 from .case import run
+from .random_kinds import KINDS
 from .scenes import CASES
 
 RESULTS = Path(__file__).resolve().parents[1] / "results"
@@ -76,14 +79,18 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kinds", nargs="+", choices=list(KINDS), default=list(KINDS), metavar="KIND")
+    parser.add_argument("--patience", type=float, default=PATIENCE, help="CPU seconds for a scene")
     parser.add_argument("--rows", type=Path, help="file to which random scenes are appended, one a line")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore", stark.StarkWarning)
     if arguments.names == ["random"]:
         with tempfile.TemporaryDirectory() as folder:
             path = arguments.rows or Path(folder) / "rows.jsonl"
-            rows = run_campaign(arguments.seed, arguments.first, arguments.count, path)
-        counts = {"seed": arguments.seed, "first": arguments.first, **summary(rows)}
+            span = arguments.seed, arguments.first, arguments.count
+            run_campaign(*span, path, arguments.kinds, arguments.patience)
+            rows = read(path)  # also of what ran before
+        counts = {"seed": arguments.seed, "patience": arguments.patience, **summary(rows)}
         text = json.dumps(_finite(counts), indent=1)
         print(text)
         if arguments.write:

@@ -34,6 +34,8 @@ class Setup:
     check: Callable[[stark.Simulation], str | None] | None = None
     #: Text of the message of the step that must fail.
     fails: str | None = None
+    #: Causes for which a step may fail.
+    causes: frozenset[str] = frozenset()
     #: Text of the exception that making the simulation must raise.
     refused: str | None = None
     #: Whether all forces on free masses are gravity and contact: no pins, dampers of masses, joints.
@@ -42,6 +44,8 @@ class Setup:
     passive: bool = True
     most_iterations: int = 400  # of a step with its retries
     most_retries: int = 8
+    #: Accepted steps after which a run is over, whatever the time.
+    most_steps: int = 10**9
     #: Steps in which no way was found that is near the straight lines.
     most_open: int = 0
     #: Whether ways that are not straight are searched for, which takes minutes in heaps of cloth.
@@ -65,6 +69,8 @@ class Outcome:
     name: str
     status: str = "complete"  # or failed, refused
     message: str = ""
+    cause: str = ""  # of a failed step
+    caveats: dict[str, int] = field(default_factory=dict)  # steps by caveat
     steps: int = 0
     iterations: int = 0
     most_iterations: int = 0
@@ -87,6 +93,10 @@ def simulate(setup: Setup, **settings: Any) -> stark.Simulation:
     return stark.Simulation(setup.scene, **{**setup.settings, **settings})
 
 
+def is_over(sim: stark.Simulation, setup: Setup, steps: int) -> bool:
+    return sim.time >= setup.until - 1e-9 * setup.until or steps >= setup.most_steps
+
+
 def run(name: str, setup: Setup, *, judged: bool = True, **settings: Any) -> Outcome:
     """Runs a scene to its end. ``judged=False`` leaves out what takes time."""
     outcome = Outcome(name)
@@ -101,7 +111,7 @@ def run(name: str, setup: Setup, *, judged: bool = True, **settings: Any) -> Out
     if setup.refused is not None:
         outcome.problems.append(f"must be refused with '{setup.refused}'")
     watcher = _Watcher(sim, setup, outcome, Judge(sim, setup.searched) if judged else None)
-    while sim.time < setup.until - 1e-9 * setup.until:
+    while not is_over(sim, setup, outcome.steps):
         if setup.drive is not None:
             setup.drive(sim)
         before = sim.state
@@ -134,8 +144,8 @@ class _Watcher:
 
     def failed(self, report: Any, before: Any) -> None:
         outcome, expected = self._outcome, self._setup.fails
-        outcome.status, outcome.message = "failed", report.message
-        if expected is None or expected not in report.message:
+        outcome.status, outcome.message, outcome.cause = "failed", report.message, report.diagnosis.cause
+        if outcome.cause not in self._setup.causes and (expected is None or expected not in report.message):
             self._note(f"step {report.step} failed: {report.message}")
         if not report.message:
             self._note("a step failed without a message")
@@ -161,7 +171,10 @@ class _Watcher:
             self._note(f"step {report.step} took {report.newton_iterations} iterations")
         if report.rejected_steps > setup.most_retries:
             self._note(f"step {report.step} was retried {report.rejected_steps} times")
+        for caveat in report.caveats:
+            outcome.caveats[caveat] = outcome.caveats.get(caveat, 0) + 1
         self._look(report)
+        self._hold(report)
         self._balance(report)
         self._count_energy(report)
         if setup.watch is not None:
@@ -176,14 +189,32 @@ class _Watcher:
         if self._judge is None:
             return
         if self._judge.intersects():
-            self._note(f"step {report.step}: surfaces intersect")
+            self._note(f"step {report.step}: surfaces intersect: {self._judge.named(self._judge.wrong)}")
+        if self._judge.prescribed and "prescribed_overlap" not in report.caveats:
+            names = self._judge.named(self._judge.prescribed)
+            self._note(f"step {report.step}: prescribed bodies meet and nothing says so: {names}")
         way = self._judge.way()
         self._outcome.around += way == Way.AROUND
-        self._outcome.open += way == Way.OPEN
+        self._outcome.open += way in (Way.OPEN, Way.FAR)
+        if way == Way.FAR:
+            self._note(f"step {report.step}: no clear way, and something moved far")
         if way == Way.THROUGH:
             self._note(f"step {report.step}: something passed through a closed surface")
         if self._outcome.open > self._setup.most_open:
             self._note(f"step {report.step}: no clear way from the state before")
+
+    def _hold(self, report: Any) -> None:
+        """Joints are held, and actuators within their caps."""
+        settings = self._sim.settings
+        bound = 1.001 * max(settings["joints.length_tolerance"], settings["joints.angle_tolerance"])
+        for joint in self._sim.joints if "old_friction" not in report.caveats else ():
+            left = float(np.abs(joint.residuals).max(initial=0.0)) if joint.enabled else 0.0
+            if not left <= bound:
+                self._note(f"step {report.step}: joint '{joint.name}' is not held: {left:.3g}")
+        for actuator in self._sim.actuators:
+            cap = actuator.parameters.get("cap")
+            if cap is not None and not abs(actuator.effort) <= (1.0 + 1e-9) * cap:
+                self._note(f"step {report.step}: {actuator.kind} with {actuator.effort:.3g}, cap {cap:.3g}")
 
     def _balance(self, report: Any) -> None:
         """Change of momentum against gravity and the contact forces of what is not free."""
@@ -207,7 +238,7 @@ class _Watcher:
         noise += max(pairs, len(forces)) * report.friction_residual
         # Steps may end at rounding, where residuals of stiff contact are above the tolerance.
         tolerance = max(self._sim.settings["newton.acceleration_tolerance"], report.acceleration)
-        allowed = self._mass * tolerance + noise
+        allowed = max(self._mass * tolerance + noise, 1e-300)
         self._outcome.imbalance = max(self._outcome.imbalance, float(np.linalg.norm(residual)) / allowed)
         if np.linalg.norm(residual) > _BALANCE * allowed:
             self._note(f"step {report.step}: {np.linalg.norm(residual):.3g} N are unbalanced")

@@ -5,7 +5,7 @@ ipctk says whether anything intersects and whether the straight way is clear; wh
 from __future__ import annotations
 
 from enum import Enum
-from pathlib import Path
+from itertools import pairwise
 
 import ipctk
 import numpy as np
@@ -13,12 +13,22 @@ from numpy.typing import NDArray
 
 import stark
 from stark.verify.geometry import GeometryCheck
-from stark.verify.reading import Body, Run, State
+from stark.verify.reading import State
+from stark.verify.rigid_paths import between, largest_turn
+
+from .meeting import Meeting, Pairs, state_of
 
 Floats = NDArray[np.float64]
 
 #: Conservative advancement. Tight inclusion takes minutes over a pair of needles, whatever its limit says.
 _CCD = ipctk.AdditiveCCD(max_iterations=20_000)
+#: For the few ways that no search finds clear: it takes a gap for closed at a ten thousandth of what it was
+#: at first, the one above at a tenth, which what comes to rest on something always reaches.
+_NEAR_CCD = ipctk.AdditiveCCD(max_iterations=20_000, conservative_rescaling=0.9999)
+#: Motion over the size of the smallest body from which steps have to find their way clear (docs/failures.md).
+_FAR = 0.25
+#: In pieces of such a turn, or in so many, rigid bodies may go straight.
+_TURN, _PIECES = 0.3, (4, 16)
 
 
 class Way(Enum):
@@ -27,12 +37,13 @@ class Way(Enum):
     STRAIGHT = "straight"  # of all vertices, clear
     AROUND = "around"  # arcs of rigid bodies, or a detour near the straight lines, clear
     OPEN = "open"  # none was found, which proves nothing
+    FAR = "far"  # none was found, and something moved so far that the step should have looked for one
     THROUGH = "through"  # a vertex changed sides of a closed surface
 
 
 class Judge:
-    """Of one simulation; ask after each step. All surfaces must be in contact with each other.
-    ``searching=False``: only straight ways count as clear, which is quicker."""
+    """Of one simulation; ask after each step. ``searching=False``: only straight ways count as clear, which
+    is quicker."""
 
     def __init__(self, sim: stark.Simulation, searching: bool = True) -> None:
         self._sim, self._searching = sim, searching
@@ -44,66 +55,66 @@ class Judge:
         edges, triangles = np.split(index.astype(np.int32), [edges.size])
         self._last = self.positions()
         self._mesh = ipctk.CollisionMesh(self._last, edges.reshape(-1, 2), triangles.reshape(-1, 3))
-        self._last_state = self._state()
+        self._meeting = Meeting(sim)
+        self._last_state = state_of(sim)
+        #: Bodies that met when ``intersects`` was last asked, and must not.
+        self.wrong = Pairs()
+        #: Prescribed bodies that met: nothing keeps them apart, but steps have to say so.
+        self.prescribed = Pairs()
 
     def positions(self) -> Floats:
         """Of all vertices of surfaces and rods (n, 3) [m]."""
         return np.array(self._core.surface()["positions"])[self._touching]
 
     def intersects(self) -> bool:
-        """Whether an edge is in a triangle now."""
-        return bool(ipctk.has_intersections(self._mesh, self.positions()))
+        """Whether an edge is in a triangle now, but for bodies that may be in each other."""
+        self.wrong, self.prescribed = Pairs(), Pairs()
+        if not ipctk.has_intersections(self._mesh, self.positions()):
+            return False
+        state = state_of(self._sim)
+        self._meeting.watch(state)
+        self.wrong, self.prescribed = self._meeting.pairs(state.points())
+        return bool(self.wrong)
+
+    def named(self, pairs: Pairs) -> str:
+        return self._meeting.names(pairs)
 
     def way(self) -> Way:
         """From where everything was at the last call (at first: at the start) to where it is."""
         before, self._last = self._last, self.positions()
-        start, self._last_state = self._last_state, self._state()
+        start, self._last_state = self._last_state, state_of(self._sim)
         if ipctk.is_step_collision_free(self._mesh, before, self._last, narrow_phase_ccd=_CCD):
             return Way.STRAIGHT
         if not self._searching:
             return Way.OPEN
-        check = GeometryCheck(self._run())
+        self._meeting.watch(self._last_state)
+        check = GeometryCheck(self._meeting.run)
+        check.surface.watch(self._last_state.regained)
         check._follow(start, self._last_state)
         if check.passed:
             return Way.THROUGH
-        return Way.OPEN if check.blocked or check.long_detours else Way.AROUND
+        if check.blocked or check.long_detours:
+            return Way.FAR if self._moved_far(start) and not self._in_pieces(check, start) else Way.OPEN
+        return Way.AROUND if check.arcs or check.detours else Way.STRAIGHT
 
-    # --- what the search needs of a recording ---
+    def _moved_far(self, start: State) -> bool:
+        places = list(zip(start.positions, self._last_state.positions, strict=True))
+        motion = max(float(np.linalg.norm(b - a, axis=1).max()) for a, b in places)
+        return motion > _FAR * min(float(np.linalg.norm(np.ptp(a, axis=0))) for a, _ in places)
 
-    def _state(self) -> State:
-        poses = [
-            np.vstack([body.position, body.rotation]) if isinstance(body, stark.RigidBody) else None
-            for body in self._sim.bodies
-        ]
-        positions = [np.array(body.positions) for body in self._sim.bodies]
-        none = np.zeros(0, dtype=np.int8)
-        nothing: list[None] = [None] * len(poses)
-        return State(0, self._sim.time, positions, poses, nothing, nothing, none, none)
+    def _in_pieces(self, check: GeometryCheck, start: State) -> bool:
+        """Whether a way is clear that goes straight between some places on the arcs of rigid bodies."""
+        turn = largest_turn(start, self._last_state)
+        ends = [start.points(), self._last_state.points()]
+        for angle in (np.inf, _TURN, *(turn / pieces for pieces in _PIECES)):
+            stations = between(self._meeting.run.bodies, start, self._last_state, angle) or ends
+            if all(self._is_free(check, a, b) for a, b in pairwise(stations)):
+                return True
+        return False
 
-    def _run(self) -> Run:
-        bodies = []
-        for body in self._sim.bodies:
-            distance = self._sim.contact_distance(body)
-            edges = body.mesh.edges if body.kind == "rod" else np.zeros((0, 2))
-            inertia = None
-            if isinstance(body, stark.RigidBody):
-                local = body.rotation.T @ (body.center_of_mass - body.position)
-                inertia = {"center_of_mass": local}
-            bodies.append(
-                Body(
-                    name=body.name,
-                    kind=body.kind,
-                    motion=body.motion,
-                    vertex_count=len(body.positions),
-                    contact_distance=distance,
-                    triangles=np.asarray(body.triangles).reshape(-1, 3),
-                    edges=np.asarray(edges),
-                    pins=np.zeros(0, dtype=np.int64),
-                    clamped=np.zeros(0, dtype=np.int64),
-                    masses=None,
-                    second_moments=None,
-                    inertia=inertia,
-                )
-            )
-        scene = {"pairs_without_contact": [], "contact_enabled": True, "attachments": []}
-        return Run(Path(), manifest={}, rows=[], all_rows=0, bodies=bodies, scene=scene)
+    def _is_free(self, check: GeometryCheck, a: Floats, b: Floats) -> bool:
+        """Whether everything may go straight from a to b."""
+        if not check._blocked(a, b):
+            return True
+        x, y = (np.asfortranarray(points[check.surface.points]) for points in (a, b))
+        return bool(ipctk.is_step_collision_free(self._mesh, x, y, narrow_phase_ccd=_NEAR_CCD))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import socket
@@ -341,6 +342,17 @@ def test_counts_are_bounded_before_memory_is_asked_for(run: Path, change: Callab
         assert tracemalloc.get_traced_memory()[1] < 100e6
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize("number", [math.nan, -math.inf])
+def test_a_manifest_with_numbers_that_json_lacks_is_damaged(
+    run: Path, number: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`run --resume` wrote it again, which raised ValueError."""
+    _edit(run, lambda m: m["bodies"][0].update(contact_distance=number))
+    capsys.readouterr()
+    assert main(["run", "--resume", str(run), "--until", "0.06", *QUIET]) == 2
+    assert "manifest.json' is damaged: " in capsys.readouterr().err
 
 
 def test_shapes_that_a_file_only_claims(run: Path) -> None:

@@ -54,6 +54,11 @@ TEST_CASE("a step with nothing wrong in sight ran out of iterations, or has no k
   StepEvidence detour = plain();
   detour.solve.status = SolveStatus::Detour;
   CHECK(judged(detour).cause == FailureCause::Detour);
+  // A pair that meets is certain, numbers far from ordinary are not.
+  detour.unit_suspicions = {"rigid body 'grain': extent of the mesh = 4e-05 m"};
+  CHECK(judged(detour).cause == FailureCause::UnitMistake);
+  detour.in_the_way.emplace();
+  CHECK(judged(detour).cause == FailureCause::Detour);
 }
 
 TEST_CASE("blocked motion names who pushes and what is in the way") {

@@ -121,6 +121,6 @@ def test_exceptions_are_outcomes(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object) -> None:
         raise ZeroDivisionError("of a test")
 
-    monkeypatch.setattr("benchmarks.torture.campaign.build", broken)
+    monkeypatch.setattr("benchmarks.torture.campaign.KINDS", {"mixed": (broken, broken)})
     outcome = run_one(2, 0)
     assert outcome.status == "exception" and "of a test" in outcome.message and outcome.problems

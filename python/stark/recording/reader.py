@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -42,6 +43,18 @@ def _read_npz(place: Path, path: Path) -> dict[str, np.ndarray]:
         raise RecordingError(
             f"'{path}' is damaged or cut off ({error}); copy the run folder again"
         ) from error
+
+
+def _strict_json(text: str) -> Any:
+    """Without NaN and infinite numbers, which are no JSON, and which no recorder writes."""
+
+    def number(word: str) -> float:
+        value = float(word)
+        if not math.isfinite(value):
+            raise ValueError(f"{word[:20]} is no number of JSON")
+        return value
+
+    return json.loads(text, parse_float=number, parse_constant=number)
 
 
 class Recording:
@@ -96,7 +109,7 @@ class Recording:
         if not self._place.is_dir():
             raise RecordingError(f"'{self.folder}' is not a run folder: no such folder")
         try:
-            manifest = json.loads(read_text(self._place / MANIFEST))
+            manifest = _strict_json(read_text(self._place / MANIFEST))
         except FileNotFoundError:
             raise RecordingError(f"'{self.folder}' is not a run folder: it has no {MANIFEST}") from None
         except (OSError, ValueError, RecursionError) as error:

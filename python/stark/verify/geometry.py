@@ -34,6 +34,8 @@ _LISTED = 8  # places named in a certificate
 _SLACK = 1e-6
 #: Relative difference of the reported and the measured least distance that rounding explains.
 _REPORT_ROUNDING = 1e-6
+#: Rounding of a distance by that of the places it is measured between, over the largest coordinate.
+_PLACE_ROUNDING = 8.0 * float(np.finfo(float).eps)
 
 
 @dataclass
@@ -54,6 +56,7 @@ class GeometryCheck:
     largest_detour: float = 0.0  # [m]
     long_detours: list[dict[str, Any]] = field(default_factory=list)
     least: list[float] = field(default_factory=list)  # measured distance of each state [m]
+    farthest: float = 0.0  # largest coordinate of all states [m]: places round by their parts of it
     previous: State | None = None
 
     def __post_init__(self) -> None:
@@ -88,6 +91,7 @@ class GeometryCheck:
 
     def _measure_distances(self, state: State, x: Floats) -> None:
         reach = self.surface.distance[self.surface.body_of][:, None]
+        self.farthest = max(self.farthest, float(np.abs(x).max(initial=0.0)))
         least = math.inf
         near, unsure = False, False
         for kind, pairs in self.surface.distance_pairs(x - reach, x + reach).items():
@@ -282,6 +286,7 @@ class GeometryCheck:
             difference = float(np.abs(rim - least).min()) if other == math.inf else other - least
             h = number(row, "time_step")
             limit = _REPORT_ROUNDING * least + 2.0 * speed * (h if 0.0 < h < math.inf else 0.0)
+            limit += _PLACE_ROUNDING * self.farthest
             # Where one says that surfaces touch and the other that they do not, no rounding explains it.
             ratio = difference / limit if limit > 0.0 else math.inf
             if ratio > share:

@@ -15,14 +15,16 @@ _FEWEST, _MOST = 4, 64  # pieces of a step
 _ANGLE = math.radians(1.0)  # of a piece
 
 
-def between(bodies: list[Body], start: State, end: State) -> list[Floats]:
-    """Positions of all points at the ends of the pieces of a step: rigid bodies turn evenly about their
-    centres of mass, which move on straight lines like everything else. Empty if no body turns."""
-    turns = [_turn(a, b) for a, b in zip(start.poses, end.poses, strict=True)]
-    largest = max((angle for turn in turns if turn is not None for angle in [turn[1]]), default=0.0)
+def between(bodies: list[Body], start: State, end: State, angle: float = _ANGLE) -> list[Floats]:
+    """Positions of all points at the ends of the pieces of a step, in which no body turns by more than
+    ``angle`` [rad] if 64 are enough: rigid bodies turn evenly about their centres of mass, which move on
+    straight lines like everything else. Empty if no body turns."""
+    largest = largest_turn(start, end)
     if not largest > 0.0:
         return []
-    count = int(np.clip(math.ceil(largest / _ANGLE), _FEWEST, _MOST))
+    turns = [_turn(a, b) for a, b in zip(start.poses, end.poses, strict=True)]
+    fewest = _FEWEST if angle <= _ANGLE else 1
+    count = int(np.clip(math.ceil(largest / angle * (1.0 - 1e-12)), fewest, _MOST))
     stations = [start.points()]
     for k in range(1, count):
         s, parts = k / count, []
@@ -37,6 +39,12 @@ def between(bodies: list[Body], start: State, end: State) -> list[Floats]:
             parts.append(centre_0 + s * (centre_1 - centre_0) + arms)
         stations.append(np.concatenate(parts))
     return [*stations, end.points()]
+
+
+def largest_turn(start: State, end: State) -> float:
+    """Of all bodies in a step [rad]."""
+    turns = [_turn(a, b) for a, b in zip(start.poses, end.poses, strict=True)]
+    return max((turn[1] for turn in turns if turn is not None), default=0.0)
 
 
 def _centre(body: Body, pose: Floats | None) -> Floats:

@@ -21,6 +21,10 @@ constexpr double kGain = 1e3;
 /// factor of e stiffer again [s].
 constexpr double kSpent = 3e-4, kRecovery = 0.1;
 
+/// Force over the one that lasts from which a spent layer is pressed on, and by what it gets stiffer then in
+/// a step.
+constexpr double kPressed = 2.0, kStiffer = 10.0;
+
 /// Time with which the force that lasts follows the one of the step [s].
 constexpr double kLoadTime = 0.02;
 
@@ -107,15 +111,24 @@ void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::spa
   for (const auto& [bodies, impact] : impacts_) {
     if (impact.due == 0.0) continue;
     const size_t first = contacts_.size();
-    double total = 0.0;
+    const Vec3& n = impact.normal;  // shorter than 1 where contacts press in several directions
+    const auto side = [&](const Contact& contact) { return contact.group_a == bodies >> 32 ? 1.0 : -1.0; };
+    Vec3 sum;
     for (size_t c = 0; c < contacts.size(); ++c) {
       const Contact& contact = contacts[c];
       if (group_code(contact.group_a, contact.group_b) != bodies) continue;
       contacts_.emplace_back(contact, forces[c]);
-      total += dot(forces[c], impact.normal) * (contact.group_a == bodies >> 32 ? 1.0 : -1.0);
+      sum += forces[c] * side(contact);
     }
+    const double total = dot(sum, n);
     if (!(total > 0.0)) contacts_.resize(first);
-    for (size_t k = first; k < contacts_.size(); ++k) contacts_[k].second = contacts_[k].second / total;
+    // Contacts have moved since the approach: what their sum lacks is spread over them.
+    const double scale = squared_norm(n) / total;
+    const Vec3 rest = n - sum * scale;
+    for (size_t k = first; k < contacts_.size(); ++k) {
+      auto& [contact, share] = contacts_[k];
+      share = share * scale + rest * (dot(share, n) / total);
+    }
   }
 }
 
@@ -243,6 +256,9 @@ RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum s
   impact.stiffness = std::min(1.0, impact.stiffness * std::exp(h / kRecovery));
   if (impact.due != 0.0) impact = {.load = impact.load, .stiffness = impact.stiffness};
   const double a = fall(bodies, sum.normal), u0 = sum.rate_start, u1 = sum.rate_end;
+  // Else what pushes slowly would close the gap before the layer carries it.
+  if (u1 < 0.0 && sum.force > kPressed * impact.load)
+    impact.stiffness = std::min(1.0, kStiffer * impact.stiffness);
   if (impact.speed == 0.0) {
     const bool approaches = sum.force > 0.0 && u0 < 0.0;
     const double V2 = approaches ? u0 * u0 - motion_.delay * a * h * u0 : 0.0;
@@ -267,6 +283,7 @@ RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum s
   impact.due = 1.0;
   const double carried = impact.load + a * impact.impulse / (impact.speed + u1);
   if (sum.force > carried) impact.stiffness = std::max(kSpent, impact.stiffness * carried / sum.force);
+  impact.load = std::max(impact.load, carried);
   return impact;
 }
 

@@ -306,6 +306,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
        {judge_prescribed(e), judge_not_finite(e), judge_steep_energy(e), judge_tolerance(e, settings.newton),
         judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
+  if (e.solve.status == SolveStatus::Detour && e.in_the_way) return judge_detour(e);
   if (!e.unit_suspicions.empty())
     return {FailureCause::UnitMistake, "numbers look as if in other units: " + e.unit_suspicions.front(),
             "check the units of all that is named here; lengths are in m, masses in kg, times in s"};

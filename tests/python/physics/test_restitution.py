@@ -162,3 +162,39 @@ def test_only_pairs_of_rigid_bodies_have_a_coefficient() -> None:
 
 def test_example() -> None:
     runpy.run_path(str(Path(__file__).parents[3] / "examples/bouncing_balls.py"))["main"]()
+
+
+@pytest.mark.parametrize("h", [1e-3, 5e-3])
+@pytest.mark.parametrize("e", [0.0, 0.3])
+def test_a_wall_that_speeds_up_pushes_what_it_has_hit(e: float, h: float) -> None:
+    """A layer that has taken up an impact carries next to nothing. It was that soft for most of a second:
+    what pushed slowly closed the gap to its bound, where steps may fail with `blocked_motion`."""
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    wall = scene.add_box((0.2, 1.0, 1.0), motion="scripted", position=(-0.16, 0.0, 0.0))
+    wall.follow(position=lambda t: (-0.16 + t + 10.0 * t**2, 0.0, 0.0))
+    box = scene.add_box(0.1, mass=0.1)
+    scene.restitution[wall, box] = e
+    sim = stark.Simulation(scene, time_step=h, contact_distance=3e-3, gravity=(0.0, 0.0, 0.0))
+    for report in sim.run(until=0.2):
+        assert not report.failed, report.message
+        assert report.min_distance > 0.1 * 6e-3
+    assert box.velocity[0] == pytest.approx(5.0, rel=0.06)  # of the wall
+
+
+def test_forces_that_are_shown_are_those_that_act_in_a_corner() -> None:
+    """Contacts of an impact that press in several directions: their sum was too large by one over the square
+    of its length."""
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    room = scene.add_rigid(stark.mesh.box(0.4), hollow=True, motion="fixed")
+    box = scene.add_box(0.1, mass=0.1, position=(0.1, 0.1, 0.1), velocity=(2.0, 1.9, 2.1))
+    scene.restitution[room, box] = 0.5
+    sim = stark.Simulation(scene, time_step=1e-3, contact_distance=3e-3, gravity=(0.0, 0.0, 0.0))
+    before, given = box.mass * box.velocity, 0.0
+    for report in sim.run(until=0.08):
+        acting = (box.mass * box.velocity - before) / report.time_step
+        assert box.contact_force == pytest.approx(acting, abs=1e-3)
+        before = box.mass * box.velocity
+        given = max(given, report.energy["restitution"])
+    assert given > 0.01
