@@ -79,7 +79,7 @@ TEST_CASE("the speed is given back, and no force acts where it is there") {
   CHECK(set.work(away) == doctest::Approx(0.0));
   for (int i = 0; i < 3; ++i) away[i].z += 1.0 * kStep;
   CHECK(set.work(away) < 0.0);  // held back
-  CHECK(set.stiffness().at(group_code(0, 1)) == 0.5);
+  CHECK(set.spent().at(group_code(0, 1)).stiffness == 0.5);
 }
 
 TEST_CASE("its limits are e times the impulse and e^2 times the energy of the approach") {

@@ -20,6 +20,9 @@ constexpr double kLoadedGap = 0.1;
 /// at rest is to rest. Gaps follow it one to one.
 constexpr double kEnough = 0.99;
 
+/// Cosine of the angle between a contact and the impact that has spent the layer, down to which it is of it.
+constexpr double kFacing = 0.5;
+
 /// Growth of a factor after an attempt that failed, and where that ends.
 constexpr double kRaise = 1e3, kHighest = 1e9;
 
@@ -65,15 +68,27 @@ double LoadMemory::find(int64_t code) const { return std::max(1.0, pending(code)
 ContactLaw::ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance)
     : areas_(std::move(areas)), bodies_(std::move(bodies)), distance_(std::move(distance)) {}
 
-void ContactLaw::begin_step(LoadMemory memory, std::map<int64_t, double> spent) {
+void ContactLaw::begin_step(LoadMemory memory, std::map<int64_t, SpentLayer> spent) {
   memory_ = std::move(memory);
   spent_ = std::move(spent);
+  left_.clear();
   frozen_.clear();
 }
 
-double ContactLaw::factor(int64_t bodies) const {
-  const auto spent = spent_.find(bodies);
-  return memory_.find(bodies) * (spent == spent_.end() ? 1.0 : spent->second);
+double ContactLaw::left(const Contact& contact) const {
+  const auto found = left_.find(contact.key);
+  return found == left_.end() ? 1.0 : found->second;
+}
+
+void ContactLaw::freeze_left(std::span<const Vec3> x, const std::vector<Contact>& contacts) {
+  if (spent_.empty()) return;
+  for (const Contact& contact : contacts) {
+    const auto layer = spent_.find(code_of(contact));
+    if (layer == spent_.end() || left_.contains(contact.key)) continue;
+    const double side = contact.group_a == layer->first >> 32 ? 1.0 : -1.0;
+    const double along = dot(normalized(gap_vector(contact, x)), layer->second.normal) * side;
+    left_[contact.key] = along > kFacing * norm(layer->second.normal) ? layer->second.stiffness : 1.0;
+  }
 }
 
 double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {
@@ -106,16 +121,18 @@ void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
 
 void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {
   freeze_areas(mesh, x, contacts);
+  freeze_left(x, contacts);
   int64_t bodies = -1;
   double pressure = 0.0;  // of these bodies, under their load
   for (Contact& contact : contacts) {
     if (const int64_t code = code_of(contact); code != bodies) {
       bodies = code;
-      pressure = this->pressure(contact.group_a, contact.group_b) * factor(code);
+      pressure = this->pressure(contact.group_a, contact.group_b) * memory_.find(code);
     }
     const double area =
         depends_on_normal(contact) ? frozen_.at(area_code(contact)) : areas_.area(mesh, contact, Vec3{}, x);
     contact.stiffness = contact.multiplicity * area * pressure / (kMiddleSlope * contact.contact_distance);
+    if (!left_.empty()) contact.stiffness *= left(contact);
   }
 }
 
@@ -126,7 +143,7 @@ std::map<int64_t, double> ContactLaw::wanted(const std::vector<Contact>& contact
   const double loaded = slope(kLoadedGap);
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(contacts[c].stiffness > 0.0)) continue;
-    const double natural = contacts[c].stiffness / factor(code_of(contacts[c]));
+    const double natural = contacts[c].stiffness / (memory_.find(code_of(contacts[c])) * left(contacts[c]));
     double& largest = wanted[code_of(contacts[c])];
     largest = std::max(largest, norm(forces[c]) / (loaded * contacts[c].contact_distance * natural));
   }

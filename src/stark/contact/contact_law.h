@@ -39,6 +39,12 @@ struct BodyStiffness {
   bool is_given = false;  ///< by the user: then it is a law, and no load changes it
 };
 
+/// What an impact with restitution has left of the layer of contact between two bodies.
+struct SpentLayer {
+  double stiffness = 1.0;  ///< over its own
+  Vec3 normal;             ///< mean direction of the forces on the first body: only what faces it is spent
+};
+
 /// -b'(r) / -b'(1/2) of the barrier on the unit interval: pressure over contact stiffness at the gap r d.
 double relative_pressure(double r);
 
@@ -48,8 +54,8 @@ class ContactLaw {
   /// By group: stiffness and contact distance [m].
   ContactLaw(AreaWeights areas, std::vector<BodyStiffness> bodies, std::vector<double> distance);
 
-  /// Forgets the areas of the last step. spent: by bodies, what restitution has left of the stiffness.
-  void begin_step(LoadMemory memory = {}, std::map<int64_t, double> spent = {});
+  /// Forgets the areas of the last step. spent: by bodies.
+  void begin_step(LoadMemory memory = {}, std::map<int64_t, SpentLayer> spent = {});
 
   /// Sets the stiffness of each contact at x. Areas that depend on the normal are those of the first contact
   /// in the step of a vertex with a body, or of two edges. mesh: see PairKey.
@@ -75,8 +81,10 @@ class ContactLaw {
  private:
   /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.
   std::map<int64_t, double> wanted(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
-  /// Of the stiffness of two bodies in this step.
-  double factor(int64_t bodies) const;
+  /// Part of its stiffness that an impact has left a contact.
+  double left(const Contact& contact) const;
+  /// Decides it for the rest of the step, by the direction in which the contact is met first.
+  void freeze_left(std::span<const Vec3> x, const std::vector<Contact>& contacts);
   void freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x, const std::vector<Contact>& contacts);
   bool depends_on_normal(const Contact& contact) const;
 
@@ -84,7 +92,8 @@ class ContactLaw {
   std::vector<BodyStiffness> bodies_;
   std::vector<double> distance_;
   LoadMemory memory_;
-  std::map<int64_t, double> spent_;
+  std::map<int64_t, SpentLayer> spent_;
+  std::map<PairKey, double> left_;              ///< of contacts of bodies in spent_
   std::unordered_map<int64_t, double> frozen_;  ///< areas of pairs of edges, or of a vertex and a body [m^2]
 };
 

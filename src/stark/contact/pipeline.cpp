@@ -112,7 +112,7 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
                        {x_reference_, reference.step / reference.duration, weight_});
   set_close_bodies(std::move(memory.close));
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
-  law_.begin_step(std::move(memory.load), restitution_.stiffness());
+  law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
   update(x);
   if (is_bound_ && lower_separations()) update(x);

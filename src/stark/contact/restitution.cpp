@@ -99,11 +99,11 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
   }
 }
 
-std::map<int64_t, double> RestitutionSet::stiffness() const {
-  std::map<int64_t, double> stiffness;
+std::map<int64_t, SpentLayer> RestitutionSet::spent() const {
+  std::map<int64_t, SpentLayer> spent;
   for (const auto& [bodies, impact] : impacts_)
-    if (impact.stiffness != 1.0) stiffness[bodies] = impact.stiffness;
-  return stiffness;
+    if (impact.stiffness != 1.0) spent[bodies] = {impact.stiffness, impact.normal};
+  return spent;
 }
 
 void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
@@ -254,7 +254,8 @@ std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Co
 RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum sum) const {
   const double h = motion_.step, follow = 1.0 - std::exp(-h / kLoadTime);
   impact.stiffness = std::min(1.0, impact.stiffness * std::exp(h / kRecovery));
-  if (impact.due != 0.0) impact = {.load = impact.load, .stiffness = impact.stiffness};
+  if (impact.due != 0.0)
+    impact = {.load = impact.load, .stiffness = impact.stiffness, .normal = impact.normal};
   const double a = fall(bodies, sum.normal), u0 = sum.rate_start, u1 = sum.rate_end;
   // Else what pushes slowly would close the gap before the layer carries it.
   if (u1 < 0.0 && sum.force > kPressed * impact.load)
@@ -279,7 +280,7 @@ RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum s
   }
   if (u1 < -kLittleLeft * impact.speed) return impact;
   if (!(impact.impulse > 0.0) || !(impact.work > 0.0))
-    return {.load = impact.load, .stiffness = impact.stiffness};
+    return {.load = impact.load, .stiffness = impact.stiffness, .normal = impact.normal};
   impact.due = 1.0;
   const double carried = impact.load + a * impact.impulse / (impact.speed + u1);
   if (sum.force > carried) impact.stiffness = std::max(kSpent, impact.stiffness * carried / sum.force);

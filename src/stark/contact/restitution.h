@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include <stark/contact/contact_law.h>
 #include <stark/contact/contact_set.h>
 #include <stark/mechanics/potential_batch.h>
 
@@ -63,8 +64,8 @@ class RestitutionSet {
   /// Starts a step at site positions x.
   void begin_step(RestitutionMemory memory, std::span<const Vec3> x, const Motion& motion);
 
-  /// Stiffness of the layer between two bodies over its own, where that has taken up an impact.
-  std::map<int64_t, double> stiffness() const;
+  /// Layers that have taken up an impact.
+  std::map<int64_t, SpentLayer> spent() const;
 
   /// Contacts at the start of the step, with their forces on sides A [N]: where what is given back acts.
   void set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces);

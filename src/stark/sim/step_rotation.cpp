@@ -102,10 +102,11 @@ void Simulation::commit_rotation(int32_t b, const Vec3& torque, double h) {
     const Vec3 L = reference_.angular_momentum[b] + torque * reference_.stencil.scale;
     const Vec3 w = velocity_of_momentum(state_.body_rotation[b], J, L);
     // A needle that is held far from its free motion has momentum along an axis of next to no inertia: then
-    // the turn itself tells. One that nothing holds may turn as fast as it likes.
+    // the turn itself tells, if it has less energy. One that nothing holds may turn as fast as it likes.
     const bool is_free_motion = norm(torque) * reference_.stencil.scale <= kHeld * norm(L);
     const bool is_possible = norm(w - turning) * h <= kLargestDifference;
-    state_.body_angular_velocity[b] = is_free_motion || is_possible ? w : turning;
+    const bool is_less = dot(turning, angular_momentum(state_.body_rotation[b], J, turning)) < dot(w, L);
+    state_.body_angular_velocity[b] = is_free_motion || is_possible || !is_less ? w : turning;
     return;
   }
   // Following poses, resting at the last one, or without inertia: the velocity tells what it did.
