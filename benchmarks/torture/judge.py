@@ -23,8 +23,9 @@ Floats = NDArray[np.float64]
 #: Conservative advancement. Tight inclusion takes minutes over a pair of needles, whatever its limit says.
 _CCD = ipctk.AdditiveCCD(max_iterations=20_000)
 #: For the few ways that no search finds clear: it takes a gap for closed at a ten thousandth of what it was
-#: at first, the one above at a tenth, which what comes to rest on something always reaches.
-_NEAR_CCD = ipctk.AdditiveCCD(max_iterations=20_000, conservative_rescaling=0.9999)
+#: at first, the one above at a tenth, which what comes to rest on something always reaches. Gaps of 1e-6 m
+#: beside motions of 2 cm take it hundreds of thousands of iterations.
+_NEAR_CCD = ipctk.AdditiveCCD(max_iterations=2_000_000, conservative_rescaling=0.9999)
 #: Motion over the size of the smallest body from which steps have to find their way clear (docs/failures.md).
 _FAR = 0.25
 #: In pieces of such a turn, or in so many, rigid bodies may go straight.
@@ -116,5 +117,12 @@ class Judge:
         """Whether everything may go straight from a to b."""
         if not check._blocked(a, b):
             return True
-        x, y = (np.asfortranarray(points[check.surface.points]) for points in (a, b))
-        return bool(ipctk.is_step_collision_free(self._mesh, x, y, narrow_phase_ccd=_NEAR_CCD))
+        surface = check.surface
+        x, y = (np.asfortranarray(points[surface.points]) for points in (a, b))
+        # The checker's points are in the order of the bodies, which is not that of the solver.
+        edges, triangles = (
+            np.searchsorted(surface.points, corners).astype(np.int32)
+            for corners in (surface.edges, surface.triangles)
+        )
+        mesh = ipctk.CollisionMesh(x, edges, triangles)
+        return bool(ipctk.is_step_collision_free(mesh, x, y, narrow_phase_ccd=_NEAR_CCD))
