@@ -10,17 +10,19 @@ import errno
 import math
 import os
 import re
-import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Error
 from .files import open_regular
+
+if TYPE_CHECKING:
+    import zipfile
 
 Array = NDArray[np.generic]
 
@@ -32,6 +34,8 @@ _HEADER = re.compile(
     rb"'shape': \((?P<shape>(?:\d{1,18}, ?)*(?:\d{1,18})?)\), \} *\n"
 )
 _MAGIC = b"\x93NUMPY\x01\x00"
+#: Members of an archive that are not compressed [zipfile.ZIP_STORED].
+_STORED = 0
 
 
 class DamageError(ValueError):
@@ -97,6 +101,8 @@ def make_folder(folder: Path) -> None:
 
 def read_arrays(path: Path) -> dict[str, Array]:
     """All arrays of an NPZ file by name. Raises FileNotFoundError, or DamageError for everything else."""
+    import zipfile  # half of the time that the import of this module would take
+
     try:
         with open_regular(path) as file, zipfile.ZipFile(file) as archive:
             members = archive.infolist()
@@ -162,7 +168,7 @@ def _check_sizes(members: list[zipfile.ZipInfo], file_size: int) -> None:
     for member in members:
         if not member.filename.endswith(".npy"):
             raise DamageError(f"'{member.filename[:80]}' is not an array")
-        if member.compress_type != zipfile.ZIP_STORED or member.compress_size != member.file_size:
+        if member.compress_type != _STORED or member.compress_size != member.file_size:
             raise DamageError(f"array '{member.filename[:80]}' is compressed; arrays are stored as they are")
     if sum(member.file_size for member in members) > file_size:
         raise DamageError("arrays claim to be larger than the file")

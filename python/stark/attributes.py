@@ -3,7 +3,6 @@ nothing reads."""
 
 from __future__ import annotations
 
-import difflib
 from typing import Any
 
 
@@ -17,6 +16,8 @@ class KnownAttributes:
 
     def _unknown_attribute(self, name: str) -> str:
         """What is said of an attribute that there is not."""
+        import difflib
+
         known = [other for other in dir(type(self)) if not other.startswith("_")]
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""

@@ -17,9 +17,10 @@ from stark import _cpu
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# `import stark` shall take 0.15 s with files in the page cache. NumPy takes 0.08 to 0.09 s of it on a quiet
-# machine, so the share of Stark is bounded: processor time, best of several: a busy machine must not fail it.
-OWN_IMPORT_SECONDS = 0.06
+# `import stark` shall take 0.15 s on a quiet machine with files in the page cache. NumPy takes 0.085 s of it,
+# which leaves Stark 0.75 of NumPy's time; 0.44 was measured. The best of several times of one machine are
+# compared, so that a slow or busy one does not fail.
+OWN_SHARE_OF_NUMPY = 0.75
 
 
 def test_version_is_the_one_of_the_project() -> None:
@@ -56,15 +57,16 @@ def test_type_information_is_shipped() -> None:
 
 def test_import_is_fast_and_loads_nothing_optional() -> None:
     code = (
-        "import json, sys, time; import numpy; start = time.process_time(); import stark; "
-        "print(json.dumps([time.process_time() - start, sorted({m.split('.')[0] for m in sys.modules})]))"
+        "import json, sys, time; t0 = time.process_time(); import numpy; "
+        "t1 = time.process_time(); import stark; t2 = time.process_time(); "
+        "print(json.dumps([t1 - t0, t2 - t1, sorted({m.split('.')[0] for m in sys.modules})]))"
     )
     command = [sys.executable, "-c", code]
     runs = [
         json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
         for _ in range(7)
     ]
-    assert min(seconds for seconds, _ in runs) < OWN_IMPORT_SECONDS
+    assert min(own for _, own, _ in runs) < OWN_SHARE_OF_NUMPY * min(numpy for numpy, _, _ in runs)
     optional = {
         "ipctk",
         "scipy",
@@ -75,8 +77,11 @@ def test_import_is_fast_and_loads_nothing_optional() -> None:
         "hypothesis",
         "argparse",
         "email",
+        "zipfile",
+        "tempfile",
+        "difflib",
     }
-    assert optional.isdisjoint(runs[0][1])
+    assert optional.isdisjoint(runs[0][2])
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,6 @@ import contextlib
 import io
 import math
 import os
-import tempfile
-import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -24,18 +22,6 @@ from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.repair import merged, oriented
 from stark.mesh.types import Mesh, SolidMesh, TetMesh, TriangleMesh, compact
 
-#: What readers stumble over in files that are not what they say.
-_DAMAGE = (
-    ValueError,
-    LookupError,
-    TypeError,
-    EOFError,
-    OverflowError,
-    MemoryError,
-    NotImplementedError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
@@ -58,7 +44,7 @@ def load(path: str | os.PathLike[str]) -> Mesh:
             mesh = readers[suffix](data)
         except InvalidMesh as error:
             raise InvalidMesh(f"'{file}': {error}") from None
-        except _DAMAGE as error:
+        except _damage() as error:
             raise InvalidMesh(f"'{file}' is not a valid {suffix[1:].upper()} file: {error}") from None
     elif suffix in _VOLUME_FORMATS:
         return _load_by_meshio(file)
@@ -67,6 +53,14 @@ def load(path: str | os.PathLike[str]) -> Mesh:
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
         raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
     return mesh
+
+
+def _damage() -> tuple[type[Exception], ...]:
+    """What readers stumble over in files that are not what they say."""
+    import zipfile
+
+    lies = (ValueError, LookupError, TypeError, EOFError, OverflowError, MemoryError, NotImplementedError)
+    return (*lies, zipfile.BadZipFile, zlib.error)
 
 
 def _fan(polygon: list[int]) -> list[tuple[int, int, int]]:
@@ -277,6 +271,8 @@ def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: fl
     fraction = (
         0.05 if edge_length is None else positive(edge_length, "tetrahedralise: edge_length") / diagonal
     )
+    import tempfile
+
     try:
         import pytetwild
     except ImportError as error:
