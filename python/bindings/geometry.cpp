@@ -16,8 +16,8 @@
 #include <vector>
 
 #include <stark/collision/broad_phase.h>
-#include <stark/collision/ccd.h>
 #include <stark/collision/intersection.h>
+#include <stark/collision/max_safe_step.h>
 #include <stark/geometry/closest.h>
 #include <stark/geometry/distance.h>
 #include <stark/geometry/intersection.h>
@@ -182,22 +182,21 @@ class CollisionScene {
   nb::dict find(nb::handle x0, nb::handle x1, nb::handle inflation) {
     CandidateList list = candidates(positions(x0, "x0"), positions(x1, "x1"), inflation);
     nb::dict result;
-    result["point_triangle"] = to_numpy<int32_t>(std::move(list.point_triangle));
-    result["edge_edge"] = to_numpy<int32_t>(std::move(list.edge_edge));
-    result["point_edge"] = to_numpy<int32_t>(std::move(list.point_edge));
-    result["point_point"] = to_numpy<int32_t>(std::move(list.point_point));
+    for_each_pair_kind([&](auto kind) {
+      result[nb::str(PairRow<kind.value>::kName.data())] = to_numpy<int32_t>(std::move(list[kind]));
+    });
     return result;
   }
 
   std::tuple<double, std::string, int, int> max_safe_step(nb::handle start, nb::handle end,
                                                           nb::handle separation) {
-    static constexpr const char* kNames[] = {"", "point_triangle", "edge_edge", "point_edge", "point_point"};
     const auto x0 = positions(start, "x0"), x1 = positions(end, "x1");
     const CandidateList list = candidates(x0, x1, separation);
     const auto minimum = numbers<double>(separation, "separation", "one number [m] for each group");
     CcdReport report;
     stark::max_safe_step(broad_phase_.mesh(), list, x0, x1, {minimum}, pool_, &report);
-    return {report.step, kNames[static_cast<int>(report.kind)], report.first, report.second};
+    return {report.step, report.kind ? std::string(to_string(*report.kind)) : "", report.first,
+            report.second};
   }
 
   Ints find_intersections(nb::handle x) {

@@ -78,7 +78,7 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
     const int32_t group = mesh.vertex_group[v];
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
       if (near(point, group, mesh.triangles[t], mesh.triangle_group[t])) {
-        list.point_triangle.push_back({v, static_cast<int32_t>(t)});
+        list[PairKind::PointTriangle].push_back({v, static_cast<int32_t>(t)});
       }
     }
     for (size_t e = 0; e < mesh.edges.size(); ++e) {
@@ -86,41 +86,34 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
               {std::min(mesh.edges[e][0], mesh.edges[e][1]), std::max(mesh.edges[e][0], mesh.edges[e][1])}))
         continue;
       if (near(point, group, mesh.edges[e], mesh.edge_group[e]))
-        list.point_edge.push_back({v, static_cast<int32_t>(e)});
+        list[PairKind::PointEdge].push_back({v, static_cast<int32_t>(e)});
     }
     if (with_edge.count(v)) continue;
     for (const int32_t w : used) {
       if (w > v && !with_edge.count(w) &&
           near(point, group, std::array<int32_t, 1>{w}, mesh.vertex_group[w])) {
-        list.point_point.push_back({v, w});
+        list[PairKind::PointPoint].push_back({v, w});
       }
     }
   }
   for (size_t a = 0; a < mesh.edges.size(); ++a) {
     for (size_t b = a + 1; b < mesh.edges.size(); ++b) {
       if (near(mesh.edges[a], mesh.edge_group[a], mesh.edges[b], mesh.edge_group[b])) {
-        list.edge_edge.push_back({static_cast<int32_t>(a), static_cast<int32_t>(b)});
+        list[PairKind::EdgeEdge].push_back({static_cast<int32_t>(a), static_cast<int32_t>(b)});
       }
     }
   }
   return list;
 }
 
-template <typename Candidate>
-bool includes(const std::vector<Candidate>& large, const std::vector<Candidate>& small) {
-  const auto less = [](const Candidate& a, const Candidate& b) {
-    const auto& [a0, a1] = a;
-    const auto& [b0, b1] = b;
-    return a0 != b0 ? a0 < b0 : a1 < b1;
-  };
-  if (!std::is_sorted(large.begin(), large.end(), less)) return false;
-  if (std::adjacent_find(large.begin(), large.end()) != large.end()) return false;
-  return std::includes(large.begin(), large.end(), small.begin(), small.end(), less);
-}
-
 bool includes(const CandidateList& large, const CandidateList& small) {
-  return includes(large.point_triangle, small.point_triangle) && includes(large.edge_edge, small.edge_edge) &&
-         includes(large.point_edge, small.point_edge) && includes(large.point_point, small.point_point);
+  bool holds = true;
+  for_each_pair_kind([&](auto kind) {
+    holds = holds && std::ranges::is_sorted(large[kind]) &&
+            std::ranges::adjacent_find(large[kind]) == large[kind].end() &&
+            std::ranges::includes(large[kind], small[kind]);
+  });
+  return holds;
 }
 
 SceneBuilder mixed_scene(RandomPoints& random) {
@@ -172,10 +165,10 @@ TEST_CASE("candidates equal brute force on boxes, at rest and under random motio
     // Single precision about a scene of a few metres: boxes are at most 1e-6 too large, and never too small.
     CHECK(includes(list, brute_force(scene, filter, x0, x1, inflation, 0.0)));
     CHECK(includes(brute_force(scene, filter, x0, x1, inflation, -2e-6), list));
-    CHECK(list.point_triangle.size() > 500);
-    CHECK(list.edge_edge.size() > 1000);
-    CHECK(list.point_edge.size() > 30);
-    point_pairs += list.point_point.size();
+    CHECK(list[PairKind::PointTriangle].size() > 500);
+    CHECK(list[PairKind::EdgeEdge].size() > 1000);
+    CHECK(list[PairKind::PointEdge].size() > 30);
+    point_pairs += list[PairKind::PointPoint].size();
     if (round % 2 == 0) {
       broad_phase.find(x0, inflation, one, again);
       CHECK(list == again);
@@ -199,7 +192,7 @@ TEST_CASE("points of all kinds meet edges without triangles, except those of the
   CandidateList list;
   broad_phase.find(scene.x, std::vector<double>(4, 1.0), pool, list);
   std::set<Index2> pairs;
-  for (const PointEdgeCandidate& c : list.point_edge) pairs.insert({c.point, c.edge});
+  for (const PrimitivePair& pair : list[PairKind::PointEdge]) pairs.insert({pair.first, pair.second});
   std::set<Index2> expected;
   for (const int32_t edge : {3, 4, 5, 6})
     for (int32_t v = 0; v <= 9; ++v) {
@@ -233,9 +226,9 @@ TEST_CASE("a list built with a motion budget stays complete while vertices move 
         const Index3& ids = mesh.triangles[t];
         if (ids[0] == v || ids[1] == v || ids[2] == v) continue;
         if (point_triangle_squared_distance(x[v], x[ids[0]], x[ids[1]], x[ids[2]]) > reach * reach) continue;
-        const PointTriangleCandidate pair{v, t};
-        count += std::find(list.point_triangle.begin(), list.point_triangle.end(), pair) ==
-                 list.point_triangle.end();
+        const PrimitivePair pair{v, t};
+        count += std::find(list[PairKind::PointTriangle].begin(), list[PairKind::PointTriangle].end(),
+                           pair) == list[PairKind::PointTriangle].end();
       }
     }
     return count;
@@ -261,7 +254,7 @@ TEST_CASE("degraded trees are rebuilt without changing the result") {
   fresh.reset(scene.surface, filter);
   fresh.find(scene.x, std::vector<double>{0.02}, pool, expected);
   CHECK(list == expected);
-  CHECK(list.point_point.size() > 0);
+  CHECK(list[PairKind::PointPoint].size() > 0);
   CHECK(includes(list, brute_force(scene, filter, scene.x, scene.x, {0.02}, 0.0)));
 }
 
@@ -269,7 +262,7 @@ TEST_CASE("empty scenes, empty groups and bad meshes") {
   BroadPhase broad_phase;
   ThreadPool pool(1);
   CandidateList list;
-  list.point_triangle.push_back({1, 2});
+  list[PairKind::PointTriangle].push_back({1, 2});
   broad_phase.reset({}, PairFilter(0));
   broad_phase.find({}, {}, pool, list);
   CHECK(list.size() == 0);

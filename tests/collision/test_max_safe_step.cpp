@@ -5,8 +5,8 @@
 
 #include <stark/base/error.h>
 #include <stark/collision/broad_phase.h>
-#include <stark/collision/ccd.h>
 #include <stark/collision/intersection.h>
+#include <stark/collision/max_safe_step.h>
 #include <stark/geometry/shapes.h>
 
 #include "support/collision_scenes.h"
@@ -45,7 +45,7 @@ TEST_CASE("bullets at 1e4 m/s through a sheet of 1e-4 m never pass, in any orien
     // A tenth of the time is given back; the corners of the bullet lead it by at most 1 cm in height.
     CAPTURE(hit);
     REQUIRE(t > 0.89 * hit - 0.01 / std::fabs(velocity.z * h));
-    REQUIRE(report.kind != CandidateKind::None);
+    REQUIRE(report.kind.has_value());
     std::vector<Vec3> x = scene.x;
     for (size_t v = 0; v < x.size(); ++v) x[v] += (x1[v] - x[v]) * t;
     REQUIRE(find_intersections(scene.surface, x, PairFilter(2, true, false), pool).empty());
@@ -115,14 +115,14 @@ TEST_CASE("batch: the minimum of single calls, same bits for any thread count, n
   CHECK(t < 1.0);
   double smallest = 1.0;
   const auto separation = [&](int32_t g, int32_t h) { return xi[g] + xi[h]; };
-  for (const auto& [p, triangle] : list.point_triangle) {
+  for (const auto& [p, triangle] : list[PairKind::PointTriangle]) {
     const Index3& i = mesh.triangles[triangle];
     smallest = std::min(smallest,
                         point_triangle_ccd({scene.x[p], scene.x[i[0]], scene.x[i[1]], scene.x[i[2]]},
                                            {x1[p], x1[i[0]], x1[i[1]], x1[i[2]]},
                                            separation(mesh.vertex_group[p], mesh.triangle_group[triangle])));
   }
-  for (const auto& [e, f] : list.edge_edge) {
+  for (const auto& [e, f] : list[PairKind::EdgeEdge]) {
     const Index2 &i = mesh.edges[e], &j = mesh.edges[f];
     smallest = std::min(smallest, edge_edge_ccd({scene.x[i[0]], scene.x[i[1]], scene.x[j[0]], scene.x[j[1]]},
                                                 {x1[i[0]], x1[i[1]], x1[j[0]], x1[j[1]]},
@@ -169,16 +169,16 @@ TEST_CASE("batch of four lanes: every number of candidates, every kind, agrees w
                                 b = {x1[v], x1[v + 1], x1[v + 2], x1[v + 3]};
       double t = 1.0;
       if (kind == 0) {
-        list.point_triangle.push_back({v, k});
+        list[PairKind::PointTriangle].push_back({v, k});
         t = point_triangle_ccd(a, b, xi);
       } else if (kind == 1) {
-        list.edge_edge.push_back({2 * k, 2 * k + 1});
+        list[PairKind::EdgeEdge].push_back({2 * k, 2 * k + 1});
         t = edge_edge_ccd(a, b, xi);
       } else if (kind == 2) {
-        list.point_edge.push_back({v, 2 * k + 1});
+        list[PairKind::PointEdge].push_back({v, 2 * k + 1});
         t = point_edge_ccd({a[0], a[2], a[3]}, {b[0], b[2], b[3]}, xi);
       } else {
-        list.point_point.push_back({v, v + 1});
+        list[PairKind::PointPoint].push_back({v, v + 1});
         t = point_point_ccd({a[0], a[1]}, {b[0], b[1]}, xi);
       }
       expected = std::min(expected, t);

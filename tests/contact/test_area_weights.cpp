@@ -17,7 +17,7 @@ constexpr Vec3 kUp{0, 0, 1};
 
 Contact of_point(int32_t point, int32_t group_a, int32_t group_b) {
   Contact contact;
-  contact.key = {0, point, 0};
+  contact.key = {PairKind::PointTriangle, point, 0};
   contact.group_a = group_a;
   contact.group_b = group_b;
   return contact;
@@ -118,7 +118,7 @@ TEST_CASE("pairs of edges weigh little where surfaces are flat and all where the
     const auto count = static_cast<int32_t>(builder.surface.edges.size()) / 2;
     for (int32_t e = 0; e < count; ++e) {
       Contact contact;
-      contact.key = {1, e, e + count};
+      contact.key = {PairKind::EdgeEdge, e, e + count};
       contact.group_b = 1;
       largest = std::fmax(largest, weights.area(builder.surface, contact, kUp, builder.x));
     }

@@ -35,10 +35,10 @@ struct PointAgainst {
     geometry.edge_squared_length.assign(builder.surface.edges.size(), 1.0);
     cells = SurfaceCells(builder.surface, {});
     for (int32_t t = 0; t < static_cast<int32_t>(builder.surface.triangles.size()); ++t)
-      list.point_triangle.push_back({0, t});
+      list[PairKind::PointTriangle].push_back({0, t});
     if (builder.surface.triangles.empty())
       for (int32_t e = 0; e < static_cast<int32_t>(builder.surface.edges.size()); ++e)
-        list.point_edge.push_back({0, e});
+        list[PairKind::PointEdge].push_back({0, e});
   }
   std::vector<Contact> at(const Vec3& p, std::vector<PairKey> names = {}) {
     builder.x[0] = p;

@@ -26,7 +26,7 @@ struct Sheets {
   /// Vertex 12 in the middle of the lower sheet against the vertex above.
   Contact middle(double gap) {
     Contact contact;
-    contact.key = {0, 12, 0};
+    contact.key = {PairKind::PointTriangle, 12, 0};
     contact.sites = {12, 37, 0, 0};
     contact.weights = {1.0, -1.0, 0.0, 0.0};
     contact.group_b = 1;

@@ -15,6 +15,12 @@ using namespace stark::test;
 namespace {
 
 /// Two edges, a triangle and two particles, each a group; all pairs are candidates.
+CandidateList only(PairKind kind, std::vector<PrimitivePair> pairs) {
+  CandidateList list;
+  list[kind] = std::move(pairs);
+  return list;
+}
+
 struct Stencils {
   Stencils() {
     builder.add_rod({{}, {}});                      // vertices 0, 1: group 0, edge 0
@@ -86,8 +92,7 @@ TEST_CASE("point-triangle pairs become the stencil of the closest feature") {
       s.x[v] = trial % 2 ? random.point() : random.lattice(1) * 0.5 + random.point() * 1e-3;
     if (norm(cross(s.x[7] - s.x[6], s.x[8] - s.x[6])) < 0.1) continue;
     const double squared = point_triangle_squared_distance(s.x[4], s.x[6], s.x[7], s.x[8]);
-    const std::vector<Contact> found =
-        s.find({.point_triangle = {{4, 0}}, .edge_edge = {}, .point_edge = {}, .point_point = {}});
+    const std::vector<Contact> found = s.find(only(PairKind::PointTriangle, {{4, 0}}));
     REQUIRE(found.size() == (squared < 1.0 ? 1 : 0));  // contact distances 0.4 + 0.6
     if (found.empty()) continue;
     CHECK(found[0].contact_distance == doctest::Approx(1.0));
@@ -121,8 +126,7 @@ TEST_CASE("edge-edge pairs become every kind of stencil, parallel and degenerate
     const double squared = edge_edge_squared_distance(s.x[0], s.x[1], s.x[2], s.x[3]);
     if (squared < 1e-8) continue;  // touching: contact never gets there
     if (norm(s.x[1] - s.x[0]) < 0.1 || norm(s.x[3] - s.x[2]) < 0.1) continue;
-    const std::vector<Contact> found =
-        s.find({.point_triangle = {}, .edge_edge = {{0, 1}}, .point_edge = {}, .point_point = {}});
+    const std::vector<Contact> found = s.find(only(PairKind::EdgeEdge, {{0, 1}}));
     REQUIRE(found.size() == (squared < 0.64 ? 1 : 0));
     if (found.empty()) continue;
     const Contact& contact = found[0];
@@ -148,8 +152,9 @@ TEST_CASE("particles touch rods and each other") {
   s.x[1] = {1, 0, 0};
   s.x[4] = {0.5, 0, 0.1};
   s.x[5] = {0.5, 0, 0.3};
-  std::vector<Contact> found = s.find(
-      {.point_triangle = {}, .edge_edge = {}, .point_edge = {{4, 0}, {5, 0}}, .point_point = {{4, 5}}});
+  CandidateList list = only(PairKind::PointEdge, {{4, 0}, {5, 0}});
+  list[PairKind::PointPoint] = {{4, 5}};
+  std::vector<Contact> found = s.find(list);
   REQUIRE(found.size() == 3);
   CHECK(found[0].kind == StencilKind::PointEdge);
   check_contact(found[0], s.x, s.builder.surface, 0.01, 1e-15);
@@ -157,21 +162,22 @@ TEST_CASE("particles touch rods and each other") {
   CHECK(found[2].kind == StencilKind::PointPoint);
   check_contact(found[2], s.x, s.builder.surface, 0.04, 1e-15);
   s.x[4] = {1.1, 0, 0.1};  // past the end
-  found = s.find({.point_triangle = {}, .edge_edge = {}, .point_edge = {{4, 0}}, .point_point = {}});
+  found = s.find(only(PairKind::PointEdge, {{4, 0}}));
   REQUIRE(found.size() == 1);
   CHECK(found[0].kind == StencilKind::PointPoint);
   CHECK(found[0].sites[1] == 1);
   s.x[4] = {0.5, 0, 0.71};
-  CHECK(s.find({.point_triangle = {}, .edge_edge = {}, .point_edge = {{4, 0}}, .point_point = {}}).empty());
+  CHECK(s.find(only(PairKind::PointEdge, {{4, 0}})).empty());
 }
 
 TEST_CASE("energies are kappa b(d) and forces push the sides apart along their separation") {
   Stencils s;
   RandomPoints random(3);
-  const CandidateList all{.point_triangle = {{4, 0}, {5, 0}},
-                          .edge_edge = {{0, 1}, {0, 2}, {1, 3}},
-                          .point_edge = {{4, 0}, {5, 1}},
-                          .point_point = {{4, 5}}};
+  CandidateList all;
+  all[PairKind::PointTriangle] = {{4, 0}, {5, 0}};
+  all[PairKind::EdgeEdge] = {{0, 1}, {0, 2}, {1, 3}};
+  all[PairKind::PointEdge] = {{4, 0}, {5, 1}};
+  all[PairKind::PointPoint] = {{4, 5}};
   ContactSet set(contact_potentials().barriers, s.pool);
   int regular = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -224,8 +230,7 @@ TEST_CASE("energy is continuous where edges become parallel and where the closes
     s.x[1] = {0.5, 0, 0};
     s.x[2] = b * -0.5 + Vec3{shift, 0.01, 0.3};
     s.x[3] = b * 0.5 + Vec3{shift, 0.01, 0.3};
-    std::vector<Contact> contacts =
-        s.find({.point_triangle = {}, .edge_edge = {{0, 1}}, .point_edge = {}, .point_point = {}});
+    std::vector<Contact> contacts = s.find(only(PairKind::EdgeEdge, {{0, 1}}));
     for (Contact& contact : contacts) contact.stiffness = 1.0;
     set.reset(contacts);
     return set.evaluate_energies(s.x).empty() ? 0.0 : set.energies()[0];
@@ -254,7 +259,7 @@ TEST_CASE("contacts come in the order of the lists, whatever the number of threa
   geometry.group_distance.assign(group + 1, 0.1);
   CandidateList list;
   for (int32_t a = 0; a < 200; ++a)
-    for (int32_t b = a + 1; b < 200; ++b) list.point_point.push_back({a, b});
+    for (int32_t b = a + 1; b < 200; ++b) list[PairKind::PointPoint].push_back({a, b});
   std::vector<Contact> one, five;
   ThreadPool pool(5);
   find_contacts(geometry, list, cloud.x, s.pool, one);
@@ -271,7 +276,7 @@ TEST_CASE("energy differences match pairs by identity; pairs that appear or vani
   Stencils s;
   const auto contact = [](int32_t first, double kappa) {
     Contact c;
-    c.key = {3, first, first + 1};
+    c.key = {PairKind::PointPoint, first, first + 1};
     c.sites = {first, first + 1, 0, 0};
     c.weights = {1, -1, 0, 0};
     c.contact_distance = 1.0;

@@ -13,14 +13,17 @@ using namespace stark;
 using namespace stark::test;
 
 TEST_CASE("packed pairs have the order of their keys") {
-  const std::vector<PairKey> keys{{0, 0, 0},       {0, 0, 1}, {0, 1, 0},
-                                  {0, 1 << 29, 7}, {1, 0, 0}, {1, 5, 1 << 29},
-                                  {2, 0, 1 << 29}, {3, 0, 0}, {3, 1 << 29, 1 << 29}};
+  using enum PairKind;
+  constexpr int32_t kMany = 1 << 29;
+  const std::vector<PairKey> keys{
+      {PointTriangle, 0, 0},     {PointTriangle, 0, 1}, {PointTriangle, 1, 0},
+      {PointTriangle, kMany, 7}, {EdgeEdge, 0, 0},      {EdgeEdge, 5, kMany},
+      {PointEdge, 0, kMany},     {PointPoint, 0, 0},    {PointPoint, kMany, kMany}};
   FrictionMemory memory;
   for (size_t i = 0; i < keys.size(); ++i) memory.append(keys[i], {static_cast<double>(i), 0, 0}, 1.0);
   CHECK(std::ranges::is_sorted(memory.pair));
   for (size_t i = 0; i < keys.size(); ++i) CHECK(memory.find(keys[i]) == static_cast<int64_t>(i));
-  CHECK(memory.find({2, 3, 4}) == -1);
+  CHECK(memory.find({PointEdge, 3, 4}) == -1);
 }
 
 TEST_CASE("spin is the angle by which triangles and edges turn about the normal") {
@@ -33,24 +36,26 @@ TEST_CASE("spin is the angle by which triangles and edges turn about the normal"
     const double angle = random.uniform(-3.0, 3.0);
     const Mat3 R = exp_rotation(normal * angle);
     for (const Vec3& p : x0) x1.push_back(R * p + Vec3{1, 2, 3});
-    for (const PairKey key : {PairKey{0, 0, 0}, PairKey{1, 0, 1}, PairKey{2, 0, 1}})
+    for (const PairKey key : {PairKey{PairKind::PointTriangle, 0, 0}, PairKey{PairKind::EdgeEdge, 0, 1},
+                              PairKey{PairKind::PointEdge, 0, 1}})
       CHECK(spin(mesh, key, normal, x0, x1) == doctest::Approx(angle).epsilon(1e-9));
-    CHECK(spin(mesh, {3, 0, 1}, normal, x0, x1) == 0.0);
+    CHECK(spin(mesh, {PairKind::PointPoint, 0, 1}, normal, x0, x1) == 0.0);
     const Vec3 along = normalized(x0[2] - x0[1]);
     const Mat3 twist = exp_rotation(along * 0.5);
     for (size_t i = 0; i < x0.size(); ++i) x1[i] = twist * x0[i];
-    CHECK(spin(mesh, {2, 0, 0}, along, x0, x1) == 0.0);  // an edge does not show turning about itself
+    CHECK(spin(mesh, {PairKind::PointEdge, 0, 0}, along, x0, x1) ==
+          0.0);  // an edge does not show turning about itself
   }
 }
 
 TEST_CASE("side A of some pairs of edges is the second edge") {
   const SurfaceMesh mesh{.vertex_count = 4, .edges = {{0, 1}, {2, 3}}};
   Contact contact;
-  contact.key = {1, 0, 1};
+  contact.key = {PairKind::EdgeEdge, 0, 1};
   contact.sites = {1, 2, 3, 0};
   CHECK(orientation(mesh, contact) == 1.0);
   contact.sites = {2, 0, 1, 0};
   CHECK(orientation(mesh, contact) == -1.0);
-  contact.key = {2, 0, 1};
+  contact.key = {PairKind::PointEdge, 0, 1};
   CHECK(orientation(mesh, contact) == 1.0);
 }

@@ -18,8 +18,8 @@ constexpr double kMu = 0.4, kStick = 5e-4;  ///< [1], [m]
 /// A contact of 2, 3 or 4 points with normal force `force` on side A.
 Contact contact_of(int points) {
   Contact contact;
-  contact.key = {0, 0, points};
-  contact.key = {0, points, 0};
+  contact.key = {PairKind::PointTriangle, 0, points};
+  contact.key = {PairKind::PointTriangle, points, 0};
   contact.point_count = static_cast<int8_t>(points);
   contact.sites = {0, 1, 2, 3};
   contact.weights = points == 2   ? std::array<double, 4>{1, -1, 0, 0}
@@ -66,7 +66,7 @@ TEST_CASE("slipping contacts feel mu lambda against the slip, sticking ones less
   // Rods and edges that deform: the closest points as they are.
   const auto contact_of = [](int points) {
     Contact contact = ::contact_of(points);
-    contact.key.list = 3;
+    contact.key.kind = PairKind::PointPoint;
     return contact;
   };
   for (int points = 2; points <= 4; ++points)
@@ -291,7 +291,7 @@ FrictionSet make_anisotropic_set() {
   const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   set.begin_step(grouped, {}, start, {start, 1.0});
   Contact contact = contact_of(4);
-  contact.key = {0, 0, 0};
+  contact.key = {PairKind::PointTriangle, 0, 0};
   set.reset({contact}, std::vector<Vec3>{{0, 0, 10}}, anisotropic, start);
   return set;
 }
@@ -305,7 +305,7 @@ TEST_CASE("anisotropic friction has its axes on the surface and its limits form 
     std::vector<Vec3> x = start;
     const Vec3 v{std::cos(angle), std::sin(angle), 0};
     x[0] += v * (20.0 * kStick);
-    const Vec3 force = set.motions(x).at({0, 0, 0}).force;
+    const Vec3 force = set.motions(x).at({PairKind::PointTriangle, 0, 0}).force;
     // -N M^2 v / |M v| with N = 10 N.
     const Vec3 expected = Vec3{0.25 * v.x, 0.04 * v.y, 0} * (-10.0 / std::hypot(0.5 * v.x, 0.2 * v.y));
     CHECK(norm(force - expected) < 1e-9);

@@ -30,7 +30,7 @@ std::vector<Vec3> random_sites(RandomPoints& random) {
 
 Contact point_triangle(int count) {
   Contact contact;
-  contact.key = {0, 0, 0};
+  contact.key = {PairKind::PointTriangle, 0, 0};
   contact.point_count = static_cast<int8_t>(count);
   contact.sites = {0, 1, 2, 3};
   contact.weights = count == 2   ? std::array<double, 4>{1, -1, 0, 0}
@@ -41,7 +41,7 @@ Contact point_triangle(int count) {
 
 Contact edge_edge() {
   Contact contact;
-  contact.key = {1, 0, 1};
+  contact.key = {PairKind::EdgeEdge, 0, 1};
   contact.point_count = 4;
   contact.side_a_count = 2;
   contact.sites = {4, 5, 1, 2};

@@ -54,7 +54,7 @@ TEST_CASE("tangents are the parts of directions in the plane, of unit length") {
 TEST_CASE("directions are carried along with the triangle") {
   const SurfaceMesh m = mesh();
   const SurfaceDirections set = directions({1, 1, 0}, {1, 0, 0}, {1, 0, 0});
-  const PairKey key{0, 5, 0};  // a point of the L against the floor
+  const PairKey key{PairKind::PointTriangle, 5, 0};  // a point of the L against the floor
   std::vector<Vec3> x = positions();
   CHECK(same_line(set.of_pair(m, key, 0, {0, 0, 1}, x), normalized(Vec3{1, 1, 0})));
   x[1] = {3, 0, 0};  // stretched threefold along x: the diagonal leans
@@ -73,7 +73,7 @@ TEST_CASE("edges and vertices have the mean of their triangles, by the areas in 
   const SurfaceMesh m = mesh();
   const std::vector<Vec3> x = positions();
   const SurfaceDirections set = directions({1, 0, 0}, {1, 2, 0}, {0, 0, 1});
-  const PairKey vertex{0, 3, 0}, edge{1, 0, 1};
+  const PairKey vertex{PairKind::PointTriangle, 3, 0}, edge{PairKind::EdgeEdge, 0, 1};
   // From below only the level triangle is in sight, from the side only the upright one.
   for (const PairKey& key : {vertex, edge}) {
     CHECK(same_line(set.of_pair(m, key, 1, {0, 0, 1}, x), normalized(Vec3{1, 2, 0})));
@@ -86,16 +86,16 @@ TEST_CASE("edges and vertices have the mean of their triangles, by the areas in 
     CHECK(same_line(both.of_pair(m, vertex, 1, n, x), Vec3{1, 0, 0}));
   }
   // The edge 3-5 belongs to the level triangle alone.
-  CHECK(same_line(set.of_pair(m, {1, 0, 2}, 1, {0, 0, 1}, x), normalized(Vec3{1, 2, 0})));
+  CHECK(same_line(set.of_pair(m, {PairKind::EdgeEdge, 0, 2}, 1, {0, 0, 1}, x), normalized(Vec3{1, 2, 0})));
 }
 
 TEST_CASE("without a direction in the plane there is none") {
   const SurfaceMesh m = mesh();
   const std::vector<Vec3> x = positions();
   const SurfaceDirections set = directions({0, 0, 1}, {0, 0, 1}, {0, 0, 1});
-  CHECK(set.of_pair(m, {0, 5, 0}, 0, {0, 0, 1}, x) == Vec3{});
+  CHECK(set.of_pair(m, {PairKind::PointTriangle, 5, 0}, 0, {0, 0, 1}, x) == Vec3{});
   // The upright triangle has one, along the normal of the contact.
-  CHECK(set.of_pair(m, {0, 3, 0}, 1, {0, 0, 1}, x) == Vec3{});
-  CHECK(set.of_pair(m, {3, 0, 3}, 1, {0, 0, 1}, x) == Vec3{});
-  CHECK(SurfaceDirections().of_pair(m, {0, 5, 0}, 0, {0, 0, 1}, x) == Vec3{});
+  CHECK(set.of_pair(m, {PairKind::PointTriangle, 3, 0}, 1, {0, 0, 1}, x) == Vec3{});
+  CHECK(set.of_pair(m, {PairKind::PointPoint, 0, 3}, 1, {0, 0, 1}, x) == Vec3{});
+  CHECK(SurfaceDirections().of_pair(m, {PairKind::PointTriangle, 5, 0}, 0, {0, 0, 1}, x) == Vec3{});
 }

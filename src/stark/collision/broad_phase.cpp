@@ -15,18 +15,11 @@ using detail::Box;
 using detail::Bvh;
 using detail::Cell;
 
-using Pair = std::array<int32_t, 2>;
+using Pairs = std::vector<PrimitivePair>;
 
 // Pairs found by one thread; their union does not depend on the threads and is sorted at the end.
 struct alignas(64) PairBuffer {
-  std::vector<Pair> point_triangle, edge_edge, point_edge, point_point;
-
-  void clear() {
-    point_triangle.clear();
-    edge_edge.clear();
-    point_edge.clear();
-    point_point.clear();
-  }
+  CandidateList found;
 };
 
 bool has_vertex(const Cell& cell, int32_t v) {
@@ -34,7 +27,7 @@ bool has_vertex(const Cell& cell, int32_t v) {
 }
 
 // Owned points of `a` against the triangle of `b`.
-void add_point_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pair>& out) {
+void add_point_triangle(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
   if (a.point_count == 0) return;
   const Box box = bvh.cell_box(b);
   for (int k = 0; k < a.point_count; ++k) {
@@ -43,7 +36,7 @@ void add_point_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::vecto
   }
 }
 
-void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pair>& out) {
+void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
   for (int i = 0; i < a.edge_count; ++i) {
     const Index2& ea = a.edge_vertices[i];
     const Box box = bvh.edge_box(ea);
@@ -57,7 +50,7 @@ void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pai
 }
 
 // Owned points of `a` against the edge without triangles of `b`.
-void add_point_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pair>& out) {
+void add_point_edge(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
   if (a.point_count == 0) return;
   const Box box = bvh.cell_box(b);
   for (int k = 0; k < a.point_count; ++k) {
@@ -67,69 +60,56 @@ void add_point_edge(const Bvh& bvh, const Cell& a, const Cell& b, std::vector<Pa
 }
 
 // Pairs that involve a cell that is a lone point.
-void add_lone_point(const Bvh& bvh, const Cell& point, const Cell& other, PairBuffer& out) {
+void add_lone_point(const Bvh& bvh, const Cell& point, const Cell& other, CandidateList& out) {
   const int32_t v = point.points[0];
   if (has_vertex(other, v)) return;
   if (other.triangle >= 0) {
-    add_point_triangle(bvh, point, other, out.point_triangle);
+    add_point_triangle(bvh, point, other, out[PairKind::PointTriangle]);
   } else if (!other.is_point()) {
-    add_point_edge(bvh, point, other, out.point_edge);
+    add_point_edge(bvh, point, other, out[PairKind::PointEdge]);
   } else {
-    out.point_point.push_back({std::min(v, other.points[0]), std::max(v, other.points[0])});
+    out[PairKind::PointPoint].push_back({std::min(v, other.points[0]), std::max(v, other.points[0])});
   }
-}
-
-template <typename Candidate>
-bool less(const Candidate& a, const Candidate& b) {
-  const auto& [a0, a1] = a;
-  const auto& [b0, b1] = b;
-  return a0 != b0 ? a0 < b0 : a1 < b1;
 }
 
 // Sorts pairs of equal first id by the second; mostly a handful.
-template <typename Candidate>
-void sort_bucket(Candidate* begin, Candidate* end) {
+void sort_bucket(PrimitivePair* begin, PrimitivePair* end) {
   constexpr int64_t kInsertionLimit = 24;
   if (end - begin > kInsertionLimit) {
-    std::sort(begin, end, less<Candidate>);
+    std::sort(begin, end);
     return;
   }
-  const auto second = [](const Candidate& c) {
-    const auto& [c0, c1] = c;
-    return c1;
-  };
-  for (Candidate* i = begin + 1; i < end; ++i) {
-    const Candidate value = *i;
-    Candidate* hole = i;
-    for (; hole > begin && second(hole[-1]) > second(value); --hole) *hole = hole[-1];
+  for (PrimitivePair* i = begin + 1; i < end; ++i) {
+    const PrimitivePair value = *i;
+    PrimitivePair* hole = i;
+    for (; hole > begin && hole[-1].second > value.second; --hole) *hole = hole[-1];
     *hole = value;
   }
 }
 
-// Moves the pairs of all buffers to `out`, sorted by both ids: a counting sort by the first id when there are
-// many pairs, then small sorts by the second.
-template <typename Candidate>
-void merge_sorted(const std::vector<PairBuffer>& buffers, std::vector<Pair> PairBuffer::* member,
-                  int32_t id_count, std::vector<int32_t>& offsets, std::vector<Candidate>& out) {
+// Moves the pairs of one kind from all buffers to `out`, sorted by both ids: a counting sort by the first id
+// when there are many pairs, then small sorts by the second.
+void merge_sorted(const std::vector<PairBuffer>& buffers, PairKind kind, int32_t id_count,
+                  std::vector<int32_t>& offsets, Pairs& out) {
   size_t count = 0;
-  for (const PairBuffer& buffer : buffers) count += (buffer.*member).size();
+  for (const PairBuffer& buffer : buffers) count += buffer.found[kind].size();
   out.resize(count);
   if (count == 0) return;
   if (count < static_cast<size_t>(id_count) / 8) {
     size_t next = 0;
     for (const PairBuffer& buffer : buffers) {
-      for (const Pair& pair : buffer.*member) out[next++] = {pair[0], pair[1]};
+      for (const PrimitivePair& pair : buffer.found[kind]) out[next++] = pair;
     }
-    std::sort(out.begin(), out.end(), less<Candidate>);
+    std::sort(out.begin(), out.end());
     return;
   }
   offsets.assign(static_cast<size_t>(id_count) + 1, 0);
   for (const PairBuffer& buffer : buffers) {
-    for (const Pair& pair : buffer.*member) ++offsets[pair[0] + 1];
+    for (const PrimitivePair& pair : buffer.found[kind]) ++offsets[pair.first + 1];
   }
   for (int32_t id = 0; id < id_count; ++id) offsets[id + 1] += offsets[id];
   for (const PairBuffer& buffer : buffers) {
-    for (const Pair& pair : buffer.*member) out[offsets[pair[0]]++] = {pair[0], pair[1]};
+    for (const PrimitivePair& pair : buffer.found[kind]) out[offsets[pair.first]++] = pair;
   }
   // offsets[id] is now the end of the pairs of id.
   for (int32_t id = 0, begin = 0; id < id_count; begin = offsets[id++]) {
@@ -137,22 +117,20 @@ void merge_sorted(const std::vector<PairBuffer>& buffers, std::vector<Pair> Pair
   }
 }
 
+int32_t primitive_count(const SurfaceMesh& mesh, PrimitiveKind kind) {
+  return static_cast<int32_t>(groups_of(mesh, kind).size());
+}
+
 /// Drops the pairs that the filter excludes by vertex.
 void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, CandidateList& list) {
-  const auto is_out = [&](std::span<const int32_t> a, std::span<const int32_t> b) {
-    return filter.excluded(a, mesh.vertex_group[a[0]], b, mesh.vertex_group[b[0]]);
-  };
-  const auto one = [](const int32_t& v) { return std::span(&v, 1); };
-  std::erase_if(list.point_triangle, [&](const PointTriangleCandidate& c) {
-    return is_out(one(c.point), mesh.triangles[c.triangle]);
+  for_each_pair_kind([&](auto tag) {
+    using Row = PairRow<tag.value>;
+    std::erase_if(list[tag], [&](const PrimitivePair& pair) {
+      const PrimitivePair groups = Row::groups(mesh, pair);
+      return filter.excluded(vertices_of<Row::kFirst>(mesh, pair.first), groups.first,
+                             vertices_of<Row::kSecond>(mesh, pair.second), groups.second);
+    });
   });
-  std::erase_if(list.edge_edge, [&](const EdgeEdgeCandidate& c) {
-    return is_out(mesh.edges[c.edge_a], mesh.edges[c.edge_b]);
-  });
-  std::erase_if(list.point_edge,
-                [&](const PointEdgeCandidate& c) { return is_out(one(c.point), mesh.edges[c.edge]); });
-  std::erase_if(list.point_point,
-                [&](const PointPointCandidate& c) { return is_out(one(c.point_a), one(c.point_b)); });
 }
 
 }  // namespace
@@ -161,7 +139,7 @@ struct BroadPhase::Implementation {
   Bvh bvh;
   PairFilter filter;
   std::vector<PairBuffer> buffers;  // one per thread
-  std::vector<int32_t> offsets[2];  // of points and of edges
+  std::vector<int32_t> offsets[2];  // by first primitive of a pair: points, edges
 };
 
 BroadPhase::BroadPhase() : implementation_(std::make_unique<Implementation>()) {}
@@ -197,53 +175,47 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
   Bvh& bvh = self.bvh;
   bvh.refit(x0, x1, group_inflation, pool);
   self.buffers.resize(pool.thread_count());
-  for (PairBuffer& buffer : self.buffers) buffer.clear();
+  for (PairBuffer& buffer : self.buffers) buffer.found.clear();
   bvh.for_each_pair(self.filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
-    PairBuffer& buffer = self.buffers[thread];
+    CandidateList& found = self.buffers[thread].found;
     if (a.is_point()) {
-      add_lone_point(bvh, a, b, buffer);
+      add_lone_point(bvh, a, b, found);
       return;
     }
     if (b.is_point()) {
-      add_lone_point(bvh, b, a, buffer);
+      add_lone_point(bvh, b, a, found);
       return;
     }
     if (b.triangle >= 0)
-      add_point_triangle(bvh, a, b, buffer.point_triangle);
+      add_point_triangle(bvh, a, b, found[PairKind::PointTriangle]);
     else
-      add_point_edge(bvh, a, b, buffer.point_edge);
+      add_point_edge(bvh, a, b, found[PairKind::PointEdge]);
     if (a.triangle >= 0)
-      add_point_triangle(bvh, b, a, buffer.point_triangle);
+      add_point_triangle(bvh, b, a, found[PairKind::PointTriangle]);
     else
-      add_point_edge(bvh, b, a, buffer.point_edge);
-    add_edge_edge(bvh, a, b, buffer.edge_edge);
+      add_point_edge(bvh, b, a, found[PairKind::PointEdge]);
+    add_edge_edge(bvh, a, b, found[PairKind::EdgeEdge]);
   });
   const SurfaceMesh& mesh = bvh.mesh();
-  const int32_t edge_count = static_cast<int32_t>(mesh.edges.size());
-  const auto merge_list = [&](int64_t list, int) {
-    std::vector<int32_t>& offsets = self.offsets[list];
-    const std::vector<PairBuffer>& buffers = self.buffers;
-    if (list == 0) {
-      merge_sorted(buffers, &PairBuffer::point_triangle, mesh.vertex_count, offsets, out.point_triangle);
-      merge_sorted(buffers, &PairBuffer::point_edge, mesh.vertex_count, offsets, out.point_edge);
-      merge_sorted(buffers, &PairBuffer::point_point, mesh.vertex_count, offsets, out.point_point);
-    } else {
-      merge_sorted(buffers, &PairBuffer::edge_edge, edge_count, offsets, out.edge_edge);
-    }
+  const auto merge_lists = [&](int64_t first, int) {
+    for_each_pair_kind([&](auto tag) {
+      if (static_cast<int64_t>(first_kind(tag)) != first) return;
+      merge_sorted(self.buffers, tag, primitive_count(mesh, first_kind(tag)), self.offsets[first], out[tag]);
+    });
   };
-  size_t found = 0;
-  for (const PairBuffer& buffer : self.buffers) found += buffer.edge_edge.size();
+  size_t found_edges = 0;
+  for (const PairBuffer& buffer : self.buffers) found_edges += buffer.found[PairKind::EdgeEdge].size();
   constexpr size_t kParallelMerge = 10000;  // fewer are sorted before the other threads wake up
-  if (found > kParallelMerge) {
-    pool.for_each_task(2, merge_list);
+  if (found_edges > kParallelMerge) {
+    pool.for_each_task(2, merge_lists);
   } else {
-    merge_list(0, 0);
-    merge_list(1, 0);
+    merge_lists(0, 0);
+    merge_lists(1, 0);
   }
   if (self.filter.has_exclusions()) remove_excluded(mesh, self.filter, out);
   if (self.filter.has_neighbours())
-    std::erase_if(out.point_edge, [&](const PointEdgeCandidate& c) {
-      return self.filter.are_neighbours(c.point, mesh.edges[c.edge]);
+    std::erase_if(out[PairKind::PointEdge], [&](const PrimitivePair& pair) {
+      return self.filter.are_neighbours(pair.first, mesh.edges[pair.second]);
     });
 }
 

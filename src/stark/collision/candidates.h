@@ -1,63 +1,24 @@
-// The collision primitives of a scene and the lists of primitive pairs that may touch. Pure data; the broad
+// The lists of primitive pairs that may touch, and the table of those that may at all. Pure data; the broad
 // phase fills the lists, continuous detection and contact read them in every iteration.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include <stark/geometry/mesh.h>
+#include <stark/collision/primitive_pairs.h>
 
 namespace stark {
 
-/// All collision primitives of a scene; vertex ids index one position array. Every vertex of an edge or
-/// triangle is a collision point unless it is `inner`; `points` adds vertices that belong to neither
-/// (particles). Vertices inside solids are simply not named.
-struct SurfaceMesh {
-  int32_t vertex_count = 0;
-  std::vector<int32_t> points;  // vertices without edges or triangles; others may be listed, too
-  std::vector<int32_t> inner;   // vertices of triangles that are no collision points: inside flat faces
-  std::vector<Index2> edges;
-  std::vector<Index3> triangles;
-  std::vector<int32_t> vertex_group, edge_group, triangle_group;  // collision group (body) of each primitive
-};
-
-/// Throws InvalidMesh for indices out of range, array sizes that do not match, repeated vertices, groups
-/// outside [0, group_count) and primitives whose vertices are of another group.
-void validate(const SurfaceMesh& mesh, int32_t group_count);
-
-struct PointTriangleCandidate {
-  int32_t point, triangle;
-  bool operator==(const PointTriangleCandidate&) const = default;
-};
-
-/// edge_a < edge_b.
-struct EdgeEdgeCandidate {
-  int32_t edge_a, edge_b;
-  bool operator==(const EdgeEdgeCandidate&) const = default;
-};
-
-/// A point against an edge without triangles.
-struct PointEdgeCandidate {
-  int32_t point, edge;
-  bool operator==(const PointEdgeCandidate&) const = default;
-};
-
-/// Two points without edges, point_a < point_b.
-struct PointPointCandidate {
-  int32_t point_a, point_b;
-  bool operator==(const PointPointCandidate&) const = default;
-};
-
-/// Pairs that share no vertex, each once, sorted by first and second id. The last two lists hold what the
-/// first two cannot see: points against rods, because pairs of edges that are parallel have no barrier, and
-/// particles against particles.
+/// Pairs that share no vertex, each once: a list for each kind, sorted.
 struct CandidateList {
-  std::vector<PointTriangleCandidate> point_triangle;
-  std::vector<EdgeEdgeCandidate> edge_edge;
-  std::vector<PointEdgeCandidate> point_edge;
-  std::vector<PointPointCandidate> point_point;
+  std::array<std::vector<PrimitivePair>, kPairKindCount> lists;
 
+  std::vector<PrimitivePair>& operator[](PairKind kind) { return lists[static_cast<size_t>(kind)]; }
+  const std::vector<PrimitivePair>& operator[](PairKind kind) const {
+    return lists[static_cast<size_t>(kind)];
+  }
   void clear();
   int64_t size() const;
   bool operator==(const CandidateList&) const = default;

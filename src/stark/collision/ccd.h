@@ -8,10 +8,8 @@
 #pragma once
 
 #include <array>
-#include <span>
 
-#include <stark/base/thread_pool.h>
-#include <stark/collision/candidates.h>
+#include <stark/base/math.h>
 
 namespace stark {
 
@@ -39,40 +37,5 @@ double point_triangle_ccd(const std::array<Vec3, 4>& x0, const std::array<Vec3, 
                           const CcdSettings& settings = {});
 double edge_edge_ccd(const std::array<Vec3, 4>& x0, const std::array<Vec3, 4>& x1, double min_separation,
                      const CcdSettings& settings = {});
-
-enum class CandidateKind : uint8_t { None, PointTriangle, EdgeEdge, PointEdge, PointPoint };
-
-/// What limited a step and how much work it was.
-struct CcdReport {
-  double step = 1.0;
-  CandidateKind kind = CandidateKind::None;  // None when nothing limits
-  int64_t candidate = -1;                    // index into the list of that kind
-  int32_t first = -1, second = -1;           // ids of the two primitives
-  int64_t tested = 0;                        // candidates that needed more than the box test
-};
-
-/// Smallest safe fraction over all candidates, for vertices that move linearly from x0 to x1. The list must
-/// hold every pair that can come within min_separation [m] on the way (BroadPhase::find_swept, or a list
-/// whose motion budget covers the motion).
-double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, double min_separation, ThreadPool& pool,
-                     CcdReport* out_report = nullptr, const CcdSettings& settings = {});
-
-/// What pairs of primitives keep [m]: the sum of their two groups' values, or that of their groups together.
-struct Separations {
-  struct Pair {
-    int32_t low, high;  ///< groups, low <= high
-    double separation;
-  };
-  std::span<const double> by_group;
-  std::span<const Pair> by_pair = {};  ///< instead of the sum; sorted by groups
-
-  double operator()(int32_t group_a, int32_t group_b) const;
-};
-
-/// As above with separations by group.
-double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,
-                     std::span<const Vec3> x1, const Separations& separations, ThreadPool& pool,
-                     CcdReport* out_report = nullptr, const CcdSettings& settings = {});
 
 }  // namespace stark

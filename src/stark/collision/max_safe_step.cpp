@@ -1,12 +1,12 @@
 // Smallest safe step over a candidate list: four pairs at a time are tested for an axis that separates them
-// on the whole motion, the rest go through conservative advancement. See ccd.h.
+// on the whole motion, the rest go through conservative advancement. See max_safe_step.h.
 #include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <stark/base/error.h>
-#include <stark/collision/ccd.h>
+#include <stark/collision/max_safe_step.h>
 
 namespace stark {
 
@@ -40,54 +40,27 @@ int lane_mask(const Long4& lanes) {
 #endif
 }
 
-// The kinds of pairs: vertices of A first, the function for one pair, and the directions that may separate
-// the midway configuration besides the coordinate axes and the line of centres.
-struct PointPointPair {
-  static constexpr int kA = 1, kB = 1;
-  static constexpr auto kCcd = point_point_ccd;
-  template <typename Test>
-  static void for_each_axis(const Vec3x4 (&)[2], Test&&) {}
-};
-
-struct PointEdgePair {
-  static constexpr int kA = 1, kB = 2;
-  static constexpr auto kCcd = point_edge_ccd;
-  template <typename Test>
-  static void for_each_axis(const Vec3x4 (&)[3], Test&&) {}
-};
-
-struct PointTrianglePair {
-  static constexpr int kA = 1, kB = 3;
-  static constexpr auto kCcd = point_triangle_ccd;
-  template <typename Test>
-  static void for_each_axis(const Vec3x4 (&x)[4], Test&& test) {
-    test(cross(x[2] - x[1], x[3] - x[1]));
-  }
-};
-
-struct EdgeEdgePair {
-  static constexpr int kA = 2, kB = 2;
-  static constexpr auto kCcd = edge_edge_ccd;
-  template <typename Test>
-  static void for_each_axis(const Vec3x4 (&x)[4], Test&& test) {
-    test(cross(x[1] - x[0], x[3] - x[2]));
-  }
-};
+// A direction that may separate the primitives, besides the coordinate axes and the line of centres: the
+// normal of a triangle, or the common normal of two edges.
+template <PairKind kind, size_t count, typename Test>
+void try_normal(const Vec3x4 (&x)[count], Test&& test) {
+  if constexpr (kind == PairKind::PointTriangle) test(cross(x[2] - x[1], x[3] - x[1]));
+  if constexpr (kind == PairKind::EdgeEdge) test(cross(x[1] - x[0], x[3] - x[2]));
+}
 
 // Rounding errors of a projected gap relative to the size of the differences, as in ccd.cpp.
 constexpr double kGapError = 32.0 * 0x1p-53;
 
 // Lanes whose primitives one axis keeps apart by more than the separation at both ends of the motion, hence,
 // gaps of vertex pairs along an axis being linear in time, on all of it.
-template <typename Kind>
-int find_separated(const Vec3x4 (&x0)[Kind::kA + Kind::kB], const Vec3x4 (&x1)[Kind::kA + Kind::kB],
-                   const Double4& separation) {
-  constexpr int kCount = Kind::kA + Kind::kB, kGaps = 2 * Kind::kA * Kind::kB;
+template <PairKind kind, size_t kCount>
+int find_separated(const Vec3x4 (&x0)[kCount], const Vec3x4 (&x1)[kCount], const Double4& separation) {
+  constexpr int kA = PairRow<kind>::kFirstCount, kB = PairRow<kind>::kSecondCount, kGaps = 2 * kA * kB;
   Vec3x4 gaps[kGaps];
-  for (int i = 0; i < Kind::kA; ++i) {
-    for (int j = 0; j < Kind::kB; ++j) {
-      gaps[2 * (i * Kind::kB + j)] = x0[i] - x0[Kind::kA + j];
-      gaps[2 * (i * Kind::kB + j) + 1] = x1[i] - x1[Kind::kA + j];
+  for (int i = 0; i < kA; ++i) {
+    for (int j = 0; j < kB; ++j) {
+      gaps[2 * (i * kB + j)] = x0[i] - x0[kA + j];
+      gaps[2 * (i * kB + j) + 1] = x1[i] - x1[kA + j];
     }
   }
   Vec3x4 low = gaps[0], high = gaps[0];
@@ -120,9 +93,9 @@ int find_separated(const Vec3x4 (&x0)[Kind::kA + Kind::kB], const Vec3x4 (&x1)[K
     separated |= (largest < 0.0) & (largest * largest > limit);
   };
   Vec3x4 middle[kCount];
-  for (int k = 0; k < kCount; ++k) middle[k] = x0[k] + x1[k];
+  for (size_t k = 0; k < kCount; ++k) middle[k] = x0[k] + x1[k];
   test(centre);
-  Kind::for_each_axis(middle, test);
+  try_normal<kind>(middle, test);
   return lane_mask(separated & finite);
 }
 
@@ -140,12 +113,14 @@ struct Limit {
 // Candidates per unit of parallel work; fixed, so that the result does not depend on the threads.
 constexpr int64_t kGrain = 1024;
 
-// Smallest step over candidates [0, count): vertices(k) lists the stencil, separation(k) the pair's minimum.
-template <typename Kind, typename Vertices, typename Separation>
-Limit find_limit(int64_t count, std::span<const Vec3> x0, std::span<const Vec3> x1, Vertices&& vertices,
-                 Separation&& separation, const CcdSettings& settings, ThreadPool& pool,
-                 std::vector<Limit>& chunks) {
-  constexpr int kCount = Kind::kA + Kind::kB;
+// Smallest step over the pairs of one kind; separation(a, b): what two groups keep.
+template <PairKind kind, typename Separation>
+Limit find_limit(const SurfaceMesh& mesh, const std::vector<PrimitivePair>& pairs, std::span<const Vec3> x0,
+                 std::span<const Vec3> x1, Separation&& separation, const CcdSettings& settings,
+                 ThreadPool& pool, std::vector<Limit>& chunks) {
+  using Row = PairRow<kind>;
+  constexpr int kCount = Row::kFirstCount + Row::kSecondCount;
+  const auto count = static_cast<int64_t>(pairs.size());
   chunks.assign((count + kGrain - 1) / kGrain, Limit{});
   const double keep = 1.0 - settings.time_margin;
   pool.for_each_range(count, kGrain, [&](int64_t begin, int64_t end) {
@@ -155,9 +130,10 @@ Limit find_limit(int64_t count, std::span<const Vec3> x0, std::span<const Vec3> 
       std::array<int32_t, kCount> ids[kLanes];
       double minimum[kLanes];
       for (int lane = 0; lane < kLanes; ++lane) {
-        const int64_t k = std::min(first + lane, end - 1);
-        ids[lane] = vertices(k);
-        minimum[lane] = separation(k);
+        const PrimitivePair& pair = pairs[std::min(first + lane, end - 1)];
+        const PrimitivePair groups = Row::groups(mesh, pair);
+        ids[lane] = Row::vertices(mesh, pair);
+        minimum[lane] = separation(groups.first, groups.second);
       }
       Vec3x4 start[kCount], finish[kCount];
       for (int i = 0; i < kCount; ++i) {
@@ -167,7 +143,7 @@ Limit find_limit(int64_t count, std::span<const Vec3> x0, std::span<const Vec3> 
       }
       const Double4 minima{minimum[0], minimum[1], minimum[2], minimum[3]};
       int open =
-          ~find_separated<Kind>(start, finish, minima) & ((1 << std::min<int64_t>(kLanes, end - first)) - 1);
+          ~find_separated<kind>(start, finish, minima) & ((1 << std::min<int64_t>(kLanes, end - first)) - 1);
       for (; open != 0; open &= open - 1) {
         const int lane = __builtin_ctz(static_cast<unsigned>(open));
         std::array<Vec3, kCount> a, b;
@@ -176,7 +152,7 @@ Limit find_limit(int64_t count, std::span<const Vec3> x0, std::span<const Vec3> 
           b[i] = x1[ids[lane][i]];
         }
         ++limit.tested;
-        const double step = Kind::kCcd(a, b, minimum[lane], bounded);
+        const double step = Row::kCcd(a, b, minimum[lane], bounded);
         if (step < limit.step) {
           limit.step = step;
           limit.candidate = first + lane;
@@ -210,75 +186,14 @@ double find_step(const SurfaceMesh& mesh, const CandidateList& list, std::span<c
   }
   std::vector<Limit> chunks;
   CcdReport report;
-  const auto consider = [&](CandidateKind kind, const Limit& limit, auto&& ids) {
+  for_each_pair_kind([&](auto tag) {
+    const std::vector<PrimitivePair>& pairs = list[tag];
+    const Limit limit = find_limit<tag.value>(mesh, pairs, x0, x1, separation, settings, pool, chunks);
     report.tested += limit.tested;
     if (limit.candidate < 0 || !(limit.step < report.step)) return;
-    report.step = limit.step;
-    report.kind = kind;
-    report.candidate = limit.candidate;
-    const auto& [first, second] = ids(limit.candidate);
-    report.first = first;
-    report.second = second;
-  };
-  const auto& edges = mesh.edges;
-  {
-    const auto& pairs = list.point_triangle;
-    consider(CandidateKind::PointTriangle,
-             find_limit<PointTrianglePair>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) {
-                   const Index3& t = mesh.triangles[pairs[k].triangle];
-                   return Index4{pairs[k].point, t[0], t[1], t[2]};
-                 },
-                 [&](int64_t k) {
-                   return separation(mesh.vertex_group[pairs[k].point],
-                                     mesh.triangle_group[pairs[k].triangle]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  {
-    const auto& pairs = list.edge_edge;
-    consider(CandidateKind::EdgeEdge,
-             find_limit<EdgeEdgePair>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) {
-                   const Index2 &a = edges[pairs[k].edge_a], &b = edges[pairs[k].edge_b];
-                   return Index4{a[0], a[1], b[0], b[1]};
-                 },
-                 [&](int64_t k) {
-                   return separation(mesh.edge_group[pairs[k].edge_a], mesh.edge_group[pairs[k].edge_b]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  {
-    const auto& pairs = list.point_edge;
-    consider(CandidateKind::PointEdge,
-             find_limit<PointEdgePair>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) {
-                   return Index3{pairs[k].point, edges[pairs[k].edge][0], edges[pairs[k].edge][1]};
-                 },
-                 [&](int64_t k) {
-                   return separation(mesh.vertex_group[pairs[k].point], mesh.edge_group[pairs[k].edge]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
-  {
-    const auto& pairs = list.point_point;
-    consider(CandidateKind::PointPoint,
-             find_limit<PointPointPair>(
-                 static_cast<int64_t>(pairs.size()), x0, x1,
-                 [&](int64_t k) { return Index2{pairs[k].point_a, pairs[k].point_b}; },
-                 [&](int64_t k) {
-                   return separation(mesh.vertex_group[pairs[k].point_a],
-                                     mesh.vertex_group[pairs[k].point_b]);
-                 },
-                 settings, pool, chunks),
-             [&](int64_t k) { return pairs[k]; });
-  }
+    const PrimitivePair& pair = pairs[limit.candidate];
+    report = {limit.step, tag.value, limit.candidate, pair.first, pair.second, report.tested};
+  });
   if (out_report != nullptr) *out_report = report;
   return report.step;
 }

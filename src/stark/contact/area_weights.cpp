@@ -208,8 +208,8 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Shares& shares, int32_t 
 
 double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n,
                          std::span<const Vec3> x) const {
-  const auto [list, first, second] = contact.key;
-  if (list == 1) {
+  const auto [kind, first, second] = contact.key;
+  if (kind == PairKind::EdgeEdge) {
     const int32_t a = mesh.edge_group[first], b = mesh.edge_group[second];
     // A rod lies across an edge over its thickness, or over what the edge stands for.
     const bool a_is_rod = edges_.of(first).empty(), b_is_rod = edges_.of(second).empty();
@@ -224,7 +224,7 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const 
            (part(a, b) * area(mesh, edges_, first, a, n, x) +
             part(b, a) * area(mesh, edges_, second, b, n, x));
   }
-  if (list == 3) return std::min(vertices_.whole[first], vertices_.whole[second]);
+  if (kind == PairKind::PointPoint) return std::min(vertices_.whole[first], vertices_.whole[second]);
   const int32_t group = mesh.vertex_group[first];
   // No vertex is without a barrier, however fine the other mesh: a corner may press between its vertices.
   return area(mesh, vertices_, first, group, n, x) *

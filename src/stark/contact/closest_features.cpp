@@ -59,7 +59,7 @@ class PointContacts {
   }
 
  private:
-  bool on_triangles() const { return raw_.front().key.list == 0; }
+  bool on_triangles() const { return raw_.front().key.kind == PairKind::PointTriangle; }
   int32_t point() const { return raw_.front().key.first; }
 
   void add(Contact contact, int32_t multiplicity) {
@@ -76,7 +76,7 @@ class PointContacts {
       term = terms_.end() - 1;
     }
     term->contact.multiplicity += multiplicity;
-    if (multiplicity > 0 && contact.key.list != PairKey::kOther) term->cells.push_back(contact.key.second);
+    if (multiplicity > 0 && contact.key.kind != PairKey::kOther) term->cells.push_back(contact.key.second);
   }
 
   /// Edges with the number of their cells; vertices with their coefficients, 1 minus those of the cells and
@@ -117,7 +117,7 @@ class PointContacts {
 
   Contact other(double squared_distance) const {
     Contact contact = raw_.front();
-    contact.key.list = PairKey::kOther;
+    contact.key.kind = PairKey::kOther;
     contact.distance = std::sqrt(squared_distance);
     return contact;
   }
@@ -176,12 +176,12 @@ class PointContacts {
 
   bool is_taken(int32_t cell) const {
     return std::ranges::any_of(terms_, [&](const Term& t) {
-      return t.contact.key.list == raw_.front().key.list && t.contact.key.second == cell;
+      return t.contact.key.kind == raw_.front().key.kind && t.contact.key.second == cell;
     });
   }
 
   bool is_known(int32_t cell) const {
-    return std::ranges::binary_search(names_, PairKey{raw_.front().key.list, point(), cell});
+    return std::ranges::binary_search(names_, PairKey{raw_.front().key.kind, point(), cell});
   }
 
   bool touches(int32_t cell, const Term& term) const {
@@ -200,7 +200,7 @@ class PointContacts {
 
   bool take(Term& term, int32_t cell) {
     if (is_taken(cell)) return false;
-    term.contact.key = {raw_.front().key.list, point(), cell};
+    term.contact.key = {raw_.front().key.kind, point(), cell};
     return true;
   }
 
@@ -229,7 +229,7 @@ class PointContacts {
     take_first(own, [](const Term&, int32_t) { return true; });
     int32_t ordinal = 0;
     for (Term& term : terms_)
-      if (term.contact.key.list == PairKey::kOther)
+      if (term.contact.key.kind == PairKey::kOther)
         // Unique among all bodies that the point touches.
         term.contact.key.second = (raw_.front().group_b << 8) + ordinal++;
   }
@@ -237,11 +237,10 @@ class PointContacts {
   /// Cells of this body that the point was known to touch.
   std::vector<int32_t> known_cells() const {
     std::vector<int32_t> known;
-    const uint8_t list = raw_.front().key.list;
-    for (auto n = std::ranges::lower_bound(names_, PairKey{list, point(), 0});
-         n != names_.end() && n->list == list && n->first == point(); ++n) {
-      const SurfaceMesh& mesh = *geometry_.mesh;
-      const int32_t group = list == 0 ? mesh.triangle_group[n->second] : mesh.edge_group[n->second];
+    const PairKind kind = raw_.front().key.kind;
+    for (auto n = std::ranges::lower_bound(names_, PairKey{kind, point(), 0});
+         n != names_.end() && n->kind == kind && n->first == point(); ++n) {
+      const int32_t group = groups_of(*geometry_.mesh, second_kind(kind))[n->second];
       if (group == raw_.front().group_b) known.push_back(n->second);
     }
     return known;
@@ -261,15 +260,11 @@ class PointContacts {
 
 /// Whether no force moves any vertex of the pair of primitives.
 bool is_prescribed(const ContactGeometry& geometry, const PairKey& key) {
-  const SurfaceMesh& mesh = *geometry.mesh;
-  const auto fixed = [&](const auto& sites) {
-    return std::ranges::all_of(sites, [&](int32_t v) { return geometry.prescribed[v] != 0; });
+  const auto fixed = [&](PrimitiveKind kind, int32_t id) {
+    return std::ranges::all_of(vertices_of(*geometry.mesh, kind, id),
+                               [&](int32_t v) { return geometry.prescribed[v] != 0; });
   };
-  if (key.list == 1) return fixed(mesh.edges[key.first]) && fixed(mesh.edges[key.second]);
-  if (!geometry.prescribed[key.first]) return false;
-  if (key.list == 0) return fixed(mesh.triangles[key.second]);
-  if (key.list == 2) return fixed(mesh.edges[key.second]);
-  return geometry.prescribed[key.second] != 0;
+  return fixed(first_kind(key.kind), key.first) && fixed(second_kind(key.kind), key.second);
 }
 
 }  // namespace
@@ -352,8 +347,8 @@ void merge_equal_stencils(std::span<const Vec3> x, std::vector<Contact>& contact
   std::map<std::array<int32_t, 4>, size_t> known;
   size_t count = 0;
   for (Contact& contact : contacts) {
-    if (contact.key.list == 1 && is_mollified(contact) && is_parallel(x, contact)) continue;
-    if (contact.key.list == 1 && !is_mollified(contact)) {
+    if (contact.key.kind == PairKind::EdgeEdge && is_mollified(contact) && is_parallel(x, contact)) continue;
+    if (contact.key.kind == PairKind::EdgeEdge && !is_mollified(contact)) {
       snap_to_ends(x, contact);
       if (contact.kind != StencilKind::EdgeEdge) {
         const auto [entry, is_new] = known.try_emplace(stencil_of(contact), count);
@@ -377,11 +372,11 @@ void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells
   merged.reserve(contacts.size());
   PointContacts merger(geometry, cells, names, x);
   const auto same_surface = [](const Contact& a, const Contact& b) {
-    return a.key.list == b.key.list && a.key.first == b.key.first && a.group_b == b.group_b;
+    return a.key.kind == b.key.kind && a.key.first == b.key.first && a.group_b == b.group_b;
   };
   for (size_t i = 0, end = 0; i < contacts.size(); i = end) {
     end = i + 1;
-    if (contacts[i].key.list != 0 && contacts[i].key.list != 2) {
+    if (contacts[i].key.kind != PairKind::PointTriangle && contacts[i].key.kind != PairKind::PointEdge) {
       merged.push_back(contacts[i]);
       continue;
     }

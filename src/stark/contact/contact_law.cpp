@@ -43,7 +43,7 @@ int64_t code_of(const Contact& contact) { return group_code(contact.group_a, con
 
 /// Pairs of edges, or vertices with all of a body, which have one area.
 int64_t area_code(const Contact& contact) {
-  const bool is_edges = contact.key.list == 1;
+  const bool is_edges = contact.key.kind == PairKind::EdgeEdge;
   const int64_t second = is_edges ? contact.key.second : contact.group_b;
   return (static_cast<int64_t>(is_edges) << 62) | (static_cast<int64_t>(contact.key.first) << 31) | second;
 }
@@ -102,7 +102,7 @@ double ContactLaw::pressure(int32_t group_a, int32_t group_b) const {
 }
 
 bool ContactLaw::depends_on_normal(const Contact& contact) const {
-  if (contact.key.list == 1)
+  if (contact.key.kind == PairKind::EdgeEdge)
     return areas_.is_directed(contact.group_a) || areas_.is_directed(contact.group_b);
   return areas_.is_directed(contact.group_a);
 }

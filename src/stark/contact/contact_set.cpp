@@ -55,10 +55,10 @@ class Classifier {
   Classifier(const ContactGeometry& geometry, std::span<const Vec3> x)
       : geometry_(geometry), mesh_(*geometry.mesh), x_(x) {}
 
-  bool classify(const PointTriangleCandidate& c, Contact& contact) const {
-    const int32_t p = c.point;
-    const auto& t = mesh_.triangles[c.triangle];
-    begin(contact, {0, c.point, c.triangle}, mesh_.vertex_group[p], mesh_.triangle_group[c.triangle]);
+  bool classify(PairTag<PairKind::PointTriangle> kind, const PrimitivePair& c, Contact& contact) const {
+    const int32_t p = c.first;
+    const auto& t = mesh_.triangles[c.second];
+    begin(contact, kind, c);
     const Box edge = box_of(x_[t[0]], x_[t[1]]);
     const Box triangle{box_of(edge.low, x_[t[2]]).low, box_of(edge.high, x_[t[2]]).high};
     if (boxes_apart({x_[p], x_[p]}, triangle, contact.contact_distance)) return false;
@@ -78,9 +78,9 @@ class Classifier {
     return true;
   }
 
-  bool classify(const EdgeEdgeCandidate& c, Contact& contact) const {
-    Index2 a = mesh_.edges[c.edge_a], b = mesh_.edges[c.edge_b];
-    begin(contact, {1, c.edge_a, c.edge_b}, mesh_.edge_group[c.edge_a], mesh_.edge_group[c.edge_b]);
+  bool classify(PairTag<PairKind::EdgeEdge> kind, const PrimitivePair& c, Contact& contact) const {
+    Index2 a = mesh_.edges[c.first], b = mesh_.edges[c.second];
+    begin(contact, kind, c);
     if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance))
       return false;
     auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);
@@ -88,7 +88,7 @@ class Classifier {
       return false;
     const auto w = edge_edge_weights(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]], type);
     contact.parallel_threshold =
-        kParallelFactor * geometry_.edge_squared_length[c.edge_a] * geometry_.edge_squared_length[c.edge_b];
+        kParallelFactor * geometry_.edge_squared_length[c.first] * geometry_.edge_squared_length[c.second];
     const bool mollified =
         squared_norm(cross(x_[a[1]] - x_[a[0]], x_[b[1]] - x_[b[0]])) < contact.parallel_threshold;
     using enum EdgeEdgeType;
@@ -123,32 +123,34 @@ class Classifier {
     return true;
   }
 
-  bool classify(const PointEdgeCandidate& c, Contact& contact) const {
-    const auto& e = mesh_.edges[c.edge];
-    begin(contact, {2, c.point, c.edge}, mesh_.vertex_group[c.point], mesh_.edge_group[c.edge]);
-    const auto type = point_edge_type(x_[c.point], x_[e[0]], x_[e[1]]);
-    if (!within(contact, point_edge_squared_distance(x_[c.point], x_[e[0]], x_[e[1]], type))) return false;
+  bool classify(PairTag<PairKind::PointEdge> kind, const PrimitivePair& c, Contact& contact) const {
+    const auto& e = mesh_.edges[c.second];
+    begin(contact, kind, c);
+    const auto type = point_edge_type(x_[c.first], x_[e[0]], x_[e[1]]);
+    if (!within(contact, point_edge_squared_distance(x_[c.first], x_[e[0]], x_[e[1]], type))) return false;
     if (type == PointEdgeType::P_E)
-      set_point_edge(contact, c.point, e[0], e[1], point_edge_weights(x_[c.point], x_[e[0]], x_[e[1]], type));
+      set_point_edge(contact, c.first, e[0], e[1], point_edge_weights(x_[c.first], x_[e[0]], x_[e[1]], type));
     else
-      set_points(contact, StencilKind::PointPoint, 1, {c.point, e[type == PointEdgeType::P_E0 ? 0 : 1]},
+      set_points(contact, StencilKind::PointPoint, 1, {c.first, e[type == PointEdgeType::P_E0 ? 0 : 1]},
                  {1.0, -1.0});
     return true;
   }
 
-  bool classify(const PointPointCandidate& c, Contact& contact) const {
-    begin(contact, {3, c.point_a, c.point_b}, mesh_.vertex_group[c.point_a], mesh_.vertex_group[c.point_b]);
-    if (!within(contact, squared_norm(x_[c.point_a] - x_[c.point_b]))) return false;
-    set_points(contact, StencilKind::PointPoint, 1, {c.point_a, c.point_b}, {1.0, -1.0});
+  bool classify(PairTag<PairKind::PointPoint> kind, const PrimitivePair& c, Contact& contact) const {
+    begin(contact, kind, c);
+    if (!within(contact, squared_norm(x_[c.first] - x_[c.second]))) return false;
+    set_points(contact, StencilKind::PointPoint, 1, {c.first, c.second}, {1.0, -1.0});
     return true;
   }
 
  private:
-  void begin(Contact& contact, const PairKey& key, int32_t group_a, int32_t group_b) const {
-    contact.key = key;
-    contact.group_a = group_a;
-    contact.group_b = group_b;
-    contact.contact_distance = geometry_.distance(group_a, group_b);
+  template <PairKind kind>
+  void begin(Contact& contact, PairTag<kind>, const PrimitivePair& pair) const {
+    const PrimitivePair groups = PairRow<kind>::groups(mesh_, pair);
+    contact.key = {kind, pair.first, pair.second};
+    contact.group_a = groups.first;
+    contact.group_b = groups.second;
+    contact.contact_distance = geometry_.distance(groups.first, groups.second);
   }
 
   bool within(Contact& contact, double squared_distance) const {
@@ -163,15 +165,16 @@ class Classifier {
   std::span<const Vec3> x_;
 };
 
-template <typename Candidate>
-void classify_all(const Classifier& classifier, const std::vector<Candidate>& candidates, ThreadPool& pool,
-                  std::vector<Contact>& out) {
+template <typename Tag>
+void classify_all(const Classifier& classifier, Tag kind, const std::vector<PrimitivePair>& candidates,
+                  ThreadPool& pool, std::vector<Contact>& out) {
   const int64_t count = static_cast<int64_t>(candidates.size());
   std::vector<std::vector<Contact>> parts((count + kCandidatesPerTask - 1) / kCandidatesPerTask);
   pool.for_each_range(count, kCandidatesPerTask, [&](int64_t begin, int64_t end) {
     Contact contact;
     for (int64_t i = begin; i < end; ++i)
-      if (classifier.classify(candidates[i], contact)) parts[begin / kCandidatesPerTask].push_back(contact);
+      if (classifier.classify(kind, candidates[i], contact))
+        parts[begin / kCandidatesPerTask].push_back(contact);
   });
   for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
 }
@@ -212,18 +215,17 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
                    ThreadPool& pool, std::vector<Contact>& out) {
   out.clear();
   const Classifier classifier(geometry, x);
-  classify_all(classifier, candidates.point_triangle, pool, out);
-  if (!geometry.face.empty()) keep_nearest_of_faces(geometry.face, out);
-  classify_all(classifier, candidates.edge_edge, pool, out);
-  classify_all(classifier, candidates.point_edge, pool, out);
-  classify_all(classifier, candidates.point_point, pool, out);
+  for_each_pair_kind([&](auto kind) {
+    classify_all(classifier, kind, candidates[kind], pool, out);
+    if (kind == PairKind::PointTriangle && !geometry.face.empty()) keep_nearest_of_faces(geometry.face, out);
+  });
 }
 
 namespace {
 
 /// Keeps the candidates for which is_near holds, in their order.
-template <typename Candidate, typename Predicate>
-void keep_near(std::vector<Candidate>& candidates, ThreadPool& pool, const Predicate& is_near) {
+template <typename Predicate>
+void keep_near(std::vector<PrimitivePair>& candidates, ThreadPool& pool, const Predicate& is_near) {
   std::vector<uint8_t> keep(candidates.size());
   pool.for_each_range(static_cast<int64_t>(candidates.size()), kCandidatesPerTask,
                       [&](int64_t begin, int64_t end) {
@@ -239,24 +241,13 @@ void keep_near(std::vector<Candidate>& candidates, ThreadPool& pool, const Predi
 
 void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach, std::span<const Vec3> x,
                     ThreadPool& pool, CandidateList& candidates) {
-  const auto near = [&](int32_t group_a, int32_t group_b, double squared_distance) {
-    const double reach = group_reach[group_a] + group_reach[group_b];
-    return squared_distance <= reach * reach;
-  };
-  keep_near(candidates.point_triangle, pool, [&](const PointTriangleCandidate& c) {
-    const Index3& t = mesh.triangles[c.triangle];
-    return near(mesh.vertex_group[c.point], mesh.triangle_group[c.triangle],
-                point_triangle_squared_distance(x[c.point], x[t[0]], x[t[1]], x[t[2]]));
-  });
-  keep_near(candidates.edge_edge, pool, [&](const EdgeEdgeCandidate& c) {
-    const Index2 &a = mesh.edges[c.edge_a], &b = mesh.edges[c.edge_b];
-    return near(mesh.edge_group[c.edge_a], mesh.edge_group[c.edge_b],
-                edge_edge_squared_distance(x[a[0]], x[a[1]], x[b[0]], x[b[1]]));
-  });
-  keep_near(candidates.point_edge, pool, [&](const PointEdgeCandidate& c) {
-    const Index2& e = mesh.edges[c.edge];
-    return near(mesh.vertex_group[c.point], mesh.edge_group[c.edge],
-                point_edge_squared_distance(x[c.point], x[e[0]], x[e[1]]));
+  for_each_pair_kind([&](auto kind) {
+    using Row = PairRow<kind.value>;
+    keep_near(candidates[kind], pool, [&](const PrimitivePair& pair) {
+      const PrimitivePair groups = Row::groups(mesh, pair);
+      const double reach = group_reach[groups.first] + group_reach[groups.second];
+      return Row::squared_distance(Row::positions(mesh, pair, x)) <= reach * reach;
+    });
   });
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <stark/collision/candidates.h>
-#include <stark/collision/ccd.h>
+#include <stark/collision/max_safe_step.h>
 #include <stark/mechanics/assembler.h>
 
 namespace stark {
@@ -31,13 +31,14 @@ inline Index2 sorted(int32_t a, int32_t b) { return a < b ? Index2{a, b} : Index
 
 /// Identity of a pair of primitives, in the order of the candidate lists.
 struct PairKey {
-  /// What a point touches beside the cells that name its contacts (closest_features).
-  static constexpr uint8_t kOther = 4;
+  /// Kind of what a point touches beside the cells that name its contacts (closest_features).
+  static constexpr PairKind kOther{kPairKindCount};
 
-  /// 0 point-triangle, 1 edge-edge, 2 point-edge, 3 point-point, kOther.
-  uint8_t list = 0;
+  PairKind kind = PairKind::PointTriangle;  ///< or kOther
   int32_t first = 0, second = 0;
   auto operator<=>(const PairKey&) const = default;
+
+  PrimitivePair pair() const { return {first, second}; }
 };
 
 struct Contact {

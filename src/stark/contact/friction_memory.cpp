@@ -17,22 +17,23 @@ Vec3 material_direction(const SurfaceMesh& mesh, const PairKey& key, std::span<c
     const size_t n = primitive.size();
     return x[primitive[(choice + 1) % n]] - x[primitive[choice % n]];
   };
-  if (key.list == 0) return along(mesh.triangles[key.second]);
-  if (key.list == 1) return along(choice == 0 ? mesh.edges[key.first] : mesh.edges[key.second]);
-  if (key.list == 2) return along(mesh.edges[key.second]);
+  if (key.kind == PairKind::PointTriangle) return along(mesh.triangles[key.second]);
+  if (key.kind == PairKind::EdgeEdge)
+    return along(choice == 0 ? mesh.edges[key.first] : mesh.edges[key.second]);
+  if (key.kind == PairKind::PointEdge) return along(mesh.edges[key.second]);
   return {};
 }
 
 }  // namespace
 
 int64_t pack(const PairKey& key) {
-  return (static_cast<int64_t>(key.list) << (2 * kPrimitiveBits)) |
+  return (static_cast<int64_t>(key.kind) << (2 * kPrimitiveBits)) |
          (static_cast<int64_t>(key.first) << kPrimitiveBits) | static_cast<int64_t>(key.second);
 }
 
 PairKey unpack(int64_t code) {
   constexpr int64_t kMask = (int64_t{1} << kPrimitiveBits) - 1;
-  return {static_cast<uint8_t>(code >> (2 * kPrimitiveBits)),
+  return {static_cast<PairKind>(code >> (2 * kPrimitiveBits)),
           static_cast<int32_t>((code >> kPrimitiveBits) & kMask), static_cast<int32_t>(code & kMask)};
 }
 
@@ -61,7 +62,7 @@ double spin(const SurfaceMesh& mesh, const PairKey& key, const Vec3& normal, std
 }
 
 double orientation(const SurfaceMesh& mesh, const Contact& contact) {
-  if (contact.key.list != 1) return 1.0;
+  if (contact.key.kind != PairKind::EdgeEdge) return 1.0;
   const Index2& edge = mesh.edges[contact.key.first];
   return contact.sites[0] == edge[0] || contact.sites[0] == edge[1] ? 1.0 : -1.0;
 }

@@ -94,7 +94,7 @@ std::optional<Index3> FrictionCarriers::triangle_at_point(const SurfaceMesh& mes
                                                           const Contact& contact) const {
   const auto touched = std::span(contact.sites).subspan(1, static_cast<size_t>(contact.point_count - 1));
   if (touched.size() == 3) return Index3{touched[0], touched[1], touched[2]};
-  if (contact.key.list == 0) {
+  if (contact.key.kind == PairKind::PointTriangle) {
     const Index3& named = mesh.triangles[contact.key.second];
     const auto has = [&](int32_t site) { return std::ranges::count(named, site) > 0; };
     if (std::ranges::all_of(touched, has)) return named;
@@ -108,7 +108,7 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
   const PairKey& key = contact.key;
   const Vec3 gap = gap_vector(contact, x);
   const auto of = [&](int32_t t) { return t < 0 ? std::nullopt : std::optional(mesh.triangles[t]); };
-  if (key.list == 0 || key.list == PairKey::kOther)
+  if (key.kind == PairKind::PointTriangle || key.kind == PairKey::kOther)
     return {triangle_at_point(mesh, contact), {contact.sites[0], -1}};
   // Edges and points: a triangle beside them, which is of a rigid body. Those that deform would be bent by
   // it, and soft bodies pressed together took half as many Newton iterations again.
@@ -116,11 +116,11 @@ FrictionCarriers::Carrier FrictionCarriers::carrier_of(const SurfaceMesh& mesh, 
     return is_rigid(mesh.edges[edge][0]) ? triangle_at_edge(mesh, edge, gap, x) : -1;
   };
   const auto at_vertex = [&](int32_t v) { return is_rigid(v) ? triangle_of_vertex_[v] : -1; };
-  if (key.list == 1) {
+  if (key.kind == PairKind::EdgeEdge) {
     if (const int32_t t = at_edge(key.second); t >= 0) return {of(t), mesh.edges[key.first]};
     return {of(at_edge(key.first)), mesh.edges[key.second]};
   }
-  if (key.list == 2) {
+  if (key.kind == PairKind::PointEdge) {
     if (const int32_t t = at_edge(key.second); t >= 0) return {of(t), {key.first, -1}};
     return {of(at_vertex(key.first)), mesh.edges[key.second]};
   }

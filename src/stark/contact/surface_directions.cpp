@@ -61,13 +61,14 @@ Vec3 SurfaceDirections::of_pair(const SurfaceMesh& mesh, const PairKey& key, int
   const auto of = [&](std::span<const int32_t> triangles) {
     return of_triangles(mesh, triangles, normal, x);
   };
-  if (key.list == 0) {
+  if (key.kind == PairKind::PointTriangle) {
     if (mesh.triangle_group[key.second] == group) return of({&key.second, 1});
     return of(triangles_of_vertex_[key.first]);
   }
-  if (key.list == 1)
+  if (key.kind == PairKind::EdgeEdge)
     return of(triangles_of_edge_[mesh.edge_group[key.first] == group ? key.first : key.second]);
-  if ((key.list == 2 || key.list == PairKey::kOther) && mesh.vertex_group[key.first] == group)
+  if ((key.kind == PairKind::PointEdge || key.kind == PairKey::kOther) &&
+      mesh.vertex_group[key.first] == group)
     return of(triangles_of_vertex_[key.first]);
   return {};
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <stark/collision/ccd.h>
 #include <stark/collision/intersection.h>
+#include <stark/collision/max_safe_step.h>
 #include <stark/contact/contact_set.h>
 
 namespace stark {
@@ -159,7 +159,7 @@ bool PrescribedBodies::pass_through(const Local& local, std::span<const Vec3> st
     broad_phase.find_swept(before, x, none, pool, list);
     const double step = max_safe_step(local.mesh, list, before, x, Separations{.by_group = none}, pool,
                                       &report, {.time_margin = 0.0});
-    if (report.kind != CandidateKind::None && step < (k == kStations ? kEnd : 1.0)) return true;
+    if (report.kind && step < (k == kStations ? kEnd : 1.0)) return true;
     before = std::move(x);
   }
   return false;

@@ -38,19 +38,13 @@ struct Side {
   int32_t body = 0;
 };
 
-Side edge_side(const SurfaceMesh& mesh, int32_t e) {
-  return {{mesh.edges[e].begin(), mesh.edges[e].end()}, mesh.edge_group[e]};
+Side side_of(const SurfaceMesh& mesh, PrimitiveKind kind, int32_t id) {
+  const std::span<const int32_t> vertices = vertices_of(mesh, kind, id);
+  return {{vertices.begin(), vertices.end()}, groups_of(mesh, kind)[id]};
 }
-Side triangle_side(const SurfaceMesh& mesh, int32_t t) {
-  return {{mesh.triangles[t].begin(), mesh.triangles[t].end()}, mesh.triangle_group[t]};
-}
-Side point_side(const SurfaceMesh& mesh, int32_t v) { return {{v}, mesh.vertex_group[v]}; }
 
 std::pair<Side, Side> sides_of(const SurfaceMesh& mesh, const PairKey& key) {
-  if (key.list == 1) return {edge_side(mesh, key.first), edge_side(mesh, key.second)};
-  if (key.list == 0) return {point_side(mesh, key.first), triangle_side(mesh, key.second)};
-  if (key.list == 2) return {point_side(mesh, key.first), edge_side(mesh, key.second)};
-  return {point_side(mesh, key.first), point_side(mesh, key.second)};
+  return {side_of(mesh, first_kind(key.kind), key.first), side_of(mesh, second_kind(key.kind), key.second)};
 }
 
 /// Exclusions by what they are about, to find those that a pair of primitives belongs to.
@@ -136,7 +130,8 @@ Numbers Simulation::find_overlapping(const Numbers& released, std::span<const Ve
   std::set<int64_t> blocked;
   const PairFilter between = exclusions_.filter_between(released);
   for (const EdgeTriangleIntersection& pair : find_intersections(surface_mesh_, x, between, *pool_))
-    by_place.block(edge_side(surface_mesh_, pair.edge), triangle_side(surface_mesh_, pair.triangle), blocked);
+    by_place.block(side_of(surface_mesh_, PrimitiveKind::Edge, pair.edge),
+                   side_of(surface_mesh_, PrimitiveKind::Triangle, pair.triangle), blocked);
   for (const ContainedGroup& pair : find_contained_groups(surface_mesh_, x, between, *pool_, is_filled_))
     by_place.block(pair.inner, pair.outer, blocked);
   for (const int64_t k : released)

@@ -69,22 +69,12 @@ std::vector<NarrowGap> find_gaps(const FailedStep& step, std::span<const Vec3> x
 std::optional<BlockingPair> limiting_parts(const FailedStep& step) {
   const CcdReport& limit = step.contact->limiting_pair();
   const SurfaceMesh& mesh = step.contact->mesh();
-  const auto edge = [&](int32_t e) { return place_of(step.scene, step.model, mesh.edges[e]); };
-  const auto point = [&](int32_t p) { return place_of(step.scene, step.model, {&p, 1}); };
-  switch (limit.kind) {
-    case CandidateKind::PointTriangle:
-      return BlockingPair{point(limit.first), place_of(step.scene, step.model, mesh.triangles[limit.second]),
-                          limit.step};
-    case CandidateKind::EdgeEdge:
-      return BlockingPair{edge(limit.first), edge(limit.second), limit.step};
-    case CandidateKind::PointEdge:
-      return BlockingPair{point(limit.first), edge(limit.second), limit.step};
-    case CandidateKind::PointPoint:
-      return BlockingPair{point(limit.first), point(limit.second), limit.step};
-    case CandidateKind::None:
-      break;
-  }
-  return {};
+  if (!limit.kind) return {};
+  const auto place = [&](PrimitiveKind kind, int32_t id) {
+    return place_of(step.scene, step.model, vertices_of(mesh, kind, id));
+  };
+  return BlockingPair{place(first_kind(*limit.kind), limit.first),
+                      place(second_kind(*limit.kind), limit.second), limit.step};
 }
 
 std::optional<BlockingPair> find_blocking_pair(const FailedStep& step, double max_rotation) {
