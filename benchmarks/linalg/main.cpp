@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <stark/base/psd.h>
+#include <stark/linalg/automatic_solver.h>
 #include <stark/linalg/cholesky.h>
-#include <stark/linalg/linear_solver.h>
 #include <stark/linalg/pcg.h>
 
 #include "linalg/systems.h"
@@ -100,10 +100,10 @@ void run_tiny(ThreadPool& pool) {
                                        1);
   const std::vector<double> b = test::random_vector(162, 2);
   std::vector<double> x(b.size());
-  LinearSolver solver({}, pool);
-  const double same = best_ms(200, [&] { solver.solve(matrix, b, x, 1e-4); });
+  AutomaticSolver solver({}, pool);
+  const double same = best_ms(200, [&] { solver.solve({.A = matrix, .b = b}, x); });
   int k = 0;
-  const double changing = best_ms(200, [&] { solver.solve(++k % 2 ? other : matrix, b, x, 1e-4); });
+  const double changing = best_ms(200, [&] { solver.solve({.A = ++k % 2 ? other : matrix, .b = b}, x); });
   std::printf(
       "27 rigid bodies (162 dofs): LinearSolver::solve %.1f us, with a new pattern every time %.1f us\n",
       1e3 * same, 1e3 * changing);

@@ -79,7 +79,7 @@ nb::list describe(const FieldTable& table) {
     row["unit"] = f.unit;
     row["default"] = to_python(f.default_value);
     row["rule"] = f.rule_text();
-    row["choices"] = f.choices;
+    row["choices"] = f.choices ? f.choices() : std::vector<std::string>();
     row["doc"] = f.doc;
     rows.append(row);
   }

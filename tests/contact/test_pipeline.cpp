@@ -17,6 +17,8 @@ using namespace stark::test;
 
 namespace {
 
+constexpr double kStickDisplacement = 1e-5;  // [m]
+
 /// Two balls, a sheet and some particles; every vertex is a free point.
 struct Bench {
   explicit Bench(int threads = 1) : pool(threads) {
@@ -33,7 +35,7 @@ struct Bench {
     map = KinematicMap(DofLayout::build(std::vector<bool>(sites.size(), false), {}), sites);
     pipeline = std::make_unique<ContactPipeline>(
         ContactSurfaces{builder.surface, filter, distance, builder.x, [](int32_t, int32_t) { return 0.3; }},
-        contact_potentials(), ContactOptions{}, map, pool, timer);
+        contact_potentials(), ContactSettings{}, kStickDisplacement, map, pool, timer);
     geometry = {&builder.surface, distance, {}};
     cells = SurfaceCells(builder.surface, {});
     for (const Index2& e : builder.surface.edges)
@@ -59,13 +61,13 @@ struct Bench {
       for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t)
         if (filter.allowed(mesh.vertex_group[p], mesh.triangle_group[t]) &&
             !shared(std::array{p}, mesh.triangles[t]))
-          all.point_triangle.push_back({p, t});
+          all[PairKind::PointTriangle].push_back({p, t});
     for (int32_t a = 0; a < static_cast<int32_t>(mesh.edges.size()); ++a)
       for (int32_t b = a + 1; b < static_cast<int32_t>(mesh.edges.size()); ++b)
         if (filter.allowed(mesh.edge_group[a], mesh.edge_group[b]) && !shared(mesh.edges[a], mesh.edges[b]))
-          all.edge_edge.push_back({a, b});
+          all[PairKind::EdgeEdge].push_back({a, b});
     for (int32_t a = first_particle; a < mesh.vertex_count; ++a)
-      for (int32_t b = a + 1; b < mesh.vertex_count; ++b) all.point_point.push_back({a, b});
+      for (int32_t b = a + 1; b < mesh.vertex_count; ++b) all[PairKind::PointPoint].push_back({a, b});
     std::vector<Contact> contacts;
     find_contacts(geometry, all, x, pool, contacts);
     merge_by_feature(geometry, cells, pipeline->names(), x, contacts);
@@ -153,9 +155,10 @@ TEST_CASE("a list is built anew as soon as its motion budget is used up") {
     bench.pipeline->update(x);
   }
   CHECK(same_contacts(bench.pipeline->contacts(), bench.brute_force(x)));
-  CHECK(std::any_of(
-      bench.pipeline->contacts().begin(), bench.pipeline->contacts().end(),
-      [&](const Contact& contact) { return contact.key == PairKey{3, std::min(a, b), std::max(a, b)}; }));
+  CHECK(std::any_of(bench.pipeline->contacts().begin(), bench.pipeline->contacts().end(),
+                    [&](const Contact& contact) {
+                      return contact.key == PairKey{PairKind::PointPoint, std::min(a, b), std::max(a, b)};
+                    }));
 }
 
 TEST_CASE("energy differences of trial points agree with brute force, near and far from the iterate") {
@@ -177,7 +180,7 @@ TEST_CASE("energy differences of trial points agree with brute force, near and f
     fill(set_b, b);  // with the areas that the pipeline saw first
     const EnergyDifference expected = energy_difference(set_a, set_b);
     // Friction, lagged at a, adds its own part; its elements are the last batches.
-    FrictionSet friction(contact_potentials().friction, ContactOptions{}.stick_displacement);
+    FrictionSet friction(contact_potentials().friction, kStickDisplacement);
     std::vector<Vec3> forces;
     set_a.evaluate_forces(a, forces);
     for (size_t c = 0; c < forces.size(); ++c)

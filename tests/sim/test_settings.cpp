@@ -4,7 +4,10 @@
 #include <limits>
 
 #include <stark/base/error.h>
+#include <stark/geometry/shapes.h>
+#include <stark/linalg/direct_solver.h>
 #include <stark/sim/settings.h>
+#include <stark/sim/simulation.h>
 
 using namespace stark;
 
@@ -45,4 +48,35 @@ TEST_CASE("quasistatic steps need a tolerance that means something without inert
   CHECK_NOTHROW(validate(settings));
   settings.newton.step_tolerance = 0.0;
   CHECK_THROWS_AS(validate(settings), InvalidSetting);
+}
+
+TEST_CASE("a simulation solves with the linear solver of a program, by its name") {
+  static int solves = 0;
+  class Counting final : public LinearSolver {
+   public:
+    Counting(const LinearSettings& settings, ThreadPool& pool) : inner_(settings, pool) {}
+    void begin_step() override { inner_.begin_step(); }
+
+   protected:
+    LinearSolveReport solve_system(const LinearSystem& system, std::span<double> x) override {
+      ++solves;
+      return inner_.solve(system, x);
+    }
+
+   private:
+    CholeskySolver inner_;
+  };
+  Settings settings;
+  CHECK_THROWS_AS(set_from_text(settings, "linear.solver", "counting"), InvalidSetting);
+  register_linear_solver("counting", [](const LinearSettings& linear, ThreadPool& pool) {
+    return std::make_unique<Counting>(linear, pool);
+  });
+  set_from_text(settings, "linear.solver", "counting");
+  Scene scene;
+  scene.add_cloth({.mesh = make_grid(0.1, 0.1, 2, 2)});
+  Simulation sim(scene, settings);
+  const StepReport& report = sim.step();
+  CHECK_FALSE(report.failed());
+  CHECK(solves > 0);
+  CHECK(report.solve.factorizations == solves);
 }

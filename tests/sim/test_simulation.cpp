@@ -19,7 +19,7 @@ Settings quiet_settings(double h) {
   Settings settings;
   settings.time.step = h;
   settings.time.min_step = std::min(settings.time.min_step, h);
-  settings.linear.solver = LinearSolverKind::Cholesky;
+  settings.linear.solver = "cholesky";
   return settings;
 }
 

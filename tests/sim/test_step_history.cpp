@@ -20,7 +20,7 @@ Settings bdf2_settings(double h) {
   settings.newton.residual_tolerance = 1e-12;
   settings.newton.acceleration_tolerance = 0.0;
   settings.newton.step_tolerance = 1e-12;
-  settings.linear.solver = LinearSolverKind::Cholesky;
+  settings.linear.solver = "cholesky";
   return settings;
 }
 

@@ -19,7 +19,7 @@ Settings tight_settings(double h) {
   settings.newton.residual_tolerance = 1e-9;
   settings.newton.termination = Termination::All;
   settings.newton.step_tolerance = 1e-9;
-  settings.linear.solver = LinearSolverKind::Cholesky;
+  settings.linear.solver = "cholesky";
   return settings;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include <stark/linalg/direct_solver.h>
 #include <stark/solve/newton.h>
 
 namespace stark::test {
@@ -77,13 +78,12 @@ inline NewtonSettings tight() {
 }
 
 struct Solver {
-  explicit Solver(const NewtonSettings& settings)
-      : linear({.kind = LinearSolverKind::Cholesky}, pool), newton(settings, linear, timer) {}
+  explicit Solver(const NewtonSettings& settings) : linear({}, pool), newton(settings, linear, timer) {}
   SolveReport minimize(Objective& objective) { return newton.minimize(objective, 1.0); }
 
   ThreadPool pool{1};
   PhaseTimer timer;
-  LinearSolver linear;
+  CholeskySolver linear;
   NewtonSolver newton;
 };
 

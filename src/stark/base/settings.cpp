@@ -102,6 +102,7 @@ std::string FieldRule::text() const {
   return text;
 }
 
+FieldRule any_value() { return any_number(); }
 FieldRule any_number() { return {-kInfinity, kInfinity, true, true, false}; }
 FieldRule positive() { return {0.0, kInfinity, true, true, false}; }
 FieldRule positive_or_infinity() { return {0.0, kInfinity, true, true, true}; }
@@ -118,7 +119,7 @@ std::string Field::rule_text() const {
     case FieldType::Text:
       return "must be text";
     case FieldType::Choice:
-      return "must be one of " + joined(choices);
+      return "must be one of " + joined(choices());
     case FieldType::Vector:
       return "must be three numbers; each " + rule.text();
     case FieldType::Integer:
@@ -185,17 +186,23 @@ FieldValue FieldTable::converted(const Field& field, const FieldValue& value, st
         if (const auto vector = parse_vector(word)) return *vector;
       break;
     case FieldType::Choice:
-      if (text && std::find(field.choices.begin(), field.choices.end(), word) != field.choices.end())
-        return word;
+      if (text) return word;
       break;
     case FieldType::Text:
       if (text) return value;
       break;
   }
-  const std::string hint = field.type == FieldType::Choice ? nearest_name_hint(word, field.choices) : "";
-  fail((owner.empty() ? "" : std::string(owner) + ": ") + field.name + " = " +
-       (text ? "'" + *text + "'" : to_text(value)) + ": " + field.rule_text() + hint + ". It is the " +
-       field.doc + "; the default is " + field.value_text(field.default_value));
+  refuse(field, value, text ? "'" + *text + "'" : to_text(value), owner);
+}
+
+void FieldTable::refuse(const Field& field, const FieldValue& value, const std::string& shown,
+                        std::string_view owner) const {
+  const auto* text = std::get_if<std::string>(&value);
+  const std::string hint =
+      field.type == FieldType::Choice && text ? nearest_name_hint(trimmed(*text), field.choices()) : "";
+  fail((owner.empty() ? "" : std::string(owner) + ": ") + field.name + " = " + shown + ": " +
+       field.rule_text() + hint + ". It is the " + field.doc + "; the default is " +
+       field.value_text(field.default_value));
 }
 
 void FieldTable::check(const Field& field, const FieldValue& value, std::string_view owner) const {
@@ -205,10 +212,11 @@ void FieldTable::check(const Field& field, const FieldValue& value, std::string_
     holds = field.rule.holds(static_cast<double>(*integer));
   if (const auto* v = std::get_if<Vec3>(&value))
     holds = field.rule.holds(v->x) && field.rule.holds(v->y) && field.rule.holds(v->z);
-  if (holds) return;
-  fail((owner.empty() ? "" : std::string(owner) + ": ") + field.name + " = " + field.value_text(value) +
-       ": " + field.rule_text() + ". It is the " + field.doc + "; the default is " +
-       field.value_text(field.default_value));
+  if (field.type == FieldType::Choice) {
+    const std::vector<std::string> known = field.choices();
+    holds = std::ranges::find(known, std::get<std::string>(value)) != known.end();
+  }
+  if (!holds) refuse(field, value, field.value_text(value), owner);
 }
 
 void FieldTable::set(void* object, std::string_view name, const FieldValue& value,

@@ -48,6 +48,7 @@ struct FieldRule {
   std::string text() const;  ///< "must be > 0"
 };
 FieldRule any_number();
+FieldRule any_value();  ///< of flags, choices and texts, which have no range
 FieldRule positive();
 FieldRule positive_or_infinity();
 FieldRule non_negative();
@@ -55,6 +56,12 @@ FieldRule at_least(double low);
 FieldRule open_interval(double low, double high);
 FieldRule closed_interval(double low, double high);
 FieldRule half_open_interval(double low, double high);  ///< [low, high)
+
+/// The rule of a text that must be one of the names that are known when it is checked.
+struct NameRule {
+  std::vector<std::string> (*known)();
+};
+inline NameRule one_of(std::vector<std::string> (*known)()) { return {known}; }
 
 /// Names of the enumerators of E, in the order of their values 0, 1, ...: specialise with
 /// `static constexpr std::array<std::string_view, n> kNames`.
@@ -77,7 +84,7 @@ struct Field {
   std::string doc;
   FieldType type = FieldType::Real;
   FieldRule rule = any_number();
-  std::vector<std::string> choices;  ///< of FieldType::Choice
+  std::function<std::vector<std::string>()> choices;  ///< of FieldType::Choice
   FieldValue default_value;
   std::function<FieldValue(const void*)> get;
   std::function<void(void*, const FieldValue&)> set;  ///< the value has the type that get() returns
@@ -122,6 +129,8 @@ class FieldTable {
  private:
   FieldValue converted(const Field& field, const FieldValue& value, std::string_view owner) const;
   void check(const Field& field, const FieldValue& value, std::string_view owner) const;
+  [[noreturn]] void refuse(const Field& field, const FieldValue& value, const std::string& shown,
+                           std::string_view owner) const;
 
   std::string name_;
   TableKind kind_;
@@ -191,7 +200,10 @@ Field field(T S::* member, std::string name, std::string unit, FieldRule rule, s
   f.doc = std::move(doc);
   f.rule = rule;
   f.type = detail::field_type<T>();
-  if constexpr (std::is_enum_v<T>) f.choices.assign(EnumNames<T>::kNames.begin(), EnumNames<T>::kNames.end());
+  if constexpr (std::is_enum_v<T>)
+    f.choices = [] {
+      return std::vector<std::string>(EnumNames<T>::kNames.begin(), EnumNames<T>::kNames.end());
+    };
   f.get = [member](const void* object) {
     return detail::to_field_value(static_cast<const S*>(object)->*member);
   };
@@ -206,7 +218,17 @@ Field field(T S::* member, std::string name, std::string unit, FieldRule rule, s
 /// Declares a flag, a choice or a text, which have no range.
 template <typename S, typename T>
 Field field(T S::* member, std::string name, std::string doc) {
-  return field(member, std::move(name), "", any_number(), std::move(doc));
+  return field(member, std::move(name), "", any_value(), std::move(doc));
+}
+
+/// Declares a text that must be one of known names.
+template <typename S>
+Field field(std::string S::* member, std::string name, const std::string& /*unit*/, NameRule rule,
+            std::string doc) {
+  Field f = field(member, std::move(name), std::move(doc));
+  f.type = FieldType::Choice;
+  f.choices = rule.known;
+  return f;
 }
 
 /// The fields of a nested struct under "prefix.": group(&Settings::newton, "newton",

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <stark/base/error.h>
-#include <stark/geometry/distance.h>
 
 namespace stark {
 
@@ -37,24 +36,6 @@ ContactLaw make_law(const ContactSurfaces& surfaces) {
           std::move(bodies), surfaces.group_distance};
 }
 
-/// Distance of the primitives of a pair with sites at x [m].
-double pair_distance(const SurfaceMesh& mesh, const PairKey& key, std::span<const Vec3> x) {
-  double squared = 0.0;
-  if (key.list == 0) {
-    const Index3& t = mesh.triangles[key.second];
-    squared = point_triangle_squared_distance(x[key.first], x[t[0]], x[t[1]], x[t[2]]);
-  } else if (key.list == 1) {
-    const Index2 &a = mesh.edges[key.first], &b = mesh.edges[key.second];
-    squared = edge_edge_squared_distance(x[a[0]], x[a[1]], x[b[0]], x[b[1]]);
-  } else if (key.list == 2) {
-    const Index2& e = mesh.edges[key.second];
-    squared = point_edge_squared_distance(x[key.first], x[e[0]], x[e[1]]);
-  } else {
-    squared = squared_norm(x[key.first] - x[key.second]);
-  }
-  return std::sqrt(squared);
-}
-
 std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
   std::vector<int32_t> sites(mesh.points);
   for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
@@ -67,10 +48,10 @@ std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
 }  // namespace
 
 ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials,
-                                 const ContactOptions& options, const KinematicMap& map, ThreadPool& pool,
-                                 PhaseTimer& timer)
+                                 const ContactSettings& settings, double stick_displacement,
+                                 const KinematicMap& map, ThreadPool& pool, PhaseTimer& timer)
     : friction_coefficient_(std::move(surfaces.friction)),
-      options_(options),
+      settings_(settings),
       pool_(pool),
       timer_(timer),
       law_(make_law(surfaces)),
@@ -78,7 +59,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       rest_positions_(std::move(surfaces.rest_positions)),
       active_(potentials.barriers, pool),
       trial_(potentials.barriers, pool),
-      friction_(potentials.friction, options.stick_displacement,
+      friction_(potentials.friction, stick_displacement,
                 SurfaceDirections(surfaces.mesh, std::move(surfaces.directions))),
       restitution_(std::move(surfaces.restitution), potentials.restitution) {
   surface_sites_ = find_surface_sites(surfaces.mesh);
@@ -90,7 +71,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   for (int32_t site = 0; site < map.site_count(); ++site)
     geometry_.prescribed.push_back(map.is_prescribed(site) ? 1 : 0);
   for (const double d : surfaces.group_distance)
-    geometry_.group_separation.push_back(options.min_separation_factor * d);
+    geometry_.group_separation.push_back(settings.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
   geometry_.mesh = &broad_phase_.mesh();
   std::vector<bool> rigid;
@@ -117,7 +98,7 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   update(x);
   if (is_bound_ && lower_separations()) update(x);
   if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
-  if (options_.friction) freeze_friction(x);
+  if (settings_.friction) freeze_friction(x);
 }
 
 void ContactPipeline::set_close_bodies(CloseBodies close) {
@@ -125,7 +106,7 @@ void ContactPipeline::set_close_bodies(CloseBodies close) {
   geometry_.pair_separation.clear();
   for (size_t k = 0; k < geometry_.close.bodies.size(); ++k)
     geometry_.pair_separation.push_back(
-        pair_of(geometry_.close.bodies[k], options_.min_separation_factor * geometry_.close.distance[k]));
+        pair_of(geometry_.close.bodies[k], settings_.min_separation_factor * geometry_.close.distance[k]));
 }
 
 bool ContactPipeline::lower_separations() {
@@ -163,7 +144,8 @@ LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x) {
 }
 
 bool ContactPipeline::is_name(const PairKey& key) const {
-  const size_t seconds = key.list == 0 ? mesh().triangles.size() : key.list == 2 ? mesh().edges.size() : 0;
+  if (key.kind != PairKind::PointTriangle && key.kind != PairKind::PointEdge) return false;
+  const size_t seconds = groups_of(mesh(), second_kind(key.kind)).size();
   return key.first < mesh().vertex_count && static_cast<size_t>(key.second) < seconds;
 }
 
@@ -183,7 +165,8 @@ std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x
   std::map<int64_t, double> gaps;
   for (const Contact& contact : find_contacts_at(x)) {
     if (contact.group_a == contact.group_b &&
-        pair_distance(mesh(), contact.key, rest_positions_) < contact.contact_distance)
+        std::sqrt(squared_distance(mesh(), contact.key.kind, contact.key.pair(), rest_positions_)) <
+            contact.contact_distance)
       continue;
     const int64_t code = group_code(contact.group_a, contact.group_b);
     const double gap = std::max(contact.distance, kClosest * contact.contact_distance);
@@ -322,7 +305,7 @@ EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
 }
 
 double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
-  if (!options_.friction) return 0.0;
+  if (!settings_.friction) return 0.0;
   update(x);
   return freeze_friction(x);
 }

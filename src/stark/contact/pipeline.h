@@ -6,20 +6,15 @@
 
 #include <stark/base/timer.h>
 #include <stark/collision/broad_phase.h>
-#include <stark/collision/ccd.h>
+#include <stark/collision/max_safe_step.h>
 #include <stark/contact/closest_features.h>
 #include <stark/contact/contact_law.h>
+#include <stark/contact/contact_settings.h>
 #include <stark/contact/friction_set.h>
 #include <stark/contact/restitution.h>
 #include <stark/mechanics/active_set.h>
 
 namespace stark {
-
-struct ContactOptions {
-  double min_separation_factor = 1e-3;
-  double stick_displacement = 1e-5;  ///< [m]
-  bool friction = true;
-};
 
 /// Surfaces of a scene: vertex ids are site ids, groups are bodies.
 struct ContactSurfaces {
@@ -71,8 +66,8 @@ struct ContactCounters {
 class ContactPipeline final : public ActiveSet {
  public:
   ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials,
-                  const ContactOptions& options, const KinematicMap& map, ThreadPool& pool,
-                  PhaseTimer& timer);
+                  const ContactSettings& settings, double stick_displacement, const KinematicMap& map,
+                  ThreadPool& pool, PhaseTimer& timer);
 
   /// Velocities of a step of length `step` [s]: displacements of the sites from `positions` [m] over
   /// `duration` [s].
@@ -179,7 +174,7 @@ class ContactPipeline final : public ActiveSet {
   BroadPhase broad_phase_;
   ContactGeometry geometry_;
   FrictionTable friction_coefficient_;
-  ContactOptions options_;
+  ContactSettings settings_;
   ThreadPool& pool_;
   PhaseTimer& timer_;
   ContactLaw law_;

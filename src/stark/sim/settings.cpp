@@ -1,122 +1,40 @@
 // The descriptor tables of all settings, the rules between them and the short names. See settings.h.
 #include <stark/sim/settings.h>
 
-#include <numbers>
-
 #include <stark/base/error.h>
 
 namespace stark {
 
 const FieldTable& TimeSettings::fields() {
-  using S = TimeSettings;
-  static const FieldTable table(
-      "time", TableKind::Settings,
-      {field(&S::step, "step", "s", positive(), "length of a time step"),
-       field(&S::min_step, "min_step", "s", positive(),
-             "shortest step: a failing step is halved down to it, then reported as failed"),
-       field(&S::growth, "growth", "1", at_least(1.0),
-             "factor by which a halved step grows again after an accepted one"),
-       field(&S::integrator, "integrator",
-             "time integrator: implicit_euler (order 1, damps), bdf2 (order 2, damps little), or quasistatic "
-             "for a sequence of equilibria without inertia")});
-  return table;
-}
-
-const FieldTable& NewtonSettings::fields() {
-  using S = NewtonSettings;
-  static const FieldTable table(
-      "newton", TableKind::Settings,
-      {field(&S::acceleration_tolerance, "acceleration_tolerance", "m/s^2", non_negative(),
-             "largest unbalanced force over the mass of its node or body, 0 for unused"),
-       field(&S::residual_tolerance, "residual_tolerance", "N", non_negative(),
-             "largest unbalanced force of a node or body, 0 for unused"),
-       field(&S::step_tolerance, "step_tolerance", "m/s", non_negative(),
-             "largest motion of a point in the next full Newton step over the time step, 0 for unused"),
-       field(&S::termination, "termination", "number of active tolerances that must hold"),
-       field(&S::max_iterations, "max_iterations", "1", at_least(1),
-             "number of Newton iterations after which the step is retried with half the length"),
-       field(&S::max_seconds, "max_seconds", "s", positive_or_infinity(),
-             "time by the clock on the wall after which a step fails, looked at between iterations, infinity "
-             "for no limit; whether a step fails then depends on the machine"),
-       field(&S::projection, "projection", "choice of when element Hessians are made positive semidefinite"),
-       field(&S::armijo, "armijo", "1", open_interval(0.0, 0.5),
-             "share of the predicted decrease of the energy that the line search demands"),
-       field(&S::max_backtracks, "max_backtracks", "1", at_least(1), "number of halvings of one line search"),
-       field(
-           &S::max_rotation, "max_rotation", "rad", open_interval(0.0, std::numbers::pi / 2),
-           "largest rotation of a rigid body in one Newton iteration; collision detection needs less than a "
-           "quarter turn")});
-  return table;
-}
-
-const FieldTable& LinearSettings::fields() {
-  using S = LinearSettings;
-  static const FieldTable table(
-      "linear", TableKind::Settings,
-      {field(&S::solver, "solver", "linear solver of the Newton steps"),
-       field(&S::pcg_tolerance, "pcg_tolerance", "1", open_interval(0.0, 1.0),
-             "relative residual at which conjugate gradients stop"),
-       field(&S::pcg_max_iterations, "pcg_max_iterations", "1", at_least(1),
-             "number of conjugate gradient iterations after which a linear solve has failed")});
-  return table;
-}
-
-const FieldTable& ContactSettings::fields() {
-  using S = ContactSettings;
-  static const FieldTable table(
-      "contact", TableKind::Settings,
-      {field(&S::enabled, "enabled", "switch of all contact"),
-       field(&S::self_contact, "self_contact", "switch of the contact of deformable bodies with themselves"),
-       field(&S::friction, "friction", "switch of all friction"),
-       field(&S::distance, "distance", "m", at_least(0.0),
-             "contact distance of bodies without their own; two bodies act on each other within the sum of "
-             "theirs; 0: automatic, 1 mm but at most 1 % of the size of the body and half the smallest "
-             "height of triangles that can touch their own body, of which no less than a tenth of the rest "
-             "counts"),
-       field(&S::stiffness, "stiffness", "Pa", at_least(0.0),
-             "contact stiffness of bodies without their own: the pressure at which the gap is half of the "
-             "contact distance; 0: automatic, by the weight of the body"),
-       field(&S::stiffness_factor, "stiffness_factor", "1", positive(),
-             "automatic contact stiffness over the weight of the body per area: weight under standard "
-             "gravity, half of the surface"),
-       field(&S::min_separation_factor, "min_separation_factor", "1", open_interval(0.0, 0.5),
-             "least distance of two surfaces, over the contact distance of the pair; in scenes that nothing "
-             "drives, impacts on soft contact may go below it"),
-       field(&S::stick_velocity, "stick_velocity", "m/s", positive(),
-             "sliding speed below which friction sticks; times the time step it is the most that a sticking "
-             "contact gives way"),
-       field(&S::friction_updates, "friction_updates", "1", at_least(1),
-             "largest number of times in a step that normal forces and tangents of friction are refreshed; "
-             "fewer do when limits of friction settle to 0.1 %"),
-       field(&S::released_overlap, "released_overlap",
-             "what to do where joints and attachments release bodies that overlap: report (a caveat of every "
-             "step until they are apart; contact comes back then) or refuse (the step is an error)")});
+  static const FieldTable table("time", TableKind::Settings,
+                                {
+#define STARK_SETTING(type, name, value, unit, rule, meaning) \
+  field(&TimeSettings::name, #name, unit, rule, meaning),
+#include <stark/sim/time_settings.inc>
+#undef STARK_SETTING
+                                });
   return table;
 }
 
 const FieldTable& JointSettings::fields() {
-  using S = JointSettings;
-  static const FieldTable table(
-      "joints", TableKind::Settings,
-      {field(&S::length_tolerance, "length_tolerance", "m", positive(),
-             "largest distance by which joints may be apart at the end of a step"),
-       field(&S::angle_tolerance, "angle_tolerance", "rad", positive(),
-             "largest angle by which the axes of joints may differ at the end of a step")});
+  static const FieldTable table("joints", TableKind::Settings,
+                                {
+#define STARK_SETTING(type, name, value, unit, rule, meaning) \
+  field(&JointSettings::name, #name, unit, rule, meaning),
+#include <stark/sim/joint_settings.inc>
+#undef STARK_SETTING
+                                });
   return table;
 }
 
 const FieldTable& ExecutionSettings::fields() {
-  using S = ExecutionSettings;
-  static const FieldTable table(
-      "execution", TableKind::Settings,
-      {field(&S::threads, "threads", "1", closed_interval(0, 1024),
-             "most threads, 0 for one on each core that the process may use; results have the same bits for "
-             "any number"),
-       field(&S::oversubscribe, "oversubscribe",
-             "take more threads than there are cores, too, which is slower: to test that nothing depends on "
-             "their number"),
-       field(&S::backend, "backend",
-             "way energies are evaluated: machine code or interpreter, with the same bits")});
+  static const FieldTable table("execution", TableKind::Settings,
+                                {
+#define STARK_SETTING(type, name, value, unit, rule, meaning) \
+  field(&ExecutionSettings::name, #name, unit, rule, meaning),
+#include <stark/sim/execution_settings.inc>
+#undef STARK_SETTING
+                                });
   return table;
 }
 

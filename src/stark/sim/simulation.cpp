@@ -18,18 +18,6 @@ namespace {
 /// Distance over the largest coordinate below which surfaces touch: a thousand roundings.
 constexpr double kTouching = 2e-13;
 
-LinearSolverSettings to_solver_settings(const LinearSettings& linear) {
-  return {.kind = linear.solver,
-          .pcg_tolerance = linear.pcg_tolerance,
-          .pcg_max_iterations = linear.pcg_max_iterations};
-}
-
-ContactOptions to_options(const ContactSettings& contact, const TimeSettings& time) {
-  return {.min_separation_factor = contact.min_separation_factor,
-          .stick_displacement = contact.stick_velocity * time.step,
-          .friction = contact.friction};
-}
-
 int threads_of(const ExecutionSettings& execution) {
   const bool is_free = execution.oversubscribe && execution.threads > 0;
   return is_free ? execution.threads : usable_threads(execution.threads);
@@ -77,9 +65,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
   surface_mesh_ = surfaces.mesh;
   between();
   if (settings_.contact.enabled) {
-    contact_ = std::make_unique<ContactPipeline>(std::move(surfaces), model_->contact_potentials(),
-                                                 to_options(settings_.contact, settings_.time), model_->map(),
-                                                 *pool_, *timer_);
+    contact_ = std::make_unique<ContactPipeline>(
+        std::move(surfaces), model_->contact_potentials(), settings_.contact,
+        settings_.contact.stick_velocity * settings_.time.step, model_->map(), *pool_, *timer_);
     between();
     prescribed_ = PrescribedBodies(scene_, surface_mesh_);
     check_initial_state();
@@ -106,8 +94,8 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
   potential_->set_active_set_updates(settings_.contact.friction_updates);
   if (settings_.time.integrator == Integrator::Quasistatic)
     potential_->set_motion_limit(kFarthestMotion * scene_size());
-  linear_solver_ = std::make_unique<LinearSolver>(to_solver_settings(settings_.linear), *pool_);
-  linear_solver_->prepare(assembler_->static_pattern());
+  linear_solver_ = make_linear_solver(settings_.linear, *pool_);
+  linear_solver_->prepare(assembler_->static_pattern(), {});
   newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
 }
 

@@ -165,8 +165,12 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, doubl
     if (project) ++report.projected_iterations;
     const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
     const LinearSolveReport solved =
-        linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions(),
-                             !project && settings_.projection != Projection::Never);
+        linear_solver_.solve({.A = hessian_,
+                              .b = right_hand_side_,
+                              .tolerance = tolerance,
+                              .positions = objective.block_positions(),
+                              .may_be_indefinite = !project && settings_.projection != Projection::Never},
+                             direction_);
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
     if (is_interrupted_meanwhile()) return Direction::Interrupted;
@@ -193,9 +197,11 @@ bool NewtonSolver::find_simplified_direction(Objective& objective, double time_s
   if (!all_finite(gradient_)) return false;
   read_gradient(objective, report);
   const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
-  const LinearSolveReport solved =
-      linear_solver_.solve_again(hessian_, right_hand_side_, direction_,
-                                 std::max(kSimplifiedTolerance, useful_tolerance(report, time_step)));
+  const LinearSolveReport solved = linear_solver_.solve_again(
+      {.A = hessian_,
+       .b = right_hand_side_,
+       .tolerance = std::max(kSimplifiedTolerance, useful_tolerance(report, time_step))},
+      direction_);
   report.linear_iterations += solved.iterations;
   if (!solved.ok || !all_finite(direction_)) return false;
   report.last_motion = objective.motion(direction_);
@@ -224,8 +230,11 @@ bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveRe
   mean /= static_cast<double>(gradient_.size());
   for (double shift = kSmallestShift; shift <= 1.0; shift *= kShiftGrowth) {
     for (size_t i = 0; i < gradient_.size(); ++i) diagonal(i) += shift * (std::fabs(diagonal(i)) + mean);
-    const LinearSolveReport solved =
-        linear_solver_.solve(hessian_, right_hand_side_, direction_, tolerance, objective.block_positions());
+    const LinearSolveReport solved = linear_solver_.solve({.A = hessian_,
+                                                           .b = right_hand_side_,
+                                                           .tolerance = tolerance,
+                                                           .positions = objective.block_positions()},
+                                                          direction_);
     report.linear_iterations += solved.iterations;
     report.factorizations += solved.factorizations;
     if (solved.ok && all_finite(direction_) && slope() < 0.0) return true;

@@ -1,0 +1,36 @@
+// The choice between the solvers, by modelled costs from counts of flops, bytes and iterations, never from
+// clocks, so that a run repeats bit for bit. Phase: linear solve of a Newton step.
+#pragma once
+
+#include <stark/linalg/direct_solver.h>
+#include <stark/linalg/pcg_solver.h>
+
+namespace stark {
+
+/// "automatic": steps start with conjugate gradients where those could win, and go on with a factorisation,
+/// in single precision where it is large, once they need too many iterations.
+class AutomaticSolver final : public LinearSolver {
+ public:
+  AutomaticSolver(const LinearSettings& settings, ThreadPool& pool);
+
+  void prepare(const BlockPattern& pattern, std::span<const Vec3> positions) override;
+  void begin_step() override;
+  const Cholesky<double>& cholesky() { return direct_.in_double().factor().cholesky(); }
+
+ protected:
+  LinearSolveReport solve_system(const LinearSystem& system, std::span<double> x) override;
+  LinearSolveReport solve_kept(const LinearSystem& system, std::span<double> x) override;
+
+ private:
+  PcgSolver pcg_;
+  CholeskyFloatSolver direct_;
+  int max_iterations_;
+  // What steps start with; both follow from prepare(), never from earlier steps, so that a resumed run
+  // continues bit for bit.
+  bool starts_with_pcg_ = false;
+  LinearSolver* start_direct_;
+  LinearSolver* current_;    ///< what the next solve will use
+  LinearSolver* last_used_;  ///< what has the factor or preconditioner of the last solve
+};
+
+}  // namespace stark
