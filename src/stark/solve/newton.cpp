@@ -44,89 +44,95 @@ NewtonSolver::NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_
     : settings_(settings), linear_solver_(linear_solver), timer_(timer) {}
 
 SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
-  SolveReport& report = report_;
-  report = {};
+  start(objective, time_step);
+  std::optional<SolveStatus> end;
+  while (!end) end = iterate(objective);
+  return finish(objective, *end);
+}
+
+void NewtonSolver::start(const Objective& objective, double time_step) {
+  time_step_ = time_step;
+  report_ = {};
+  progress_ = {.settled = {}, .unsure_steps_left = kUnsureSteps};
   const size_t n = 3 * static_cast<size_t>(objective.block_count());
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
   right_hand_side_.assign(n, 0.0);
-  projection_countdown_ = 0;
-  previous_gradient_norm_ = 0.0;
-  simplified_limit_ = 0.0;
-  unsure_steps_left_ = kUnsureSteps;
-  int tiny_steps = 0, round_off_steps = 0;
-  SolveReport settled;  // when lagged quantities were refreshed last
-  const auto finish = [&](SolveStatus status) {
-    // A solution whose friction is a round behind is better than none.
-    const bool given_up = !is_success(status) && status != SolveStatus::Interrupted;
-    report.status = status;
-    report.is_settled = given_up && objective.restore_settled();
-    if (report.is_settled) {
-      report.status = settled.status;
-      report.residual = settled.residual;
-      report.acceleration = settled.acceleration;
-      report.last_motion = settled.last_motion;
-      report.is_at_rounding = settled.is_at_rounding;
-    }
-    return report;
-  };
+}
 
-  while (true) {
-    if (const auto reason = reason_to_stop(objective)) return finish(*reason);
-    const bool pending = objective.has_pending_motion();
-    switch (find_direction(objective, time_step, report)) {
-      case Direction::Found:
-        break;
-      case Direction::NotFinite:
-        return finish(SolveStatus::NotFinite);
-      case Direction::Failed:
-        return finish(SolveStatus::LinearSolveFailed);
-      case Direction::Interrupted:
-        return finish(SolveStatus::Interrupted);
-    }
-    report.last_motion = objective.motion(direction_);
-    report.is_at_rounding = false;
-    const bool converged =
-        !pending && (is_converged(report, time_step) ||
-                     (round_off_steps > 0 && is_at_rounding(objective, report, time_step)));
-    if (!converged && report.iterations >= settings_.max_iterations)
-      return finish(pending ? SolveStatus::Blocked : SolveStatus::MaxIterations);
+std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
+  if (const auto reason = reason_to_stop(objective)) return reason;
+  const bool pending = objective.has_pending_motion();
+  if (!find_simplified_direction(objective))
+    if (const auto failure = find_direction(objective)) return failure;
+  report_.last_motion = objective.motion(direction_);
+  report_.is_at_rounding = false;
+  const bool converged = !pending && has_converged(objective);
+  if (!converged && report_.iterations >= settings_.max_iterations)
+    return pending ? SolveStatus::Blocked : SolveStatus::MaxIterations;
 
-    // The last direction is known, so it is taken even when its size already says "converged".
-    const SolveStatus searched = line_search(objective, report);
-    if (searched == SolveStatus::Interrupted) return finish(searched);
-    const bool is_full = searched == SolveStatus::Converged && report.last_step_length == 1.0;
-    const bool is_near = report.last_motion < kNear * settings_.step_tolerance * time_step;
-    simplified_limit_ = !pending && is_full && is_near ? kContraction * report.last_motion : 0.0;
-    if (!converged) ++report.iterations;
-    const bool at_round_off = searched == SolveStatus::RoundOff && ++round_off_steps >= kRoundOffIterations;
-    if (converged || at_round_off) {
-      report.lag_residual = objective.refresh_lagged(report.lag_updates);
-      if (report.lag_residual == 0.0)
-        return finish(converged ? SolveStatus::Converged : SolveStatus::RoundOff);
-      if (++report.lag_updates >= kLagUpdateLimit || std::isinf(report.lag_residual))
-        return finish(SolveStatus::ConstraintViolated);
-      settled = report;
-      settled.status = converged ? SolveStatus::Converged : SolveStatus::RoundOff;
-      // What has changed are forces, little as a rule.
-      simplified_limit_ = std::numeric_limits<double>::infinity();
-      unsure_steps_left_ = kUnsureSteps;
-      round_off_steps = 0;
-      continue;
-    }
-    if (searched == SolveStatus::LineSearchFailed) {
-      // Descent for certain, and yet no step lowers the energy: differences are rounding errors that the
-      // magnitude does not show, as in stiff elements whose energy is a difference of large terms. The
-      // gradient is exact still.
-      if (!pending && take_unsure_step(objective, report)) continue;
-      if (projection_countdown_ > 0 || settings_.projection != Projection::OnDemand) return finish(searched);
-      projection_countdown_ = kProjectedIterations;
-    }
-    tiny_steps = report.last_step_length < kTinyStep ? tiny_steps + 1 : 0;
-    if (tiny_steps > 1 && !pending && take_unsure_step(objective, report)) tiny_steps = 0;
-    if (tiny_steps >= kTinyStepLimit)
-      return finish(pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed);
+  // The last direction is known, so it is taken even when its size already says "converged".
+  const SolveStatus searched = line_search(objective);
+  if (searched == SolveStatus::Interrupted) return searched;
+  trust_hessian(searched, pending);
+  if (!converged) ++report_.iterations;
+  if (searched == SolveStatus::RoundOff) ++progress_.round_off_steps;
+  if (converged) return refresh_lagged(objective, SolveStatus::Converged);
+  if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
+    return refresh_lagged(objective, SolveStatus::RoundOff);
+  return handle_no_progress(objective, searched, pending);
+}
+
+SolveReport NewtonSolver::finish(Objective& objective, SolveStatus status) {
+  // A solution whose friction is a round behind is better than none.
+  const bool given_up = !is_success(status) && status != SolveStatus::Interrupted;
+  report_.status = status;
+  report_.is_settled = given_up && objective.restore_settled();
+  if (report_.is_settled) {
+    const SolveReport& settled = progress_.settled;
+    report_.status = settled.status;
+    report_.residual = settled.residual;
+    report_.acceleration = settled.acceleration;
+    report_.last_motion = settled.last_motion;
+    report_.is_at_rounding = settled.is_at_rounding;
   }
+  return report_;
+}
+
+void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
+  const bool is_full = searched == SolveStatus::Converged && report_.last_step_length == 1.0;
+  const bool is_near = report_.last_motion < kNear * settings_.step_tolerance * time_step_;
+  progress_.simplified_limit = !pending && is_full && is_near ? kContraction * report_.last_motion : 0.0;
+}
+
+std::optional<SolveStatus> NewtonSolver::refresh_lagged(Objective& objective, SolveStatus reached) {
+  report_.lag_residual = objective.refresh_lagged(report_.lag_updates);
+  if (report_.lag_residual == 0.0) return reached;
+  if (++report_.lag_updates >= kLagUpdateLimit || std::isinf(report_.lag_residual))
+    return SolveStatus::ConstraintViolated;
+  progress_.settled = report_;
+  progress_.settled.status = reached;
+  // What has changed are forces, little as a rule.
+  progress_.simplified_limit = std::numeric_limits<double>::infinity();
+  progress_.unsure_steps_left = kUnsureSteps;
+  progress_.round_off_steps = 0;
+  return {};
+}
+
+std::optional<SolveStatus> NewtonSolver::handle_no_progress(Objective& objective, SolveStatus searched,
+                                                            bool pending) {
+  if (searched == SolveStatus::LineSearchFailed) {
+    // Descent for certain, and yet no step lowers the energy: differences are rounding errors that the
+    // magnitude does not show, as in stiff elements whose energy is a difference of large terms. The
+    // gradient is exact still.
+    if (!pending && take_unsure_step(objective)) return {};
+    if (progress_.projected_left > 0 || settings_.projection != Projection::OnDemand) return searched;
+    progress_.projected_left = kProjectedIterations;
+  }
+  progress_.tiny_steps = report_.last_step_length < kTinyStep ? progress_.tiny_steps + 1 : 0;
+  if (progress_.tiny_steps > 1 && !pending && take_unsure_step(objective)) progress_.tiny_steps = 0;
+  if (progress_.tiny_steps < kTinyStepLimit) return {};
+  return pending ? SolveStatus::Blocked : SolveStatus::LineSearchFailed;
 }
 
 bool NewtonSolver::is_interrupted() {
@@ -147,79 +153,94 @@ std::optional<SolveStatus> NewtonSolver::reason_to_stop(const Objective& objecti
   return {};
 }
 
-NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, double time_step,
-                                                     SolveReport& report) {
-  if (find_simplified_direction(objective, time_step, report)) return Direction::Found;
-  bool project = settings_.projection == Projection::Always || projection_countdown_ > 0;
-  if (projection_countdown_ > 0) --projection_countdown_;
-  objective.set_cautious(report.last_step_length < kShortStep);
-  while (true) {
-    objective.linearize(project, gradient_, hessian_);
-    if (is_interrupted_meanwhile()) return Direction::Interrupted;
-    if (!all_finite(gradient_)) return Direction::NotFinite;
-    // A projected matrix after the exact one is a rough model: its gradient is the same, so the forcing rule
-    // gives the loosest tolerance.
-    read_gradient(objective, report);
-    const double tolerance = forcing_tolerance(report, time_step);
-    is_hessian_exact_ = !project;
-    if (project) ++report.projected_iterations;
-    const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
-    const LinearSolveReport solved =
-        linear_solver_.solve({.A = hessian_,
-                              .b = right_hand_side_,
-                              .tolerance = tolerance,
-                              .positions = objective.block_positions(),
-                              .may_be_indefinite = !project && settings_.projection != Projection::Never},
-                             direction_);
-    report.linear_iterations += solved.iterations;
-    report.factorizations += solved.factorizations;
-    if (is_interrupted_meanwhile()) return Direction::Interrupted;
-    const bool usable =
-        solved.ok && all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
-    if (usable) break;
-    if (settings_.projection == Projection::Never) return Direction::Failed;
-    if (project) {
-      if (solve_shifted(objective, tolerance, report)) break;
-      return Direction::Failed;
-    }
-    project = true;
-    projection_countdown_ = kProjectedIterations - 1;
-  }
-  return Direction::Found;
-}
-
 // Whether an iterate has converged takes a direction, but no new Hessian where the last one is nearly that of
 // the iterate: the simplified Newton correction d with its contraction Theta bounds the distance to the
 // solution by |d| / (1 - Theta) [Deuflhard 2011, sec. 2.1]. It is taken where it says "converged".
-bool NewtonSolver::find_simplified_direction(Objective& objective, double time_step, SolveReport& report) {
-  if (!is_hessian_exact_ || simplified_limit_ == 0.0 || projection_countdown_ > 0) return false;
+bool NewtonSolver::find_simplified_direction(Objective& objective) {
+  if (!progress_.is_hessian_exact || progress_.simplified_limit == 0.0 || progress_.projected_left > 0)
+    return false;
   objective.evaluate_gradient(gradient_);
   if (!all_finite(gradient_)) return false;
-  read_gradient(objective, report);
+  read_gradient(objective);
   const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
   const LinearSolveReport solved = linear_solver_.solve_again(
-      {.A = hessian_,
-       .b = right_hand_side_,
-       .tolerance = std::max(kSimplifiedTolerance, useful_tolerance(report, time_step))},
+      {.A = hessian_, .b = right_hand_side_, .tolerance = std::max(kSimplifiedTolerance, useful_tolerance())},
       direction_);
-  report.linear_iterations += solved.iterations;
+  report_.linear_iterations += solved.iterations;
   if (!solved.ok || !all_finite(direction_)) return false;
-  report.last_motion = objective.motion(direction_);
-  const bool is_trusted = report.last_motion <= simplified_limit_ && slope() <= 0.0;
-  report.last_motion /= 1.0 - kContraction;
-  return is_trusted && is_converged(report, time_step);
+  report_.last_motion = objective.motion(direction_);
+  const bool is_trusted = report_.last_motion <= progress_.simplified_limit && slope() <= 0.0;
+  report_.last_motion /= 1.0 - kContraction;
+  return is_trusted && meets_tolerances(report_);
+}
+
+std::optional<SolveStatus> NewtonSolver::find_direction(Objective& objective) {
+  bool project = settings_.projection == Projection::Always || progress_.projected_left > 0;
+  if (progress_.projected_left > 0) --progress_.projected_left;
+  objective.set_cautious(report_.last_step_length < kShortStep);
+  Direction found = solve_direction(objective, project);
+  if (found == Direction::Failed && !project && settings_.projection == Projection::OnDemand) {
+    progress_.projected_left = kProjectedIterations - 1;
+    found = solve_direction(objective, true);
+  }
+  switch (found) {
+    case Direction::Found:
+      break;
+    case Direction::Failed:
+      return SolveStatus::LinearSolveFailed;
+    case Direction::NotFinite:
+      return SolveStatus::NotFinite;
+    case Direction::Interrupted:
+      return SolveStatus::Interrupted;
+  }
+  return {};
+}
+
+NewtonSolver::Direction NewtonSolver::solve_direction(Objective& objective, bool project) {
+  objective.linearize(project, gradient_, hessian_);
+  if (is_interrupted_meanwhile()) return Direction::Interrupted;
+  if (!all_finite(gradient_)) return Direction::NotFinite;
+  // A projected matrix after the exact one is a rough model: its gradient is the same, so the forcing rule
+  // gives the loosest tolerance.
+  read_gradient(objective);
+  const double tolerance = forcing_tolerance();
+  progress_.is_hessian_exact = !project;
+  if (project) ++report_.projected_iterations;
+  const PhaseTimer::Scope scope(timer_, Phase::LinearSolve);
+  const bool may_be_indefinite = !project && settings_.projection != Projection::Never;
+  const LinearSolveReport solved = solve_linear(objective, tolerance, may_be_indefinite);
+  if (is_interrupted_meanwhile()) return Direction::Interrupted;
+  if (solved.ok && is_descent()) return Direction::Found;
+  return project && solve_shifted(objective, tolerance) ? Direction::Found : Direction::Failed;
+}
+
+LinearSolveReport NewtonSolver::solve_linear(Objective& objective, double tolerance, bool may_be_indefinite) {
+  const LinearSolveReport solved = linear_solver_.solve({.A = hessian_,
+                                                         .b = right_hand_side_,
+                                                         .tolerance = tolerance,
+                                                         .positions = objective.block_positions(),
+                                                         .may_be_indefinite = may_be_indefinite},
+                                                        direction_);
+  report_.linear_iterations += solved.iterations;
+  report_.factorizations += solved.factorizations;
+  return solved;
+}
+
+// A gradient of zero has the direction zero.
+bool NewtonSolver::is_descent() const {
+  return all_finite(direction_) && (slope() < 0.0 || dot(gradient_, gradient_) == 0.0);
 }
 
 // Forces that are left over, and the right-hand side of the linear solve that is to balance them.
-void NewtonSolver::read_gradient(const Objective& objective, SolveReport& report) {
+void NewtonSolver::read_gradient(const Objective& objective) {
   const Residual residual = objective.residual(gradient_);
-  report.residual = residual.force;
-  report.acceleration = residual.acceleration;
+  report_.residual = residual.force;
+  report_.acceleration = residual.acceleration;
   std::transform(gradient_.begin(), gradient_.end(), right_hand_side_.begin(), std::negate<>());
 }
 
-bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveReport& report) {
-  is_hessian_exact_ = false;
+bool NewtonSolver::solve_shifted(Objective& objective, double tolerance) {
+  progress_.is_hessian_exact = false;
   // Projected and still not solvable: singular, or so badly scaled that rounding makes it indefinite. A
   // multiple of the diagonal shortens the step where nothing else holds it [Levenberg 1944, Marquardt 1963].
   const auto diagonal = [&](size_t i) -> double& {
@@ -230,13 +251,7 @@ bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveRe
   mean /= static_cast<double>(gradient_.size());
   for (double shift = kSmallestShift; shift <= 1.0; shift *= kShiftGrowth) {
     for (size_t i = 0; i < gradient_.size(); ++i) diagonal(i) += shift * (std::fabs(diagonal(i)) + mean);
-    const LinearSolveReport solved = linear_solver_.solve({.A = hessian_,
-                                                           .b = right_hand_side_,
-                                                           .tolerance = tolerance,
-                                                           .positions = objective.block_positions()},
-                                                          direction_);
-    report.linear_iterations += solved.iterations;
-    report.factorizations += solved.factorizations;
+    const LinearSolveReport solved = solve_linear(objective, tolerance, false);
     if (solved.ok && all_finite(direction_) && slope() < 0.0) return true;
   }
   return false;
@@ -244,19 +259,19 @@ bool NewtonSolver::solve_shifted(Objective& objective, double tolerance, SolveRe
 
 double NewtonSolver::slope() const { return dot(gradient_, direction_); }
 
-double NewtonSolver::forcing_tolerance(const SolveReport& report, double time_step) {
+double NewtonSolver::forcing_tolerance() {
   // Eisenstat and Walker 1996, choice 2: solve only as exactly as the quadratic model is worth ...
   const double norm = std::sqrt(dot(gradient_, gradient_));
-  const double ratio = previous_gradient_norm_ > 0.0 ? norm / previous_gradient_norm_ : 0.3;
-  previous_gradient_norm_ = norm;
+  const double ratio = progress_.gradient_norm > 0.0 ? norm / progress_.gradient_norm : 0.3;
+  progress_.gradient_norm = norm;
   const double model = std::clamp(0.9 * ratio * ratio, kSmallestForcing, kLargestForcing);
   // ... and not beyond what convergence takes.
-  return std::max(model, useful_tolerance(report, time_step));
+  return std::max(model, useful_tolerance());
 }
 
 // Relative residual of a linear solve that brings the forces to half of their tolerances [Kelley 1995,
 // eq. 6.20], and what is left of the last motion where that must have settled, too.
-double NewtonSolver::useful_tolerance(const SolveReport& report, double time_step) const {
+double NewtonSolver::useful_tolerance() const {
   const bool all = settings_.termination == Termination::All;
   std::optional<double> useful;
   const auto ask = [&](double tolerance, double value) {
@@ -264,13 +279,17 @@ double NewtonSolver::useful_tolerance(const SolveReport& report, double time_ste
     const double share = value > 0.0 ? std::min(0.5 * tolerance / value, kLargestForcing) : kLargestForcing;
     useful = !useful ? share : all ? std::min(*useful, share) : std::max(*useful, share);
   };
-  ask(settings_.residual_tolerance, report.residual);
-  ask(settings_.acceleration_tolerance, report.acceleration);
-  if (all) ask(settings_.step_tolerance * time_step, report.last_motion);
+  ask(settings_.residual_tolerance, report_.residual);
+  ask(settings_.acceleration_tolerance, report_.acceleration);
+  if (all) ask(settings_.step_tolerance * time_step_, report_.last_motion);
   return useful.value_or(0.0);
 }
 
-bool NewtonSolver::is_converged(const SolveReport& report, double time_step) const {
+bool NewtonSolver::has_converged(const Objective& objective) {
+  return meets_tolerances(report_) || (progress_.round_off_steps > 0 && is_at_rounding(objective));
+}
+
+bool NewtonSolver::meets_tolerances(const SolveReport& report) const {
   bool all = true, any = false;
   const auto test = [&](double tolerance, double value) {
     if (tolerance <= 0.0) return;
@@ -279,20 +298,20 @@ bool NewtonSolver::is_converged(const SolveReport& report, double time_step) con
   };
   test(settings_.residual_tolerance, report.residual);
   test(settings_.acceleration_tolerance, report.acceleration);
-  test(settings_.step_tolerance, report.last_motion / time_step);
+  test(settings_.step_tolerance, report.last_motion / time_step_);
   return settings_.termination == Termination::All ? all : any;
 }
 
-bool NewtonSolver::is_at_rounding(const Objective& objective, SolveReport& report, double time_step) const {
+bool NewtonSolver::is_at_rounding(const Objective& objective) {
   const Residual beyond = objective.residual_beyond_rounding(gradient_, hessian_);
-  SolveReport without = report;
+  SolveReport without = report_;
   without.residual = beyond.force;
   without.acceleration = beyond.acceleration;
-  report.is_at_rounding = is_converged(without, time_step);
-  return report.is_at_rounding;
+  report_.is_at_rounding = meets_tolerances(without);
+  return report_.is_at_rounding;
 }
 
-SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report) {
+SolveStatus NewtonSolver::line_search(Objective& objective) {
   const bool pending = objective.has_pending_motion();
   double alpha = 0.0;
   {
@@ -311,28 +330,28 @@ SolveStatus NewtonSolver::line_search(Objective& objective, SolveReport& report)
     const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
     if (trial.feasible && (pending || trial.difference <= allowed)) {
       objective.accept_trial();
-      report.last_step_length = alpha;
+      report_.last_step_length = alpha;
       return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
     }
-    ++report.backtracks;
+    ++report_.backtracks;
     // A tiny part of the step that raises the energy by more than all of it should lower it: differences are
     // rounding of stiff elements, more than their magnitude shows. The gradient, exact still, decides.
     const bool is_rounding =
         k == kRoundingProbe && trial.feasible && trial.difference > -decrease && -decrease >= noise;
-    if (is_rounding && take_unsure_step(objective, report)) return SolveStatus::Converged;
+    if (is_rounding && take_unsure_step(objective)) return SolveStatus::Converged;
   }
-  report.last_step_length = 0.0;
+  report_.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;
 }
 
-bool NewtonSolver::take_unsure_step(Objective& objective, SolveReport& report) {
-  if (unsure_steps_left_ == 0) return false;
-  --unsure_steps_left_;
+bool NewtonSolver::take_unsure_step(Objective& objective) {
+  if (progress_.unsure_steps_left == 0) return false;
+  --progress_.unsure_steps_left;
   const double alpha = objective.bound_step(direction_, settings_.max_rotation);
   const TrialEnergy trial = objective.try_step(direction_, alpha);
   if (alpha < 1.0 || !trial.feasible || !(trial.difference <= kUnsureRise * trial.magnitude)) return false;
   objective.accept_trial();
-  report.last_step_length = alpha;
+  report_.last_step_length = alpha;
   return true;
 }
 

@@ -35,24 +35,56 @@ class NewtonSolver {
   std::span<const double> direction() const { return direction_; }
 
  private:
-  enum class Direction : uint8_t { Found, NotFinite, Failed, Interrupted };
-  Direction find_direction(Objective& objective, double time_step, SolveReport& report);
-  bool find_simplified_direction(Objective& objective, double time_step, SolveReport& report);
-  void read_gradient(const Objective& objective, SolveReport& report);
-  bool is_converged(const SolveReport& report, double time_step) const;
-  /// Whether nothing but rounding keeps the tolerances from being met.
-  bool is_at_rounding(const Objective& objective, SolveReport& report, double time_step) const;
-  SolveStatus line_search(Objective& objective, SolveReport& report);
-  /// A full step on the word of the gradient, where energies do not show the decrease.
-  bool take_unsure_step(Objective& objective, SolveReport& report);
-  bool solve_shifted(Objective& objective, double tolerance, SolveReport& report);
+  /// What a minimisation learns on its way.
+  struct Progress {
+    SolveReport settled;            ///< when lagged quantities were refreshed last
+    int tiny_steps = 0;             ///< in a row
+    int round_off_steps = 0;        ///< since the last refresh
+    int unsure_steps_left = 0;      ///< of take_unsure_step()
+    int projected_left = 0;         ///< iterations for which Hessians stay projected after a failure
+    bool is_hessian_exact = false;  ///< neither projected nor shifted
+    double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
+    /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
+    double simplified_limit = 0.0;
+  };
+
+  void start(const Objective& objective, double time_step);
+  /// One iteration; why the minimisation ends with it, if it does.
+  std::optional<SolveStatus> iterate(Objective& objective);
+  SolveReport finish(Objective& objective, SolveStatus status);
   std::optional<SolveStatus> reason_to_stop(const Objective& objective);
+
+  /// Both give the direction of the iterate; the second one why there is none, if so.
+  bool find_simplified_direction(Objective& objective);
+  std::optional<SolveStatus> find_direction(Objective& objective);
+  /// One with the Hessian at the iterate, projected or not. Failed: not a direction of descent.
+  enum class Direction : uint8_t { Found, Failed, NotFinite, Interrupted };
+  Direction solve_direction(Objective& objective, bool project);
+  LinearSolveReport solve_linear(Objective& objective, double tolerance, bool may_be_indefinite);
+  bool solve_shifted(Objective& objective, double tolerance);
+  bool is_descent() const;
+  double slope() const;
+  double forcing_tolerance();
+  double useful_tolerance() const;
+
+  void read_gradient(const Objective& objective);
+  bool has_converged(const Objective& objective);
+  bool meets_tolerances(const SolveReport& report) const;
+  /// Whether nothing but rounding keeps the tolerances from being met.
+  bool is_at_rounding(const Objective& objective);
+
+  SolveStatus line_search(Objective& objective);
+  /// A full step on the word of the gradient, where energies do not show the decrease.
+  bool take_unsure_step(Objective& objective);
+  /// Whether the iterate after a step is so near that the next direction may do without a new Hessian.
+  void trust_hessian(SolveStatus searched, bool pending);
+  std::optional<SolveStatus> refresh_lagged(Objective& objective, SolveStatus reached);
+  /// What follows from steps that fail or lead nowhere.
+  std::optional<SolveStatus> handle_no_progress(Objective& objective, SolveStatus searched, bool pending);
+
   bool is_interrupted();
   /// The same where it has not been asked for a while.
   bool is_interrupted_meanwhile();
-  double slope() const;
-  double forcing_tolerance(const SolveReport& report, double time_step);
-  double useful_tolerance(const SolveReport& report, double time_step) const;
 
   NewtonSettings settings_;
   LinearSolver& linear_solver_;
@@ -60,15 +92,11 @@ class NewtonSolver {
   std::function<bool()> interrupted_;
   std::chrono::steady_clock::time_point asked_;  ///< when interrupted_ was
   std::optional<std::chrono::steady_clock::time_point> deadline_;
-  SolveReport report_;
+  double time_step_ = 0.0;  ///< [s] of the minimisation under way
+  SolveReport report_;      ///< of it
+  Progress progress_;       ///< of it
   std::vector<double> gradient_, direction_, right_hand_side_;
   BlockMatrix hessian_;
-  int unsure_steps_left_ = 0;      ///< of take_unsure_step()
-  bool is_hessian_exact_ = false;  ///< neither projected nor shifted
-  /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
-  double simplified_limit_ = 0.0;
-  int projection_countdown_ = 0;  ///< iterations for which Hessians stay projected after a failure
-  double previous_gradient_norm_ = 0.0;
 };
 
 }  // namespace stark
