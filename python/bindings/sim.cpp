@@ -351,7 +351,7 @@ nb::dict surface_dict(const Simulation& sim) {
 
 nb::list kernel_list(const Simulation& sim) {
   nb::list kernels;
-  for (const ModelBatch& batch : sim.model().batches()) {
+  for (const ModelBatch& batch : sim.energies().batches) {
     const Potential& potential = batch.batch.potential();
     nb::dict row;
     row["name"] = potential.name();

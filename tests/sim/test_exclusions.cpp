@@ -5,6 +5,7 @@
 
 #include <stark/base/error.h>
 #include <stark/geometry/shapes.h>
+#include <stark/sim/exclusions.h>
 #include <stark/sim/registry.h>
 #include <stark/sim/simulation.h>
 

@@ -71,9 +71,8 @@ TEST_CASE("forces of mass damping add up") {
   settings.gravity = {};
   const Simulation sim(scene, settings);
   const PotentialBatch* inertia = nullptr;
-  for (const ModelBatch& batch : sim.model().batches())
-    if (batch.role == ModelBatch::Role::Inertia && batch.batch.potential().name() == "inertia")
-      inertia = &batch.batch;
+  for (const ModelBatch& batch : sim.energies().batches)
+    if (batch.role == ModelBatch::Role::Inertia) inertia = &batch.batch;
   REQUIRE(inertia != nullptr);
   const double expected = (1.0 * 0.5 + 3.0 * 2.0) / 4.0;
   CHECK(inertia->get(inertia->field_index("damping"), 0) == Approx(expected));

@@ -44,7 +44,8 @@ std::vector<ModelPart> parts_of(const Ingredients& given) {
                     .potential = spring,
                     .points = {vertex_points(cloth, {8})},
                     .values = {{"stiffness", {{given.stiffness}}}}});
-  return Model(scene, given.settings).parts();
+  Energies energies;
+  return Model(scene, given.settings, energies).parts();
 }
 
 /// Names of the parts that differ from those of the plain scene.
@@ -123,7 +124,8 @@ TEST_CASE("surface directions are a part where friction depends on them") {
         scene.add_rigid({.name = "b", .mesh = make_box({1, 1, 1}), .mass = 1.0, .position = {0.0, 0.0, 2.0}});
     scene.set_surface_directions(a, {direction});
     scene.set_anisotropic_friction(a, b, {isotropic ? across : 0.1, across});
-    return Model(scene, {}).parts();
+    Energies energies;
+    return Model(scene, {}, energies).parts();
   };
   const auto differing = [&](const std::vector<ModelPart>& x, const std::vector<ModelPart>& y) {
     PartNames names;

@@ -59,7 +59,8 @@ TEST_CASE("anisotropic friction: the larger coefficient and shares, in the direc
   CHECK(mu.across == 1.0);
   CHECK(mu.frame == -1);  // neither has a direction yet
   CHECK_THROWS_AS(scene.check_friction(), InvalidArgument);
-  CHECK_THROWS_AS(Model(scene, {}), InvalidArgument);
+  Energies energies;
+  CHECK_THROWS_AS(Model(scene, {}, energies), InvalidArgument);
   scene.set_surface_directions(a, {{1, 0, 0}});
   CHECK(scene.friction(a, b).frame == a.index);
   scene.set_surface_directions(b, {{0, 1, 0}});
@@ -88,7 +89,8 @@ TEST_CASE("surfaces get as many directions as they have triangles on the bodies 
   CHECK_THROWS_AS(scene.set_surface_directions(cube, {{NAN, 0, 0}}), InvalidArgument);
   CHECK(scene.surface_directions(cube).size() == 48);  // as before
   const Settings settings;
-  const ContactSurfaces surfaces = Model(scene, settings).make_surfaces(scene, settings);
+  Energies energies;
+  const ContactSurfaces surfaces = Model(scene, settings, energies).make_surfaces(scene, settings);
   REQUIRE(surfaces.directions.size() == surfaces.mesh.triangles.size());
   for (size_t t = 0; t < 8; ++t) CHECK(surfaces.directions[t] == TangentComponents{});
   size_t with_direction = 0;

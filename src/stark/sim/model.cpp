@@ -11,6 +11,7 @@
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/contact_stiffness.h>
 #include <stark/sim/model_builder.h>
+#include <stark/sim/script_phase.h>
 
 namespace stark {
 
@@ -38,7 +39,7 @@ void Model::Builder::build() {
   add_inertia();
   add_energies();
   add_joints();
-  for (PotentialBatch* batch : model.all_batches()) batch->set_rest(model.rest_positions_);
+  for (PotentialBatch* batch : energies.all_batches()) batch->set_rest(model.rest_positions_);
   set_block_scales();
   set_initial_state();
   set_initial_sites();
@@ -54,7 +55,7 @@ std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefiniti
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,
                                           std::span<const int32_t> stencils, const std::string& owner,
                                           const ParameterValues& values) {
-  ModelBatch& batch = model.batches_.emplace_back(ModelBatch{
+  ModelBatch& batch = energies.batches.emplace_back(ModelBatch{
       ModelBatch::Role::Elastic, owner, PotentialBatch(compile(definition, per_element_names(values))), {}});
   batch.batch.resize(stencils);
   set_values(batch.batch, values);
@@ -103,7 +104,7 @@ void Model::Builder::set_initial_state() {
   set_initial_fibres();
   state.script_position = state.body_position;
   state.script_rotation = state.body_rotation;
-  state.script_remaining.assign(state.body_position.size(), 0.0);
+  state.script_remaining.assign(state.body_position.size(), kMovesAtVelocity);
   state.pin_target = state.point_position;
   if (settings.time.integrator != Integrator::Bdf2) return;
   state.previous_point_position = state.point_position;
@@ -122,8 +123,8 @@ void Model::Builder::set_initial_sites() {
   const State& state = model.initial_state_;
   std::vector<Vec3> x(model.map_.site_count());
   model.map_.positions({state.point_position, state.body_position, state.body_rotation}, x);
-  for (PotentialBatch* batch : model.all_batches()) batch->set_initial(x);
-  ConstraintSet& constraints = model.constraints_;
+  for (PotentialBatch* batch : energies.all_batches()) batch->set_initial(x);
+  ConstraintSet& constraints = energies.constraints;
   model.initial_state_.joint_multiplier.assign(constraints.residual_count(), 0.0);
   for (const JointDescription& joint : scene.joints())
     model.initial_state_.joint_enabled.push_back(joint.enabled ? 1.0 : 0.0);
@@ -142,12 +143,20 @@ void Model::Builder::compile_contact() {
         compile_contact_potentials(backend(), scene.has_anisotropic_friction(), scene.has_restitution());
 }
 
-Model::Model(const Scene& scene, const Settings& settings) { Builder(*this, scene, settings).build(); }
+Model::Model(const Scene& scene, const Settings& settings, Energies& out_energies) {
+  Builder(*this, out_energies, scene, settings).build();
+}
 
-std::vector<PotentialBatch*> Model::all_batches() {
+std::vector<Vec3> Model::site_positions(const State& state) const {
+  std::vector<Vec3> x(map_.site_count());
+  map_.positions({state.point_position, state.body_position, state.body_rotation}, x);
+  return x;
+}
+
+std::vector<PotentialBatch*> Energies::all_batches() {
   std::vector<PotentialBatch*> all;
-  for (ModelBatch& batch : batches_) all.push_back(&batch.batch);
-  for (ConstraintGroup& group : constraints_.groups()) all.push_back(&group.batch);
+  for (ModelBatch& batch : batches) all.push_back(&batch.batch);
+  for (ConstraintGroup& group : constraints.groups()) all.push_back(&group.batch);
   return all;
 }
 

@@ -1,6 +1,6 @@
-// The frozen result of building a scene: dof layout, sites, batches of energies with their rest shapes and
-// parameters, collision surfaces. Immutable while a simulation runs, apart from the per-step inputs of the
-// batches.
+// The frozen result of building a scene: dof layout, sites, masses, collision surfaces, and where bodies,
+// joints and energies are in the arrays of the state. It never changes; energies, which have inputs that
+// change from step to step, are beside it (sim/energies.h).
 #pragma once
 
 #include <memory>
@@ -9,9 +9,8 @@
 
 #include <stark/contact/pipeline.h>
 #include <stark/mechanics/incremental_potential.h>
-#include <stark/mechanics/potential_batch.h>
-#include <stark/mechanics/quadrature_batch.h>
 #include <stark/mechanics/state.h>
+#include <stark/sim/energies.h>
 #include <stark/sim/scene.h>
 
 namespace stark {
@@ -42,17 +41,6 @@ struct RigidMass {
   bool is_frame = false;                               ///< of a node of a rod or of fibres
 };
 
-/// A batch and what it means to the time step and the energy ledger.
-struct ModelBatch {
-  enum class Role : uint8_t { Inertia, Elastic };
-  Role role = Role::Elastic;
-  std::string owner;  ///< name of the body, the layer or the user's energy, empty for batches of all bodies
-  PotentialBatch batch;
-  /// Inertia: what each element's site is; point index, or -1 - (3 body + axis) for directions, see
-  /// Model::predict.
-  std::vector<int32_t> subject;
-};
-
 /// What a frame of a joint moves: how firmly its carrier resists (mechanics/constraint_set.h).
 struct JointSide {
   std::vector<int32_t> blocks;  ///< translation of a rigid body, or vertices of a patch; empty: prescribed
@@ -81,12 +69,6 @@ struct ModelFibres {
   int32_t first_frame = 0, frame_count = 0;
 };
 
-/// Elements with quadrature points of one body.
-struct ModelQuadrature {
-  std::string body;
-  QuadratureBatch batch;
-};
-
 /// A part of what a model was made of and a hash of it: "mesh of cloth 'towel'". Models with the same parts
 /// and settings go on from a state with the same bits.
 struct ModelPart {
@@ -97,29 +79,21 @@ struct ModelPart {
 
 class Model {
  public:
-  Model(const Scene& scene, const Settings& settings);
+  /// Writes the energies of the scene, with rest shapes and parameters, to `out_energies`.
+  Model(const Scene& scene, const Settings& settings, Energies& out_energies);
 
   const KinematicMap& map() const { return map_; }
   const std::vector<ModelBody>& bodies() const { return bodies_; }
   const std::vector<RigidMass>& rigid_masses() const { return rigid_masses_; }
   const std::vector<double>& point_masses() const { return point_masses_; }
   const std::vector<BlockScale>& block_scales() const { return block_scales_; }
-  std::vector<ModelBatch>& batches() { return batches_; }
-  const std::vector<ModelBatch>& batches() const { return batches_; }
-  /// Joints; empty without any.
-  ConstraintSet& constraints() { return constraints_; }
-  const ConstraintSet& constraints() const { return constraints_; }
   const std::vector<JointSide>& joint_sides() const { return joint_sides_; }  ///< two by constraint
   /// By actuator of the scene. In the constraint set they follow the joints.
   const std::vector<ModelActuator>& actuators() const { return actuators_; }
   const std::vector<ModelAttachment>& attachments() const { return attachments_; }  ///< by attachment
   const std::vector<ModelFibres>& fibres() const { return fibres_; }  ///< by fibres of the scene
-  /// Energies, joints and actuators.
-  std::vector<PotentialBatch*> all_batches();
-  /// Position in batches() of an energy of the scene.
+  /// Position in Energies::batches of an energy of the scene.
   int32_t energy_batch(EnergyId energy) const { return energy_batches_.at(energy.index); }
-  std::vector<ModelQuadrature>& quadrature_batches() { return quadrature_batches_; }
-  const std::vector<ModelQuadrature>& quadrature_batches() const { return quadrature_batches_; }
   const State& initial_state() const { return initial_state_; }
   /// With contact of all pairs that can touch, those of joints and attachments, too.
   ContactSurfaces make_surfaces(const Scene& scene, const Settings& settings) const;
@@ -127,6 +101,8 @@ class Model {
   /// Of the scene as it was given; states, live values and settings are not among them.
   const std::vector<ModelPart>& parts() const { return parts_; }
 
+  /// [m]
+  std::vector<Vec3> site_positions(const State& state) const;
   /// Pose of a rigid body's mesh frame from the state's body frame.
   void mesh_pose(int32_t body, const State& state, Vec3& out_position, Mat3& out_rotation) const;
 
@@ -140,14 +116,11 @@ class Model {
   std::vector<RigidMass> rigid_masses_;
   std::vector<double> point_masses_;
   std::vector<BlockScale> block_scales_;
-  std::vector<ModelBatch> batches_;
   std::vector<int32_t> energy_batches_;  ///< by energy of the scene
-  ConstraintSet constraints_{{}};
   std::vector<JointSide> joint_sides_;
   std::vector<ModelActuator> actuators_;
   std::vector<ModelAttachment> attachments_;
   std::vector<ModelFibres> fibres_;
-  std::vector<ModelQuadrature> quadrature_batches_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;
   ContactPotentials contact_potentials_;

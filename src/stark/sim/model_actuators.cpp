@@ -90,11 +90,11 @@ void Model::Builder::locate_actuators() {
     memory += static_cast<int64_t>(actuator.law->memories().size());
     effort += actuator.law->coordinate_count();
     for (const CoordinateName& coordinate : scene.actuators()[k].on) {
-      const ConstraintSet::Place& place = model.constraints_.place(coordinate.joint.index);
+      const ConstraintSet::Place& place = energies.constraints.place(coordinate.joint.index);
       const int index = coordinate_index(coordinate);
       actuator.coordinates.push_back(place.coordinate + index);
-      actuator.is_angle.push_back(model.constraints_.groups()[place.group].joint->coordinates()[index].unit ==
-                                  "rad");
+      actuator.is_angle.push_back(
+          energies.constraints.groups()[place.group].joint->coordinates()[index].unit == "rad");
     }
   }
   model.initial_state_.actuator_memory.assign(memory, 0.0);

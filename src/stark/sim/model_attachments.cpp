@@ -77,7 +77,7 @@ void Model::Builder::set_initial_attachments(std::span<const Vec3> x) {
     model.initial_state_.attachment_held.insert(model.initial_state_.attachment_held.end(), attachment.size(),
                                                 attachment.enabled ? 1.0 : 0.0);
   if (model.attachments_.empty()) return;
-  for (ConstraintGroup& group : model.constraints_.groups()) {
+  for (ConstraintGroup& group : energies.constraints.groups()) {
     if (group.joints.front() < model.attachments_.front().first_constraint) continue;
     if (group.batch.point_count() != 4) continue;
     const int field = group.batch.field_index("placement_b");

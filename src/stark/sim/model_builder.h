@@ -31,7 +31,8 @@ struct FibreStencils {
 };
 
 struct Model::Builder {
-  Builder(Model& m, const Scene& s, const Settings& t) : model(m), scene(s), settings(t) {}
+  Builder(Model& m, Energies& e, const Scene& s, const Settings& t)
+      : model(m), energies(e), scene(s), settings(t) {}
 
   void build();
 
@@ -142,6 +143,7 @@ struct Model::Builder {
   }
 
   Model& model;
+  Energies& energies;
   const Scene& scene;
   const Settings& settings;
   std::vector<Site> sites;

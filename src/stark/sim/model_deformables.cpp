@@ -194,7 +194,7 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
     batch.set_geometry(e, gradients, weights);
   }
   batch.set_values(elastic.values);
-  model.quadrature_batches_.push_back({body, std::move(batch)});
+  energies.quadrature.push_back({body, std::move(batch)});
 }
 
 void Model::Builder::add_solid_energies(BodyId id) {

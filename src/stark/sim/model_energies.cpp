@@ -66,7 +66,7 @@ void Model::Builder::add_energies() {
   for (size_t k = 0; k < scene.energies().size(); ++k) {
     const EnergyDescription& energy = scene.energies()[k];
     add_batch(energy.potential, energy_stencils[k], energy.name, energy.values);
-    model.energy_batches_.push_back(static_cast<int32_t>(model.batches_.size()) - 1);
+    model.energy_batches_.push_back(static_cast<int32_t>(energies.batches.size()) - 1);
   }
 }
 

@@ -94,7 +94,7 @@ void Model::Builder::add_joints() {
     for (const FrameDescription* frame : {&joint.a, &joint.b}) model.joint_sides_.push_back(side_of(*frame));
   add_actuators(groups);
   add_attachments(groups);
-  model.constraints_ = ConstraintSet(std::move(groups));
+  energies.constraints = ConstraintSet(std::move(groups));
   locate_actuators();
 }
 
@@ -140,11 +140,11 @@ void Model::Builder::set_initial_rates(std::span<const Vec3> x) {
   }
   std::vector<Vec3> x_before(x.size());
   model.map_.positions(before, x_before);
-  const std::vector<double> from = model.constraints_.coordinates(x_before);
+  const std::vector<double> from = energies.constraints.coordinates(x_before);
   state.joint_rate = state.joint_coordinate;
-  for (const ConstraintGroup& group : model.constraints_.groups())
+  for (const ConstraintGroup& group : energies.constraints.groups())
     for (const int32_t j : group.joints) {
-      const int64_t first = model.constraints_.place(j).coordinate;
+      const int64_t first = energies.constraints.place(j).coordinate;
       const auto& coordinates = group.joint->coordinates();
       for (size_t k = 0; k < coordinates.size(); ++k) {
         const double change = state.joint_coordinate[first + k] - from[first + k];

@@ -124,21 +124,21 @@ void Model::Builder::list_energies() {
   const auto title = [](const std::string& law, const std::string& body) {
     return "the energy '" + law + "'" + (body.empty() ? "" : " of '" + body + "'");
   };
-  std::vector<std::string> names(model.batches_.size());
+  std::vector<std::string> names(energies.batches.size());
   for (size_t b = 0; b < names.size(); ++b)
-    names[b] = title(model.batches_[b].batch.potential().name(), model.batches_[b].owner);
+    names[b] = title(energies.batches[b].batch.potential().name(), energies.batches[b].owner);
   for (size_t e = 0; e < scene.energies().size(); ++e)
     names[model.energy_batches_[e]] = "the energy '" + scene.energies()[e].name + "'";
   for (size_t b = 0; b < names.size(); ++b) {
-    const PotentialBatch& batch = model.batches_[b].batch;
+    const PotentialBatch& batch = energies.batches[b].batch;
     list_batch(names[b], batch, batch.stencils());
   }
-  for (const ModelQuadrature& elements : model.quadrature_batches_) {
+  for (const ModelQuadrature& elements : energies.quadrature) {
     const std::string name = title(elements.batch.law().potential().name(), elements.body);
     // The stencils of the law are rows of deformation gradients, not sites.
     list_batch(name, elements.batch.law(), elements.batch.stencils());
   }
-  for (const ConstraintGroup& group : model.constraints_.groups()) {
+  for (const ConstraintGroup& group : energies.constraints.groups()) {
     const std::string name = "joints, actuators and attachments of the kind '" + group.joint->name() + "'";
     list_batch(name, group.batch, group.batch.stencils());
     Hash64 members;

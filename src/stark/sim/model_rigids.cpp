@@ -103,16 +103,16 @@ void Model::Builder::add_inertia() {
                subject >= 0 ? point_damping[subject] : model.rigid_masses_[-1 - subject].linear_damping);
   }
   moving.set_uniform("gravity", {&settings.gravity.x, 3});
-  model.batches_.back().role = ModelBatch::Role::Inertia;
-  model.batches_.back().subject = translation_subjects;
+  energies.batches.back().role = ModelBatch::Role::Inertia;
+  energies.batches.back().subject = translation_subjects;
   PotentialBatch& turning = add_batch(models::point_inertia(), rotations, "");
   for (int64_t e = 0; e < turning.size(); ++e) {
     const RigidMass& mass = model.rigid_masses_[rotation_subjects[e] / 3];
     turning.set("mass", e, mass.second_moments[rotation_subjects[e] % 3]);
     turning.set("damping", e, mass.angular_damping);
   }
-  model.batches_.back().role = ModelBatch::Role::Inertia;
-  model.batches_.back().subject = rotation_subjects;
+  energies.batches.back().role = ModelBatch::Role::RotationalInertia;
+  energies.batches.back().subject = rotation_subjects;
 }
 
 }  // namespace stark

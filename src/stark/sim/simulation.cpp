@@ -1,4 +1,4 @@
-#include <stark/sim/simulation.h>
+#include <stark/sim/simulation_parts.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,12 @@
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
 #include <stark/collision/intersection.h>
+#include <stark/sim/script_phase.h>
 #include <stark/sim/validation.h>
 
 namespace stark {
 
 namespace {
-
-/// Distance over the largest coordinate below which surfaces touch: a thousand roundings.
-constexpr double kTouching = 2e-13;
 
 int threads_of(const ExecutionSettings& execution) {
   const bool is_free = execution.oversubscribe && execution.threads > 0;
@@ -52,24 +50,25 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
         "scene has no bodies; add at least one with add_cloth, add_solid, add_rod or add_rigid");
   pool_ = std::make_unique<ThreadPool>(threads_of(settings_.execution));
   timer_ = std::make_unique<PhaseTimer>();
-  model_ = std::make_unique<Model>(scene_, settings_);
+  model_ = std::make_unique<Model>(scene_, settings_, energies_);
   state_ = model_->initial_state();
   between();
   ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
   std::vector<int32_t> first_sites;
   for (const ModelBody& body : model_->bodies()) first_sites.push_back(body.first_site);
   for (int32_t b = 0; b < scene_.body_count(); ++b) is_filled_.push_back(scene_.is_filled(BodyId{b}));
-  exclusions_ = Exclusions(find_exclusions(scene_, settings_.contact.self_contact), surfaces.filter,
-                           std::move(first_sites));
-  surfaces.filter = exclusions_.filter({});
+  Exclusions exclusions(find_exclusions(scene_, settings_.contact.self_contact), surfaces.filter,
+                        std::move(first_sites));
+  surfaces.filter = exclusions.filter({});
   surface_mesh_ = surfaces.mesh;
   between();
+  PrescribedBodies prescribed;
   if (settings_.contact.enabled) {
     contact_ = std::make_unique<ContactPipeline>(
         std::move(surfaces), model_->contact_potentials(), settings_.contact,
         settings_.contact.stick_velocity * settings_.time.step, model_->map(), *pool_, *timer_);
     between();
-    prescribed_ = PrescribedBodies(scene_, surface_mesh_);
+    prescribed = PrescribedBodies(scene_, surface_mesh_);
     check_initial_state();
     between();
     const CloseBodies close = contact_->find_close_bodies(site_positions());
@@ -77,30 +76,48 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
     state_.contact_close_distance = close.distance;
   }
   between();
+  make_solver();
+  parts_ = std::make_unique<Parts>(StepContext{.scene = scene_,
+                                               .settings = settings_,
+                                               .model = *model_,
+                                               .energies = energies_,
+                                               .state = state_,
+                                               .contact = contact_.get(),
+                                               .potential = *potential_,
+                                               .step_start = step_start_,
+                                               .pool = *pool_,
+                                               .timer = *timer_},
+                                   std::move(exclusions), surface_mesh_, is_filled_, std::move(prescribed),
+                                   *assembler_, *linear_solver_);
+  between();
   check_energies();
   check_joints();
   check_actuators();
   check_attachments();
-  between();
+}
+
+void Simulation::make_solver() {
   assembler_ = std::make_unique<Assembler>(model_->map(), *pool_);
   std::vector<const PotentialBatch*> batches;
-  for (const PotentialBatch* batch : model_->all_batches()) batches.push_back(batch);
+  for (const PotentialBatch* batch : energies_.all_batches()) batches.push_back(batch);
   std::vector<const QuadratureBatch*> quadrature;
-  for (const ModelQuadrature& elements : model_->quadrature_batches()) quadrature.push_back(&elements.batch);
+  for (const ModelQuadrature& elements : energies_.quadrature) quadrature.push_back(&elements.batch);
   assembler_->set_static_batches(std::move(batches), quadrature);
-  between();
   potential_ = std::make_unique<IncrementalPotential>(
-      model_->map(), *assembler_, contact_.get(), &model_->constraints(), model_->block_scales(), *timer_);
+      model_->map(), *assembler_, contact_.get(), &energies_.constraints, model_->block_scales(), *timer_);
   potential_->set_active_set_updates(settings_.contact.friction_updates);
   if (settings_.time.integrator == Integrator::Quasistatic)
     potential_->set_motion_limit(kFarthestMotion * scene_size());
   linear_solver_ = make_linear_solver(settings_.linear, *pool_);
   linear_solver_->prepare(assembler_->static_pattern(), {});
-  newton_ = std::make_unique<NewtonSolver>(settings_.newton, *linear_solver_, *timer_);
 }
 
 Simulation::~Simulation() = default;
-Simulation::Simulation(Simulation&&) noexcept = default;
+
+const StepReport& Simulation::step(double max_time_step) { return parts_->runner.step(max_time_step); }
+const StepReport& Simulation::report() const { return parts_->runner.report(); }
+StepProgress Simulation::progress() const { return parts_->runner.progress(); }
+int64_t Simulation::exclusion_count() const { return parts_->watch.exclusions().size(); }
 
 void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) const {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
@@ -143,15 +160,6 @@ void Simulation::check_initial_state() const {
                               "; move them apart, or disable contact between them");
 }
 
-bool Simulation::is_touching(const Contact& contact, std::span<const Vec3> x) {
-  double size = 0.0;
-  for (int p = 0; p < contact.point_count; ++p) {
-    const Vec3& at = x[contact.sites[p]];
-    size = std::fmax(size, std::fmax(std::fabs(at.x), std::fmax(std::fabs(at.y), std::fabs(at.z))));
-  }
-  return contact.distance <= kTouching * size;
-}
-
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
   const std::string& name = scene_.name(body);  // throws for ids of another scene
   const ModelBody& b = model_->bodies()[body.index];
@@ -186,10 +194,10 @@ std::vector<Vec3> Simulation::velocities(BodyId body) const {
     return v;
   }
   for (int32_t i = 0; i < b.site_count; ++i)
-    v[i] = b.kind == BodyKind::Rigid
-               ? state_.body_velocity[b.rigid_index] +
-                     turning_velocity(b.rigid_index, model_->map().site(b.first_site + i).local)
-               : state_.point_velocity[b.first_site + i];
+    v[i] = b.kind == BodyKind::Rigid ? state_.body_velocity[b.rigid_index] +
+                                           parts_->motion.turning_velocity(
+                                               b.rigid_index, model_->map().site(b.first_site + i).local)
+                                     : state_.point_velocity[b.first_site + i];
   return v;
 }
 
@@ -250,7 +258,7 @@ void Simulation::set_pose(BodyId body, const Vec3& position, const Mat3& rotatio
 
 void Simulation::target_pose(BodyId body, Vec3& out_position, Mat3& out_rotation) const {
   const ModelBody& b = rigid(body, "target_pose");
-  if (state_.script_remaining[b.rigid_index] == 0.0)
+  if (script_phase(state_.script_remaining[b.rigid_index]) == ScriptPhase::Velocity)
     return model_->mesh_pose(body.index, state_, out_position, out_rotation);
   out_position = state_.script_position[b.rigid_index];
   out_rotation = state_.script_rotation[b.rigid_index];
@@ -264,22 +272,17 @@ void Simulation::set_velocity(BodyId body, const Vec3& velocity, const Vec3& ang
   const std::string owner = "body '" + scene_.name(body) + "'";
   check_finite(owner, "velocity", velocity, "m/s");
   check_finite(owner, "angular_velocity", angular_velocity, "rad/s");
-  state_.script_remaining[b.rigid_index] = 0.0;
+  state_.script_remaining[b.rigid_index] = kMovesAtVelocity;
   state_.body_velocity[b.rigid_index] = velocity;
   state_.body_angular_velocity[b.rigid_index] = angular_velocity;
 }
 
-void Simulation::set_interrupt(std::function<bool()> interrupted) {
-  newton_->set_interrupt(std::move(interrupted));
+PlannedStep Simulation::next_step(double max_time_step) const {
+  return plan_step(state_, max_time_step, std::numeric_limits<double>::infinity());
 }
 
-StepProgress Simulation::progress() const {
-  StepProgress progress;
-  progress.step = state_.step_count + 1;
-  progress.attempt = static_cast<int>(attempts_.size()) + 1;
-  progress.solve = newton_->progress();
-  progress.iterations = report_.solve.iterations + progress.solve.iterations;
-  return progress;
+void Simulation::set_interrupt(std::function<bool()> interrupted) {
+  parts_->runner.newton().set_interrupt(std::move(interrupted));
 }
 
 int Simulation::thread_count() const { return pool_->thread_count(); }
@@ -295,12 +298,6 @@ double Simulation::scene_size() const {
 
 const SurfaceMesh& Simulation::surface_mesh() const { return surface_mesh_; }
 
-std::vector<Vec3> Simulation::site_positions() const { return site_positions(state_); }
-
-std::vector<Vec3> Simulation::site_positions(const State& state) const {
-  std::vector<Vec3> x(model_->map().site_count());
-  model_->map().positions({state.point_position, state.body_position, state.body_rotation}, x);
-  return x;
-}
+std::vector<Vec3> Simulation::site_positions() const { return model_->site_positions(state_); }
 
 }  // namespace stark

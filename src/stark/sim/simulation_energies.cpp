@@ -35,7 +35,7 @@ int first_not_finite(std::span<const double> values) {
 void Simulation::check_energies() {
   const std::vector<Vec3> x = site_positions();
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.energies().size()); ++k) {
-    PotentialBatch& batch = model_->batches()[model_->energy_batch({k})].batch;
+    PotentialBatch& batch = energies_.batches[model_->energy_batch({k})].batch;
     batch.set_previous(x);
     batch.set_time(settings_.time.step, settings_.time.step);
     const std::vector<double> values = batch.evaluate(Order::Hessian, x);
@@ -92,7 +92,7 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
   const EnergyDescription& energy = scene_.energy(id);
   // Not from the formula: recording it again would cost more than the step of a small scene.
   const FieldValues& added = added_value(energy, name);
-  PotentialBatch& batch = model_->batches()[model_->energy_batch(id)].batch;
+  PotentialBatch& batch = energies_.batches[model_->energy_batch(id)].batch;
   const bool per_element = added.per_element;
   const size_t expected = added.values.size();
   const std::string owner = owner_text(energy) + ": '" + name + "'";
@@ -112,12 +112,12 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
 
 std::vector<double> Simulation::element_energies(EnergyId id) const {
   scene_.energy(id);
-  return model_->batches()[model_->energy_batch(id)].batch.evaluate(Order::Energy, site_positions());
+  return energies_.batches[model_->energy_batch(id)].batch.evaluate(Order::Energy, site_positions());
 }
 
 std::vector<Vec3> Simulation::element_forces(EnergyId id) const {
   scene_.energy(id);
-  const PotentialBatch& batch = model_->batches()[model_->energy_batch(id)].batch;
+  const PotentialBatch& batch = energies_.batches[model_->energy_batch(id)].batch;
   const std::vector<double> values = batch.evaluate(Order::Gradient, site_positions());
   const int points = batch.point_count();
   std::vector<Vec3> forces(batch.size() * points);

@@ -1,5 +1,5 @@
 // What the last step did, as sensors see it: contacts with their forces, accelerations of rigid bodies.
-#include <stark/sim/simulation.h>
+#include <stark/sim/simulation_parts.h>
 
 namespace stark {
 
@@ -12,12 +12,13 @@ Vec3 Simulation::acceleration(BodyId body, const Vec3& point) const {
   const ModelBody& b = rigid(body, "acceleration");
   if (step_start_.empty()) return {};
   const Vec3 local = transpose(b.axes) * (point - b.centre);
-  const Vec3 before =
-      reference_.body_velocity[b.rigid_index] + reference_.body_rotation_rate[b.rigid_index] * local;
-  const TimeStencil& stencil = reference_.stencil;
-  const Vec3& by_contact = reference_.contact_velocity[b.rigid_index];  // it acts for the whole step
-  return (state_.body_velocity[b.rigid_index] + turning_velocity(b.rigid_index, local) - before -
-          by_contact) /
+  const Vec3 before = parts_->motion.reference().body_velocity[b.rigid_index] +
+                      parts_->motion.reference().body_rotation_rate[b.rigid_index] * local;
+  const TimeStencil& stencil = parts_->motion.reference().stencil;
+  const Vec3& by_contact =
+      parts_->motion.reference().contact_velocity[b.rigid_index];  // it acts for the whole step
+  return (state_.body_velocity[b.rigid_index] + parts_->motion.turning_velocity(b.rigid_index, local) -
+          before - by_contact) /
              stencil.scale +
          by_contact / (stencil.scale * stencil.contact_weight);
 }

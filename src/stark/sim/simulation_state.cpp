@@ -3,7 +3,7 @@
 #include <utility>
 
 #include <stark/base/error.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/simulation_parts.h>
 
 namespace stark {
 
@@ -52,28 +52,28 @@ void Simulation::set_state(const State& state) {
   for (int32_t b = 0; b < scene_.body_count(); ++b)
     if (scene_.kind(BodyId{b}) == BodyKind::Rigid && scene_.motion(BodyId{b}) == Motion::Fixed)
       copy_place(model_->initial_state(), model_->bodies()[b].rigid_index, next);
-  check_regained(next);
+  parts_->watch.check(next);
   if (contact_) {
-    const std::vector<int64_t> filtered = filtered_;
-    set_regained(exclusions_.over(next));
+    const std::vector<int64_t> filtered = parts_->watch.filtered();
+    parts_->watch.set_regained(parts_->watch.exclusions().over(next));
     try {
-      check_clear(site_positions(next), "in this state");
+      check_clear(model_->site_positions(next), "in this state");
     } catch (...) {
-      set_regained(filtered);
+      parts_->watch.set_regained(filtered);
       throw;
     }
   }
   state_ = std::move(next);
   step_start_.clear();
-  model_->constraints().set_forces(state_.joint_multiplier);
-  for (PotentialBatch* batch : model_->all_batches()) batch->set_previous(site_positions());
+  energies_.constraints.set_forces(state_.joint_multiplier);
+  for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(site_positions());
 }
 
 bool Simulation::resume(const State& before, double max_time_step, const State& state) {
   set_state(state);  // refuses it before anything else happens
   set_state(before);
   step(max_time_step);
-  if (report_.failed() || !same_places(state_, state)) {
+  if (report().failed() || !same_places(state_, state)) {
     set_state(state);
     return false;
   }

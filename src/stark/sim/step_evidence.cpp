@@ -123,7 +123,7 @@ void add_prescribed(const FailedStep& step, StepEvidence& out) {
 
 void add_not_finite(const FailedStep& step, StepEvidence& out) {
   const std::span<const Vec3> x = step.potential.site_positions();
-  for (const ModelBatch& batch : step.model.batches()) {
+  for (const ModelBatch& batch : step.energies.batches) {
     if (out.not_finite.size() >= kListed || batch.batch.size() == 0) continue;
     const std::vector<double> values = batch.batch.evaluate(symbolic::Order::Gradient, x);
     const size_t outputs = values.size() / static_cast<size_t>(batch.batch.size());
@@ -167,7 +167,7 @@ Steepness steepness(std::span<const double> outputs, int points) {
 void add_steep_energy(const FailedStep& step, StepEvidence& out) {
   const std::span<const Vec3> x = step.potential.site_positions();
   for (int32_t k = 0; k < static_cast<int32_t>(step.scene.energies().size()); ++k) {
-    const ModelBatch& batch = step.model.batches()[step.model.energy_batch(EnergyId{k})];
+    const ModelBatch& batch = step.energies.batches[step.model.energy_batch(EnergyId{k})];
     const int points = batch.batch.point_count();
     if (batch.batch.size() == 0) continue;
     const std::vector<double> values = batch.batch.evaluate(symbolic::Order::Hessian, x);

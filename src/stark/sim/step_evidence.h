@@ -15,7 +15,8 @@ namespace stark {
 struct FailedStep {
   const Scene& scene;
   const Settings& settings;
-  Model& model;
+  const Model& model;
+  const Energies& energies;
   IncrementalPotential& potential;
   ContactPipeline* contact = nullptr;  ///< null without contact
   std::span<const Vec3> start;         ///< sites at the start of the step [m]

@@ -6,7 +6,7 @@
 #include <stark/base/rotation.h>
 #include <stark/mechanics/free_rotation.h>
 #include <stark/mechanics/site_gradient.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/step_motion.h>
 
 namespace stark {
 
@@ -18,23 +18,23 @@ constexpr double kLargestResolved = 0.1;
 
 }  // namespace
 
-std::vector<Vec3> Simulation::free_motion(double h) const {
+std::vector<Vec3> StepMotion::free_motion(double h) const {
   Configuration free = target_configuration(h);
-  const DofLayout& layout = model_->map().layout();
+  const DofLayout& layout = model_.map().layout();
   for (size_t p = 0; p < free.point_position.size(); ++p)
     if (layout.point_block[p] != kNoBlock) free.point_position[p] += state_.point_velocity[p] * h;
   for (size_t b = 0; b < free.body_position.size(); ++b) {
     if (layout.body_block[b] != kNoBlock) free.body_position[b] += state_.body_velocity[b] * h;
     if (layout.rotation_block[b] != kNoBlock)
       free.body_rotation[b] =
-          free_rotation(state_.body_rotation[b], model_->rigid_masses()[b].moments, spin(b), h);
+          free_rotation(state_.body_rotation[b], model_.rigid_masses()[b].moments, spin(b), h);
   }
-  std::vector<Vec3> x(model_->map().site_count());
-  model_->map().positions(free, x);
+  std::vector<Vec3> x(model_.map().site_count());
+  model_.map().positions(free, x);
   return x;
 }
 
-TimeStencil Simulation::choose_stencil(double h) {
+TimeStencil StepMotion::choose_stencil(double h) {
   const double h_before = state_.previous_time_step;
   const bool has_history =
       settings_.time.integrator == Integrator::Bdf2 && h_before > 0.0 && h <= kLargestBdf2Ratio * h_before;
@@ -48,9 +48,9 @@ TimeStencil Simulation::choose_stencil(double h) {
   return is_resolved ? bdf2(h, h_before) : bdf2_unresolved(h, h_before);
 }
 
-void Simulation::set_reference(double h) {
+void StepMotion::begin(double h) {
   const State& s = state_;
-  Reference& r = reference_;
+  MotionReference& r = reference_;
   const TimeStencil stencil = r.stencil = choose_stencil(h);
   const bool has_history = stencil.history != 0.0;
   const auto set = [&](const auto& x, const auto& v, const auto& A, const auto& p, const auto& Q, auto& place,
@@ -80,16 +80,16 @@ void Simulation::set_reference(double h) {
       r.joint_rate[q] += (s.joint_rate[q] - s.previous_joint_rate[q]) * stencil.history;
   }
   set_free_rotations(h);
-  r.sites.resize(model_->map().site_count());
-  model_->map().positions(r.place, r.sites);
+  r.sites.resize(model_.map().site_count());
+  model_.map().positions(r.place, r.sites);
   r.friction_sites = step_start_;
   r.friction_duration = h;
   r.before.clear();
   r.beyond.clear();
   if (!has_history) return;
   r.before.resize(r.sites.size());
-  model_->map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
-                          r.before);
+  model_.map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
+                         r.before);
   if (stencil.has_smooth_contact) {
     // By places, not by lags: what sticks has none of its own, whatever moves it.
     r.friction_duration = stencil.duration;
@@ -102,8 +102,8 @@ void Simulation::set_reference(double h) {
     r.beyond.push_back(r.sites[i] + (r.sites[i] - step_start_[i]) * way);
 }
 
-std::vector<double> Simulation::reference_coordinates() const {
-  const ConstraintSet& constraints = model_->constraints();
+std::vector<double> StepMotion::coordinates() const {
+  const ConstraintSet& constraints = energies_.constraints;
   if (reference_.before.empty()) return constraints.coordinates(reference_.sites);
   std::vector<double> result = constraints.coordinates(step_start_);
   const std::vector<double> before = constraints.coordinates(reference_.before);
@@ -121,18 +121,18 @@ std::vector<double> Simulation::reference_coordinates() const {
   return result;
 }
 
-std::vector<Vec3> Simulation::impulses_of(std::span<const PotentialBatch* const> batches) const {
-  const KinematicMap& map = model_->map();
+std::vector<Vec3> StepMotion::impulses_of(std::span<const PotentialBatch* const> batches) const {
+  const KinematicMap& map = model_.map();
   std::vector<Vec3> impulses(map.layout().block_count);
   if (batches.empty()) return impulses;
-  const std::span<const Vec3> x = potential_->site_positions();
+  const std::span<const Vec3> x = potential_.site_positions();
   std::vector<Vec3> gradient(x.size());
   for (const PotentialBatch* batch : batches) add_site_gradient(*batch, x, 1.0, gradient);
   // Smooth or not, they have pushed for s with the weight that they have.
   const double factor = -reference_.stencil.scale;
   for (int32_t i = 0; i < map.site_count(); ++i) {
     if (gradient[i] == Vec3{}) continue;
-    const SiteJacobian jacobian = map.jacobian(i, potential_->configuration());
+    const SiteJacobian jacobian = map.jacobian(i, potential_.configuration());
     for (int t = 0; t < jacobian.term_count; ++t) {
       const JacobianTerm& term = jacobian.terms[t];
       if (term.block == kNoBlock) continue;
@@ -143,17 +143,17 @@ std::vector<Vec3> Simulation::impulses_of(std::span<const PotentialBatch* const>
   return impulses;
 }
 
-Simulation::Impulses Simulation::contact_impulses() {
-  Impulses impulses{std::vector<Vec3>(model_->map().layout().block_count), {}};
+StepMotion::Impulses StepMotion::contact_impulses() {
+  Impulses impulses{std::vector<Vec3>(model_.map().layout().block_count), {}};
   if (!contact_) return impulses;
-  contact_->settle(potential_->site_positions());
+  contact_->settle(potential_.site_positions());
   impulses.contact = impulses_of(contact_->batches(Curvature::Exact));
   impulses.restitution = impulses_of(contact_->restitution_batches());
   for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];
   return impulses;
 }
 
-void Simulation::remember_state(double h) {
+void StepMotion::remember_state(double h) {
   State& s = state_;
   s.previous_time_step = h;
   s.previous_point_position = s.point_position;
@@ -163,15 +163,15 @@ void Simulation::remember_state(double h) {
   s.previous_joint_rate = s.joint_rate;
 }
 
-Simulation::Motions Simulation::motions() const {
+StepMotion::Motions StepMotion::motions() const {
   Motions now{state_.point_velocity, state_.body_velocity, {}};
   for (size_t b = 0; b < state_.body_position.size(); ++b) now.spin.push_back(spin(b));
   return now;
 }
 
-void Simulation::remember_increments(const Motions& before, const Impulses& impulses, double h) {
+void StepMotion::remember_increments(const Motions& before, const Impulses& impulses, double h) {
   State& s = state_;
-  const DofLayout& layout = model_->map().layout();
+  const DofLayout& layout = model_.map().layout();
   const TimeStencil& stencil = reference_.stencil;
   for (size_t p = 0; p < s.point_position.size(); ++p) {
     const Vec3 change = s.point_velocity[p] - before.point_velocity[p];
@@ -183,13 +183,13 @@ void Simulation::remember_increments(const Motions& before, const Impulses& impu
       continue;
     }
     const Vec3 by_contact = s.point_contact_increment[p] =
-        stencil.by_contact(s.point_contact_increment[p], impulses.contact[block] / model_->point_masses()[p]);
+        stencil.by_contact(s.point_contact_increment[p], impulses.contact[block] / model_.point_masses()[p]);
     const Vec3 A = s.point_increment[p] = change - by_contact;
     const double part = smooth_part(stencil, dot(A, by_contact), squared_norm(by_contact));
     s.point_lag[p] = next_lag(stencil, s.point_lag[p], A, by_contact, part);
   }
   for (size_t b = 0; b < s.body_position.size(); ++b) {
-    const RigidMass& mass = model_->rigid_masses()[b];
+    const RigidMass& mass = model_.rigid_masses()[b];
     const bool moves = layout.body_block[b] != kNoBlock, turns = layout.rotation_block[b] != kNoBlock;
     const Vec3 p = s.body_contact_increment[b] = stencil.by_contact(
         s.body_contact_increment[b], moves ? impulses.contact[layout.body_block[b]] / mass.mass : Vec3{});

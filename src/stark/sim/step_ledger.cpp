@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include <stark/mechanics/site_gradient.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/step_joints.h>
+#include <stark/sim/step_ledger.h>
 
 namespace stark {
 
@@ -25,72 +26,72 @@ bool remembers(const PotentialBatch& batch) {
 
 }  // namespace
 
-EnergyLedger Simulation::stored_energies(std::span<const Vec3> x) const {
+EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
   EnergyLedger ledger;
-  const auto& masses = model_->point_masses();
-  const auto& blocks = model_->map().layout().point_block;
+  const auto& masses = model_.point_masses();
+  const auto& blocks = model_.map().layout().point_block;
   for (size_t p = 0; p < masses.size(); ++p) {
     if (blocks[p] == kNoBlock) continue;
     ledger.kinetic += 0.5 * masses[p] * squared_norm(state_.point_velocity[p]);
     ledger.gravity -= masses[p] * dot(settings_.gravity, state_.point_position[p]);
   }
-  for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
-    const RigidMass& mass = model_->rigid_masses()[b];
-    const DofLayout& layout = model_->map().layout();
+  for (size_t b = 0; b < model_.rigid_masses().size(); ++b) {
+    const RigidMass& mass = model_.rigid_masses()[b];
+    const DofLayout& layout = model_.map().layout();
     if (layout.rotation_block[b] != kNoBlock)
-      ledger.kinetic += 0.5 * dot(state_.body_angular_velocity[b], spin(b));
+      ledger.kinetic += 0.5 * dot(state_.body_angular_velocity[b], motion_.spin(b));
     if (layout.body_block[b] == kNoBlock) continue;
     ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
   if (settings_.time.integrator == Integrator::Quasistatic) ledger.kinetic = 0.0;
   // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
-  for (ModelBatch& batch : model_->batches()) {
+  for (ModelBatch& batch : energies_.batches) {
     if (batch.role != ModelBatch::Role::Elastic) continue;
     batch.batch.set_previous(x);
     ledger.elastic += total_energy(batch.batch, x);
-    set_previous(batch.batch);
+    motion_.set_previous(batch.batch);
   }
-  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+  for (ModelQuadrature& elements : energies_.quadrature) {
     elements.batch.set_previous(x);
     ledger.elastic += total_energy(elements.batch, x);
-    set_previous(elements.batch);
+    motion_.set_previous(elements.batch);
   }
   return ledger;
 }
 
-double Simulation::damping_work() const {
-  const std::span<const Vec3> x = potential_->site_positions();
+double StepLedger::damping_work() {
+  const std::span<const Vec3> x = potential_.site_positions();
   std::vector<Vec3> dissipative(x.size());
   const auto add = [&](auto& batch) {
     add_site_gradient(batch, x, 1.0, dissipative);
     batch.set_previous(x);
     add_site_gradient(batch, x, -1.0, dissipative);
-    set_previous(batch);
+    motion_.set_previous(batch);
   };
-  for (ModelBatch& batch : model_->batches())
+  for (ModelBatch& batch : energies_.batches)
     if (batch.role == ModelBatch::Role::Elastic && remembers(batch.batch)) add(batch.batch);
-  for (ModelQuadrature& elements : model_->quadrature_batches())
+  for (ModelQuadrature& elements : energies_.quadrature)
     if (remembers(elements.batch.law())) add(elements.batch);
   double total = work(dissipative, step_start_, x);
-  for (const ModelBatch& batch : model_->batches()) {
-    if (batch.role != ModelBatch::Role::Inertia) continue;
+  for (const ModelBatch& batch : energies_.batches) {
+    if (!batch.is_inertia()) continue;
     const int mass = batch.batch.field_index("mass"), damping = batch.batch.field_index("damping");
     for (int64_t e = 0; e < batch.batch.size(); ++e) {
       const double rate = batch.batch.get(damping, e);
       if (rate == 0.0) continue;
       const int32_t site = batch.batch.stencil(e)[0];
-      const Vec3 momentum =
-          (x[site] - reference_.sites[site]) * (batch.batch.get(mass, e) / reference_.stencil.duration);
+      const Vec3 momentum = (x[site] - motion_.reference().sites[site]) *
+                            (batch.batch.get(mass, e) / motion_.reference().stencil.duration);
       total += rate * dot(momentum, x[site] - step_start_[site]);
     }
   }
   return total;
 }
 
-double Simulation::prescribed_work() const {
-  const KinematicMap& map = model_->map();
-  const std::span<const Vec3> x = potential_->site_positions();
+double StepLedger::prescribed_work() {
+  const KinematicMap& map = model_.map();
+  const std::span<const Vec3> x = potential_.site_positions();
   // How much of each site's motion was prescribed.
   std::vector<Vec3> motion(x.size());
   std::vector<Vec3> body_motion(map.layout().body_block.size());
@@ -113,8 +114,8 @@ double Simulation::prescribed_work() const {
   }
   if (!any) return 0.0;
   std::vector<Vec3> gradient(x.size());
-  for (const PotentialBatch* batch : model_->all_batches()) add_site_gradient(*batch, x, 1.0, gradient);
-  for (const ModelQuadrature& elements : model_->quadrature_batches())
+  for (const PotentialBatch* batch : energies_.all_batches()) add_site_gradient(*batch, x, 1.0, gradient);
+  for (const ModelQuadrature& elements : energies_.quadrature)
     add_site_gradient(elements.batch, x, 1.0, gradient);
   if (contact_)
     for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
@@ -124,8 +125,8 @@ double Simulation::prescribed_work() const {
   return total;
 }
 
-EnergyLedger Simulation::balance(const EnergyLedger& before, double h) const {
-  const std::span<const Vec3> x = potential_->site_positions();
+EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
+  const std::span<const Vec3> x = potential_.site_positions();
   EnergyLedger ledger = stored_energies(x);
   if (contact_) {
     ledger.contact = contact_->energy();
@@ -137,27 +138,28 @@ EnergyLedger Simulation::balance(const EnergyLedger& before, double h) const {
   }
   ledger.damping = damping_work();
   ledger.external = prescribed_work();
-  for (int32_t k = 0; k < static_cast<int32_t>(scene_.actuators().size()); ++k)
-    if (actuator_enabled({k})) ledger.actuation += actuator_power({k}) * h;
+  for (size_t k = 0; k < model_.actuators().size(); ++k)
+    if (state_.actuator_enabled[k] != 0.0)
+      ledger.actuation += actuator_power(model_.actuators()[k], state_) * h;
   ledger.numerical = before.stored() + ledger.external + ledger.actuation + ledger.restitution -
                      ledger.stored() - ledger.damping - ledger.friction;
   return ledger;
 }
 
-Momentum Simulation::momentum() const {
+Momentum StepLedger::momentum() const {
   Momentum total;
-  const auto& masses = model_->point_masses();
-  const auto& blocks = model_->map().layout().point_block;
+  const auto& masses = model_.point_masses();
+  const auto& blocks = model_.map().layout().point_block;
   for (size_t p = 0; p < masses.size(); ++p) {
     if (blocks[p] == kNoBlock) continue;
     const Vec3 momentum = state_.point_velocity[p] * masses[p];
     total.linear += momentum;
     total.angular += cross(state_.point_position[p], momentum);
   }
-  for (size_t b = 0; b < model_->rigid_masses().size(); ++b) {
-    const RigidMass& mass = model_->rigid_masses()[b];
-    const DofLayout& layout = model_->map().layout();
-    if (layout.rotation_block[b] != kNoBlock) total.angular += spin(b);
+  for (size_t b = 0; b < model_.rigid_masses().size(); ++b) {
+    const RigidMass& mass = model_.rigid_masses()[b];
+    const DofLayout& layout = model_.map().layout();
+    if (layout.rotation_block[b] != kNoBlock) total.angular += motion_.spin(b);
     if (layout.body_block[b] == kNoBlock) continue;
     const Vec3 momentum = state_.body_velocity[b] * mass.mass;
     total.linear += momentum;

@@ -1,12 +1,12 @@
 // Restitution in a step: velocities of sites, and what impacts leave for the next one (step phases 2 and 6).
 #include <utility>
 
-#include <stark/sim/simulation.h>
+#include <stark/sim/step_motion.h>
 
 namespace stark {
 
-std::vector<Vec3> Simulation::site_velocities() const {
-  const KinematicMap& map = model_->map();
+std::vector<Vec3> StepMotion::site_velocities() const {
+  const KinematicMap& map = model_.map();
   std::vector<Vec3> v(map.site_count());
   for (int32_t i = 0; i < map.site_count(); ++i) {
     const Site& site = map.site(i);
@@ -18,7 +18,7 @@ std::vector<Vec3> Simulation::site_velocities() const {
   return v;
 }
 
-RestitutionSet::Motion Simulation::restitution_motion(double h) {
+RestitutionSet::Motion StepMotion::restitution_motion(double h) {
   const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
   if (!contact_->has_restitution() || !has_time) return {};
   reference_.site_velocities = site_velocities();
@@ -30,14 +30,14 @@ RestitutionSet::Motion Simulation::restitution_motion(double h) {
           .delay = reference_.stencil.history == 0.0 ? 1.0 : 0.0};
 }
 
-RestitutionMemory Simulation::restitution_memory() const {
+RestitutionMemory StepMotion::restitution_memory() const {
   const State& s = state_;
   return {s.restitution_bodies, s.restitution_speed,     s.restitution_impulse, s.restitution_work,
           s.restitution_load,   s.restitution_stiffness, s.restitution_due,     s.restitution_rate,
           s.restitution_normal, s.restitution_moment};
 }
 
-void Simulation::remember_impacts(RestitutionMemory memory) {
+void StepMotion::remember_impacts(RestitutionMemory memory) {
   State& s = state_;
   s.restitution_bodies = std::move(memory.bodies);
   s.restitution_speed = std::move(memory.speed);

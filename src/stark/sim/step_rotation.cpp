@@ -4,7 +4,8 @@
 
 #include <stark/base/rotation.h>
 #include <stark/mechanics/free_rotation.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/script_phase.h>
+#include <stark/sim/step_motion.h>
 
 namespace stark {
 
@@ -28,15 +29,15 @@ Vec3 inertial_torque(const Mat3& R, const Mat3& R_free, const Vec3& second_momen
 
 }  // namespace
 
-void Simulation::set_free_rotations(double h) {
+void StepMotion::set_free_rotations(double h) {
   const State& s = state_;
-  Reference& r = reference_;
+  MotionReference& r = reference_;
   r.free_rotation = s.body_rotation;
   r.angular_momentum.assign(s.body_rotation.size(), Vec3{});
   r.body_rotation_rate.resize(s.body_rotation.size());
   const TimeStencil& stencil = r.stencil;
   const bool has_history = stencil.history != 0.0;
-  const std::vector<int32_t>& blocks = model_->map().layout().rotation_block;
+  const std::vector<int32_t>& blocks = model_.map().layout().rotation_block;
   for (size_t b = 0; b < blocks.size(); ++b) {
     const Mat3 rate = skew(s.body_angular_velocity[b]) * s.body_rotation[b];
     r.body_rotation_rate[b] = rate;
@@ -44,7 +45,7 @@ void Simulation::set_free_rotations(double h) {
       r.body_rotation_rate[b] +=
           (rate - skew(s.previous_body_angular_velocity[b]) * s.previous_body_rotation[b]) * stencil.history;
     if (blocks[b] == kNoBlock) continue;
-    const Vec3& J = model_->rigid_masses()[b].moments;
+    const Vec3& J = model_.rigid_masses()[b].moments;
     const Mat3& R = s.body_rotation[b];
     const Vec3 L = spin(b);
     r.angular_momentum[b] = L;
@@ -60,15 +61,15 @@ void Simulation::set_free_rotations(double h) {
   }
 }
 
-std::vector<Vec3> Simulation::torques() {
-  const DofLayout& layout = model_->map().layout();
-  const Configuration& end = potential_->configuration();
+std::vector<Vec3> StepMotion::torques() {
+  const DofLayout& layout = model_.map().layout();
+  const Configuration& end = potential_.configuration();
   std::vector<Vec3> result(layout.rotation_block.size());
   const auto is_free = [&](size_t b) { return layout.rotation_block[b] != kNoBlock; };
   bool has_rigid = false;
   for (size_t b = 0; b < result.size(); ++b) {
     if (!is_free(b)) continue;
-    const RigidMass& mass = model_->rigid_masses()[b];
+    const RigidMass& mass = model_.rigid_masses()[b];
     result[b] = inertial_torque(end.body_rotation[b], reference_.free_rotation[b], mass.second_moments,
                                 reference_.stencil);
     has_rigid = has_rigid || !mass.is_frame;
@@ -76,27 +77,27 @@ std::vector<Vec3> Simulation::torques() {
   // Frames take what their inertia balances. Rigid bodies take the torques themselves: the residual that
   // Newton's method leaves is then an error of their place, not of their angular momentum.
   if (!has_rigid || settings_.time.integrator == Integrator::Quasistatic) return result;
-  scratch_gradient_.assign(static_cast<size_t>(dof_count()), 0.0);
-  potential_->evaluate_gradient(scratch_gradient_);
+  scratch_gradient_.assign(3 * static_cast<size_t>(model_.map().layout().block_count), 0.0);
+  potential_.evaluate_gradient(scratch_gradient_);
   for (size_t b = 0; b < result.size(); ++b) {
-    if (!is_free(b) || model_->rigid_masses()[b].is_frame) continue;
+    if (!is_free(b) || model_.rigid_masses()[b].is_frame) continue;
     const double* left = scratch_gradient_.data() + 3 * layout.rotation_block[b];
     const Vec3 residual{left[0], left[1], left[2]};
     // Beyond the tolerance it is no residual of motion but friction that was refreshed since, or rounding of
     // forces that hold a small body: the rotation knows better.
-    const RigidMass& mass = model_->rigid_masses()[b];
+    const RigidMass& mass = model_.rigid_masses()[b];
     if (norm(residual) * mass.reach <= settings_.newton.acceleration_tolerance * mass.resistance)
       result[b] -= residual;
   }
   return result;
 }
 
-void Simulation::commit_rotation(int32_t b, const Vec3& torque, double h) {
-  const Mat3 end = potential_->configuration().body_rotation[b];
-  const bool is_free = model_->map().layout().rotation_block[b] != kNoBlock;
-  const bool keeps_velocity = !is_free && state_.script_remaining[b] == 0.0;
+void StepMotion::commit_rotation(int32_t b, const Vec3& torque, double h) {
+  const Mat3 end = potential_.configuration().body_rotation[b];
+  const bool is_free = model_.map().layout().rotation_block[b] != kNoBlock;
+  const bool keeps_velocity = !is_free && script_phase(state_.script_remaining[b]) == ScriptPhase::Velocity;
   if (is_free && settings_.time.integrator != Integrator::Quasistatic) {
-    const Vec3& J = model_->rigid_masses()[b].moments;
+    const Vec3& J = model_.rigid_masses()[b].moments;
     const Vec3 turning = log_rotation(end * transpose(state_.body_rotation[b])) / h;
     state_.body_rotation[b] = orthonormalized(end);
     const Vec3 L = reference_.angular_momentum[b] + torque * reference_.stencil.scale;
@@ -115,12 +116,12 @@ void Simulation::commit_rotation(int32_t b, const Vec3& torque, double h) {
   state_.body_rotation[b] = is_free ? orthonormalized(end) : end;
 }
 
-Vec3 Simulation::spin(size_t b) const {
-  return angular_momentum(state_.body_rotation[b], model_->rigid_masses()[b].moments,
+Vec3 StepMotion::spin(size_t b) const {
+  return angular_momentum(state_.body_rotation[b], model_.rigid_masses()[b].moments,
                           state_.body_angular_velocity[b]);
 }
 
-Vec3 Simulation::turning_velocity(int32_t b, const Vec3& local) const {
+Vec3 StepMotion::turning_velocity(int32_t b, const Vec3& local) const {
   return cross(state_.body_angular_velocity[b], state_.body_rotation[b] * local);
 }
 

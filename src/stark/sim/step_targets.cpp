@@ -5,7 +5,9 @@
 #include <numbers>
 
 #include <stark/base/rotation.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/script_phase.h>
+#include <stark/sim/step_motion.h>
+#include <stark/sim/time_marks.h>
 
 namespace stark {
 
@@ -28,14 +30,14 @@ constexpr double kQuasistaticStep = 1e150;
 
 }  // namespace
 
-double Simulation::longest_turning_step() const {
-  const DofLayout& layout = model_->map().layout();
+double StepMotion::longest_turning_step() const {
+  const DofLayout& layout = model_.map().layout();
   double longest = std::numeric_limits<double>::infinity();
   for (size_t b = 0; b < state_.body_rotation.size(); ++b) {
-    if (model_->rigid_masses()[b].is_frame) continue;
+    if (model_.rigid_masses()[b].is_frame) continue;
     const bool is_free = layout.rotation_block[b] != kNoBlock;
-    if (is_free ? settings_.time.integrator == Integrator::Quasistatic : state_.script_remaining[b] != 0.0)
-      continue;
+    const bool is_at_velocity = script_phase(state_.script_remaining[b]) == ScriptPhase::Velocity;
+    if (is_free ? settings_.time.integrator == Integrator::Quasistatic : !is_at_velocity) continue;
     const double speed = norm(state_.body_angular_velocity[b]);
     const double turn = is_free ? kLargestFreeTurn : kLargestTurn;
     if (is_free && turn / speed < settings_.time.step / kMostTurningSteps) continue;
@@ -44,19 +46,15 @@ double Simulation::longest_turning_step() const {
   return longest;
 }
 
-PlannedStep Simulation::next_step(double max_time_step) const {
-  return plan_step(state_, max_time_step, std::numeric_limits<double>::infinity());
-}
-
-Configuration Simulation::start_configuration() const {
+Configuration StepMotion::start_configuration() const {
   return {state_.point_position, state_.body_position, state_.body_rotation};
 }
 
-Configuration Simulation::target_configuration(double h) const {
+Configuration StepMotion::target_configuration(double h) const {
   Configuration target = start_configuration();
   if (state_.pin_remaining > 0.0) {
     const double fraction = std::min(1.0, h / state_.pin_remaining);
-    const auto& blocks = model_->map().layout().point_block;
+    const auto& blocks = model_.map().layout().point_block;
     for (size_t p = 0; p < blocks.size(); ++p)
       if (blocks[p] == kNoBlock) {
         const Vec3& from = target.point_position[p];
@@ -65,15 +63,16 @@ Configuration Simulation::target_configuration(double h) const {
       }
   }
   for (size_t b = 0; b < target.body_position.size(); ++b) {
-    const DofLayout& layout = model_->map().layout();
+    const DofLayout& layout = model_.map().layout();
     if (layout.body_block[b] != kNoBlock && layout.rotation_block[b] != kNoBlock) continue;
-    if (state_.script_remaining[b] > 0.0) {
+    const ScriptPhase phase = script_phase(state_.script_remaining[b]);
+    if (phase == ScriptPhase::Moving) {
       const double fraction = std::min(1.0, h / state_.script_remaining[b]);
       target.body_position[b] += (state_.script_position[b] - target.body_position[b]) * fraction;
       target.body_rotation[b] = fraction >= 1.0 ? state_.script_rotation[b]
                                                 : interpolate_rotation(target.body_rotation[b],
                                                                        state_.script_rotation[b], fraction);
-    } else if (state_.script_remaining[b] == 0.0) {
+    } else if (phase == ScriptPhase::Velocity) {
       target.body_position[b] += state_.body_velocity[b] * h;
       target.body_rotation[b] = exp_rotation(state_.body_angular_velocity[b] * h) * target.body_rotation[b];
     }
@@ -81,37 +80,36 @@ Configuration Simulation::target_configuration(double h) const {
   return target;
 }
 
-void Simulation::predict(double h) {
+void StepMotion::predict(double h) {
   const double duration = reference_.stencil.duration;
   predict(h, duration, settings_.time.integrator == Integrator::Quasistatic ? kQuasistaticStep : duration);
 }
 
-void Simulation::predict(double h, double duration, double scale) {
+void StepMotion::predict(double h, double duration, double scale) {
   const std::span<const Vec3> x = reference_.sites;
   const double time = end_of_step(state_, h);
   // 1/(sigma s): smooth forces act for s on velocities that are displacements over sigma.
   const double inertia = scale == kQuasistaticStep
                              ? 0.0
                              : reference_.stencil.duration / reference_.stencil.scale / (scale * scale);
-  for (ConstraintGroup& group : model_->constraints().groups()) {
+  for (ConstraintGroup& group : energies_.constraints.groups()) {
     group.batch.set_previous(x);
     group.batch.set_time(scale, time);
   }
-  for (ModelQuadrature& elements : model_->quadrature_batches()) {
+  for (ModelQuadrature& elements : energies_.quadrature) {
     set_previous(elements.batch);
     elements.batch.set_time(scale, time);
   }
-  for (ModelBatch& batch : model_->batches()) {
+  for (ModelBatch& batch : energies_.batches) {
     set_previous(batch.batch);
     batch.batch.set_time(scale, time);
-    if (batch.role != ModelBatch::Role::Inertia) continue;
+    if (!batch.is_inertia()) continue;
     batch.batch.set_uniform("inverse_scale_squared", inertia);
     const int field = batch.batch.field_index("predicted");
-    const bool is_rotation = batch.batch.potential().name() == "point_inertia";
     for (int64_t e = 0; e < batch.batch.size(); ++e) {
       const int32_t subject = batch.subject[e];
       Vec3 predicted;
-      if (is_rotation)
+      if (batch.role == ModelBatch::Role::RotationalInertia)
         predicted = reference_.free_rotation[subject / 3].column(subject % 3);
       else
         predicted =

@@ -6,7 +6,7 @@
 
 #include <stark/base/rotation.h>
 #include <stark/sim/body_checks.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/step_way.h>
 
 namespace stark {
 
@@ -49,11 +49,11 @@ Configuration interpolated(const Configuration& a, const Configuration& b, doubl
 
 }  // namespace
 
-bool Simulation::leads_through_something(const Configuration& start) {
+bool StepWay::leads_through_something(const Configuration& start) {
   if (!contact_) return false;
-  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
+  const PhaseTimer::Scope scope(timer_, Phase::StepBound);
   if (!moved_far()) return false;
-  const Configuration& end = potential_->configuration();
+  const Configuration& end = potential_.configuration();
   const double turn = largest_turn(start, end);
   const int pieces = std::max(1, static_cast<int>(std::ceil(turn / kTurnOfPiece)));
   if (is_way_clear(start, end, pieces)) return false;
@@ -62,10 +62,10 @@ bool Simulation::leads_through_something(const Configuration& start) {
                               [&](int finer) { return finer > pieces && is_way_clear(start, end, finer); });
 }
 
-bool Simulation::moved_far() const {
-  const std::span<const Vec3> x = potential_->site_positions();
+bool StepWay::moved_far() const {
+  const std::span<const Vec3> x = potential_.site_positions();
   double motion = 0.0, smallest = std::numeric_limits<double>::infinity();
-  for (const ModelBody& body : model_->bodies()) {
+  for (const ModelBody& body : model_.bodies()) {
     smallest =
         std::min(smallest, norm(box_size(std::span(step_start_).subspan(body.first_site, body.site_count))));
     for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
@@ -74,28 +74,28 @@ bool Simulation::moved_far() const {
   return motion > kFarMotion * smallest;
 }
 
-std::string Simulation::meeting_text() {
-  const PhaseTimer::Scope scope(*timer_, Phase::StepBound);
-  const Configuration start = start_configuration();
+std::string StepWay::meeting_text() {
+  const PhaseTimer::Scope scope(timer_, Phase::StepBound);
+  const Configuration start = motion_.start_configuration();
   const auto sites_at = [&](double fraction) {
-    std::vector<Vec3> x(model_->map().site_count());
-    model_->map().positions(interpolated(start, potential_->configuration(), fraction), x);
+    std::vector<Vec3> x(model_.map().site_count());
+    model_.map().positions(interpolated(start, potential_.configuration(), fraction), x);
     return x;
   };
   std::string text;
   for (const auto& [a, b] :
-       prescribed_.find_meetings(step_start_, potential_->site_positions(), sites_at, *pool_))
+       prescribed_.find_meetings(step_start_, potential_.site_positions(), sites_at, pool_))
     text += (text.empty() ? "'" : ", '") + scene_.name(BodyId{a}) + "' and '" + scene_.name(BodyId{b}) + "'";
   return text;
 }
 
-bool Simulation::is_way_clear(const Configuration& start, const Configuration& end, int pieces) {
+bool StepWay::is_way_clear(const Configuration& start, const Configuration& end, int pieces) {
   std::vector<Vec3> from(step_start_), to(from.size());
   for (int k = 1; k <= pieces; ++k) {
     if (k == pieces)
-      std::ranges::copy(potential_->site_positions(), to.begin());
+      std::ranges::copy(potential_.site_positions(), to.begin());
     else
-      model_->map().positions(interpolated(start, end, static_cast<double>(k) / pieces), to);
+      model_.map().positions(interpolated(start, end, static_cast<double>(k) / pieces), to);
     if (!contact_->is_clear(from, to)) return false;
     std::swap(from, to);
   }

@@ -1,4 +1,4 @@
-// Simulation: contact of what joints and attachments have released comes back once it is apart (step phase
+// Contact of what joints and attachments have released comes back once it is apart (step phase
 // 0).
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <stark/collision/intersection.h>
 #include <stark/geometry/intersection.h>
 #include <stark/geometry/topology.h>
-#include <stark/sim/simulation.h>
+#include <stark/sim/release_watch.h>
 
 namespace stark {
 
@@ -86,15 +86,27 @@ class ByPlace {
   std::map<Place, int64_t> places_;
 };
 
+/// Distance over the largest coordinate below which surfaces touch: a thousand roundings.
+constexpr double kTouching = 2e-13;
+
 }  // namespace
 
-void Simulation::set_regained(const Numbers& regained) {
+bool is_touching(const Contact& contact, std::span<const Vec3> x) {
+  double size = 0.0;
+  for (int p = 0; p < contact.point_count; ++p) {
+    const Vec3& at = x[contact.sites[p]];
+    size = std::fmax(size, std::fmax(std::fabs(at.x), std::fmax(std::fabs(at.y), std::fabs(at.z))));
+  }
+  return contact.distance <= kTouching * size;
+}
+
+void ReleaseWatch::set_regained(const Numbers& regained) {
   if (regained == filtered_) return;
   contact_->set_filter(exclusions_.filter(regained));
   filtered_ = regained;
 }
 
-void Simulation::check_regained(const State& state) const {
+void ReleaseWatch::check(const State& state) const {
   const Numbers& regained = state.contact_regained;
   const bool is_sorted = std::ranges::adjacent_find(regained, std::ranges::greater_equal{}) == regained.end();
   const bool in_range = regained.empty() || (regained.front() >= 0 && regained.back() < exclusions_.size());
@@ -104,14 +116,13 @@ void Simulation::check_regained(const State& state) const {
                           "), sorted; use a state that a simulation has been in");
 }
 
-void Simulation::watch_released() {
+void ReleaseWatch::begin_step(std::span<const Vec3> x) {
   watch_ = {.close = {state_.contact_close_bodies, state_.contact_close_distance}};
   if (!contact_) return;
   watch_.regained = exclusions_.over(state_);
   watch_.overlapping = without(exclusions_.released(state_), watch_.regained);
   if (watch_.overlapping.empty()) return set_regained(watch_.regained);
-  const PhaseTimer::Scope scope(*timer_, Phase::BroadPhase);
-  const std::vector<Vec3> x = site_positions();
+  const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
   set_regained(watch_.regained);
   const CloseBodies before = contact_->find_close_bodies(x);
   const Numbers apart = without(watch_.overlapping, find_overlapping(watch_.overlapping, x));
@@ -125,14 +136,14 @@ void Simulation::watch_released() {
                               "contact.released_overlap = 'report'");
 }
 
-Numbers Simulation::find_overlapping(const Numbers& released, std::span<const Vec3> x) {
+Numbers ReleaseWatch::find_overlapping(const Numbers& released, std::span<const Vec3> x) {
   const ByPlace by_place(exclusions_, released);
   std::set<int64_t> blocked;
   const PairFilter between = exclusions_.filter_between(released);
-  for (const EdgeTriangleIntersection& pair : find_intersections(surface_mesh_, x, between, *pool_))
+  for (const EdgeTriangleIntersection& pair : find_intersections(surface_mesh_, x, between, pool_))
     by_place.block(side_of(surface_mesh_, PrimitiveKind::Edge, pair.edge),
                    side_of(surface_mesh_, PrimitiveKind::Triangle, pair.triangle), blocked);
-  for (const ContainedGroup& pair : find_contained_groups(surface_mesh_, x, between, *pool_, is_filled_))
+  for (const ContainedGroup& pair : find_contained_groups(surface_mesh_, x, between, pool_, is_filled_))
     by_place.block(pair.inner, pair.outer, blocked);
   for (const int64_t k : released)
     if (!blocked.contains(k) && is_vertex_inside(k, x)) blocked.insert(k);
@@ -147,9 +158,9 @@ Numbers Simulation::find_overlapping(const Numbers& released, std::span<const Ve
   return {blocked.begin(), blocked.end()};
 }
 
-bool Simulation::is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) const {
+bool ReleaseWatch::is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) const {
   const int32_t site = exclusions_.site(exclusion);
-  const ModelBody& other = model_->bodies()[exclusions_[exclusion].other];
+  const ModelBody& other = model_.bodies()[exclusions_[exclusion].other];
   const int32_t filled = exclusions_[exclusion].other;
   if (site < 0 || exclusions_[exclusion].body == filled || !is_filled_[filled] || !is_closed(other.triangles))
     return false;
@@ -157,7 +168,7 @@ bool Simulation::is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) co
   return locate_point(x[site], of_other, other.triangles) == PointLocation::Inside;
 }
 
-void Simulation::soften_new_contact(const CloseBodies& before, std::span<const Vec3> x) {
+void ReleaseWatch::soften_new_contact(const CloseBodies& before, std::span<const Vec3> x) {
   // As at time 0: what is within its contact distance is not thrown apart. Bodies that have been in contact
   // elsewhere keep their contact distance, or would fall by what it lost.
   const CloseBodies now = contact_->find_close_bodies(x);
@@ -170,7 +181,7 @@ void Simulation::soften_new_contact(const CloseBodies& before, std::span<const V
   }
 }
 
-std::string Simulation::overlap_text() const {
+std::string ReleaseWatch::overlap_text() const {
   std::set<std::pair<int32_t, int32_t>> pairs;
   for (const int64_t k : watch_.overlapping)
     pairs.insert(std::minmax({exclusions_[k].body, exclusions_[k].other}));
@@ -185,12 +196,12 @@ std::string Simulation::overlap_text() const {
   return text + " overlap or touch where " + releaser_text() + " released them";
 }
 
-std::string Simulation::releaser_text() const {
+std::string ReleaseWatch::releaser_text() const {
   const Exclusion& first = exclusions_[watch_.overlapping.front()];
   if (!first.joints.empty()) return "joint '" + scene_.joints()[first.joints.front()].name + "'";
   const auto after =
-      std::ranges::upper_bound(model_->attachments(), first.pairs.front(), {}, &ModelAttachment::first_pair);
-  return "attachment '" + scene_.attachments()[after - model_->attachments().begin() - 1].name + "'";
+      std::ranges::upper_bound(model_.attachments(), first.pairs.front(), {}, &ModelAttachment::first_pair);
+  return "attachment '" + scene_.attachments()[after - model_.attachments().begin() - 1].name + "'";
 }
 
 }  // namespace stark

@@ -1,0 +1,28 @@
+// The parts of a simulation that take its steps: seen by the files simulation*.cpp only.
+#pragma once
+
+#include <stark/sim/simulation.h>
+#include <stark/sim/step_runner.h>
+
+namespace stark {
+
+struct Simulation::Parts {
+  Parts(const StepContext& context, Exclusions exclusions, const SurfaceMesh& mesh,
+        const std::vector<bool>& is_filled, PrescribedBodies prescribed, Assembler& assembler,
+        LinearSolver& linear_solver)
+      : motion(context),
+        joints(context, motion),
+        ledger(context, motion),
+        way(context, motion, std::move(prescribed)),
+        watch(context, std::move(exclusions), mesh, is_filled),
+        runner(context, {motion, joints, ledger, way, watch}, assembler, linear_solver) {}
+
+  StepMotion motion;
+  StepJoints joints;
+  StepLedger ledger;
+  StepWay way;
+  ReleaseWatch watch;
+  StepRunner runner;
+};
+
+}  // namespace stark

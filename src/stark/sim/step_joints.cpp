@@ -1,0 +1,144 @@
+#include <stark/sim/step_joints.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <stark/base/rotation.h>
+
+namespace stark {
+
+namespace {
+
+double mean_diagonal(const Mat3& H) { return trace(H) / 3.0; }
+
+/// The value next to `previous` among those that differ from `raw` by full turns.
+double unwrap(double raw, double previous) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  return raw + kTurn * std::round((previous - raw) / kTurn);
+}
+
+Vec3 vector_at(std::span<const double> numbers, int64_t first) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+}  // namespace
+
+ConstraintTolerance joint_tolerance(const JointSettings& settings) {
+  return {settings.length_tolerance, settings.angle_tolerance};
+}
+
+std::string residual_text(double residual, ResidualUnit unit) {
+  return quantity_text(residual, unit == ResidualUnit::Length ? "m" : "rad");
+}
+
+void StepJoints::begin(std::span<const Mat3> diagonal) {
+  const double inverse_h2 = 1.0 / (settings_.time.step * settings_.time.step);
+  std::vector<SideStiffness> sides;
+  for (const JointSide& side : model_.joint_sides()) {
+    SideStiffness stiffness{.is_prescribed = side.blocks.empty()};
+    double translation = 0.0;
+    for (const int32_t block : side.blocks) translation += mean_diagonal(diagonal[block]);
+    stiffness.translation = std::max(translation, side.mass * inverse_h2);
+    const double rotation = side.rotation_block != kNoBlock ? mean_diagonal(diagonal[side.rotation_block])
+                                                            : translation * side.reach * side.reach / 3.0;
+    stiffness.rotation = std::max(rotation, side.moment * inverse_h2);
+    sides.push_back(stiffness);
+  }
+  energies_.constraints.begin_step(state_.joint_multiplier, sides, acting(),
+                                   joint_tolerance(settings_.joints));
+}
+
+void StepJoints::release() {
+  const std::vector<double> none(energies_.constraints.residual_count(), 0.0);
+  const std::vector<double> disabled(energies_.constraints.joint_count(), 0.0);
+  const std::vector<SideStiffness> soft(model_.joint_sides().size());
+  energies_.constraints.begin_step(none, soft, disabled, joint_tolerance(settings_.joints));
+}
+
+std::vector<double> StepJoints::acting() const {
+  std::vector<double> acting = state_.joint_enabled;
+  for (size_t k = 0; k < scene_.actuators().size(); ++k) {
+    bool on = state_.actuator_enabled[k] != 0.0;
+    for (const CoordinateName& coordinate : scene_.actuators()[k].on)
+      on = on && state_.joint_enabled[coordinate.joint.index] != 0.0;
+    acting.push_back(on ? 1.0 : 0.0);
+  }
+  for (const double held : state_.attachment_held) acting.push_back(held == 1.0 ? 1.0 : 0.0);
+  return acting;
+}
+
+void StepJoints::commit() {
+  const ConstraintSet& constraints = energies_.constraints;
+  if (constraints.joint_count() == 0) return;
+  const std::span<const Vec3> x = potential_.site_positions();
+  state_.joint_multiplier = constraints.forces(x);
+  commit_attachments(x);
+  commit_actuators(x);
+  const std::vector<double> raw = constraints.coordinates(x), start = motion_.coordinates();
+  for (int32_t j = 0; j < constraints.joint_count(); ++j) {
+    const ConstraintSet::Place& place = constraints.place(j);
+    const auto& coordinates = constraints.groups()[place.group].joint->coordinates();
+    for (size_t k = 0; k < coordinates.size(); ++k) {
+      double& value = state_.joint_coordinate[place.coordinate + k];
+      const double now = raw[place.coordinate + k], change = now - start[place.coordinate + k];
+      const bool is_angle = coordinates[k].unit == "rad";
+      state_.joint_rate[place.coordinate + k] =
+          (is_angle ? shortest_turn(change) : change) / motion_.reference().stencil.duration;
+      value = is_angle ? unwrap(now, value) : now;
+    }
+  }
+}
+
+void StepJoints::commit_attachments(std::span<const Vec3> x) {
+  const auto breakable = [](const AttachmentDescription& a) {
+    return a.break_force < std::numeric_limits<double>::infinity();
+  };
+  if (std::ranges::none_of(scene_.attachments(), breakable)) return;
+  const std::vector<double> reactions = energies_.constraints.reactions(x);
+  for (size_t k = 0; k < scene_.attachments().size(); ++k) {
+    const AttachmentDescription& attachment = scene_.attachments()[k];
+    const ModelAttachment& place = model_.attachments()[k];
+    for (int32_t pair = 0; pair < attachment.size(); ++pair) {
+      if (state_.attachment_held[place.first_pair + pair] != kHeld) continue;
+      const int64_t r = energies_.constraints.place(place.first_constraint + pair).residual;
+      if (norm(vector_at(reactions, r)) > attachment.break_force) set_attachment_status(place, pair, kBroken);
+    }
+  }
+}
+
+void StepJoints::set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status) {
+  double& held = state_.attachment_held[attachment.first_pair + pair];
+  if (held == status || held == kBroken) return;
+  held = status;
+  const int64_t r =
+      energies_.constraints.place(attachment.first_constraint + static_cast<int32_t>(pair)).residual;
+  std::fill_n(state_.joint_multiplier.begin() + r, 3, 0.0);
+}
+
+std::string StepJoints::violation_text() const {
+  const ConstraintSet::Violation worst = energies_.constraints.worst(potential_.site_positions());
+  if (worst.joint < 0) return "";
+  const auto joints = static_cast<int32_t>(scene_.joints().size());
+  if (!model_.attachments().empty() && worst.joint >= model_.attachments().front().first_constraint) {
+    const auto after =
+        std::ranges::upper_bound(model_.attachments(), worst.joint, {}, &ModelAttachment::first_constraint);
+    const auto k = static_cast<size_t>(after - model_.attachments().begin()) - 1;
+    return "attachment '" + scene_.attachments()[k].name + "', pair " +
+           std::to_string(worst.joint - model_.attachments()[k].first_constraint) + ", is apart by " +
+           residual_text(worst.residual, worst.unit) +
+           "; look for prescribed bodies that pull it apart, or give it a break_force";
+  }
+  if (worst.joint >= joints)
+    return "actuator '" + scene_.actuators()[worst.joint - joints].name + "' is off by " +
+           residual_text(worst.residual, worst.unit) +
+           "; look for joints, limits and prescribed bodies that contradict it";
+  return "joint '" + scene_.joints()[worst.joint].name + "' is apart by " +
+         residual_text(worst.residual, worst.unit) +
+         "; look for joints that contradict each other, for prescribed bodies that pull it apart, and for "
+         "bodies in "
+         "its way";
+}
+
+}  // namespace stark

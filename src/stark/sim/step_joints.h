@@ -1,0 +1,55 @@
+// Joints, actuators and attachments in a step: what they start from, what they are when it ends, what breaks
+// (step phases 1 and 6).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <stark/sim/step_motion.h>
+
+namespace stark {
+
+/// Values of attachment_held of the state.
+inline constexpr double kReleased = 0.0, kHeld = 1.0, kBroken = -1.0;
+
+/// By which constraints may be off [m, rad].
+ConstraintTolerance joint_tolerance(const JointSettings& settings);
+
+/// "0.1 m", "0.1 rad".
+std::string residual_text(double residual, ResidualUnit unit);
+
+/// Power [W] that an actuator fed into the motion in the last step.
+double actuator_power(const ModelActuator& actuator, const State& state);
+
+class StepJoints : private StepPart {
+ public:
+  StepJoints(const StepContext& context, const StepMotion& motion) : StepPart(context), motion_(motion) {}
+
+  /// Multipliers and penalties of a step; `diagonal`: blocks of inertia and elasticity without joints.
+  void begin(std::span<const Mat3> diagonal);
+  /// Takes the stiffness of joints out of the energies.
+  void release();
+  /// Writes the inputs of actuators for a step of length h from what motion is measured from.
+  void begin_actuators(double h);
+  /// Multipliers, coordinates, rates, efforts and memories at the end of a step; breaks attachments.
+  void commit();
+  void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
+  /// Which constraint is worst, with a remedy; empty if none is off.
+  std::string violation_text() const;
+
+ private:
+  /// 1 for each joint, then for each actuator, then for each pair of attachments, that acts; actuators of
+  /// released joints rest.
+  std::vector<double> acting() const;
+  /// Joints, actuators and attachments are numbered one after the other.
+  bool is_of_actuators(const ConstraintGroup& group) const;
+  /// Takes efforts and memories over at the end of a step.
+  void commit_actuators(std::span<const Vec3> x);
+  /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.
+  void commit_attachments(std::span<const Vec3> x);
+
+  const StepMotion& motion_;
+};
+
+}  // namespace stark

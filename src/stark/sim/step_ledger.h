@@ -1,0 +1,29 @@
+// Energy and momentum of a step, from the state and what has acted (step phase 8).
+#pragma once
+
+#include <span>
+
+#include <stark/sim/step_motion.h>
+#include <stark/sim/step_report.h>
+
+namespace stark {
+
+class StepLedger : private StepPart {
+ public:
+  StepLedger(const StepContext& context, const StepMotion& motion) : StepPart(context), motion_(motion) {}
+
+  /// Stored energies of the current state with sites at x; contact is left at zero.
+  EnergyLedger stored_energies(std::span<const Vec3> x);
+  /// Completes the ledger of the step of length h that has just been committed; `before`: stored energies at
+  /// its start.
+  EnergyLedger balance(const EnergyLedger& before, double h);
+  Momentum momentum() const;
+
+ private:
+  double prescribed_work();
+  double damping_work();
+
+  const StepMotion& motion_;
+};
+
+}  // namespace stark

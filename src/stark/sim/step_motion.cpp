@@ -1,0 +1,52 @@
+// What the bodies have after a step: positions, velocities, rotations, and what the next step needs to know
+// (step phase 6).
+#include <stark/sim/script_phase.h>
+#include <stark/sim/step_motion.h>
+
+namespace stark {
+
+namespace {
+
+/// Relative difference of times below which a remaining time counts as used up.
+constexpr double kTimeRounding = 1e-12;
+
+}  // namespace
+
+void StepMotion::commit(double h) {
+  const std::vector<Vec3> torque = torques();
+  const Configuration& end = potential_.configuration();
+  const DofLayout& layout = model_.map().layout();
+  const Configuration& from = reference_.place;
+  const double s = reference_.stencil.duration;
+  const bool has_memory = settings_.time.integrator == Integrator::Bdf2;
+  reference_.contact_velocity.assign(end.body_position.size(), Vec3{});
+  Motions before;
+  Impulses impulses;
+  if (has_memory) {
+    before = motions();
+    impulses = contact_impulses();
+    remember_state(h);
+  }
+  for (size_t p = 0; p < end.point_position.size(); ++p) {
+    state_.point_velocity[p] = (end.point_position[p] - from.point_position[p]) / s;
+    state_.point_position[p] = end.point_position[p];
+  }
+  const auto arrived = [&](double remaining) { return remaining - h <= kTimeRounding * (state_.time + h); };
+  for (size_t b = 0; b < end.body_position.size(); ++b) {
+    const ScriptPhase phase = script_phase(state_.script_remaining[b]);
+    if (layout.body_block[b] != kNoBlock)
+      state_.body_velocity[b] = (end.body_position[b] - from.body_position[b]) / s;
+    else if (phase != ScriptPhase::Velocity)
+      state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
+    state_.body_position[b] = end.body_position[b];
+    commit_rotation(static_cast<int32_t>(b), torque[b], h);
+    if (phase == ScriptPhase::Moving)
+      state_.script_remaining[b] =
+          arrived(state_.script_remaining[b]) ? kRestsAtPose : state_.script_remaining[b] - h;
+  }
+  if (has_memory) remember_increments(before, impulses, h);
+  if (state_.pin_remaining > 0.0)
+    state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
+}
+
+}  // namespace stark

@@ -1,0 +1,105 @@
+// The motion of a step: what its velocities are measured from, where it brings what is prescribed and what is
+// free, and what the state has of it afterwards (step phases 1, 2 and 6). [theory eq. 9a, 9b, 26, 26a, 26c]
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <stark/contact/restitution.h>
+#include <stark/mechanics/time_integrator.h>
+#include <stark/sim/step_part.h>
+
+namespace stark {
+
+/// What the velocities of a step are measured from.
+struct MotionReference {
+  TimeStencil stencil;
+  Configuration place;
+  std::vector<Vec3> point_velocity, body_velocity;  ///< v_bar [m/s]
+  std::vector<Vec3> contact_velocity;               ///< by body: what contact has added [m/s]
+  std::vector<Mat3> body_rotation_rate;             ///< [1/s]
+  std::vector<Mat3> free_rotation;                  ///< where the inertia of free bodies brings them
+  std::vector<Vec3> angular_momentum;               ///< theirs without what acts in the step [kg m^2/s]
+  std::vector<double> joint_rate;                   ///< [m/s, rad/s]
+  std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
+  std::vector<Vec3> friction_sites;                 ///< what slip is measured from [m]
+  double friction_duration = 0.0;                   ///< and over what time [s]
+  std::vector<Vec3> site_velocities;                ///< at the start of the step, with restitution [m/s]
+  // Empty without a history:
+  std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
+  std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
+};
+
+class StepMotion : private StepPart {
+ public:
+  explicit StepMotion(const StepContext& context) : StepPart(context) {}
+
+  /// Length of a step in which no scripted body turns by more than a sixteenth of a turn [s].
+  double longest_turning_step() const;
+  Configuration start_configuration() const;
+  Configuration target_configuration(double h) const;
+
+  /// Sets what the velocities of a step of length h are measured from.
+  void begin(double h);
+  const MotionReference& reference() const { return reference_; }
+  /// Coordinates of joints that their rates are measured from, angles up to full turns [m, rad].
+  std::vector<double> coordinates() const;
+  /// Predictions and times of all energies, for a step of length h by the integrator.
+  void predict(double h);
+  /// The same with predictions for `duration`, and inertia and damping of a step of length `scale` [s].
+  void predict(double h, double duration, double scale);
+  /// Gives a batch the positions that it measures velocities and rates from.
+  template <typename Batch>
+  void set_previous(Batch& batch) const {
+    batch.set_previous(reference_.sites);
+    if (!reference_.beyond.empty()) batch.set_beyond(reference_.beyond);
+  }
+  /// What restitution needs of a step of length h, what it remembers and keeps.
+  RestitutionSet::Motion restitution_motion(double h);
+  RestitutionMemory restitution_memory() const;
+  void remember_impacts(RestitutionMemory memory);
+
+  /// Takes over what the potential has at the end of a step of length h.
+  void commit(double h);
+
+  /// Angular momentum of body b about its centre of mass [kg m^2/s].
+  Vec3 spin(size_t b) const;
+  /// Velocity of a point of body b given in its principal frame, relative to the centre of mass [m/s].
+  Vec3 turning_velocity(int32_t b, const Vec3& local) const;
+  /// By site [m/s].
+  std::vector<Vec3> site_velocities() const;
+
+ private:
+  /// What the step of length h that starts from the state has of the integrator.
+  TimeStencil choose_stencil(double h);
+  /// Sites after a step of length h in which nothing pushes [m].
+  std::vector<Vec3> free_motion(double h) const;
+  /// Rotations and angular momenta of free bodies at the end of a step of length h if nothing acted in it.
+  void set_free_rotations(double h);
+  /// Angular impulse of a step over its scale [N m] on each body with a free rotation; call it before
+  /// anything of the step is taken over.
+  std::vector<Vec3> torques();
+  /// Takes over the rotation that body b has at the end of a step of length h.
+  void commit_rotation(int32_t b, const Vec3& torque, double h);
+  /// Impulses on the free blocks in the step that ends now [N s, N m s].
+  struct Impulses {
+    std::vector<Vec3> contact;      ///< with friction
+    std::vector<Vec3> restitution;  ///< empty without contact
+  };
+  Impulses contact_impulses();
+  std::vector<Vec3> impulses_of(std::span<const PotentialBatch* const> batches) const;
+  /// Keeps the state that a step of length h has started from, for the next one.
+  void remember_state(double h);
+  struct Motions {
+    std::vector<Vec3> point_velocity, body_velocity;  ///< [m/s]
+    std::vector<Vec3> spin;                           ///< angular momenta of the bodies [kg m^2/s]
+  };
+  Motions motions() const;
+  /// Keeps what the velocities that were there `before` the step have gained, and how.
+  void remember_increments(const Motions& before, const Impulses& impulses, double h);
+
+  MotionReference reference_;
+  std::vector<double> scratch_gradient_;
+};
+
+}  // namespace stark

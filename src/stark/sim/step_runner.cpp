@@ -1,0 +1,369 @@
+// The journey of a time step (ARCHITECTURE.md): predict, freeze, minimise, accept or halve, commit, report.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <stark/sim/step_evidence.h>
+#include <stark/sim/step_runner.h>
+#include <stark/sim/time_marks.h>
+
+namespace stark {
+
+namespace {
+
+/// Acceleration that rounding may leave in silence [m/s^2]: twice the default tolerance.
+constexpr double kSilentRounding = 0.02;
+
+/// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
+constexpr int kAttemptsBeforeRaise = 2;
+
+/// Attempts with the shortest step that failed for contacts too soft to stop what comes, and are repeated.
+constexpr int kRepeatsOfShortest = 4;
+
+/// Delay with which contact follows the loads that last [s], and that of quasistatic steps, which have no
+/// time.
+constexpr double kLoadTime = 0.1, kQuasistaticLoad = 4.0;
+
+/// Newton's method came to no end, as where an impact has pressed a contact to next to nothing.
+bool is_stuck(SolveStatus status) {
+  return status == SolveStatus::MaxIterations || status == SolveStatus::LineSearchFailed ||
+         status == SolveStatus::Blocked;
+}
+
+void add_counters(SolveReport& total, const SolveReport& attempt) {
+  SolveReport sum = attempt;
+  sum.iterations += total.iterations;
+  sum.linear_iterations += total.linear_iterations;
+  sum.factorizations += total.factorizations;
+  sum.backtracks += total.backtracks;
+  sum.projected_iterations += total.projected_iterations;
+  sum.lag_updates += total.lag_updates;
+  total = sum;
+}
+
+/// Why an attempt failed, and what could be done; both empty where others know better.
+struct Failure {
+  std::string cause, remedy;
+  std::string text() const { return remedy.empty() ? cause : cause + "; " + remedy; }
+};
+
+Failure failure_of(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::MaxIterations:
+      return {"Newton's method did not converge within newton.max_iterations",
+              "raise it, or loosen the tolerances"};
+    case SolveStatus::NotFinite:
+      return {"the energy or its derivatives are not finite",
+              "look for collapsed elements and extreme stiffness"};
+    case SolveStatus::LineSearchFailed:
+      return {"no step along the Newton direction lowers the energy",
+              "look for over-constrained bodies and for tolerances below rounding"};
+    case SolveStatus::LinearSolveFailed:
+      return {"the linear system could not be solved", "look for free bodies without inertia"};
+    case SolveStatus::Blocked:
+      return {"a scripted body or pinned vertex is blocked by an obstacle",
+              "change its motion or the obstacle, or raise newton.max_iterations if it could give way"};
+    case SolveStatus::Detour:
+      return {"bodies would change places within the step", "lower time.min_step"};
+    case SolveStatus::Interrupted:
+      return {"interrupted", ""};
+    case SolveStatus::TimeBudget:
+      return {"newton.max_seconds is used up", "raise it, make the scene smaller, or loosen the tolerances"};
+    case SolveStatus::RunAway:
+      return {"the bodies moved beyond any scale of the scene",
+              "hold them, or use an integrator with inertia"};
+    case SolveStatus::ConstraintViolated:  // StepJoints::violation_text() says which joint
+    case SolveStatus::Converged:
+    case SolveStatus::RoundOff:
+      break;
+  }
+  return {};
+}
+
+/// The next number of one digit above twice a value.
+double rounded_up(double value) {
+  const double digit = std::pow(10.0, std::floor(std::log10(2.0 * value)));
+  return std::ceil(2.0 * value / digit) * digit;
+}
+
+/// "; newton.acceleration_tolerance = 0.3 m/s^2 would fit" for those that are not met.
+std::string fitting_tolerances(const NewtonSettings& newton, const SolveReport& solve, double h) {
+  std::string text;
+  const auto check = [&](const char* name, const char* unit, double tolerance, double reached) {
+    if (tolerance > 0.0 && !(reached < tolerance))
+      text +=
+          std::string(text.empty() ? "; " : ", ") + name + " = " + quantity_text(rounded_up(reached), unit);
+  };
+  check("newton.acceleration_tolerance", "m/s^2", newton.acceleration_tolerance, solve.acceleration);
+  check("newton.residual_tolerance", "N", newton.residual_tolerance, solve.residual);
+  check("newton.step_tolerance", "m/s", newton.step_tolerance, solve.last_motion / h);
+  return text.empty() ? text : text + " would fit";
+}
+
+}  // namespace
+
+StepRunner::StepRunner(const StepContext& context, const StepParts& parts, Assembler& assembler,
+                       LinearSolver& linear_solver)
+    : StepPart(context),
+      motion_(parts.motion),
+      joints_(parts.joints),
+      ledger_(parts.ledger),
+      way_(parts.way),
+      watch_(parts.watch),
+      assembler_(assembler),
+      linear_solver_(linear_solver),
+      newton_(settings_.newton, linear_solver, timer_) {}
+
+StepProgress StepRunner::progress() const {
+  StepProgress progress;
+  progress.step = state_.step_count + 1;
+  progress.attempt = static_cast<int>(attempts_.size()) + 1;
+  progress.solve = newton_.progress();
+  progress.iterations = report_.solve.iterations + progress.solve.iterations;
+  return progress;
+}
+
+const StepReport& StepRunner::step(double max_time_step) {
+  begin();
+  const PlannedStep planned = plan_step(state_, max_time_step, motion_.longest_turning_step());
+  std::optional<double> h = planned.length;
+  while (h) {
+    if (attempt(*h, report_.solve)) {
+      accept(*h, planned.is_cut && *h == planned.length);
+      break;
+    }
+    h = next_attempt(*h);
+  }
+  return report_;
+}
+
+void StepRunner::begin() {
+  report_ = {};
+  report_.step = state_.step_count + 1;
+  timer_.reset();
+  attempts_.clear();
+  repeats_ = 0;
+  load_ = {state_.contact_bodies, state_.contact_factor};
+  watch_.begin_step(model_.site_positions(state_));
+  linear_solver_.begin_step();
+  set_deadline();
+}
+
+std::optional<double> StepRunner::next_attempt(double h) {
+  const SolveStatus status = report_.solve.status;
+  report_.message =
+      status == SolveStatus::ConstraintViolated ? joints_.violation_text() : failure_of(status).text();
+  if (status == SolveStatus::Interrupted) {
+    finish_report(StepStatus::Interrupted);
+    return {};
+  }
+  ++report_.rejected_steps;
+  const bool is_shortest = 0.5 * h < settings_.time.min_step;
+  if (contact_ && is_stuck(status) && (is_shortest || report_.rejected_steps >= kAttemptsBeforeRaise)) {
+    load_ = contact_->raised_load(potential_.site_positions());
+    if (is_shortest && status == SolveStatus::LineSearchFailed && repeats_++ < kRepeatsOfShortest) return h;
+  }
+  if (!is_shortest && status != SolveStatus::TimeBudget) return 0.5 * h;
+  report_.time_step = h;
+  fail();
+  return {};
+}
+
+void StepRunner::set_deadline() {
+  using Clock = std::chrono::steady_clock;
+  // Longer budgets than a clock can count are none.
+  constexpr double kLongest = 1e8;  // [s]
+  std::optional<Clock::time_point> deadline;
+  if (settings_.newton.max_seconds < kLongest)
+    deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                  std::chrono::duration<double>(settings_.newton.max_seconds));
+  newton_.set_deadline(deadline);
+}
+
+void StepRunner::accept(double h, bool is_cut) {
+  add_caveats(h);
+  commit(h);
+  advance_time(state_, h, is_cut);
+  ++state_.step_count;
+  {
+    const PhaseTimer::Scope scope(timer_, Phase::Commit);
+    report_.energy = ledger_.balance(energies_before_, h);
+    report_.contact_energy_at_start = energies_before_.contact;
+    report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
+  }
+  report_.time_step = h;
+  if (settings_.time.integrator == Integrator::Quasistatic) report_.integrator = Integrator::Quasistatic;
+  if (motion_.reference().stencil.history > 0.0) report_.integrator = Integrator::Bdf2;
+  // A halved step grows back towards the one asked for, whose mark it must not miss; a step cut short by the
+  // caller does not shrink the next.
+  if (report_.rejected_steps > 0)
+    state_.time_step = h;
+  else if (!is_cut)
+    state_.time_step = std::min(settings_.time.step, state_.time_step * settings_.time.growth);
+  finish_report(report_.rejected_steps > 0 ? StepStatus::Retried : StepStatus::Accepted);
+}
+
+void StepRunner::add_caveats(double h) {
+  const auto add = [&](Caveat caveat, const std::string& text) {
+    report_.caveats.push_back(caveat);
+    report_.message += (report_.message.empty() ? "" : "; ") + text;
+  };
+  const SolveReport& solve = report_.solve;
+  const NewtonSettings& newton = settings_.newton;
+  const bool is_rough = solve.is_at_rounding && newton.acceleration_tolerance > 0.0 &&
+                        solve.acceleration > std::max(newton.acceleration_tolerance, kSilentRounding);
+  if (solve.status == SolveStatus::RoundOff || is_rough)
+    add(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
+                              quantity_text(solve.residual, "N") + ", acceleration " +
+                              quantity_text(solve.acceleration, "m/s^2") +
+                              fitting_tolerances(settings_.newton, solve, h));
+  if (solve.is_settled)
+    add(Caveat::OldFriction,
+        "accepted with friction or joints one refresh behind: after it, Newton's method did not converge");
+  if (const std::string bodies = way_.meeting_text(); !bodies.empty())
+    add(Caveat::PrescribedOverlap,
+        bodies +
+            " go into or through each other: nothing stops what is scripted or fixed on both sides; "
+            "change their motion, or disable contact between them if that is meant");
+  if (watch_.has_overlap())
+    add(Caveat::ReleasedOverlap, watch_.overlap_text() + ": no contact there until they are apart");
+}
+
+void StepRunner::fail() {
+  report_.diagnosis = diagnose();
+  const std::string cause = failure_of(report_.solve.status).cause;
+  report_.message =
+      (cause.empty() ? "" : cause + ": ") + report_.diagnosis.finding + "; " + report_.diagnosis.remedy;
+  if (report_.solve.status != SolveStatus::TimeBudget)
+    report_.message +=
+        "; the time step was halved down to time.min_step = " + quantity_text(settings_.time.min_step, "s") +
+        " without success";
+  finish_report(StepStatus::Failed);
+}
+
+bool StepRunner::attempt(double h, SolveReport& total) {
+  const Configuration start = motion_.start_configuration();
+  const bool has_joints = energies_.constraints.joint_count() > 0;
+  {
+    const PhaseTimer::Scope scope(timer_, Phase::Predict);
+    potential_.begin(start, motion_.target_configuration(h));
+    step_start_.assign(potential_.site_positions().begin(), potential_.site_positions().end());
+    motion_.begin(h);
+    // Joints are measured against the inertia of the full time step: one cut short would stiffen them under
+    // what already rests on them and throw it off. Quasistatic steps have no other measure of rigid bodies.
+    const double full = motion_.reference().stencil.scale * settings_.time.step / h;
+    if (has_joints)
+      motion_.predict(h, full, full);
+    else
+      motion_.predict(h);
+    energies_before_ = ledger_.stored_energies(step_start_);
+    joints_.begin_actuators(h);
+  }
+  if (has_joints) {
+    joints_.begin(natural_stiffness(start));
+    const PhaseTimer::Scope scope(timer_, Phase::Predict);
+    motion_.predict(h);
+  }
+  if (contact_) {
+    // Contact stiffened with a body in it throws the body back faster than it came. Where nothing drives the
+    // bodies, an impact may go as deep as its energy brings it, unless an attempt has shown that this leads
+    // nowhere.
+    contact_->set_bound(report_.rejected_steps > 0 || potential_.has_pending_motion() ||
+                        !model_.actuators().empty());
+    contact_->begin_step(potential_.site_positions(),
+                         {.positions = motion_.reference().friction_sites,
+                          .duration = motion_.reference().friction_duration,
+                          .step = h,
+                          .weight = motion_.reference().stencil.contact_weight,
+                          .motion = motion_.restitution_motion(h)},
+                         {{state_.friction_pair, state_.friction_deflection, state_.friction_force},
+                          load_,
+                          watch_.close(),
+                          motion_.restitution_memory()});
+    energies_before_.contact = contact_->energy();
+  }
+  SolveReport solved = newton_.minimize(potential_, h);
+  if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
+  attempts_.push_back({h, solved.status, solved.iterations});
+  add_counters(total, solved);
+  return is_success(solved.status);
+}
+
+Diagnosis StepRunner::diagnose() {
+  const double h = attempts_.back().time_step;
+  StepEvidence evidence = collect_evidence({.scene = scene_,
+                                            .settings = settings_,
+                                            .model = model_,
+                                            .energies = energies_,
+                                            .potential = potential_,
+                                            .contact = contact_,
+                                            .start = step_start_,
+                                            .target = motion_.target_configuration(h),
+                                            .direction = newton_.direction(),
+                                            .is_first_step = state_.step_count == 0,
+                                            .is_detour = report_.solve.status == SolveStatus::Detour});
+  evidence.solve = report_.solve;
+  evidence.time_step = h;
+  evidence.attempts = attempts_;
+  if (report_.solve.status == SolveStatus::ConstraintViolated)
+    evidence.joint_violation = joints_.violation_text();
+  return judge(std::move(evidence), settings_);
+}
+
+std::vector<Mat3> StepRunner::natural_stiffness(const Configuration& start) {
+  joints_.release();
+  assembler_.set_dynamic_batches({});
+  scratch_gradient_.assign(3 * static_cast<size_t>(model_.map().layout().block_count), 0.0);
+  const PhaseTimer::Scope scope(timer_, Phase::Stiffness);
+  assembler_.assemble(start, potential_.site_positions(),
+                      {.project = false, .pending = {}, .pairs = ScatterPairs::Diagonal}, scratch_gradient_,
+                      diagonal_hessian_);
+  std::vector<Mat3> diagonal(model_.map().layout().block_count);
+  for (int32_t b = 0; b < static_cast<int32_t>(diagonal.size()); ++b)
+    std::copy_n(diagonal_hessian_.values.data() + 9 * diagonal_hessian_.pattern.row_start[b], 9,
+                diagonal[b].m.data());
+  return diagonal;
+}
+
+void StepRunner::commit(double h) {
+  motion_.commit(h);
+  if (contact_) commit_contact(h);
+  joints_.commit();
+}
+
+void StepRunner::commit_contact(double h) {
+  const PhaseTimer::Scope scope(timer_, Phase::Commit);
+  const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
+  const double duration = has_time ? h / kLoadTime : kQuasistaticLoad;
+  std::vector<Vec3> velocities;
+  if (contact_->has_restitution()) velocities = motion_.site_velocities();
+  ContactMemory memory = contact_->end_step(potential_.site_positions(), duration, velocities);
+  state_.friction_pair = std::move(memory.friction.pair);
+  state_.friction_deflection = std::move(memory.friction.deflection);
+  state_.friction_force = std::move(memory.friction.force);
+  state_.contact_bodies = std::move(memory.load.bodies);
+  state_.contact_factor = std::move(memory.load.factor);
+  state_.contact_close_bodies = std::move(memory.close.bodies);
+  state_.contact_close_distance = std::move(memory.close.distance);
+  motion_.remember_impacts(std::move(memory.restitution));
+  state_.contact_regained = watch_.regained();
+}
+
+void StepRunner::finish_report(StepStatus status) {
+  report_.status = status;
+  report_.time = state_.time;
+  if (report_.failed()) step_start_.clear();  // sensors have nothing to tell of it
+  if (!report_.failed()) {
+    report_.min_distance = contact_ ? contact_->min_distance(potential_.site_positions())
+                                    : std::numeric_limits<double>::infinity();
+    report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;
+    report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
+    report_.momentum = ledger_.momentum();
+  }
+  for (size_t k = 0; k < report_.phases.size(); ++k)
+    report_.phases[k] = timer_.seconds(static_cast<Phase>(k));
+}
+
+}  // namespace stark

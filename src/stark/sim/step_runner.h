@@ -1,0 +1,74 @@
+// Takes time steps: attempts with Newton's method, shorter ones where they fail, and the report (step phases
+// 0 to 8; the journey in ARCHITECTURE.md).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <stark/sim/diagnosis.h>
+#include <stark/sim/release_watch.h>
+#include <stark/sim/step_joints.h>
+#include <stark/sim/step_ledger.h>
+#include <stark/sim/step_report.h>
+#include <stark/sim/step_way.h>
+#include <stark/sim/time_marks.h>
+#include <stark/solve/newton.h>
+
+namespace stark {
+
+/// Parts of a step that others use, too.
+struct StepParts {
+  StepMotion& motion;
+  StepJoints& joints;
+  StepLedger& ledger;
+  StepWay& way;
+  ReleaseWatch& watch;
+};
+
+class StepRunner : private StepPart {
+ public:
+  StepRunner(const StepContext& context, const StepParts& parts, Assembler& assembler,
+             LinearSolver& linear_solver);
+
+  /// Advances the state by one step; on failure it is as before.
+  const StepReport& step(double max_time_step);
+  const StepReport& report() const { return report_; }
+  StepProgress progress() const;
+  NewtonSolver& newton() { return newton_; }
+
+ private:
+  void begin();
+  bool attempt(double h, SolveReport& total);
+  /// Length of the attempt that follows one of length h that failed, if any; else ends the step.
+  std::optional<double> next_attempt(double h);
+  void set_deadline();
+  /// Diagonal blocks of inertia and elasticity at the start of a step: what joints are measured against.
+  std::vector<Mat3> natural_stiffness(const Configuration& start);
+  /// Ends the step with the last attempt, of length h; `is_cut`: at the limit of the caller.
+  void accept(double h, bool is_cut);
+  void add_caveats(double h);
+  void commit(double h);
+  void commit_contact(double h);
+  void fail();
+  /// Of the last attempt.
+  Diagnosis diagnose();
+  void finish_report(StepStatus status);
+
+  StepMotion& motion_;
+  StepJoints& joints_;
+  StepLedger& ledger_;
+  StepWay& way_;
+  ReleaseWatch& watch_;
+  Assembler& assembler_;
+  LinearSolver& linear_solver_;
+  NewtonSolver newton_;
+  StepReport report_;
+  std::vector<Attempt> attempts_;  ///< of the step under way
+  int repeats_ = 0;                ///< of its shortest attempt
+  LoadMemory load_;                ///< of its barriers: that of the state, more after attempts that failed
+  EnergyLedger energies_before_;   ///< stored at the start of the last attempt
+  BlockMatrix diagonal_hessian_;
+  std::vector<double> scratch_gradient_;
+};
+
+}  // namespace stark
