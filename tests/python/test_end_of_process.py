@@ -48,15 +48,16 @@ _ENDS = {
 }
 
 
-Run = Callable[[str], subprocess.CompletedProcess[str]]
+Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> Run:
-    def in_a_process(code: str) -> subprocess.CompletedProcess[str]:
+    def in_a_process(code: str, leaks: str = "1") -> subprocess.CompletedProcess[str]:
         script = tmp_path / "session.py"
         script.write_text(code)
-        env = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+        env = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "STARK_LEAK_WARNINGS": leaks}
+        env = {name: value for name, value in env.items() if value}
         return subprocess.run(
             [sys.executable, str(script)], capture_output=True, text=True, env=env, timeout=120, check=False
         )
@@ -68,6 +69,12 @@ def run(tmp_path: Path) -> Run:
 def test_a_session_ends_without_a_word(end: str, run: Run) -> None:
     done = run(_SESSION + _ENDS[end])
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_leaks_are_reported_to_those_who_look_for_them(run: Run) -> None:
+    forever = "import ctypes; ctypes.pythonapi.Py_IncRef(ctypes.py_object(sim))"
+    assert "leaked" in run(_SESSION + forever).stderr
+    assert run(_SESSION + forever, leaks="").stderr == ""
 
 
 def test_an_uncaught_exception_is_all_that_is_said(run: Run) -> None:
