@@ -161,10 +161,10 @@ nb::dict statistics(const Formula& formula, const std::string& backend) {
 }  // namespace
 
 symbolic::Backend to_backend(const std::string& name) {
-  const auto& names = EnumNames<KernelBackend>::kNames;
+  const auto& names = EnumNames<symbolic::Backend>::kNames;
   for (size_t k = 0; k < names.size(); ++k)
     if (names[k] == name) return static_cast<symbolic::Backend>(k);
-  throw InvalidArgument("backend = '" + name + "': must be automatic, interpreter, avx2 or avx512");
+  throw InvalidArgument("backend = '" + name + "': must be automatic, interpreter, avx2, avx512 or neon");
 }
 
 PointSet to_point_set(const nb::dict& given) {

@@ -29,11 +29,13 @@ using AnyArray = nb::ndarray<const double, nb::device::cpu>;
 using Shape = std::vector<int64_t>;
 
 Backend backend_of(const std::string& name) {
-  const std::vector<std::string> names{"automatic", "interpreter", "avx2", "avx512"};
+  const auto& known = EnumNames<Backend>::kNames;
+  const std::vector<std::string> names(known.begin(), known.end());
   for (size_t k = 0; k < names.size(); ++k) {
     if (names[k] == name) return static_cast<Backend>(k);
   }
-  throw InvalidArgument("backend '" + name + "': need 'automatic', 'interpreter', 'avx2' or 'avx512'" +
+  throw InvalidArgument("backend '" + name +
+                        "': need 'automatic', 'interpreter', 'avx2', 'avx512' or 'neon'" +
                         nearest_name_hint(name, names));
 }
 

@@ -22,7 +22,8 @@ def find_program():
     named = os.environ.get("STARK_TEST_SYMBOLIC")
     if named:
         return pathlib.Path(named)
-    found = sorted(ROOT.glob("build/**/tests/test_symbolic"), key=lambda p: p.stat().st_mtime)
+    native = [p for p in ROOT.glob("build/**/tests/test_symbolic") if "aarch64" not in p.parts]
+    found = sorted(native, key=lambda p: p.stat().st_mtime)
     return found[-1] if found else None
 
 
@@ -345,3 +346,31 @@ def test_kernels_give_the_bits_of_the_interpreter(dump, wide):
         different = (result != expected) & ~nan
         assert not different.any(), (kernel["name"], int(different.sum()))
         assert math.isfinite(float(np.nansum(result.view(np.float64)))) or nan.any()
+
+
+@pytest.fixture(scope="module")
+def aarch64_instructions(tmp_path_factory):
+    text = written(tmp_path_factory, "STARK_AARCH64_DUMP", "aarch64: instruction forms")
+    return [line.split("\t") for line in text.splitlines()]
+
+
+def test_every_instruction_form_of_aarch64(aarch64_instructions):
+    assert len(aarch64_instructions) > 30_000
+    md = capstone.Cs(capstone.CS_ARCH_ARM64, capstone.CS_MODE_ARM)
+    code = bytes.fromhex("".join(words for _, words in aarch64_instructions))
+    decoded = md.disasm_lite(code, 0)
+    for expected, words in aarch64_instructions:
+        _, _, name, operands = next(decoded, (0, 0, "nothing", ""))
+        assert f"{name} {operands}" == as_capstone_writes(expected), words
+
+
+def as_capstone_writes(text):
+    name, operands = text.split(" ", 1)
+    if name in ("ldr", "str"):
+        register, base, offset = operands.split(" ")
+        place = f"[{base}]" if offset == "0" else f"[{base}, #{number(int(offset))}]"
+        return f"{name} {register} {place}"
+    if name in ("shl", "ushr"):
+        *registers, count = operands.split(", ")
+        return f"{name} {', '.join(registers)}, #{number(int(count[1:]))}"
+    return text

@@ -72,7 +72,8 @@ using PartNames = std::vector<std::string>;
 
 TEST_CASE("equal scenes have equal parts, whatever the threads, the back end and the start") {
   CHECK(changed([](Ingredients&) {}).empty());
-  CHECK(changed([](Ingredients& i) { i.settings.execution.backend = KernelBackend::Interpreter; }).empty());
+  CHECK(
+      changed([](Ingredients& i) { i.settings.execution.backend = symbolic::Backend::Interpreter; }).empty());
   CHECK(changed([](Ingredients& i) { i.settings.execution.threads = 3; }).empty());
   CHECK(changed([](Ingredients& i) { i.cloth.velocity = {1, 2, 3}; }).empty());
   CHECK(changed([](Ingredients& i) { i.cloth.color = Color{1, 0, 0}; }).empty());

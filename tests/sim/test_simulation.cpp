@@ -356,7 +356,7 @@ TEST_CASE("the state has the same bits for 1, 2 and 5 threads and for both ways 
     compare(settings);
   }
   Settings settings = contact_settings();
-  settings.execution.backend = KernelBackend::Interpreter;
+  settings.execution.backend = symbolic::Backend::Interpreter;
   compare(settings);
 }
 

@@ -351,7 +351,8 @@ def function(
     """Decorator: makes a compiled function of a Python function whose arguments are annotated with float,
     Vector[n] or Matrix[r, c]. It runs once with symbols, at first use; numbers from outside are fixed then.
 
-    backend: "automatic" (machine code where possible), "avx512", "avx2" or "interpreter"; same bits."""
+    backend: "automatic" (machine code where possible), "avx512", "avx2", "neon" or "interpreter"; same
+    bits."""
     if f is None:
         return functools.partial(function, backend=backend)
     name = f.__name__

@@ -121,7 +121,7 @@ struct Model::Builder {
   void list_batch(const std::string& name, const PotentialBatch& batch, std::span<const int32_t> stencils);
 
   // Everything else (model.cpp)
-  symbolic::Backend backend() const { return static_cast<symbolic::Backend>(settings.execution.backend); }
+  symbolic::Backend backend() const { return settings.execution.backend; }
   std::shared_ptr<const Potential> compile(const PotentialDefinition& definition,
                                            const std::set<std::string>& per_element = {}) const;
   /// `owner`: name of the body or energy.

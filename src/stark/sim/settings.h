@@ -12,24 +12,17 @@
 #include <stark/contact/contact_settings.h>
 #include <stark/linalg/linear_solver.h>
 #include <stark/solve/newton_settings.h>
+#include <stark/symbolic/kernel.h>
 
 namespace stark {
 
 /// Implicit Euler, backward differences of order 2, or a sequence of equilibria without inertia.
 enum class Integrator : uint8_t { ImplicitEuler, Bdf2, Quasistatic };
-/// How energies are evaluated; same order as symbolic::Backend. The interpreter gives the same bits as
-/// machine code.
-enum class KernelBackend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
 
 template <>
 struct EnumNames<Integrator> {
   static constexpr std::array<std::string_view, 3> kNames{"implicit_euler", "bdf2", "quasistatic"};
 };
-template <>
-struct EnumNames<KernelBackend> {
-  static constexpr std::array<std::string_view, 4> kNames{"automatic", "interpreter", "avx2", "avx512"};
-};
-
 struct TimeSettings {
 #define STARK_SETTING(type, name, value, unit, rule, meaning) type name = value;
 #include <stark/sim/time_settings.inc>

@@ -3,6 +3,7 @@
 // interpreter, same bits). Phase: built when a model is built; evaluated in every assembly.
 #pragma once
 
+#include <stark/base/settings.h>
 #include <stark/symbolic/expr.h>
 
 #include <cstddef>
@@ -19,7 +20,17 @@ enum class Order : uint8_t { Energy = 0, Gradient = 1, Hessian = 2 };
 
 /// Automatic: machine code for the best instruction set of this processor, or the interpreter where
 /// executable memory is refused. All back ends give the same bits.
-enum class Backend : uint8_t { Automatic, Interpreter, Avx2, Avx512 };
+enum class Backend : uint8_t { Automatic, Interpreter, Avx2, Avx512, Neon };
+
+}  // namespace stark::symbolic
+
+template <>
+struct stark::EnumNames<stark::symbolic::Backend> {
+  static constexpr std::array<std::string_view, 5> kNames{"automatic", "interpreter", "avx2", "avx512",
+                                                          "neon"};
+};
+
+namespace stark::symbolic {
 
 struct KernelStatistics {
   int operations[3] = {0, 0, 0};        // scalar operations of the expression graph, by order

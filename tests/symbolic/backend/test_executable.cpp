@@ -17,7 +17,7 @@ namespace {
 
 std::vector<Backend> machine_backends() {
   std::vector<Backend> result;
-  for (const Backend b : {Backend::Avx2, Backend::Avx512}) {
+  for (const Backend b : {Backend::Avx2, Backend::Avx512, Backend::Neon}) {
     if (cpu_supports(b)) result.push_back(b);
   }
   return result;
@@ -170,7 +170,7 @@ TEST_CASE("large kernels spill and keep their bits") {
 TEST_CASE("a back end that the machine lacks is refused") {
   Graph graph;
   const Scalar x = graph.input(InputKind::Unknown);
-  for (const Backend b : {Backend::Avx2, Backend::Avx512}) {
+  for (const Backend b : {Backend::Avx2, Backend::Avx512, Backend::Neon}) {
     if (!cpu_supports(b)) CHECK_THROWS_AS(compile(x, b), stark::InvalidArgument);
   }
   CHECK(cpu_supports(best_backend()));

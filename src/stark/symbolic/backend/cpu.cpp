@@ -22,6 +22,8 @@ bool cpu_supports(Backend backend) {
   const bool has_avx2 = b & (1u << 5), has_avx512f = b & (1u << 16), has_avx512dq = b & (1u << 17);
   if (backend == Backend::Avx2) return has_avx2;
   if (backend == Backend::Avx512) return has_avx2 && has_avx512f && has_avx512dq && (low & 0xe6) == 0xe6;
+#elif defined(__aarch64__) && defined(__linux__)
+  if (backend == Backend::Neon) return true;  // part of the architecture
 #endif
   return backend == Backend::Interpreter || backend == Backend::Automatic;
 }

@@ -10,25 +10,15 @@
 namespace stark::symbolic {
 
 Backend best_backend() {
-  static const Backend best = cpu_supports(Backend::Avx512) ? Backend::Avx512
-                              : cpu_supports(Backend::Avx2) ? Backend::Avx2
-                                                            : Backend::Interpreter;
+  static const Backend best = [] {
+    for (const Backend backend : {Backend::Avx512, Backend::Avx2, Backend::Neon})
+      if (cpu_supports(backend)) return backend;
+    return Backend::Interpreter;
+  }();
   return best;
 }
 
-std::string to_string(Backend backend) {
-  switch (backend) {
-    case Backend::Automatic:
-      return "automatic";
-    case Backend::Interpreter:
-      return "interpreter";
-    case Backend::Avx2:
-      return "avx2";
-    case Backend::Avx512:
-      return "avx512";
-  }
-  return "unknown";
-}
+std::string to_string(Backend backend) { return stark::to_string<Backend>(backend); }
 
 Backend resolve_backend(Backend requested) {
   if (requested == Backend::Automatic) return best_backend();
@@ -42,7 +32,8 @@ Backend resolve_backend(Backend requested) {
 
 std::unique_ptr<Executable> make_executable(const Program& program, Backend backend, Backend& out_backend) {
   if (backend != Backend::Interpreter) {
-    if (auto code = make_machine_code(program, backend)) {
+    auto code = backend == Backend::Neon ? make_neon_code(program) : make_x86_64_code(program, backend);
+    if (code) {
       out_backend = backend;
       return code;
     }

@@ -22,8 +22,9 @@ class Executable {
 
 std::unique_ptr<Executable> make_interpreter(const Program& program);
 
-/// Machine code; null if this machine refuses executable memory.
-std::unique_ptr<Executable> make_machine_code(const Program& program, Backend backend);
+/// Machine code; null on other machines and where this one refuses executable memory.
+std::unique_ptr<Executable> make_x86_64_code(const Program& program, Backend backend);
+std::unique_ptr<Executable> make_neon_code(const Program& program);
 
 /// Back end that `requested` stands for here. Throws InvalidArgument if this machine does not have it.
 Backend resolve_backend(Backend requested);

@@ -17,6 +17,9 @@ ExecutableMemory::ExecutableMemory(std::span<const uint8_t> bytes) {
   void* memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return;
   std::memcpy(memory, bytes.data(), bytes.size());
+  // Where instructions have a cache of their own that does not see what was written.
+  auto* const first = static_cast<char*>(memory);
+  __builtin___clear_cache(first, first + bytes.size());
   if (mprotect(memory, size, PROT_READ | PROT_EXEC) != 0) {
     munmap(memory, size);
     return;

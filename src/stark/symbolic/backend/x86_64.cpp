@@ -255,6 +255,7 @@ MachineCode CodeWriter::write() {
   MachineCode result;
   result.instruction_bytes = code_.size();
   code_.align(64);
+  result.first_constant = code_.size();
   code_.patch_word(constants_place, code_.size() - (constants_place + 4) + bias);
   for (const uint64_t c : program_.constants) {
     for (int k = 0; k < (wide_ ? 1 : 4); ++k) code_.quad(c);
@@ -299,7 +300,7 @@ MachineCode assemble_x86_64(const Program& program, Backend backend) {
   return CodeWriter(program, backend == Backend::Avx512).write();
 }
 
-std::unique_ptr<Executable> make_machine_code(const Program& program, Backend backend) {
+std::unique_ptr<Executable> make_x86_64_code(const Program& program, Backend backend) {
 #if defined(__x86_64__) && defined(__linux__)
   const bool wide = backend == Backend::Avx512;
   auto code = std::make_unique<X86Code>(program, assemble_x86_64(program, backend), wide);

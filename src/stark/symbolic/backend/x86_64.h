@@ -1,19 +1,11 @@
 // Machine code of a program for x86-64, as bytes. Phase: kernel building.
 #pragma once
 
+#include <stark/symbolic/backend/machine_code.h>
 #include <stark/symbolic/kernel.h>
 #include <stark/symbolic/program.h>
 
-#include <cstdint>
-#include <vector>
-
 namespace stark::symbolic {
-
-struct MachineCode {
-  std::vector<uint8_t> bytes;  // position independent: instructions, then constants
-  int instruction_bytes = 0;
-  int spill_count = 0;
-};
 
 /// Function of the System V convention: unknowns, elements, uniforms (AVX2: four copies of each; AVX-512:
 /// one), outputs, block count, spill slots.
