@@ -1,5 +1,5 @@
-"""What an installed wheel must do, in seconds and with nothing but what it requires: simulate a scene with contact
-and a formula of the user, record it, check the recording, make a picture.
+"""What an installed wheel must do, in seconds and with nothing but what it requires: simulate a scene with
+contact and a formula of the user, record it, check the recording, make a picture.
 
     python tools/smoke_test.py
 
