@@ -1,5 +1,6 @@
 #!/bin/sh
-# Cross-builds the C++ library for aarch64 Linux and runs all its test suites under qemu-user: some twenty minutes.
+# Cross-builds the C++ library for aarch64 Linux and runs all its test suites under qemu-user: hours for all of them;
+# hello_cloth alone takes 11 minutes.
 # Needs g++-aarch64-linux-gnu, qemu-user, cmake, ninja and doctest (Debian: doctest-dev).
 #
 #   tools/aarch64.sh [name of a suite ...]
@@ -13,9 +14,11 @@ cmake -S . -B build/aarch64 -G Ninja -DCMAKE_TOOLCHAIN_FILE=cmake/toolchains/aar
 cmake --build build/aarch64
 suites="$*"
 [ -n "$suites" ] || suites=$(cd build/aarch64/tests && ls | grep -x 'test_[a-z]*')
+# qemu-user itself dies in a process that forks with threads.
+left_out="a pool goes on in a forked process*"
 failed=""
 for suite in $suites; do
   echo "== $suite"
-  qemu-aarch64 -L /usr/aarch64-linux-gnu "build/aarch64/tests/$suite" || failed="$failed $suite"
+  qemu-aarch64 -L /usr/aarch64-linux-gnu "build/aarch64/tests/$suite" -tce="$left_out" || failed="$failed $suite"
 done
 [ -z "$failed" ] || { echo "failed:$failed" >&2; exit 1; }

@@ -8,8 +8,21 @@
 #pragma once
 
 #include <stark/base/math.h>
+#include <stark/base/settings.h>
 
 namespace stark {
+
+/// Implicit Euler, backward differences of order 2, or a sequence of equilibria without inertia.
+enum class Integrator : uint8_t { ImplicitEuler, Bdf2, Quasistatic };
+template <>
+struct EnumNames<Integrator> {
+  static constexpr std::array<std::string_view, 3> kNames{"implicit_euler", "bdf2", "quasistatic"};
+};
+
+/// Whether inertia and damping act, so that the length of a step means something.
+constexpr bool has_inertia(Integrator integrator) { return integrator != Integrator::Quasistatic; }
+/// Whether steps go on from what the one before did, which the state then keeps.
+constexpr bool has_history(Integrator integrator) { return integrator == Integrator::Bdf2; }
 
 struct TimeStencil {
   double scale = 0.0;           ///< s [s]

@@ -222,9 +222,8 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
 }
 
 Verdict judge_equilibrium(const StepEvidence& e, const Settings& settings) {
-  const bool runs_away =
-      e.solve.status == SolveStatus::RunAway ||
-      (settings.time.integrator == Integrator::Quasistatic && e.motion > kRunaway * e.scene_size);
+  const bool runs_away = e.solve.status == SolveStatus::RunAway ||
+                         (!has_inertia(settings.time.integrator) && e.motion > kRunaway * e.scene_size);
   if (!runs_away) return {};
   return {FailureCause::NoEquilibrium,
           "nothing holds " + (e.forces.empty() ? std::string("the bodies") : e.forces.front().at.body) +

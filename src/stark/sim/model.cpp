@@ -106,7 +106,7 @@ void Model::Builder::set_initial_state() {
   state.script_rotation = state.body_rotation;
   state.script_remaining.assign(state.body_position.size(), kMovesAtVelocity);
   state.pin_target = state.point_position;
-  if (settings.time.integrator != Integrator::Bdf2) return;
+  if (!has_history(settings.time.integrator)) return;
   state.previous_point_position = state.point_position;
   for (std::vector<Vec3>* field : {&state.point_increment, &state.point_contact_increment, &state.point_lag})
     field->resize(state.point_position.size());
@@ -132,7 +132,7 @@ void Model::Builder::set_initial_sites() {
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   model.initial_state_.joint_coordinate = constraints.coordinates(x);
   set_initial_rates(x);
-  if (settings.time.integrator == Integrator::Bdf2)
+  if (has_history(settings.time.integrator))
     model.initial_state_.previous_joint_rate = model.initial_state_.joint_rate;
   set_initial_actuators();
 }

@@ -81,7 +81,7 @@ void validate(const Settings& settings) {
         "newton.acceleration_tolerance, newton.residual_tolerance and newton.step_tolerance are all 0: no "
         "step could "
         "converge; set at least one, for instance newton.acceleration_tolerance = 0.01 m/s^2");
-  if (settings.time.integrator == Integrator::Quasistatic && newton.residual_tolerance == 0.0 &&
+  if (!has_inertia(settings.time.integrator) && newton.residual_tolerance == 0.0 &&
       newton.step_tolerance == 0.0)
     table.fail(
         "time.integrator = 'quasistatic' with only newton.acceleration_tolerance: accelerations mean nothing "

@@ -11,18 +11,12 @@
 #include <stark/base/settings.h>
 #include <stark/contact/contact_settings.h>
 #include <stark/linalg/linear_solver.h>
+#include <stark/mechanics/time_integrator.h>
 #include <stark/solve/newton_settings.h>
 #include <stark/symbolic/kernel.h>
 
 namespace stark {
 
-/// Implicit Euler, backward differences of order 2, or a sequence of equilibria without inertia.
-enum class Integrator : uint8_t { ImplicitEuler, Bdf2, Quasistatic };
-
-template <>
-struct EnumNames<Integrator> {
-  static constexpr std::array<std::string_view, 3> kNames{"implicit_euler", "bdf2", "quasistatic"};
-};
 struct TimeSettings {
 #define STARK_SETTING(type, name, value, unit, rule, meaning) type name = value;
 #include <stark/sim/time_settings.inc>

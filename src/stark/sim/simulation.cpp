@@ -106,8 +106,7 @@ void Simulation::make_solver() {
   potential_ = std::make_unique<IncrementalPotential>(
       model_->map(), *assembler_, contact_.get(), &energies_.constraints, model_->block_scales(), *timer_);
   potential_->set_active_set_updates(settings_.contact.friction_updates);
-  if (settings_.time.integrator == Integrator::Quasistatic)
-    potential_->set_motion_limit(kFarthestMotion * scene_size());
+  if (!has_inertia(settings_.time.integrator)) potential_->set_motion_limit(kFarthestMotion * scene_size());
   linear_solver_ = make_linear_solver(settings_.linear, *pool_);
   linear_solver_->prepare(assembler_->static_pattern(), {});
 }

@@ -25,7 +25,7 @@ void Simulation::check_actuators() {
   const auto joints = static_cast<int32_t>(scene_.joints().size());
   for (int32_t k = 0; k < static_cast<int32_t>(scene_.actuators().size()); ++k) {
     const ActuatorDescription& actuator = scene_.actuators()[k];
-    if (actuator.definition->needs_rates && settings_.time.integrator == Integrator::Quasistatic)
+    if (actuator.definition->needs_rates && !has_inertia(settings_.time.integrator))
       throw InvalidArgument(owner_text(actuator) + ": " + actuator.definition->name +
                             " drives a rate, and quasistatic steps have none: must be used with "
                             "time.integrator = implicit_euler; use position_servo or effort here");

@@ -36,9 +36,9 @@ std::vector<Vec3> StepMotion::free_motion(double h) const {
 
 TimeStencil StepMotion::choose_stencil(double h) {
   const double h_before = state_.previous_time_step;
-  const bool has_history =
-      settings_.time.integrator == Integrator::Bdf2 && h_before > 0.0 && h <= kLargestBdf2Ratio * h_before;
-  if (!has_history) return implicit_euler(h);
+  const bool goes_on =
+      has_history(settings_.time.integrator) && h_before > 0.0 && h <= kLargestBdf2Ratio * h_before;
+  if (!goes_on) return implicit_euler(h);
   if (!contact_) return bdf2(h, h_before);
   const bool gives_back = std::ranges::any_of(state_.restitution_due, [](double due) { return due != 0.0; });
   if (gives_back) return bdf2_impact(h, h_before);

@@ -44,7 +44,7 @@ EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
     ledger.kinetic += 0.5 * mass.mass * squared_norm(state_.body_velocity[b]);
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
-  if (settings_.time.integrator == Integrator::Quasistatic) ledger.kinetic = 0.0;
+  if (!has_inertia(settings_.time.integrator)) ledger.kinetic = 0.0;
   // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
   for (ModelBatch& batch : energies_.batches) {
     if (batch.role != ModelBatch::Role::Elastic) continue;

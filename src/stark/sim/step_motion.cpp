@@ -18,7 +18,7 @@ void StepMotion::commit(double h) {
   const DofLayout& layout = model_.map().layout();
   const Configuration& from = reference_.place;
   const double s = reference_.stencil.duration;
-  const bool has_memory = settings_.time.integrator == Integrator::Bdf2;
+  const bool has_memory = has_history(settings_.time.integrator);
   reference_.contact_velocity.assign(end.body_position.size(), Vec3{});
   Motions before;
   Impulses impulses;

@@ -19,7 +19,7 @@ std::vector<Vec3> StepMotion::site_velocities() const {
 }
 
 RestitutionSet::Motion StepMotion::restitution_motion(double h) {
-  const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
+  const bool has_time = has_inertia(settings_.time.integrator);
   if (!contact_->has_restitution() || !has_time) return {};
   reference_.site_velocities = site_velocities();
   return {.positions = reference_.sites,

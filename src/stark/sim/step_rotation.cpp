@@ -76,7 +76,7 @@ std::vector<Vec3> StepMotion::torques() {
   }
   // Frames take what their inertia balances. Rigid bodies take the torques themselves: the residual that
   // Newton's method leaves is then an error of their place, not of their angular momentum.
-  if (!has_rigid || settings_.time.integrator == Integrator::Quasistatic) return result;
+  if (!has_rigid || !has_inertia(settings_.time.integrator)) return result;
   scratch_gradient_.assign(3 * static_cast<size_t>(model_.map().layout().block_count), 0.0);
   potential_.evaluate_gradient(scratch_gradient_);
   for (size_t b = 0; b < result.size(); ++b) {
@@ -96,7 +96,7 @@ void StepMotion::commit_rotation(int32_t b, const Vec3& torque, double h) {
   const Mat3 end = potential_.configuration().body_rotation[b];
   const bool is_free = model_.map().layout().rotation_block[b] != kNoBlock;
   const bool keeps_velocity = !is_free && script_phase(state_.script_remaining[b]) == ScriptPhase::Velocity;
-  if (is_free && settings_.time.integrator != Integrator::Quasistatic) {
+  if (is_free && has_inertia(settings_.time.integrator)) {
     const Vec3& J = model_.rigid_masses()[b].moments;
     const Vec3 turning = log_rotation(end * transpose(state_.body_rotation[b])) / h;
     state_.body_rotation[b] = orthonormalized(end);

@@ -194,8 +194,8 @@ void StepRunner::accept(double h, bool is_cut) {
     report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
   }
   report_.time_step = h;
-  if (settings_.time.integrator == Integrator::Quasistatic) report_.integrator = Integrator::Quasistatic;
-  if (motion_.reference().stencil.history > 0.0) report_.integrator = Integrator::Bdf2;
+  const bool goes_on = motion_.reference().stencil.history > 0.0;
+  if (goes_on || !has_inertia(settings_.time.integrator)) report_.integrator = settings_.time.integrator;
   // A halved step grows back towards the one asked for, whose mark it must not miss; a step cut short by the
   // caller does not shrink the next.
   if (report_.rejected_steps > 0)
@@ -335,7 +335,7 @@ void StepRunner::commit(double h) {
 
 void StepRunner::commit_contact(double h) {
   const PhaseTimer::Scope scope(timer_, Phase::Commit);
-  const bool has_time = settings_.time.integrator != Integrator::Quasistatic;
+  const bool has_time = has_inertia(settings_.time.integrator);
   const double duration = has_time ? h / kLoadTime : kQuasistaticLoad;
   std::vector<Vec3> velocities;
   if (contact_->has_restitution()) velocities = motion_.site_velocities();

@@ -37,7 +37,7 @@ double StepMotion::longest_turning_step() const {
     if (model_.rigid_masses()[b].is_frame) continue;
     const bool is_free = layout.rotation_block[b] != kNoBlock;
     const bool is_at_velocity = script_phase(state_.script_remaining[b]) == ScriptPhase::Velocity;
-    if (is_free ? settings_.time.integrator == Integrator::Quasistatic : !is_at_velocity) continue;
+    if (is_free ? !has_inertia(settings_.time.integrator) : !is_at_velocity) continue;
     const double speed = norm(state_.body_angular_velocity[b]);
     const double turn = is_free ? kLargestFreeTurn : kLargestTurn;
     if (is_free && turn / speed < settings_.time.step / kMostTurningSteps) continue;
@@ -82,7 +82,7 @@ Configuration StepMotion::target_configuration(double h) const {
 
 void StepMotion::predict(double h) {
   const double duration = reference_.stencil.duration;
-  predict(h, duration, settings_.time.integrator == Integrator::Quasistatic ? kQuasistaticStep : duration);
+  predict(h, duration, !has_inertia(settings_.time.integrator) ? kQuasistaticStep : duration);
 }
 
 void StepMotion::predict(double h, double duration, double scale) {

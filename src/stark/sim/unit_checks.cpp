@@ -84,7 +84,7 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
   if (norm(settings.gravity) > kStrongestGravity)
     suspicions.add("the settings: gravity of " + quantity_text(norm(settings.gravity), "m/s^2") +
                    " (ordinary: 9.81 m/s^2); in mm/s^2 it would be 9810");
-  if (settings.time.step > kLongestStep && settings.time.integrator != Integrator::Quasistatic)
+  if (settings.time.step > kLongestStep && has_inertia(settings.time.integrator))
     suspicions.add("the settings: time.step = " + quantity_text(settings.time.step, "s") +
                    " (ordinary: 0.001 to 0.05 s); 1 ms is 1e-3 s");
   for (int32_t i = 0; i < scene.body_count(); ++i) {
