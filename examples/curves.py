@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,10 +35,10 @@ def _panel(top: float, label: str, time: np.ndarray, curves: Mapping[str, np.nda
     heights, ticks = _ticks(values.min(), values.max()), _ticks(time[0], time[-1], 8)
     start, end, low, high = time[0], time[-1], heights[0], heights[-1]
 
-    def x(t: ArrayLike) -> np.ndarray:
+    def x(t: ArrayLike) -> Any:
         return LEFT + WIDTH * (np.asarray(t) - start) / (end - start)
 
-    def y(value: ArrayLike) -> np.ndarray:
+    def y(value: ArrayLike) -> Any:
         return top + HEIGHT * (high - np.asarray(value)) / (high - low)
 
     lines = [

@@ -47,8 +47,8 @@ def build():
         wheels.append(scene.add_rigid(mesh, density=DENSITY, position=center, color=color))
         hinges.append(scene.add_hinge(None, wheels[k], anchor=center, axis=(0, 0, 1)))
     frames, teeth = [wheel.frame() for wheel in wheels], [float(z) for z in TEETH]
-    pairs = [(frames[k], frames[k + 1], {"teeth_a": teeth[k], "teeth_b": teeth[k + 1]}) for k in (0, 1)]
-    gears = [scene.add_joint(gear, a, b, **values) for a, b, values in pairs]
+    pairs = [(frames[k], frames[k + 1], teeth[k], teeth[k + 1]) for k in (0, 1)]
+    gears = [scene.add_joint(gear, a, b, teeth_a=m, teeth_b=n) for a, b, m, n in pairs]
     scene.add(motor(frames[0], torque=(0, 0, TORQUE)))
     return stark.Simulation(scene, time_step=STEP, gravity=(0, 0, 0)), wheels, hinges, gears
 

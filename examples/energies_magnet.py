@@ -32,8 +32,8 @@ def magnet(
 def build():
     scene = stark.Scene()
     fabric = stark.materials.cotton.replace(mass_damping=0.0)  # drag of the air would take momentum
-    upright = {"position": (0, 0.25, 0), "rotation": stark.rotation(axis="x", angle=70 * stark.deg)}
-    cloth = scene.add_cloth(stark.mesh.grid(0.4, 0.4, cells=20), fabric, **upright, color=pictures.RED)
+    mesh, upright = stark.mesh.grid(0.4, 0.4, cells=20), stark.rotation(axis="x", angle=70 * stark.deg)
+    cloth = scene.add_cloth(mesh, fabric, position=(0, 0.25, 0), rotation=upright, color=pictures.RED)
     ball = scene.add_sphere(0.05, mass=0.2, position=(0, -0.2, 0), velocity=(0, 0.5, 0), color=pictures.BLUE)
     pull = scene.add(magnet(cloth.vertices, ball.points((0, 0, 0)), strength=0.0, core=CORE))
     return stark.Simulation(scene, time_step=1 / 60, gravity=(0, 0, 0)), cloth, ball, pull

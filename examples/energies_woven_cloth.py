@@ -40,8 +40,8 @@ def add_strip(scene, angle, y):
     """A strip along x whose warp has an angle [degrees] to it, and the loads on both of its ends."""
     mesh = stark.mesh.grid(LENGTH, WIDTH, CELLS)
     direction = stark.rotation(axis="z", angle=angle * stark.deg)[:, 0]
-    values = {"warp": WARP, "weft": WEFT, "shear": SHEAR, "thickness": THICKNESS, "density": 0.2}
-    fabric = woven(**values, warp_direction=direction, mass_damping=10.0)
+    sheet = stark.ShellMaterial(thickness=THICKNESS, density=0.2, mass_damping=10.0)
+    fabric = woven(base=sheet, warp=WARP, weft=WEFT, shear=SHEAR, warp_direction=direction)
     strip = scene.add_cloth(mesh, fabric, position=(0, y, 0), color=COLORS[angle])
     for side in (-1, 1):
         end = np.isclose(mesh.vertices[:, 0], 0.5 * side * LENGTH)

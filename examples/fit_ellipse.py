@@ -8,6 +8,7 @@ distance |D R(-phi) (p - c)| - 1 with D = diag(1/a, 1/b), weighted by the mean h
 """
 
 import sys
+from typing import Annotated
 
 import numpy as np
 
@@ -15,7 +16,7 @@ import stark.symbolic as sym
 
 
 @sym.function
-def residual(q: sym.Vector[5], p: sym.Vector[2]):
+def residual(q: Annotated[sym.Vec, 5], p: sym.Vec2):
     """Weighted algebraic distance [m] of a point p from the ellipse q = (cx, cy, a, b, phi)."""
     d = p - q[:2]
     c, s = sym.cos(q[4]), sym.sin(q[4])

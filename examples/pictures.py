@@ -83,12 +83,13 @@ def fitted_camera(
     axes = np.stack([right, np.cross(back, right)])
     half = np.tan(0.5 * stark.render.Camera.vertical_fov) * np.array([aspect, 1.0])
     target = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    distance = 0.0
     for _ in range(20):  # each time the middle of the picture comes closer to the middle of the points
         plane, depth = (points - target) @ axes.T / half, (points - target) @ back
-        distance = np.max(np.abs(plane).max(axis=1) / fill + depth)
+        distance = float(np.max(np.abs(plane).max(axis=1) / fill + depth))
         seen = plane / (distance - depth)[:, None]
         target = target + 0.5 * (seen.min(axis=0) + seen.max(axis=0)) * half * distance @ axes
-    return stark.render.Camera.looking(target, float(distance), azimuth, elevation)
+    return stark.render.Camera.looking(target, distance, azimuth, elevation)
 
 
 def toothed_wheel(

@@ -11,6 +11,7 @@ load that it carries, loads of the wheels against the statics.
 """
 
 import sys
+from typing import Any
 
 import curves
 import numpy as np
@@ -22,7 +23,7 @@ import stark.scenes
 from stark.recording import Recording
 
 until = 2.0  # [s]
-options = {"floor": "carpet", "segments": 128}
+options: dict[str, Any] = {"floor": "carpet", "segments": 128}
 FRICTION = {"carpet": 1.0, "polished": 0.2}
 
 BODY_MASS, PART_MASS = 2.951, 0.1  # [kg]; wheels, arms and casters weigh 0.1 kg each

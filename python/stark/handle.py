@@ -11,7 +11,7 @@ from __future__ import annotations
 import warnings
 import weakref
 from collections.abc import Sequence
-from typing import Any, Protocol, Self
+from typing import Any, Protocol, Self, TypeAlias
 
 from stark import _core
 from stark.arguments import added_later, needs_simulation
@@ -178,7 +178,7 @@ class Handle:
         return handle
 
 
-AnyMesh = TriangleMesh | TetMesh | SolidMesh | Polyline
+AnyMesh: TypeAlias = TriangleMesh | TetMesh | SolidMesh | Polyline
 
 
 class BodyHandle(Handle):

@@ -61,9 +61,10 @@ class SettingsGroup:
 class Settings:
     """All settings of a simulation.
 
-    ``Settings(time_step=1/30, contact_distance=2e-3, **{"newton.step_tolerance": 1e-4})``; short names exist
-    for ``time.step`` (time_step), ``contact.distance`` (contact_distance) and ``execution.threads``
-    (threads). ``settings["newton.step_tolerance"]`` and ``settings.newton.step_tolerance`` are the same."""
+    ``Settings(time_step=1/30, contact_distance=2e-3, newton={"step_tolerance": 1e-4})`` or, with
+    dotted names, ``**{"newton.step_tolerance": 1e-4}``. Short names exist for ``time.step`` (time_step),
+    ``contact.distance`` (contact_distance) and ``execution.threads`` (threads).
+    ``settings["newton.step_tolerance"]`` and ``settings.newton.step_tolerance`` are the same."""
 
     __slots__ = ("__weakref__", "_core")
 

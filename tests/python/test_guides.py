@@ -4,6 +4,7 @@ a warning, and what they add acts."""
 from __future__ import annotations
 
 import re
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,12 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+import guides  # noqa: E402
+
 #: Tutorials show parts of programs, which test_tutorials.py runs.
-GUIDES = sorted(
-    str(path.relative_to(ROOT))
-    for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-    if "```python" in path.read_text()
-)
+GUIDES = sorted(str(path.relative_to(ROOT)) for path in guides.guides(ROOT))
 #: Reads the recording of an example.
 NEEDS_A_RUN = {"docs/systems.md"}
 
@@ -25,7 +26,7 @@ NEEDS_A_RUN = {"docs/systems.md"}
 def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
     """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner."""
     names: dict[str, Any] = {}
-    for block in re.findall(r"^```python\n(.*?)^```", (ROOT / guide).read_text(), re.MULTILINE | re.DOTALL):
+    for block in guides.python_blocks(ROOT / guide):
         code = re.sub(r"until=[\d.]+", "until=0.05", block)
         # Formulas have to be in a file: their annotations are read from there.
         exec(compile(code, str(ROOT / guide), "exec"), names)

@@ -1,54 +1,49 @@
-"""Types as users meet them: the README and the examples pass a type checker."""
+"""Types as users meet them: tools/check_types.py passes, and it finds what is wrong."""
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-import stark
-
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
 
-# Sizes in annotations, Vector[5], are no types for checkers; the others use other packages in loose ways.
-WITHOUT = {"fit_ellipse.py", "curves.py"}
+import check_types  # noqa: E402
+
+WRONG = """import stark
+scene = stark.Scene()
+box = scene.add_box(0.1, mass=1.0)
+box.positon
+stark.Simulaton
+cloth = scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells='many'))
+"""
 
 
-def complaints(folder: Path, files: list[Path]) -> str:
-    """What mypy says of scripts of users."""
+def test_all_that_users_copy_is_checked() -> None:
+    scripts = check_types.user_scripts(ROOT)
+    examples = {path.name for path in (ROOT / "examples").glob("*.py")}
+    assert examples < set(scripts) and "readme_md.py" in scripts and "docs_energies_md.py" in scripts
+    guides = [path for path in (ROOT / "docs").glob("*.md") if "```python" in path.read_text()]
+    assert len(scripts) == len(examples) + len(guides) + 1
+    # Line by line: what stands in the document at a line of code stands there in the script.
+    script, document = (scripts["docs_rods_md.py"], (ROOT / "docs/rods.md").read_text().splitlines())
+    places = [k for k, line in enumerate(script.splitlines()) if line]
+    assert places and all(script.splitlines()[k] == document[k] for k in places)
+
+
+@pytest.mark.slow
+def test_readme_guides_and_examples_pass_type_checkers() -> None:
     pytest.importorskip("mypy")
-    environment = os.environ | {"PYTHONPATH": str(Path(stark.__file__).parents[1])}
-    environment |= {"MYPYPATH": environment["PYTHONPATH"]} if "site-packages" not in stark.__file__ else {}
-    options = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
-    command = [sys.executable, "-m", "mypy", f"--cache-dir={folder}", *options, *map(str, files)]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    return "" if done.returncode == 0 else done.stdout + done.stderr
+    assert check_types.check_scripts(check_types.user_scripts(ROOT)) == []
 
 
 @pytest.mark.slow
-def test_readme_and_examples_pass_a_type_checker(tmp_path: Path) -> None:
-    snippets = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert snippets
-    readme = tmp_path / "readme.py"
-    readme.write_text("\n".join(snippets))
-    examples = [path for path in sorted((ROOT / "examples").glob("*.py")) if path.name not in WITHOUT]
-    assert complaints(tmp_path, [readme, *examples]) == ""
-
-
-@pytest.mark.slow
-def test_a_type_checker_finds_what_is_wrong(tmp_path: Path) -> None:
-    script = tmp_path / "wrong.py"
-    script.write_text(
-        "import stark\n"
-        "scene = stark.Scene()\n"
-        "box = scene.add_box(0.1, mass=1.0)\n"
-        "box.positon\n"
-        "stark.Simulaton\n"
-        "cloth = scene.add_cloth(stark.mesh.grid(1.0, 1.0, cells='many'))\n"
-    )
-    found = complaints(tmp_path, [script])
-    assert [int(n) for n in re.findall(r"wrong\.py:(\d+): error", found)] == [4, 5, 6], found
+def test_type_checkers_find_what_is_wrong() -> None:
+    pytest.importorskip("mypy")
+    found = check_types.check_scripts({"wrong.py": WRONG})
+    for pattern in (r"^wrong\.py:(\d+): error", r"^wrong\.py:(\d+):\d+ - error"):  # mypy, basedpyright
+        lines = [int(match[1]) for line in found if (match := re.match(pattern, line))]
+        assert lines == [4, 5, 6], found

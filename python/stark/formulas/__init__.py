@@ -1,7 +1,7 @@
 """Energies and materials of the user's own: formulas of points and parameters, written in Python.
 docs/energies.md is the guide."""
 
-from stark.formulas.arguments import Mat2, Mat3, Time, TimeStep, Vec2, Vec3, Vec4
+from stark.formulas.arguments import Time, TimeStep
 from stark.formulas.energy import EnergyFormula, energy
 from stark.formulas.frames import Frame
 from stark.formulas.handle import Energy
@@ -10,6 +10,7 @@ from stark.formulas.material import CauchyGreen, DeformationGradient, ShellDefor
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import parameter
 from stark.selections import stencils, world_frame, world_points
+from stark.symbolic.signature import Mat2, Mat3, Vec2, Vec3, Vec4
 
 __all__ = [
     "CauchyGreen",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args, get_origin
 
 from stark._core import TraceError
 from stark.formulas.frames import Frame
@@ -13,21 +13,14 @@ from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, 
 from stark.formulas.parameters import Declaration, Parameter
 from stark.formulas.parameters import parameter as declare
 from stark.symbolic.errors import formula_error
-from stark.symbolic.signature import ArgumentType, Matrix, Vector
-from stark.symbolic.tensor import Mat, Scalar, Vec
+from stark.symbolic.signature import ArgumentType, evaluated_signature
+from stark.symbolic.tensor import Scalar
 
 if TYPE_CHECKING:
     # What the arguments are while a formula is recorded.
-    Vec2: TypeAlias = Vec
-    Vec3: TypeAlias = Vec
-    Vec4: TypeAlias = Vec
-    Mat2: TypeAlias = Mat
-    Mat3: TypeAlias = Mat
     Time: TypeAlias = Scalar
     TimeStep: TypeAlias = Scalar
 else:
-    Vec2, Vec3, Vec4 = Vector[2], Vector[3], Vector[4]
-    Mat2, Mat3 = Matrix[2, 2], Matrix[3, 3]
 
     class Time:
         """Annotation of an argument that is the time at the end of the step [s]."""
@@ -78,13 +71,21 @@ _CHOICES = (
 )
 
 
+def _stencil_of_annotated(annotation: Any) -> Any:
+    """Stencil[k] of Annotated[Stencil, k], which type checkers understand; everything else as it is."""
+    if get_origin(annotation) is not Annotated or get_args(annotation)[0] is not Stencil:
+        return annotation
+    sizes = get_args(annotation)[1:]
+    return Stencil.__class_getitem__(*sizes) if len(sizes) == 1 else annotation
+
+
 def signature_of(
     function: Callable[..., object], formula: str, outer: Mapping[str, object]
 ) -> inspect.Signature:
     """Signature with evaluated annotations. `outer` has the names that annotations may use besides
     globals."""
     try:
-        signature = inspect.signature(function, eval_str=True, locals=outer)
+        signature = evaluated_signature(function, outer, _stencil_of_annotated)
     except TraceError as error:
         raise formula_error(formula, str(error), function) from None
     except NameError as error:

@@ -76,7 +76,7 @@ def _job(
     scene_file.recall(checkpoint.memory)
     with Deferred():
         recorder = Recorder.resume(folder, sim, **recorded, lock=lock)
-    result = RunResult(scene_file.name, "complete", "", 0.0, wall, **dict[str, Any](counts))
+    result = RunResult(scene_file.name, "complete", "", 0.0, wall, recorder.folder, **dict[str, Any](counts))
     return Job(scene_file, plan, sim, recorder, result)
 
 

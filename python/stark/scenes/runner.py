@@ -49,11 +49,11 @@ class RunResult:
     message: str
     simulated: float  # [s]
     wall: float  # [s]
+    folder: Path
     steps: int = 0
     rejected_steps: int = 0
     newton_iterations: int = 0
     max_contacts: int = 0
-    folder: Path | None = None
     files: list[Path] = field(default_factory=list)
 
     @property
@@ -140,7 +140,8 @@ def run(
         )
         recorder.record(sim)
         recorder.record_state(sim)
-        job = Job(scene_file, plan, sim, recorder, RunResult(scene_file.name, "complete", "", 0.0, 0.0))
+        result = RunResult(scene_file.name, "complete", "", 0.0, 0.0, recorder.folder)
+        job = Job(scene_file, plan, sim, recorder, result)
         job.save()
     return job.finish(job.advance(on_step, on_progress), replay, picture, check)
 
@@ -300,7 +301,6 @@ class Job:
         if self.sim.time > self.recorder.last_time:
             self.recorder.record(self.sim)  # the end, or where a stopped or failed run got to
         result.simulated, result.wall = float(self.sim.time), self._wall()
-        result.folder = self.recorder.folder
         complete = result.status == "complete"
         summary = {
             "simulated": result.simulated,
@@ -318,7 +318,6 @@ class Job:
 
 def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: bool, check: bool) -> None:
     """Page, picture and check, from the recording as anybody would read it."""
-    assert result.folder is not None
     recording = Recording(result.folder)
     size = sum(body.vertex_count for body in recording.bodies) * len(recording) * 12
     if replay and (result.status != "interrupted" or size < _QUICK_PAGE_BYTES):

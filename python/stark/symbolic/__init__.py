@@ -3,7 +3,7 @@
     import stark.symbolic as sym
 
     @sym.function
-    def rosenbrock(x: sym.Vector[2], a: float = 1.0, b: float = 100.0):
+    def rosenbrock(x: sym.Vec2, a: float = 1.0, b: float = 100.0):
         return (a - x[0]) ** 2 + b * (x[1] - x[0] ** 2) ** 2
 
     rosenbrock(x)            # x (..., 2) -> (...)
@@ -59,7 +59,7 @@ from stark.symbolic.linear_algebra import (
     squared_norm,
     trace,
 )
-from stark.symbolic.signature import Matrix, Real, Vector, symbols
+from stark.symbolic.signature import Mat2, Mat3, Matrix, Real, Vec2, Vec3, Vec4, Vector, symbols
 from stark.symbolic.statistics import Statistics
 from stark.symbolic.tensor import Mat, Vec, columns, diag, identity, mat, transpose, vec
 
@@ -68,12 +68,17 @@ __all__ = [
     "Function",
     "Graph",
     "Mat",
+    "Mat2",
+    "Mat3",
     "Matrix",
     "Real",
     "Scalar",
     "Statistics",
     "TraceError",
     "Vec",
+    "Vec2",
+    "Vec3",
+    "Vec4",
     "Vector",
     "abs",
     "acos",

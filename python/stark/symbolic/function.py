@@ -130,11 +130,11 @@ class Function:
         """First derivatives: batch + shape of the result + shape of the argument."""
         return self._first("jacobian", args, kwargs, wrt, False)[1]
 
-    def value_and_gradient(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[object, object]:
+    def value_and_gradient(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[Any, Any]:
         """(values, gradient) of one evaluation."""
         return self._first("gradient", args, kwargs, wrt, True)
 
-    def value_and_jacobian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[object, object]:
+    def value_and_jacobian(self, *args: object, wrt: Wrt = None, **kwargs: object) -> tuple[Any, Any]:
         """(values, jacobian) of one evaluation."""
         return self._first("jacobian", args, kwargs, wrt, True)
 
@@ -349,7 +349,8 @@ def function(
     f: Callable[..., object] | None = None, /, *, backend: str = "automatic"
 ) -> Function | Callable[[Callable[..., object]], Function]:
     """Decorator: makes a compiled function of a Python function whose arguments are annotated with float,
-    Vector[n] or Matrix[r, c]. It runs once with symbols, at first use; numbers from outside are fixed then.
+    Vec3 or Annotated[Vec, n], Mat3 or Annotated[Mat, r, c]. It runs once with symbols, at first use; numbers
+    from outside are fixed then.
 
     backend: "automatic" (machine code where possible), "avx512", "avx2", "neon" or "interpreter"; same
     bits."""

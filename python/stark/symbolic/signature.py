@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args, get_origin
 
 import numpy as np
 
@@ -40,20 +40,60 @@ def _checked(kind: str, shape: tuple[Any, ...], dimensions: int) -> ArgumentType
 
 
 class Vector:
-    """Annotation of an argument that is a vector: Vector[n]."""
+    """Annotation of an argument that is a vector: Vector[n]. Type checkers take no numbers in brackets;
+    for them write Vec2, Vec3, Vec4 or Annotated[Vec, n], which mean the same."""
 
     def __class_getitem__(cls, n: int) -> ArgumentType:
         return _checked("Vector", n if isinstance(n, tuple) else (n,), 1)
 
 
 class Matrix:
-    """Annotation of an argument that is a matrix: Matrix[rows, columns]."""
+    """Annotation of an argument that is a matrix: Matrix[rows, columns]. For type checkers write Mat2, Mat3
+    or Annotated[Mat, rows, columns], which mean the same."""
 
     def __class_getitem__(cls, shape: tuple[int, int]) -> ArgumentType:
         return _checked("Matrix", shape if isinstance(shape, tuple) else (shape,), 2)
 
 
 Real = float
+
+if TYPE_CHECKING:
+    # What the arguments are while a formula is recorded.
+    Vec2: TypeAlias = Vec
+    Vec3: TypeAlias = Vec
+    Vec4: TypeAlias = Vec
+    Mat2: TypeAlias = Mat
+    Mat3: TypeAlias = Mat
+else:
+    Vec2, Vec3, Vec4 = Vector[2], Vector[3], Vector[4]
+    Mat2, Mat3 = Matrix[2, 2], Matrix[3, 3]
+
+
+def _without_annotated(annotation: Any) -> Any:
+    """Vector[n] of Annotated[Vec, n], Matrix[r, c] of Annotated[Mat, r, c], the type alone of
+    Annotated[float, ...]; everything else as it is."""
+    if get_origin(annotation) is not Annotated:
+        return annotation
+    base, *sizes = get_args(annotation)
+    if base is Vec:
+        return _checked("Vector", tuple(sizes), 1)
+    if base is Mat:
+        return _checked("Matrix", tuple(sizes), 2)
+    return base if base in (float, int, Scalar) else annotation
+
+
+def evaluated_signature(
+    function: Callable[..., object], outer: Mapping[str, object], read: Callable[[Any], Any] = lambda a: a
+) -> inspect.Signature:
+    """The signature of a function with evaluated annotations. `outer` has the names that annotations may use
+    besides globals; `read` is applied to annotations that are left. Raises NameError and TraceError."""
+    signature = inspect.signature(function, eval_str=True, locals=outer)
+    return signature.replace(
+        parameters=[
+            parameter.replace(annotation=read(_without_annotated(parameter.annotation)))
+            for parameter in signature.parameters.values()
+        ]
+    )
 
 
 @dataclass(frozen=True)
@@ -77,7 +117,7 @@ def new_symbols(graph: core.Graph, name: str, shape: tuple[int, ...]) -> Scalar 
     return from_shape(entries, shape)
 
 
-def symbols(text: str, graph: core.Graph | None = None) -> object:
+def symbols(text: str, graph: core.Graph | None = None) -> Any:
     """Symbols of one new formula, or of the formula of `graph`: symbols("a b x[3] F[2,2]") gives scalars, a
     vector and a matrix. One symbol is returned as it is, several as a tuple."""
     graph = core.Graph() if graph is None else graph
@@ -99,7 +139,7 @@ def read_signature(
     """The signature of a function and the shape of every argument. `outer` has the names that annotations may
     use besides globals."""
     try:
-        signature = inspect.signature(function, eval_str=True, locals=outer)
+        signature = evaluated_signature(function, outer)
     except TraceError as error:
         raise formula_error(formula, str(error), function) from None
     except NameError as error:
