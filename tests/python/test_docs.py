@@ -3,11 +3,16 @@
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+import equations  # noqa: E402
+
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 
@@ -31,18 +36,55 @@ def test_files_of_the_architecture_tables_exist() -> None:
     assert missing == []
 
 
-def test_equations_cited_in_sources_exist() -> None:
-    theory = (ROOT / "docs/theory.md").read_text()
-    numbers = [int(n) for n in re.findall(r"^    .*\((\d+)\)$", theory, re.MULTILINE)]
-    assert numbers == list(range(1, len(numbers) + 1))
-    cited = 0
-    for path in (ROOT / "src").rglob("*"):
-        if path.suffix in (".h", ".cpp"):
-            for citation in re.findall(r"theory eq\. (\d+(?:, \d+)*)", path.read_text()):
-                for number in citation.split(", "):
-                    cited += 1
-                    assert int(number) in numbers, f"{path.name} cites equation {number}"
-    assert cited > 0
+def test_equations_of_the_theory_are_numbered_without_gap_or_repetition() -> None:
+    numbers = equations.defined()
+    assert len(numbers) == len(set(numbers))
+    bare = [int(number) for number in numbers if number.isdigit()]
+    assert bare == list(range(1, len(bare) + 1)) and len(bare) > 30
+    for number in {number[:-1] for number in numbers if not number.isdigit()}:
+        letters = sorted(other[-1] for other in numbers if not other.isdigit() and other[:-1] == number)
+        assert letters == [chr(ord("a") + k) for k in range(len(letters))], number
+        assert number in numbers, number
+
+
+def test_equations_that_are_cited_exist() -> None:
+    numbers, cited, wrong = set(equations.defined()), set(), []
+    for path in equations.citing_files():
+        if path == Path(__file__).resolve():  # has wrong ones on purpose
+            continue
+        for number, around in equations.citations(path):
+            cited.add((path.suffix, number))
+            if number not in numbers:
+                wrong.append(f"{path.relative_to(ROOT)}: {around}")
+    assert wrong == []
+    assert len(cited) > 50 and {suffix for suffix, _ in cited} == {".h", ".cpp", ".py", ".md"}
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("// [theory eq. 7, 9a]", ["7", "9a"]),
+        ("see [the theory](../theory.md#5-contact), eq. 28 to 31", ["28", "29", "30", "31"]),
+        ("[theory, eq. 20b](theory.md#6-friction)", ["20b"]),
+        ("theory eqs. 11 and\n// 14a", ["11", "14a"]),
+        ("(theory eq. (26b)), not [Li et al. 2020, eq. 17]", ["26b"]),
+        ("the paper's eq. 18", []),
+    ],
+)
+def test_citations_are_read_with_lists_and_ranges(tmp_path: Path, text: str, numbers: list[str]) -> None:
+    path = tmp_path / "a.cpp"
+    path.write_text(text)
+    assert [number for number, _ in equations.citations(path)] == numbers
+
+
+def test_a_citation_in_a_source_says_of_what(tmp_path: Path) -> None:
+    path = tmp_path / "a.cpp"
+    path.write_text("// as in [eq. 24]")
+    with pytest.raises(ValueError, match="of which paper"):
+        list(equations.citations(path))
+    document = tmp_path / "a.md"
+    document.write_text("as in (eq. 24)")
+    assert [number for number, _ in equations.citations(document)] == ["24"]
 
 
 @pytest.mark.slow

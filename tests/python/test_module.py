@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import importlib
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -60,3 +62,12 @@ def test_what_is_loaded_on_demand_is_the_module_itself() -> None:
     assert stark.joints is importlib.import_module("stark.joints")
     with pytest.raises(ImportError):
         exec("from stark import simulator")
+
+
+def test_importing_is_light() -> None:
+    script = (
+        "import sys, stark; print(sorted({m.partition('.')[0] for m in sys.modules} & "
+        "{'scipy', 'trimesh', 'meshio', 'pytetwild', 'imageio', 'viser', 'matplotlib'}))"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

@@ -1,15 +1,11 @@
-"""Joints in Python: built-in kinds and their short forms, coordinates, reactions, patches, enabling."""
+"""Joints in Python: built-in kinds and their short forms, rewinding, what is refused."""
 
 from __future__ import annotations
-
-import copy
 
 import numpy as np
 import pytest
 
 import stark
-
-G = 9.81
 
 
 def body(
@@ -83,43 +79,6 @@ def test_every_kind_holds(method: str, options: dict, coordinates: list[str], ot
     assert set(joint.coordinates) == set(coordinates)
 
 
-def test_a_slider_measures_free_fall_and_carries_nothing_along_its_axis() -> None:
-    scene = stark.Scene()
-    slider = scene.add_slider(None, body(scene), anchor=(0, 0, 0), axis=(0, 0, 1))
-    sim = simulate(scene)
-    for _ in range(10):
-        sim.step()
-    np.testing.assert_allclose(slider.displacement, -G * 1e-4 * 55, rtol=1e-6)
-    np.testing.assert_allclose(slider.rates["displacement"], -G * 0.1, rtol=1e-6)
-    assert abs(slider.reaction.force[2]) < 1e-9
-
-
-def test_a_distance_joint_is_a_pendulum_rod() -> None:
-    scene = stark.Scene()
-    bob = body(scene, (0.5, 0.0, 0.0))
-    rod = scene.add_distance(None, bob, anchor_a=(0, 0, 0), anchor_b=(0.5, 0, 0))
-    sim = simulate(scene)
-    for _ in range(30):
-        sim.step()
-        np.testing.assert_allclose(np.linalg.norm(bob.position), 0.5, atol=1e-6)
-    assert np.linalg.norm(rod.reaction.force) > 0.0
-
-
-def test_release_and_hold_again() -> None:
-    scene = stark.Scene()
-    falling = body(scene)
-    joint = scene.add_ball(None, falling, anchor=(0, 0, 0))
-    assert joint.enabled
-    sim = simulate(scene)
-    sim.step()
-    joint.enabled = False
-    sim.step()
-    assert falling.position[2] < -9e-4 and not joint.enabled
-    joint.enabled = True
-    assert not sim.step().failed
-    assert abs(falling.position[2]) < 1e-6
-
-
 def test_states_rewind_bitwise_with_joints() -> None:
     scene = stark.Scene()
     previous = None
@@ -178,15 +137,6 @@ def test_a_joint_that_is_apart_at_the_start_is_refused() -> None:
         simulate(scene)
 
 
-def test_a_joint_needs_a_simulation_to_be_read() -> None:
-    scene = stark.Scene()
-    joint = scene.add_hinge(None, body(scene), anchor=(0, 0, 0))
-    with pytest.raises(stark.InvalidArgument, match="needs a simulation"):
-        _ = joint.angle
-    with pytest.raises(AttributeError, match="no attribute 'angel'"):
-        _ = joint.angel
-
-
 def test_prescribed_bodies_that_leave_their_joint_fail_the_step() -> None:
     scene = stark.Scene()
     scripted = scene.add_box(0.1, motion="scripted")
@@ -201,55 +151,6 @@ def test_prescribed_bodies_that_leave_their_joint_fail_the_step() -> None:
     assert report.failed and "joint 'hinge' is apart by" in report.message
     hinge.enabled = False
     assert not sim.step().failed
-
-
-def test_reactions_after_a_rewind_are_those_of_the_state() -> None:
-    scene = stark.Scene()
-    arm = body(scene, (0.2, 0.0, 0.0))
-    hinge = scene.add_hinge(None, arm, anchor=(0, 0, 0), axis=(0, 1, 0))
-    sim = simulate(scene)
-    for _ in range(5):
-        sim.step()
-    before, reaction = sim.state, hinge.reaction
-    for _ in range(20):
-        sim.step()
-    assert np.abs(hinge.reaction.force - reaction.force).max() > 1.0
-    sim.state = before
-    # Residuals in the dead zone, 1e-8 m, times the penalty, 1e4 m / h^2, are not part of the multipliers.
-    np.testing.assert_allclose(hinge.reaction.force, reaction.force, atol=1e-8 * 1e4 / 0.01**2)
-    other = simulate(scene)
-    other.state = before
-    np.testing.assert_array_equal(other.joints[0].reaction.force, hinge.reaction.force)
-
-
-def test_torques_on_a_patch_are_about_the_origin_of_its_frame() -> None:
-    scene = stark.Scene()
-    cloth = scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2))
-    place = (0.03, 0.04, 0.02)  # off the vertices, above the plane
-    ball = scene.add_ball(stark.world_frame(place), cloth.frame((4, 5, 7), position=place))
-    sim = simulate(scene)
-    for _ in range(5):
-        assert not sim.step().failed
-    force, torque = ball.reaction
-    assert np.linalg.norm(force) > 1e-2
-    # A ball joint has no torque about its own centre.
-    assert np.linalg.norm(torque) < 1e-6 * np.linalg.norm(force)
-
-
-def test_attributes_that_would_do_nothing_are_refused() -> None:
-    scene = stark.Scene()
-    hinge = scene.add_hinge(None, body(scene), anchor=(0, 0, 0), axis=(0, 1, 0))
-    sim = simulate(scene)
-    with pytest.raises(AttributeError, match="'angle' cannot be set"):
-        hinge.angle = 1.0
-    with pytest.raises(AttributeError, match="'enabeld' cannot be set"):
-        hinge.enabeld = False  # type: ignore[attr-defined]
-    with pytest.warns(stark.StarkWarning, match="joint 'ball': was added after"):
-        later = scene.add_ball(None, scene.bodies[0], anchor=(0, 0, 0))
-    with pytest.raises(stark.InvalidArgument, match="was added after the simulation was made"):
-        _ = later.reaction
-    assert len(sim.joints) == 1
-    assert copy.copy(hinge).name == "hinge"
 
 
 def test_a_joint_within_one_rigid_body_is_refused() -> None:

@@ -12,7 +12,7 @@ import stark
 from stark import InvalidArgument, InvalidMesh, StarkWarning, TraceError
 from stark.recording import Recorder, Recording
 
-GUIDE = Path(__file__).resolve().parents[2] / "docs/rods.md"
+GUIDE = Path(__file__).resolve().parents[3] / "docs/rods.md"
 RUBBER = stark.RodMaterial(density=1000.0, youngs_modulus=1e7, radius=0.01)
 
 

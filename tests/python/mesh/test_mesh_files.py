@@ -1,10 +1,9 @@
-"""Meshes: generators, repairs, files, volume meshing."""
+"""Mesh files: formats against hand-written content, damaged files, volume meshing."""
 
 from __future__ import annotations
 
 import os
 import struct
-import types
 import zipfile
 from pathlib import Path
 
@@ -13,84 +12,6 @@ import pytest
 
 import stark
 from stark import InvalidMesh, mesh
-
-SHAPES = {
-    # closed form of the volume, relative tolerance: the faceted shape is smaller than the round one
-    "box": (mesh.box((1, 2, 3), 2), 6.0, 1e-13),
-    "sphere": (mesh.sphere(0.5, 5), np.pi / 6, 2e-3),
-    "cylinder": (mesh.cylinder(0.5, 2.0, 128), np.pi / 2, 1e-3),
-    "capsule": (mesh.capsule(0.5, 1.0, 64, 32), np.pi / 4 + np.pi / 6, 5e-3),
-    "torus": (mesh.torus(1.0, 0.25, 128, 64), 2 * np.pi**2 / 16, 4e-3),
-}
-
-
-@pytest.mark.parametrize("name", SHAPES)
-def test_shapes_are_closed_and_enclose_their_volume(name: str) -> None:
-    shape, volume, tolerance = SHAPES[name]
-    assert shape.is_closed
-    assert shape.volume == pytest.approx(volume, rel=tolerance)
-    assert shape.volume <= volume * (1 + 1e-12)
-    np.testing.assert_allclose(shape.bounds.mean(axis=0), 0, atol=1e-3)
-
-
-def test_grids_and_tet_boxes_have_the_documented_counts() -> None:
-    grid = mesh.grid(0.4, 0.2, (4, 2))
-    assert grid.vertices.shape == (15, 3) and grid.triangles.shape == (16, 3)
-    assert grid.area == pytest.approx(0.08, rel=1e-14) and not grid.is_closed
-    np.testing.assert_allclose(grid.bounds, [[-0.2, -0.1, 0], [0.2, 0.1, 0]])
-    box = mesh.tet_box(0.2, 20)
-    assert len(box.vertices) == 17_261 and len(box.tets) == 96_000
-    assert (box.volumes > 0).all() and box.volume == pytest.approx(0.008, rel=1e-12)
-
-
-def test_the_surface_of_tets_agrees_with_the_core() -> None:
-    box = mesh.tet_box((1, 2, 3), (2, 3, 4))
-    surface = box.surface()
-    assert surface.is_closed and surface.volume == pytest.approx(6.0, rel=1e-13)
-    assert len(surface.vertices) == 3 * 4 * 5 - 1 * 2 * 3
-
-
-def test_transformations() -> None:
-    box = mesh.box(1.0)
-    assert box.scaled(1e-3).volume == pytest.approx(1e-9, rel=1e-13)
-    assert box.scaled((1, 2, 3)).volume == pytest.approx(6.0, rel=1e-13)
-    np.testing.assert_allclose(box.translated((1, 2, 3)).centered().vertices, box.vertices, atol=1e-15)
-    turned = box.rotated(stark.rotation(axis="z", angle=np.pi / 2))
-    np.testing.assert_allclose(turned.vertices[:, 0], -box.vertices[:, 1], atol=1e-15)
-    assert box.flipped().volume == pytest.approx(-1.0, rel=1e-13)
-
-
-def test_oriented_repairs_any_mixture() -> None:
-    sphere = mesh.sphere(1.0, 2)
-    generator = np.random.default_rng(5)
-    triangles = sphere.triangles.copy()
-    wrong = generator.random(len(triangles)) < 0.5
-    triangles[wrong] = triangles[wrong][:, ::-1]
-    two = mesh.TriangleMesh(
-        np.vstack([sphere.vertices, sphere.vertices + 5]),
-        np.vstack([triangles, triangles[:, ::-1] + len(sphere.vertices)]),
-    )
-    repaired = mesh.oriented(two)
-    assert repaired.volume == pytest.approx(2 * sphere.volume, rel=1e-12)
-    stark.Scene().add_rigid(repaired, density=1.0)
-    tets = mesh.tet_box(1.0, 2)
-    mixed = tets.tets.copy()
-    mixed[::3] = mixed[::3][:, [1, 0, 2, 3]]
-    assert (mesh.oriented(mesh.TetMesh(tets.vertices, mixed)).volumes > 0).all()
-
-
-def test_merged_and_compact() -> None:
-    box = mesh.box(1.0)
-    soup = mesh.TriangleMesh(box.vertices[box.triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3))
-    joined = mesh.merged(soup)
-    assert len(joined.vertices) == 8 and joined.is_closed and joined.volume == pytest.approx(1.0)
-    noisy = mesh.TriangleMesh(soup.vertices + 1e-9 * np.sin(np.arange(108)).reshape(-1, 3), soup.triangles)
-    assert len(mesh.merged(noisy, 1e-6).vertices) == 8
-    spare = mesh.TriangleMesh(np.vstack([[[9, 9, 9]], box.vertices]), box.triangles + 1)
-    assert len(mesh.compact(spare).vertices) == 8 and mesh.compact(spare).volume == pytest.approx(1.0)
-
-
-# --- files --------------------------------------------------------------------------------------------------
 
 OBJ = """# a box side and a quad, with all forms of indices
 v 0 0 0
@@ -209,16 +130,6 @@ def test_formats_of_other_libraries_name_what_to_install(
 def test_open_surfaces_have_no_volume_to_mesh() -> None:
     with pytest.raises(stark.InvalidMesh, match=r"open at 4 edges, the first ones.*must be a closed surface"):
         mesh.tetrahedralise(mesh.grid(1.0, 1.0, 1))
-
-
-def test_meshes_of_trimesh_are_read_by_the_indices_of_their_faces() -> None:
-    """Their `triangles` are corners (n, 3, 3)."""
-    box = mesh.box(1.0)
-    theirs = types.SimpleNamespace(
-        vertices=box.vertices, faces=box.triangles, triangles=box.vertices[box.triangles]
-    )
-    body = stark.Scene().add_rigid(theirs, mass=1.0)
-    assert (body.triangles == box.triangles).all()
 
 
 def test_tetrahedralise() -> None:

@@ -1,0 +1,53 @@
+"""Mesh types: surfaces, areas, volumes, transformations, and arrays that are no mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stark
+from stark import mesh
+
+
+def test_the_surface_of_tets_agrees_with_the_core() -> None:
+    box = mesh.tet_box((1, 2, 3), (2, 3, 4))
+    surface = box.surface()
+    assert surface.is_closed and surface.volume == pytest.approx(6.0, rel=1e-13)
+    assert len(surface.vertices) == 3 * 4 * 5 - 1 * 2 * 3
+
+
+def test_transformations() -> None:
+    box = mesh.box(1.0)
+    assert box.scaled(1e-3).volume == pytest.approx(1e-9, rel=1e-13)
+    assert box.scaled((1, 2, 3)).volume == pytest.approx(6.0, rel=1e-13)
+    np.testing.assert_allclose(box.translated((1, 2, 3)).centered().vertices, box.vertices, atol=1e-15)
+    turned = box.rotated(stark.rotation(axis="z", angle=np.pi / 2))
+    np.testing.assert_allclose(turned.vertices[:, 0], -box.vertices[:, 1], atol=1e-15)
+    assert box.flipped().volume == pytest.approx(-1.0, rel=1e-13)
+
+
+def test_areas_and_bounds_are_those_of_closed_forms() -> None:
+    sheet = mesh.grid(2.0, 3.0, (4, 5))
+    assert sheet.area == pytest.approx(6.0, rel=1e-13) and not sheet.is_closed
+    low, high = mesh.box((1, 2, 3)).bounds
+    assert low.tolist() == [-0.5, -1, -1.5] and high.tolist() == [0.5, 1, 1.5]
+    assert mesh.box((1, 2, 3)).area == pytest.approx(22.0, rel=1e-13)
+    assert mesh.tet_box((1, 2, 3), 2).volume == pytest.approx(6.0, rel=1e-13)
+
+
+def test_arrays_that_are_no_mesh_are_refused() -> None:
+    corners = np.eye(3)
+    with pytest.raises(stark.InvalidMesh, match=r"need indices in \[0, 3\)"):
+        _ = mesh.TriangleMesh(corners, [[0, 1, 3]]).area
+    with pytest.raises(stark.InvalidMesh, match=r"need \(m, 4\)"):
+        mesh.TetMesh(corners, [[0, 1, 2]])
+    with pytest.raises(stark.InvalidMesh, match=r"need \(n, 3\)"):
+        mesh.Polyline([[0, 0], [1, 1]])
+
+
+def test_compact_leaves_unused_vertices_out_and_keeps_the_shape() -> None:
+    box = mesh.box(1.0)
+    padded = mesh.TriangleMesh(np.concatenate([[[9, 9, 9]], box.vertices]), box.triangles + 1)
+    kept = mesh.compact(padded)
+    assert np.array_equal(kept.vertices[kept.triangles], box.vertices[box.triangles])
+    assert len(kept.vertices) == len(box.vertices)

@@ -1,0 +1,74 @@
+"""Exports, read by parsers of their formats."""
+
+from __future__ import annotations
+
+import base64
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_simulation import record
+
+from stark.recording import RecordingError, export
+
+
+def _read_ply(data: bytes) -> tuple[np.ndarray, np.ndarray]:
+    header, body = data.split(b"end_header\n", 1)
+    counts = [int(line.split()[-1]) for line in header.decode().splitlines() if line.startswith("element")]
+    points = np.frombuffer(body, dtype="<f4", count=3 * counts[0]).reshape(-1, 3)
+    faces = np.frombuffer(
+        body[12 * counts[0] :], dtype=[("n", "u1"), ("i", "<i4", 3), ("body", "<i4")], count=counts[1]
+    )
+    assert len(body) == 12 * counts[0] + 17 * counts[1]
+    assert (faces["n"] == 3).all()
+    return points, faces["i"]
+
+
+def _read_obj(data: bytes) -> tuple[np.ndarray, np.ndarray]:
+    lines = [line.split() for line in data.decode().splitlines()]
+    points = np.array([line[1:] for line in lines if line[0] == "v"], dtype=np.float32)
+    return points, np.array([line[1:] for line in lines if line[0] == "f"], dtype=np.int32) - 1
+
+
+def _read_vtu(data: bytes) -> tuple[np.ndarray, np.ndarray]:
+    piece = ElementTree.fromstring(data).find("UnstructuredGrid/Piece")
+    assert piece is not None
+    kinds = {"Float32": "<f4", "Int32": "<i4", "UInt8": "u1"}
+
+    def array(name: str) -> np.ndarray:
+        element = next(e for e in piece.iter("DataArray") if e.get("Name") == name)
+        raw = base64.b64decode(element.text or "")
+        assert np.frombuffer(raw[:4], dtype="<u4")[0] == len(raw) - 4
+        return np.frombuffer(raw[4:], dtype=kinds[element.get("type", "")])
+
+    assert (array("types") == 5).all()
+    assert np.array_equal(array("offsets"), 3 * np.arange(1, int(piece.get("NumberOfCells", "0")) + 1))
+    return array("Points").reshape(-1, 3), array("connectivity").reshape(-1, 3)
+
+
+@pytest.mark.parametrize(("format", "read"), [("ply", _read_ply), ("obj", _read_obj), ("vtu", _read_vtu)])
+def test_exports_hold_all_bodies_exactly(tmp_path: Path, format: str, read) -> None:
+    run = record(tmp_path / "run", 4)
+    files = export(run, tmp_path / "out", format)
+    assert len(files) == (6 if format == "vtu" else 5)
+    for index in (0, 4):
+        points, triangles = read(files[index].read_bytes())
+        frame = run.frame(index)
+        assert np.array_equal(points, np.concatenate([b.positions for b in frame.bodies]))
+        starts = np.cumsum([0] + [len(b.positions) for b in frame.bodies])
+        expected = [b.triangles + s for b, s in zip(frame.bodies, starts[:-1], strict=True)]
+        assert np.array_equal(triangles, np.concatenate(expected))
+
+
+def test_pvd_lists_the_files_with_their_times(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 4)
+    index = export(run, tmp_path / "out", "vtu", frames=[1, 3])[-1]
+    sets = ElementTree.parse(index).getroot().findall("Collection/DataSet")
+    assert [float(s.get("timestep", "nan")) for s in sets] == pytest.approx([1 / 30, 3 / 30])
+    assert all((tmp_path / "out" / s.get("file", "")).is_file() for s in sets)
+
+
+def test_unknown_export_format(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="format 'stl' is unknown; choose one of vtu, ply, obj"):
+        export(record(tmp_path / "run", 1), tmp_path / "out", "stl")

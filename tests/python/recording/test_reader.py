@@ -1,0 +1,99 @@
+"""Recordings as they are read: what was written comes back, damage is reported."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_simulation import FakeSimulation, record
+
+from stark.recording import Recording, RecordingError
+
+
+@pytest.mark.parametrize("steps", [0, 1, 31, 32, 70])
+def test_frames_come_back_as_float32(tmp_path: Path, steps: int) -> None:
+    run = record(tmp_path / "run", steps)
+    assert len(run) == steps + 1
+    assert run.status == "complete"
+    sim = FakeSimulation()
+    for index in range(len(run)):
+        frame = run.frame(index)
+        assert frame.time == sim.time
+        for body, expected in zip(frame.bodies, sim.bodies, strict=True):
+            assert np.array_equal(body.positions, expected.positions.astype(np.float32))
+            assert np.array_equal(body.triangles, expected.triangles)
+        sim.step()
+    assert run.positions("cloth").shape == (steps + 1, 49, 3)
+    assert np.array_equal(run.positions(0, -1), run.frame(-1).bodies[0].positions)
+
+
+def test_bodies_keep_name_kind_motion_and_colour(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 1)
+    assert [b.name for b in run.bodies] == ["cloth", "</script>box & 'Ω'", "floor"]
+    assert [b.kind for b in run.bodies] == ["cloth", "rigid", "rigid"]
+    assert [b.motion for b in run.bodies] == ["dynamic", "scripted", "fixed"]
+    assert [b.color for b in run.bodies] == [(0.8, 0.3, 0.2), None, None]
+    assert run.manifest["units"]["residual"] == "N"
+
+
+def test_nearest_frame(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 10)
+    assert run.nearest(0.1) == 3
+    assert run.nearest(-1.0) == 0
+    assert run.nearest(math.inf) == 10
+
+
+def _cut(path: Path, share: float) -> None:
+    data = path.read_bytes()
+    path.write_bytes(data[: int(share * len(data))])
+
+
+def _edit_manifest(folder: Path, **changes: object) -> None:
+    path = folder / "manifest.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), **changes}))
+
+
+def _flip_a_byte(path: Path) -> None:
+    data = bytearray(path.read_bytes())
+    data[len(data) // 3] ^= 0xFF
+    path.write_bytes(bytes(data))
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda f: _cut(f / "frames/chunk_000000.npz", 0.6), "chunk_000000.npz' is damaged or cut off"),
+        (lambda f: _cut(f / "frames/chunk_000001.npz", 0.0), "chunk_000001.npz' is damaged or cut off"),
+        (lambda f: _flip_a_byte(f / "frames/chunk_000000.npz"), "chunk_000000.npz' is damaged or cut off"),
+        (lambda f: (f / "frames/chunk_000001.npz").unlink(), "chunk_000001.npz' is missing"),
+        (lambda f: _cut(f / "frames/topology.npz", 0.5), "topology.npz' is damaged or cut off"),
+        (lambda f: (f / "manifest.json").unlink(), "is not a run folder"),
+        (lambda f: _cut(f / "manifest.json", 0.5), "manifest.json' is damaged"),
+        (lambda f: _edit_manifest(f, format="zip"), "not the manifest of a Stark recording"),
+        (lambda f: _edit_manifest(f, version=99), "format version 99; this Stark reads 1"),
+        (lambda f: _edit_manifest(f, frame_count=7), "its manifest says 7"),
+        (lambda f: _edit_manifest(f, bodies=[{"name": "x"}]), "lacks or breaks an entry"),
+        (lambda f: _edit_manifest(f, bodies=[]), "manifest"),
+    ],
+)
+def test_damage_is_reported(tmp_path: Path, damage, message: str) -> None:
+    folder = tmp_path / "run"
+    record(folder, 40)
+    damage(folder)
+    if message == "manifest":  # fewer bodies than arrays is harmless for reading, but there is nothing in it
+        assert Recording(folder).bodies == []
+        return
+    with pytest.raises(RecordingError, match=message) as caught:
+        Recording(folder)
+    assert str(folder) in str(caught.value)
+
+
+def test_unknown_bodies_and_frames(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 2)
+    with pytest.raises(RecordingError, match="no body 'clot'; it has: cloth"):
+        run.positions("clot")
+    with pytest.raises(RecordingError, match="has 3 frames, no frame 3"):
+        run.frame(3)

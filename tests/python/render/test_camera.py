@@ -1,0 +1,44 @@
+"""Cameras: the automatic one shows the whole scene, others are used as they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fake_simulation import FakeSimulation, box
+
+from stark.render import Camera, auto_camera, render, scene_bounds
+
+
+@pytest.mark.parametrize("view", ["oblique", "front", "side", "top"])
+@pytest.mark.parametrize("aspect", [0.5, 1.0, 2.0])
+def test_automatic_camera_shows_the_whole_scene(view: str, aspect: float) -> None:
+    """Projects all vertices that matter with an independent pinhole model."""
+    sim = FakeSimulation()
+    camera = auto_camera(scene_bounds(sim), view, aspect)
+    eye, target = np.array(camera.eye), np.array(camera.target)
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    points = np.concatenate([sim.bodies[0].positions, sim.bodies[1].positions]) - eye
+    half = np.tan(0.5 * camera.vertical_fov)
+    x, y = points @ right / (points @ forward) / (half * aspect), points @ up / (points @ forward) / half
+    largest = max(np.abs(x).max(), np.abs(y).max())
+    assert 0.4 < largest < 0.9  # inside, and not lost in the middle
+
+
+def test_large_fixed_bodies_are_scenery() -> None:
+    sim = FakeSimulation()
+    bounds = scene_bounds(sim)
+    assert bounds.scenery == (False, False, True)
+    assert bounds.radius < 0.5
+    assert bounds.ground == pytest.approx(-0.3)  # the top of the floor
+    sim.bodies[2].positions = box((0.1, 0.1, 0.1))[0]
+    assert scene_bounds(sim).scenery == (False, False, False)
+
+
+def test_own_camera_is_used() -> None:
+    sim = FakeSimulation()
+    away = Camera(eye=(0.0, 0.0, 5.0), target=(0.0, 0.0, 10.0), up=(0.0, 1.0, 0.0))
+    picture = render(sim, 64, 64, camera=away, quality="draft").astype(int)
+    assert (picture[..., 0] - picture[..., 1]).max() < 20  # looks at the sky

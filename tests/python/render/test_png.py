@@ -1,0 +1,38 @@
+"""PNG files: what other programs read, damage, arrays that are no pictures."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stark.render import read_png, write_png
+
+
+def test_png_roundtrip_and_structure(tmp_path: Path) -> None:
+    picture = np.random.default_rng(1).integers(0, 256, (31, 17, 3), dtype=np.uint8)
+    write_png(tmp_path / "p.png", picture)
+    assert np.array_equal(read_png(tmp_path / "p.png"), picture)
+    data = (tmp_path / "p.png").read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    assert struct.unpack_from(">II", data, 16) == (17, 31)
+    assert data[-12:] == struct.pack(">I", 0) + b"IEND" + struct.pack(">I", zlib.crc32(b"IEND"))
+
+
+def test_damaged_png(tmp_path: Path) -> None:
+    write_png(tmp_path / "p.png", np.zeros((4, 4, 3), dtype=np.uint8))
+    data = bytearray((tmp_path / "p.png").read_bytes())
+    data[20] ^= 1
+    (tmp_path / "p.png").write_bytes(bytes(data))
+    with pytest.raises(ValueError, match="block IHDR is damaged"):
+        read_png(tmp_path / "p.png")
+
+
+@pytest.mark.parametrize("shape", [(4, 4), (4, 4, 4), (0, 4, 3)])
+def test_arrays_that_are_no_pictures(tmp_path: Path, shape: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match=r"must be \(h, w, 3\) uint8"):
+        write_png(tmp_path / "p.png", np.zeros(shape, dtype=np.uint8))
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,84 @@
+"""Materials: presets against their sources, masses, values that do not change."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+import stark
+from stark import mesh
+
+
+def test_presets_have_the_documented_numbers() -> None:
+    cotton, rubber, towel = stark.materials.cotton, stark.materials.soft_rubber, stark.materials.towel
+    assert cotton.to_dict() == {
+        "density": 0.2, "thickness": 1e-3, "youngs_modulus": 5e3, "poissons_ratio": 0.3, "strain_limit": 0.1,
+        "strain_limit_stiffness": 1e6, "strain_limit_hardening": 500.0,
+        "strain_limit_law": "green_strain", "bending_stiffness": 1e-6, "flexural_rigidity": 0.0,
+        "mass_damping": 0.1, "strain_damping": 0.5, "bending_damping": 1e-7,
+    }  # fmt: skip
+    steel = stark.materials.plate(
+        youngs_modulus=2.1e11, poissons_ratio=0.3, thickness=1e-4, density=7850.0, bending_stiffness=0.0
+    )
+    sheet = stark.materials.steel_sheet.to_dict()
+    assert steel.flexural_rigidity == pytest.approx(2.1e11 * 1e-12 / (12 * 0.91), rel=1e-12)
+    assert sheet.pop("strain_limit_law") == steel.strain_limit_law
+    assert {name: steel.to_dict()[name] for name in sheet} == pytest.approx(sheet, rel=1e-12)
+    assert rubber.to_dict() == {
+        "density": 1000.0, "youngs_modulus": 1e4, "poissons_ratio": 0.3, "strain_limit": 1.0,
+        "strain_limit_stiffness": 1e2, "strain_limit_hardening": 500.0,
+        "strain_limit_law": "green_strain", "mass_damping": 0.1, "strain_damping": 0.0,
+    }  # fmt: skip
+    # The towel of the paper: 0.484 kg on 1.75 m x 0.75 m, E 15 kPa, 3.25 mm, damping 0.1 of the stiffness.
+    assert towel.density * 1.75 * 0.75 == pytest.approx(0.484, rel=1e-14)
+    assert (towel.youngs_modulus, towel.thickness, towel.mass_damping) == (1.5e4, 3.25e-3, 2.0)
+    assert towel.strain_damping == pytest.approx(0.1 * towel.thickness * towel.youngs_modulus, rel=1e-14)
+    assert all(preset.source for preset in stark.materials.presets.values())
+
+
+def test_presets_of_solids_and_rods_follow_from_their_sources() -> None:
+    m = stark.materials
+    assert m.foam.youngs_modulus == pytest.approx(45e6 * (m.foam.density / 1200.0) ** 2)  # Gibson, Ashby
+    assert (m.natural_rubber.youngs_modulus, m.rubber_cord.youngs_modulus) == (1.5e6, 1.5e6)  # 40 IRHD
+    assert (m.steel.youngs_modulus, m.steel.density, m.steel.poissons_ratio) == (2.1e11, 7850.0, 0.3)
+    assert (m.pet_solid.youngs_modulus, m.pet_solid.density) == (3.1e9, 1360.0)
+    # 4 mm of rubber: 11.9 g/m, and E A = 18.8 N for a doubled length.
+    assert m.rubber_cord.section["mass"] == pytest.approx(0.01194, rel=1e-3)
+    assert m.rubber_cord.section["axial_stiffness"] == pytest.approx(18.85, rel=1e-3)
+
+
+def test_deformable_bodies_have_the_mass_that_they_are_given() -> None:
+    """Momentum of free fall after one step is m g h."""
+    for add in (
+        lambda s: s.add_cloth(mesh.grid(0.3, 0.2, 4), mass=0.02),
+        lambda s: s.add_solid(mesh.tet_box(0.1, 2), mass=0.02),
+        lambda s: s.add_solid(mesh.box_hexahedra(0.1, 2), mass=0.02),
+        lambda s: s.add_rod(mesh.polyline((0, 0, 0), (1, 0, 0), 8), mass=0.02),
+    ):
+        scene = stark.Scene()
+        add(scene)
+        sim = stark.Simulation(scene, time_step=1e-3, **{"contact.enabled": False})
+        damped = 1.0 + 0.1 * 1e-3  # every preset has the mass damping 0.1/s
+        assert sim.step().momentum[2] == pytest.approx(-0.02 * 9.81 * 1e-3 / damped, rel=1e-4)
+
+
+def test_materials_are_immutable_values() -> None:
+    cotton = stark.materials.cotton
+    stiff = cotton.replace(bending_stiffness=1e-5)
+    assert (stiff.bending_stiffness, cotton.bending_stiffness) == (1e-5, 1e-6)
+    assert stiff != cotton and stiff.replace(bending_stiffness=1e-6) == cotton
+    assert hash(stiff.replace(bending_stiffness=1e-6)) == hash(cotton)
+    with pytest.raises(AttributeError, match=r"replace\(density=3"):
+        cotton.density = 3  # type: ignore[misc]
+    assert not hasattr(cotton, "colour")
+    assert pickle.loads(pickle.dumps(stiff)) == stiff
+    assert "bending_stiffness=1e-05" in repr(stiff)
+
+
+@pytest.mark.parametrize("kind", [stark.ShellMaterial, stark.SolidMaterial])
+def test_the_annotations_of_materials_are_the_parameters_of_the_core(kind: type) -> None:
+    names = [parameter["name"] for parameter in kind.parameters()]
+    assert [name for name in kind.__annotations__ if not name.startswith("_")] == names
+    assert all(parameter["doc"] for parameter in kind.parameters())
+    assert [row["name"] for row in kind.parameters() if not row["unit"]] == ["strain_limit_law"]

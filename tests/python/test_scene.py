@@ -1,0 +1,75 @@
+"""Scenes: bodies by name, contact of pairs, names, the record of what was done."""
+
+from __future__ import annotations
+
+import warnings
+
+import pytest
+
+import stark
+from stark import _core, mesh
+from stark.scene_record import RecordedScene
+
+
+def make_scene() -> stark.Scene:
+    scene = stark.Scene("kitchen")
+    scene.add_cloth(mesh.grid(0.4, 0.4, 4), name="napkin", position=(0, 0, 0.5), friction=0.9)
+    scene.add_solid(mesh.tet_box(0.1, 2), name="cheese", position=(0, 0, 0.2), friction=0.4)
+    scene.add_box((0.1, 0.2, 0.3), density=500.0, position=(1, 0, 0.2))
+    scene.add_floor()
+    return scene
+
+
+def test_bodies_by_name_order_and_kind() -> None:
+    scene = make_scene()
+    assert [body.name for body in scene] == ["napkin", "cheese", "box", "floor"]
+    assert [body.kind for body in scene.bodies] == ["cloth", "solid", "rigid", "rigid"]
+    assert [body.motion for body in scene.bodies] == ["dynamic", "dynamic", "dynamic", "fixed"]
+    assert "box" in scene and scene["box"] in scene and "wall" not in scene
+    assert scene.add_box(0.1, mass=1.0).name == "box_2"
+    assert isinstance(scene["napkin"], stark.Cloth) and isinstance(scene["floor"], stark.RigidBody)
+    assert "napkin (cloth)" in repr(scene)
+
+
+def test_contact_of_pairs() -> None:
+    scene = make_scene()
+    assert scene.contact_enabled("napkin", "napkin") and not scene.contact_enabled("box", "box")
+    scene.disable_contact("napkin", scene["box"])
+    assert not scene.contact_enabled("box", "napkin")
+    scene.enable_contact("box", "napkin")
+    assert scene.contact_enabled("box", "napkin")
+
+
+def test_suspicious_input_is_warned_about_once() -> None:
+    scene = stark.Scene()
+    with pytest.warns(stark.StarkWarning, match=r"extent of 400 m; if it is not in metres, scale"):
+        scene.add_cloth(mesh.grid(400, 400, 2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.add_floor()
+    with pytest.warns(stark.StarkWarning, match="open"):
+        scene.add_rigid(mesh.grid(1, 1, 1), mass=1.0)
+    three = mesh.TriangleMesh(
+        [[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0]], [[0, 1, 2], [0, 1, 3], [0, 1, 4]]
+    )
+    with pytest.warns(stark.StarkWarning) as caught:
+        scene.add_cloth(three)
+    messages = [str(warning.message) for warning in caught]
+    assert any("1 edge shared by more than two triangles (first: 0-1)" in message for message in messages)
+    assert any("oriented differently" in message for message in messages)
+    assert len(scene.warnings) == 4
+
+
+def test_names_are_the_first_free_ones_and_many_take_no_time() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, motion="fixed", name="box_2")
+    names = [scene.add_box(0.1, motion="fixed").name for _ in range(1000)]
+    assert names[:3] == ["box", "box_3", "box_4"] and names[-1] == "box_1001"
+    assert "box_2" in scene and "box_1002" not in scene and scene.bodies[0] in scene
+
+
+def test_every_change_of_a_scene_is_recorded() -> None:
+    """What a reproducer of a failed step is written from."""
+    changing = ("add_", "set_", "pin", "clamp", "disable_", "enable_")
+    names = {name for name in dir(_core.Scene) if name.startswith(changing)} - {"pins", "clamped"}
+    assert names == {name for name in vars(RecordedScene) if name.startswith(changing)}

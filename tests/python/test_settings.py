@@ -1,0 +1,58 @@
+"""Settings: by attribute, by name and from text; every one has unit, rule and meaning."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import stark
+
+
+def test_settings_by_attribute_by_name_and_by_text() -> None:
+    settings = stark.Settings(time_step=1 / 30, contact_distance=2e-3, **{"newton.step_tolerance": 1e-4})
+    assert settings.time.step == settings["time.step"] == settings.time_step == 1 / 30
+    assert settings["contact_distance"] == settings.contact.distance == 2e-3
+    settings.newton.max_iterations = np.int64(7)
+    settings.gravity = np.array([0, 0, -1.62])
+    settings.contact.enabled = False
+    settings.set_text("linear.solver=pcg")
+    settings.set_text("threads = 2")
+    assert settings.changed() == {
+        "time.step": 1 / 30,
+        "newton.step_tolerance": 1e-4,
+        "newton.max_iterations": 7,
+        "linear.solver": "pcg",
+        "contact.enabled": False,
+        "contact.distance": 2e-3,
+        "execution.threads": 2,
+        "gravity": (0.0, 0.0, -1.62),
+    }
+    assert settings == stark.Settings(**settings.to_dict())
+    assert pickle.loads(pickle.dumps(settings)) == settings
+    assert settings.copy() == settings and settings.copy() is not settings
+    assert "newton.max_iterations = 7" in settings.brief()
+    assert "contact.distance = 0.002 m\n" in repr(settings)
+    assert not hasattr(settings, "nothing") and not hasattr(settings.newton, "nothing")
+    assert "step_tolerance" in dir(settings.newton) and "newton" in dir(settings)
+    assert stark.Settings(newton={"armijo": 0.1}).newton.armijo == 0.1
+
+
+def test_every_setting_has_unit_rule_and_meaning_and_a_valid_default() -> None:
+    settings = stark.Settings()
+    settings.validate()
+    for field in stark.Settings.fields():
+        assert field["doc"] and field["rule"].startswith("must be")
+        assert field["unit"] or field["choices"] or isinstance(field["default"], bool)
+        settings[field["name"]] = field["default"]
+    assert settings.changed() == {}
+    assert settings.brief() == "all defaults"
+
+
+def test_the_reference_document_is_up_to_date() -> None:
+    tool = Path(__file__).resolve().parents[2] / "tools" / "reference.py"
+    run = subprocess.run([sys.executable, tool, "--check"], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr

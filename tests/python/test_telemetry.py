@@ -1,0 +1,60 @@
+"""Telemetry: columns, units, gaps, damaged lines, CSV."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_simulation import record, report
+
+from stark.telemetry import Telemetry, TelemetryError, TelemetryWriter
+
+
+def test_telemetry_columns_units_and_gaps(tmp_path: Path) -> None:
+    telemetry = record(tmp_path / "run", 10).telemetry
+    assert len(telemetry) == 10
+    assert np.allclose(telemetry["time"], np.arange(1, 11) / 30.0)
+    assert np.isnan(telemetry["min_distance"][:4]).all()  # infinite: no contact
+    assert np.isfinite(telemetry["min_distance"][-1])
+    assert np.allclose(telemetry["energy.kinetic"], telemetry["time"] ** 2)
+    assert telemetry.unit("energy.kinetic") == "J"
+    assert telemetry.unit("phases.solve") == "s"
+    with pytest.raises(KeyError, match="no series 'energi'"):
+        telemetry["energi"]
+
+
+def test_telemetry_lines_are_standard_json(tmp_path: Path) -> None:
+    with TelemetryWriter(tmp_path / "t.jsonl") as writer:
+        writer.write(report(0.1, residual=math.nan, message='a "quoted"\nline'))
+        assert (tmp_path / "t.jsonl").read_text().endswith("\n")  # on disk before close()
+
+    def refuse(name: str) -> float:
+        raise AssertionError(name)
+
+    row = json.loads((tmp_path / "t.jsonl").read_text(), parse_constant=refuse)
+    assert row["residual"] is None
+    assert row["message"] == 'a "quoted"\nline'
+
+
+def test_damaged_telemetry(tmp_path: Path) -> None:
+    path = tmp_path / "t.jsonl"
+    path.write_text('{"time":1}\n{"time":2')
+    with pytest.raises(TelemetryError, match="line 2 is cut off"):
+        Telemetry.read(path)
+    assert len(Telemetry.read(path, tolerate_cut_line=True)) == 1
+    path.write_text('{"time":1}\nnonsense\n')
+    with pytest.raises(TelemetryError, match="line 2 is not JSON"):
+        Telemetry.read(path, tolerate_cut_line=True)
+
+
+def test_csv_has_units(tmp_path: Path) -> None:
+    telemetry = record(tmp_path / "run", 3).telemetry
+    telemetry.to_csv(tmp_path / "t.csv")
+    lines = (tmp_path / "t.csv").read_text().splitlines()
+    assert "residual [N]" in lines[0] and len(lines) == 4
+    assert len(lines[1].split(",")) == len(lines[0].split(","))
+    numbers = [float(cell) for line in lines[1:] for cell in line.split(",") if cell]  # plain ones
+    assert len(numbers) > 40
