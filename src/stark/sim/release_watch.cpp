@@ -116,13 +116,14 @@ void ReleaseWatch::check(const State& state) const {
                           "), sorted; use a state that a simulation has been in");
 }
 
-void ReleaseWatch::begin_step(std::span<const Vec3> x) {
+void ReleaseWatch::begin_step() {
   watch_ = {.close = {state_.contact_close_bodies, state_.contact_close_distance}};
   if (!contact_) return;
   watch_.regained = exclusions_.over(state_);
   watch_.overlapping = without(exclusions_.released(state_), watch_.regained);
   if (watch_.overlapping.empty()) return set_regained(watch_.regained);
   const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
+  const std::vector<Vec3> x = model_.site_positions(state_);
   set_regained(watch_.regained);
   const CloseBodies before = contact_->find_close_bodies(x);
   const Numbers apart = without(watch_.overlapping, find_overlapping(watch_.overlapping, x));

@@ -23,9 +23,9 @@ class ReleaseWatch : private StepPart {
   const std::vector<int64_t>& filtered() const { return filtered_; }
   void set_regained(const std::vector<int64_t>& regained);
 
-  /// Which exclusions are over in the step that starts with sites at x. Throws InitialIntersection where that
+  /// Which exclusions are over in the step that starts from the state. Throws InitialIntersection where that
   /// is asked for and released bodies overlap.
-  void begin_step(std::span<const Vec3> x);
+  void begin_step();
   /// Exclusions that are over.
   const std::vector<int64_t>& regained() const { return watch_.regained; }
   const CloseBodies& close() const { return watch_.close; }

@@ -146,7 +146,7 @@ void StepRunner::begin() {
   attempts_.clear();
   repeats_ = 0;
   load_ = {state_.contact_bodies, state_.contact_factor};
-  watch_.begin_step(model_.site_positions(state_));
+  watch_.begin_step();
   linear_solver_.begin_step();
   set_deadline();
 }
