@@ -186,7 +186,8 @@ NewtonSolver::Direction NewtonSolver::find_direction(Objective& objective, doubl
 
 // Whether an iterate has converged takes a direction, but no new Hessian where the last one is nearly that of
 // the iterate: the simplified Newton correction d with its contraction Theta bounds the distance to the
-// solution by |d| / (1 - Theta) [Deuflhard 2011, sec. 2.1]. It is taken where it says "converged".
+// solution by |d| / (1 - Theta) [theory eq. 23a; Deuflhard 2011, sec. 2.1]. It is taken where it says
+// "converged".
 bool NewtonSolver::find_simplified_direction(Objective& objective, double time_step, SolveReport& report) {
   if (!is_hessian_exact_ || simplified_limit_ == 0.0 || projection_countdown_ > 0) return false;
   objective.evaluate_gradient(gradient_);
