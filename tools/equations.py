@@ -33,8 +33,8 @@ def citing_files(root: Path = ROOT) -> list[Path]:
 
 
 def citations(path: Path) -> Iterator[tuple[str, str]]:
-    """(number, text around it) of every citation of the theory, with ranges taken apart. In documents a
-    number alone is one of the theory; in sources it raises ValueError, because it could be any paper's."""
+    """(number, text around it) of every citation of the theory, ranges taken apart. In documents a number
+    alone is one of the theory; in sources it raises ValueError, because it could be any paper's."""
     text = _MARKERS.sub(" ", path.read_text(encoding="utf-8"))
     for match in _CITED.finditer(text):
         before = text[max(0, match.start() - 160) : match.start()]

@@ -38,7 +38,7 @@ ctest --test-dir "$build" --output-on-failure -E package
 unsuited=$(grep -rl capstone tests/python --include='test_*.py' | sed 's/^/--ignore=/')
 # Tests that look at the process itself: what it loads, how much memory it takes, how fast it stops.
 for test in formulas/test_formulas_energy.py::test_no_compiler_is_needed \
-  test_behaviours.py::test_steps_leave_nothing_behind test_cli.py::test_stopping_leaves_a_complete_recording \
+  test_behaviours.py::test_steps_leave_nothing_behind cli/test_cli_run.py::test_stopping_leaves_a_complete_recording \
   test_import.py::test_import_is_fast_and_loads_nothing_optional test_import.py::test_type_information_is_shipped; do
   unsuited="$unsuited --deselect=tests/python/$test"
 done

@@ -60,6 +60,15 @@ def test_equations_that_are_cited_exist() -> None:
     assert len(cited) > 50 and {suffix for suffix, _ in cited} == {".h", ".cpp", ".py", ".md"}
 
 
+def test_every_equation_is_cited_by_a_source_that_implements_it() -> None:
+    sources = [path for path in equations.citing_files() if path.suffix != ".md"]
+    places = [
+        path for path in sources if path.is_relative_to(ROOT / "src") or path.is_relative_to(ROOT / "python")
+    ]
+    cited = {number for path in places for number, _ in equations.citations(path)}
+    assert [number for number in equations.defined() if number not in cited] == []
+
+
 @pytest.mark.parametrize(
     ("text", "numbers"),
     [

@@ -1,21 +1,18 @@
-"""The package as installed: version, exceptions, type stubs, refusal of old processors, and a fast import."""
+"""The package as installed: version, exceptions, type stubs, and a fast import."""
 
 import ast
 import importlib.metadata
 import json
-import os
 import pickle
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
-import pytest
-
 import stark
-from stark import _cpu
 
 ROOT = Path(__file__).resolve().parents[2]
+
 
 # `import stark` shall take 0.15 s on a quiet machine with files in the page cache. NumPy takes 0.085 s of it,
 # which leaves Stark 0.75 of NumPy's time; 0.44 was measured. The best of several times of one machine are
@@ -82,30 +79,3 @@ def test_import_is_fast_and_loads_nothing_optional() -> None:
         "difflib",
     }
     assert optional.isdisjoint(runs[0][2])
-
-
-@pytest.mark.parametrize(
-    ("flags", "missing"),
-    [
-        ("fpu sse2 avx avx2 fma bmi2", []),
-        ("fpu sse2 avx", ["avx2", "fma"]),
-        ("fpu sse2 avx avx2 fma4", ["fma"]),
-    ],
-)
-def test_missing_instruction_sets_are_found(flags: str, missing: list[str]) -> None:
-    assert _cpu.missing_flags(f"processor\t: 0\nflags\t\t: {flags}\nbugs\t\t: avx2 fma\n") == missing
-
-
-def test_a_machine_without_flags_line_is_not_refused() -> None:
-    assert _cpu.missing_flags("Hardware\t: something else\n") == []
-
-
-def test_this_machine_is_accepted() -> None:
-    _cpu.require_supported_processor()
-
-
-@pytest.mark.skipif(os.uname().machine != "x86_64", reason="the check is for x86-64 Linux")
-def test_old_processors_get_an_import_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_cpu, "missing_flags", lambda cpuinfo: ["avx2"])
-    with pytest.raises(ImportError, match=r"AVX2 and FMA.*lacks avx2"):
-        _cpu.require_supported_processor()

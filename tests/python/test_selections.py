@@ -4,9 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from _scenes import anchor, sheet
 
 import stark
+
+
+@stark.energy
+def anchor(p: stark.Point, target: stark.Vec3, stiffness: float = 10.0):
+    """Spring of rest length zero to a place in the world."""
+    d = p.x - target
+    return 0.5 * stiffness * (d @ d)
+
+
+def sheet(cells: int = 4) -> tuple[stark.Scene, stark.Cloth]:
+    """A scene with a square cloth of 0.4 m about the origin."""
+    scene = stark.Scene()
+    return scene, scene.add_cloth(stark.mesh.grid(0.4, 0.4, cells=cells), name="sheet")
 
 
 def test_selections_are_indexed_like_arrays() -> None:

@@ -4,7 +4,8 @@
 // directional form of additive CCD, Li et al. 2021, "Codimensional incremental potential contact"). Where no
 // plane lasts, an interval in which the Bernstein coefficients of the coplanarity cubic keep their sign is
 // passed at once. Gaps and volumes are lowered by bounds of their rounding errors, so the result is
-// conservative in floating point, whatever closest features were found. Phase: step-length bound.
+// conservative in floating point, whatever closest features were found. Phase: step-length bound. [theory
+// eq. 21]
 #pragma once
 
 #include <array>

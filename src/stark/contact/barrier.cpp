@@ -1,9 +1,9 @@
-// Barrier energy of contact: E = kappa b(d, d_hat), b = -(d - d_hat)^2 ln(d / d_hat) for d < d_hat.
-// [Li et al. 2020, "Incremental Potential Contact", eq. 6, in the distance instead of its square] b is C2 at
-// d_hat. A second barrier of the same form is infinite at a least distance, below which collision detection
-// would end a step [theory eq. 16d]. Near-parallel edges are mollified with m(c) = (2 - c/eps) c/eps,
-// c = |e_a x e_b|^2 [Li et al. 2020, eq. 24], since the distance of lines is not differentiable there.
-// kappa [N/m] is the contact's own (contact/contact_law.h).
+// Barrier energy of contact: E = kappa b(d, d_hat), b = -(d - d_hat)^2 ln(d / d_hat) for d < d_hat
+// [theory eq. 16; Li et al. 2020, "Incremental Potential Contact", eq. 6, in the distance instead of its
+// square]. b is C2 at d_hat. A second barrier of the same form is infinite at a least distance, below which
+// collision detection would end a step [theory eq. 16d]. Near-parallel edges are mollified with m(c) =
+// (2 - c/eps) c/eps, c = |e_a x e_b|^2 [theory eq. 17; Li et al. 2020, eq. 24], since the distance of lines
+// is not differentiable there. kappa [N/m] is the contact's own (contact/contact_law.h).
 #include <stark/contact/distance.h>
 
 namespace stark::models {

@@ -8,7 +8,7 @@
 // nearest cancel; above valleys the nearest point of each side remains, and what both have in common is taken
 // away: a negative contact, without which the energy would jump as the point moves along.
 // [Li et al. 2023, "Convergent incremental potential contact", section 4.2; the coefficients from the cells
-// in range, so that they hold on surfaces with borders, holes and parts without contact]
+// in range, so that they hold on surfaces with borders, holes and parts without contact; theory eq. 16c]
 #pragma once
 
 #include <span>

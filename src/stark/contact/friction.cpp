@@ -1,8 +1,8 @@
 // Smoothed Coulomb friction with lagged normal force and tangent plane: E = mu lambda f0(|u_T|), u_T the
 // tangential part of u = sum_i w_i d_i + s_i (m . d_i) + a, d_i = x_i - x_i^ref the motions, w the lagged
 // weights of the points where friction acts, s what the turning of a triangle of unit normal m moves them by
-// (friction_stencil.h) and a the deflection of the bristles at the start of the step [docs/theory.md,
-// Friction]. f0(y) = y^2/eps - y^3/(3 eps^2) + eps/3 below eps = stick_displacement, y above [Li et al. 2020,
+// (friction_stencil.h) and a the deflection of the bristles at the start of the step [theory eq. 19,
+// 20]. f0(y) = y^2/eps - y^3/(3 eps^2) + eps/3 below eps = stick_displacement, y above [Li et al. 2020,
 // eq. 17]: C1 with bounded curvature, so the force has magnitude mu lambda whenever the contact slips.
 //
 // f0 is concave in y^2, so the parabola mu lambda/2 (f0'(y_k)/y_k) |u_T|^2 through an iterate k has its force
@@ -13,7 +13,7 @@
 // m_1 t_1 and m_2 t_2 of A: axes of the tangent plane times their shares of the larger coefficient. The
 // energy is then the support function of the ellipse of the forces |A^-1 f| <= mu lambda, so that sliding
 // dissipates the most that the ellipse allows [Moreau 1970; Michalowski and Mroz 1978: the associated sliding
-// rule].
+// rule; theory eq. 20b].
 #include <stark/mechanics/define.h>
 
 namespace stark::models {

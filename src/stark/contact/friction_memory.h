@@ -1,5 +1,6 @@
 // What friction remembers of the pairs in contact from one step to the next: how far the bristles between the
-// surfaces are bent, and the normal force. Part of the State, so rewinding and resuming are exact.
+// surfaces are bent, and the normal force. Part of the State, so rewinding and resuming are exact. [theory
+// eq. 20a]
 #pragma once
 
 #include <span>

@@ -1,6 +1,7 @@
 // Friction of the contacts of a configuration. Normal force, tangent plane and closest points of a pair are
 // frozen while energies are minimised and refreshed in between until they agree with the result
 // (step phase 2). Sticking pairs are held by bristles that keep their deflection from step to step.
+// [theory eq. 19 to 20a]
 #pragma once
 
 #include <functional>

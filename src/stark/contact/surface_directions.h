@@ -1,5 +1,6 @@
 // Directions on surfaces, such as the nap of a fabric or the grooves of a belt: tangents of triangles that
-// are carried along with the material. They are the axes of anisotropic friction (step phase 2).
+// are carried along with the material. They are the axes of anisotropic friction (step phase 2). [theory
+// eq. 20b]
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Chain rule for one element: J^T g and J^T H J added to gradient and block matrix, and the moment sum that
-// the rigid curvature needs (step phase 4e; formulas in kinematic_map.h).
+// the rigid curvature needs (step phase 4e; formulas in kinematic_map.h). [theory eq. 5, 6]
 #pragma once
 
 #include <span>

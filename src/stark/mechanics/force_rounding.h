@@ -1,4 +1,5 @@
 // What doubles leave of the balance of forces (step phase 4j): no tolerance can ask for less.
+// [theory eq. 23b]
 #pragma once
 
 #include <span>

@@ -4,7 +4,7 @@
 // Prescribed sites move during the minimisation: with progress s in [0, 1] they are at (1 - s) start + s
 // target, each Newton step carries s along by its step length, and the gradient anticipates the rest of the
 // motion. So the path of every vertex between iterates is linear, which is what the collision detection
-// certifies.
+// certifies. [theory eq. 7]
 #pragma once
 
 #include <limits>

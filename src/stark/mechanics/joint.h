@@ -11,7 +11,7 @@
 //
 // The residuals C become the augmented Lagrangian sum_k lambda_k C_k + rho_k/2 C_k^2, an energy like any
 // other (mechanics/constraint_set.h updates lambda and rho). Limits C <= 0 have the one-sided form
-// (max(0, lambda + rho C)^2 - lambda^2) / (2 rho) [Rockafellar 1973]. Phase: model building.
+// (max(0, lambda + rho C)^2 - lambda^2) / (2 rho) [Rockafellar 1973; theory eq. 38]. Phase: model building.
 #pragma once
 
 #include <functional>
@@ -66,7 +66,8 @@ class JointBuilder {
   void hold(std::span<const symbolic::Scalar> residuals, ResidualUnit unit);
   /// A residual that is kept at or below zero: a stop.
   void limit(const symbolic::Scalar& residual, ResidualUnit unit);
-  /// A coordinate of the joint. Coordinates in rad may jump by full turns: they are unwrapped in time.
+  /// A coordinate of the joint. Coordinates in rad may jump by full turns: they are unwrapped in time
+  /// (theory eq. 32).
   void coordinate(const std::string& name, const symbolic::Scalar& value, const std::string& unit);
 
   /// Constants of the joint, as in PotentialBuilder.

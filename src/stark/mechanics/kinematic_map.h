@@ -5,6 +5,7 @@
 // point is [I, -[r]x] with the world lever r, and the curvature of the map adds, per body,
 //     K = sym(M) - tr(M) I,   M = sum_sites g_i r_i^T,
 // to the rotational block: nine multiply-adds a site and one 3x3 a body, whatever the number of contacts.
+// [theory eq. 3 to 6]
 #pragma once
 
 #include <span>

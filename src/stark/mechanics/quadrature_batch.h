@@ -1,6 +1,7 @@
 // Elements whose energy is a sum over quadrature points: E = sum_q w_q psi(F_q) with F_q = sum_a x_a (x)
 // G_qa. The law is evaluated in F, nine unknowns whatever the element, with lanes = quadrature points; the
-// gradients of the shape functions G bring its derivatives to the nodes (step phase 4c and 4e).
+// gradients of the shape functions G bring its derivatives to the nodes (step phase 4c and 4e). [theory
+// eq. 10a]
 #pragma once
 
 #include <memory>

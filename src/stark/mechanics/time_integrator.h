@@ -1,5 +1,5 @@
 // Time integrators as coefficients: how the velocity and the inertia of a step follow from positions (step
-// phase 2). All of them are minimisations of the same potential (theory eq. 1), with
+// phase 2). All of them are minimisations of the same potential (theory eq. 1, 2), with
 //     x_bar = x + b v - l Q,   v_new = (x_new - x_bar) / sigma,   x_hat = x_bar + sigma (v + c A),
 // where A is the increment of the velocity in the last step, and Q is what the velocity at its end was ahead
 // of the mean one. Where steps resolve contact, all forces push with s. Where they do not, A leaves contact

@@ -1,4 +1,4 @@
-// Energy and momentum of a step (step phase 8).
+// Energy and momentum of a step (step phase 8). [theory eq. 27]
 //
 // Dissipation is the work of the forces at the end of the step over the motion of the step, as implicit
 // methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D.

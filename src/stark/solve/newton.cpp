@@ -155,7 +155,8 @@ std::optional<SolveStatus> NewtonSolver::reason_to_stop(const Objective& objecti
 
 // Whether an iterate has converged takes a direction, but no new Hessian where the last one is nearly that of
 // the iterate: the simplified Newton correction d with its contraction Theta bounds the distance to the
-// solution by |d| / (1 - Theta) [Deuflhard 2011, sec. 2.1]. It is taken where it says "converged".
+// solution by |d| / (1 - Theta) [theory eq. 23a; Deuflhard 2011, sec. 2.1]. It is taken where it says
+// "converged".
 bool NewtonSolver::find_simplified_direction(Objective& objective) {
   if (!progress_.is_hessian_exact || progress_.simplified_limit == 0.0 || progress_.projected_left > 0)
     return false;

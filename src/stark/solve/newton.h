@@ -1,5 +1,6 @@
 // Newton's method with line search (step phases 4, 4h to 4j): raw Hessians, projected ones where the matrix
 // turns out indefinite; steps bounded by continuous collision detection; Armijo's rule on energy differences.
+// [theory eq. 22, 23]
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // Armature: inertia that moves with the coordinate and is part of neither body, as the rotor of a geared
-// motor (rotor inertia times the square of the gear ratio). Effort -J d(rate)/dt.
+// motor (rotor inertia times the square of the gear ratio). Effort -J d(rate)/dt. [theory eq. 37]
 #include <stark/mechanics/define.h>
 
 namespace stark::models {

@@ -1,6 +1,6 @@
 // Friction in a joint: dry, with an effort of at most cap that is reached at the rate stick_rate, and
 // viscous. Below stick_rate, s = |rate| / stick_rate, the dry effort is cap (2 s - s^2), as in contact:
-// smooth, and a joint under less than cap creeps with less than stick_rate.
+// smooth, and a joint under less than cap creeps with less than stick_rate. [theory eq. 36]
 #include <stark/mechanics/define.h>
 
 namespace stark::models {

@@ -1,7 +1,7 @@
 // Position servo: PID controller with a cap, taken implicitly. The effort is that of the end of the step,
 //   e = kp (target - q) + ki I + kd (target_rate - rate) + feedforward,  I = I_start + h (target - q),
 // cut at +-cap. e is linear in q with slope -K, K = kp + ki h + kd / h, so the energy is huber(e, cap) / K.
-// The integral rests while the cap is reached and the error would wind it up further.
+// The integral rests while the cap is reached and the error would wind it up further. [theory eq. 34]
 #include <stark/models/actuators/huber.h>
 
 namespace stark::models {

@@ -1,4 +1,4 @@
-// Spring and damper: effort -k (q - rest) - c rate.
+// Spring and damper: effort -k (q - rest) - c rate. [theory eq. 35]
 #include <stark/mechanics/define.h>
 
 namespace stark::models {

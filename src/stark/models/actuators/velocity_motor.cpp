@@ -1,6 +1,7 @@
 // Velocity motor: drives the rate of a coordinate to a target with an effort that grows in proportion to the
 // difference up to the cap, which it reaches at the difference delta and never exceeds [Stark paper, fig. 2:
 // k = cap / delta, theta = delta / 2]. Energy of a step: h Phi(target - rate), so that -dE/dq = Phi'.
+// [theory eq. 33]
 #include <stark/models/actuators/huber.h>
 
 namespace stark::models {

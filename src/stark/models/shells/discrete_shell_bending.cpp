@@ -1,6 +1,7 @@
 // Bending of hinges with rest angles: E = k/2 3 |e|^2 / (A_a + A_b) (theta - theta_0)^2 with the signed fold
 // angle. [Grinspun et al. 2003, "Discrete Shells"; normalised such that it agrees with the quadratic model of
 // Bergou et al. 2006 for small angles.] Damping: d/(2 h) 3 |e|^2 / (A_a + A_b) (theta - theta_n)^2.
+// [theory eq. 13]
 #include <stark/models/shells/hinge.h>
 
 namespace stark::models {

@@ -1,7 +1,7 @@
 // Quadratic bending of a flat rest shape: E = k/2 3/(A_a + A_b) |sum_i K_i x_i|^2 with cotangent weights K of
 // the rest shape. [Bergou et al. 2006, "A Quadratic Bending Model for Inextensible Surfaces"; the paper's
 // sec. III-C, IV-A with k the stiffness parameter k_b.] The Hessian is constant. Damping: the same form of
-// the motion within the step.
+// the motion within the step. [theory eq. 12]
 #include <stark/models/shells/hinge.h>
 
 namespace stark::models {

@@ -1,7 +1,7 @@
 // Neo-Hookean membrane energy of triangles in plane stress.
 // psi = mu/2 (I_C - 2) - mu ln J + lambda/2 (ln J)^2 with I_C = tr C, J = sqrt(det C) the ratio of areas and
 // the plane-stress lambda = E nu / (1 - nu^2). J > 0 for every embedded triangle that has an area, and psi
-// grows without bound as the area vanishes.
+// grows without bound as the area vanishes. [theory eq. 11]
 #include <stark/models/elastic_constants.h>
 #include <stark/models/shells/metric.h>
 

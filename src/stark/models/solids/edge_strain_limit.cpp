@@ -1,5 +1,6 @@
 // Strain limiting of edges: E = V k/3 max(0, |e|/L - 1 - limit)^3, C2 at the limit, V the volume that the
 // edge stands for. [paper sec. IV-A: "edge-length based strain limiting"] For cloth and solids alike.
+// [theory eq. 14a]
 #include <stark/mechanics/define.h>
 
 namespace stark::models {

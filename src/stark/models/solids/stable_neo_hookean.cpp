@@ -1,7 +1,7 @@
 // Stable Neo-Hookean elasticity.
 // [Smith, de Goes, Kim 2018, "Stable Neo-Hookean Flesh Simulation", eq. 14, with the Lame reparametrisation
 // of sec. 3.4 for the log term, so that small strains agree with linear elasticity.] The energy of the rest
-// state is subtracted. Finite for flat and inverted elements.
+// state is subtracted. Finite for flat and inverted elements. [theory eq. 10]
 #include <stark/models/elastic_constants.h>
 
 namespace stark::models {
