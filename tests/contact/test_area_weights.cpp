@@ -102,8 +102,11 @@ TEST_CASE("the finer mesh integrates, equal ones half each") {
   CHECK(part(5, 4) + part(4, 5) == doctest::Approx(1.0));
 }
 
-TEST_CASE("pairs of edges weigh little where surfaces are flat and all where they are sharp") {
-  const auto pair_area = [](const TriangleMesh& mesh, bool is_sheet) {
+TEST_CASE("pairs of edges have what their edges stand for, and a range by how sharp they are") {
+  struct Pair {
+    double area = 0.0, range = 0.0;  ///< of the pair with the largest range
+  };
+  const auto widest = [](const TriangleMesh& mesh, bool is_sheet) {
     SceneBuilder builder;
     builder.add_mesh(mesh);
     builder.add_mesh(mesh, {0, 0, 1});
@@ -114,19 +117,24 @@ TEST_CASE("pairs of edges weigh little where surfaces are flat and all where the
     if (is_sheet) patch.clear();
     const AreaWeights weights(builder.surface, builder.x, patch, std::vector<uint8_t>(2, is_sheet),
                               std::vector<double>{0.01, 0.01});
-    double largest = 0.0;
+    const EdgeRanges ranges = weights.edge_ranges(builder.surface);
+    Pair widest;
     const auto count = static_cast<int32_t>(builder.surface.edges.size()) / 2;
     for (int32_t e = 0; e < count; ++e) {
       Contact contact;
       contact.key = {PairKind::EdgeEdge, e, e + count};
       contact.group_b = 1;
-      largest = std::fmax(largest, weights.area(builder.surface, contact, kUp, builder.x));
+      const double range = ranges(e, e + count);
+      if (range > widest.range) widest = {weights.area(builder.surface, contact, kUp, builder.x), range};
     }
-    return largest;
+    return widest;
   };
-  CHECK(pair_area(make_grid(1.0, 1.0, 1, 1), true) ==
-        doctest::Approx(std::pow(0.002, 0.5 * 0.5) / 6.0));  // a border
-  CHECK(pair_area(make_box({1, 1, 1}), false) == doctest::Approx(0.25));
+  const Pair borders = widest(make_grid(1.0, 1.0, 1, 1), true);
+  CHECK(borders.area == doctest::Approx(1.0 / 6.0));
+  CHECK(borders.range == doctest::Approx(std::pow(0.1, 0.5 * 0.5)));
+  const Pair corners = widest(make_box({1, 1, 1}), false);
+  CHECK(corners.area == doctest::Approx(0.25));
+  CHECK(corners.range == 1.0);
 }
 
 TEST_CASE("a rod has its length times its diameter") {

@@ -278,7 +278,7 @@ TEST_CASE("an iterate beyond any scale ends the minimisation") {
     bool has_pending_motion() const override { return false; }
     Residual residual(std::span<const double>) const override { return {1.0, 1.0}; }
     double motion(std::span<const double> d) const override { return std::fabs(d[0]); }
-    double bound_step(std::span<const double>, double) override { return 1.0; }
+    double bound_step(std::span<const double>, double, double) override { return 1.0; }
     TrialEnergy try_step(std::span<const double> d, double alpha) override {
       trial = x + d[0] * alpha;
       return {true, d[0] * alpha, 1.0};
@@ -290,6 +290,42 @@ TEST_CASE("an iterate beyond any scale ends the minimisation") {
   const SolveReport report = Solver(tight()).minimize(slope);
   CHECK(report.status == SolveStatus::RunAway);
   CHECK(report.iterations == 6);  // of 1000 each
+}
+
+TEST_CASE("steps that a matrix makes too short are lengthened, as far as the energy falls") {
+  // A parabola whose projected matrix is twenty times too stiff: the full step is a twentieth of the way.
+  const auto stiff = [](const Vec3& x) {
+    return Analytic::Value{0.5 * dot(x, x), x, Mat3::diagonal({-1.0, -1.0, -1.0}), Mat3::identity() * 20.0};
+  };
+  Analytic objective(stiff, {1, 2, 3});
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(norm(objective.x) < 1e-9);
+  CHECK(report.iterations <= 15);  // of lengths 16 or 32; full steps alone take 430
+  // What bounds full steps bounds longer ones.
+  Analytic bounded(stiff, {1, 2, 3});
+  bounded.bound = 0.5;
+  NewtonSettings few = tight();
+  few.max_iterations = 5;
+  CHECK(Solver(few).minimize(bounded).last_step_length == 0.5);
+}
+
+TEST_CASE("a full step that fits its model is not lengthened") {
+  Analytic objective(cosh_sum, {2.0, -1.5, 1.0});
+  Solver solver(tight());
+  CHECK(solver.minimize(objective).last_step_length <= 1.0);
+}
+
+TEST_CASE("lagged quantities are refreshed on the way to the first solution, and not near it") {
+  Analytic objective(rosenbrock, {-1.2, 1.0, 0.5});
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(objective.refreshed_early > 3);
+  CHECK(objective.refreshed_early < report.iterations);
+  CHECK(objective.refreshed == 1);
+  Analytic near(rosenbrock, {1.0 + 5e-12, 1.0, 0.0});
+  Solver(tight()).minimize(near);
+  CHECK(near.refreshed_early == 0);
 }
 
 TEST_CASE("every way to end has a name") {
@@ -417,7 +453,7 @@ TEST_CASE("where a refreshed problem cannot be solved, the last settled solution
       return {norm(Vec3{g[0], g[1], g[2]}), 0.0};
     }
     double motion(std::span<const double>) const override { return 0.0; }
-    double bound_step(std::span<const double>, double) override { return 1.0; }
+    double bound_step(std::span<const double>, double, double) override { return 1.0; }
     TrialEnergy try_step(std::span<const double> d, double alpha) override {
       trial = x + Vec3{d[0], d[1], d[2]} * alpha;
       return {true, 0.5 * (dot(trial, trial) - dot(x, x)), 1.0};

@@ -47,7 +47,9 @@ class Analytic final : public Objective {
     return force <= rounding ? Residual{} : Residual{force, force};
   }
   double motion(std::span<const double> d) const override { return norm(Vec3{d[0], d[1], d[2]}); }
-  double bound_step(std::span<const double>, double) override { return bound; }
+  double bound_step(std::span<const double>, double, double longest) override {
+    return bound == 1.0 ? longest : std::fmin(bound, longest);
+  }
   TrialEnergy try_step(std::span<const double> d, double alpha) override {
     trial = x + Vec3{d[0], d[1], d[2]} * alpha;
     const double before = f_(x).energy, after = f_(trial).energy;
@@ -58,6 +60,7 @@ class Analytic final : public Objective {
     ++accepted;
     if (bound == 1.0) pending = false;
   }
+  void refresh_early() override { ++refreshed_early; }
   double refresh_lagged(int round) override {
     ++refreshed;
     return round < lag_rounds ? lag_change : 0.0;
@@ -66,7 +69,7 @@ class Analytic final : public Objective {
   Vec3 x, trial;
   bool pending = false, feasible = true;
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0;
-  int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, lag_rounds = 0;
+  int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, lag_rounds = 0;
   mutable std::vector<double> residuals;
 
  private:

@@ -9,7 +9,7 @@ namespace stark {
 
 namespace {
 
-/// Weight of a pair of edges where both surfaces are flat: a barrier, and next to no pressure.
+/// Least part of the contact that a vertex of a flat surface has: a barrier, and next to no pressure.
 constexpr double kFlatWeight = 0.002;
 
 /// Sharpness of the border of a sheet: it may be met edge-on, but lies flat on another more often.
@@ -185,7 +185,7 @@ void AreaWeights::weigh(const SurfaceMesh& mesh, std::span<const Vec3> rest) {
   }
   for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e) {
     for (const Share& share : edges_.of(e)) edges_.whole[e] += share.area;
-    edges_.weight.push_back(1.0 - edge_sharpness(mesh, rest, e));
+    flatness_.push_back(1.0 - edge_sharpness(mesh, rest, e));
   }
   const size_t groups = cell_area_.size();
   for (size_t a = 0; a < groups; ++a)
@@ -206,6 +206,15 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Shares& shares, int32_t 
   return std::max({front, back, kSmallestFacing * shares.whole[i]});
 }
 
+EdgeRanges AreaWeights::edge_ranges(const SurfaceMesh& mesh) const {
+  std::vector<EdgeRanges::Edge> edges;
+  for (int32_t e = 0; e < static_cast<int32_t>(mesh.edges.size()); ++e)
+    edges.push_back({.flatness = flatness_[e],
+                     .is_sheet = !is_directed(mesh.edge_group[e]),
+                     .is_rod = edges_.of(e).empty()});
+  return EdgeRanges(edges);
+}
+
 double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n,
                          std::span<const Vec3> x) const {
   const auto [kind, first, second] = contact.key;
@@ -216,13 +225,7 @@ double AreaWeights::area(const SurfaceMesh& mesh, const Contact& contact, const 
     if (a_is_rod != b_is_rod)
       return std::max(area(mesh, edges_, first, a, n, x), area(mesh, edges_, second, b, n, x));
     if (a_is_rod) return std::min(edges_.whole[first], edges_.whole[second]);
-    // Between closed surfaces vertices carry what edges do not. A sheet that hangs over an edge has nothing
-    // else.
-    const double flat_a = edges_.weight[first], flat_b = edges_.weight[second];
-    const bool is_closed = is_directed(a) && is_directed(b);
-    return std::pow(kFlatWeight, is_closed ? 0.5 * (flat_a + flat_b) : flat_a * flat_b) *
-           (part(a, b) * area(mesh, edges_, first, a, n, x) +
-            part(b, a) * area(mesh, edges_, second, b, n, x));
+    return part(a, b) * area(mesh, edges_, first, a, n, x) + part(b, a) * area(mesh, edges_, second, b, n, x);
   }
   if (kind == PairKind::PointPoint) return std::min(vertices_.whole[first], vertices_.whole[second]);
   const int32_t group = mesh.vertex_group[first];

@@ -6,10 +6,9 @@
 // the part of the share that faces it, max(sum a_t (n_t . n)+, sum a_t (n_t . n)-): at the corner of a box on
 // a floor a quarter of its lower face. Sheets and rods have the whole share whatever the normal. Two surfaces
 // see each place from both sides; the finer mesh integrates: side A has the part s_A = l_B^8 / (l_A^8 +
-// l_B^8) with the lengths l of the meshes, half for equal ones. Pairs of edges add nothing to what vertices
-// integrate where surfaces are flat, and all of it where they are sharp, r from the rest dihedral angles, 0
-// flat, 1 at 90 degrees: theta^(1 - (r_a + r_b)/2) between closed surfaces, theta^((1 - r_a)(1 - r_b)) with
-// sheets. [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
+// l_B^8) with the lengths l of the meshes, half for equal ones. Pairs of edges
+// have theirs whatever the surfaces' shape; how near they must be depends on it (edge_ranges.h).
+// [theory eq. 16a, 16b; Li et al. 2023, section 4.1]
 #pragma once
 
 #include <cstdint>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include <stark/contact/contact_set.h>
+#include <stark/contact/edge_ranges.h>
 
 namespace stark {
 
@@ -31,6 +31,7 @@ class AreaWeights {
   /// Area [m^2] that the first primitive of a point-triangle, point-edge or point-point contact, or both
   /// edges of an edge pair, stand for against the unit normal n at site positions x.
   double area(const SurfaceMesh& mesh, const Contact& contact, const Vec3& n, std::span<const Vec3> x) const;
+  EdgeRanges edge_ranges(const SurfaceMesh& mesh) const;
   /// Whether the area of a point of this group depends on the normal.
   bool is_directed(int32_t group) const { return is_sheet_.empty() || is_sheet_[group] == 0; }
 
@@ -44,7 +45,7 @@ class AreaWeights {
     std::vector<int32_t> offsets;
     std::vector<Share> entries;
     std::vector<double> whole;   ///< whatever the normal, also of what has no triangles [m^2]
-    std::vector<double> weight;  ///< of an edge in a pair, least of a vertex: 1 sharp, less where it is flat
+    std::vector<double> weight;  ///< of vertices the least: 1 sharp, less where it is flat
     std::span<const Share> of(int32_t i) const {
       return std::span(entries).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
@@ -63,6 +64,7 @@ class AreaWeights {
 
   std::vector<uint8_t> is_sheet_;
   Shares vertices_, edges_;
+  std::vector<double> flatness_;   ///< of edges: 0 sharp, 1 flat
   std::vector<double> cell_area_;  ///< by group: of the mesh, weighted by area [m^2]
   std::vector<double> part_;       ///< by two groups
 };

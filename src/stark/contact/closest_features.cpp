@@ -12,7 +12,7 @@ namespace stark {
 namespace {
 
 /// Distance between closest points over the contact distance below which they are one.
-constexpr double kSamePlace = 1e-4;
+constexpr double kSamePlace = 1e-8;
 
 /// Mollifier of a pair of edges below which it has no energy worth a stencil.
 constexpr double kParallel = 1e-9;
@@ -344,14 +344,15 @@ std::array<int32_t, 4> stencil_of(const Contact& contact) {
 }  // namespace
 
 void merge_equal_stencils(std::span<const Vec3> x, std::vector<Contact>& contacts) {
-  std::map<std::array<int32_t, 4>, size_t> known;
+  std::map<std::pair<std::array<int32_t, 4>, double>, size_t> known;
   size_t count = 0;
   for (Contact& contact : contacts) {
     if (contact.key.kind == PairKind::EdgeEdge && is_mollified(contact) && is_parallel(x, contact)) continue;
     if (contact.key.kind == PairKind::EdgeEdge && !is_mollified(contact)) {
       snap_to_ends(x, contact);
       if (contact.kind != StencilKind::EdgeEdge) {
-        const auto [entry, is_new] = known.try_emplace(stencil_of(contact), count);
+        const auto [entry, is_new] =
+            known.try_emplace({stencil_of(contact), contact.contact_distance}, count);
         if (!is_new) {
           contacts[entry->second].stiffness += contact.stiffness;
           continue;

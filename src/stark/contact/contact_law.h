@@ -61,6 +61,7 @@ class ContactLaw {
   /// in the step of a vertex with a body, or of two edges. mesh: see PairKey.
   void assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts);
 
+  const AreaWeights& areas() const { return areas_; }
   /// Pressure at half of the contact distance of two bodies, without the factor of their load [Pa].
   double pressure(int32_t group_a, int32_t group_b) const;
   /// Whether it is that of a user.

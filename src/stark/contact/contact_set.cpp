@@ -79,8 +79,9 @@ class Classifier {
   }
 
   bool classify(PairTag<PairKind::EdgeEdge> kind, const PrimitivePair& c, Contact& contact) const {
-    Index2 a = mesh_.edges[c.first], b = mesh_.edges[c.second];
+    const Index2 a = mesh_.edges[c.first], b = mesh_.edges[c.second];
     begin(contact, kind, c);
+    contact.contact_distance *= geometry_.edge_ranges(c.first, c.second);
     if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance))
       return false;
     auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);

@@ -129,16 +129,31 @@ Vec3 FrictionSet::limited(const Pair& pair, Vec3 u) const {
   return length > stick_displacement_ ? u * (stick_displacement_ / length) : u;
 }
 
-double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                          const FrictionTable& coefficient, std::span<const Vec3> x) {
-  std::vector<Pair> next;
+std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact>& contacts,
+                                                       std::span<const Vec3> forces,
+                                                       const FrictionTable& coefficient,
+                                                       std::span<const Vec3> x) const {
+  std::vector<Pair> pairs;
   for (size_t c = 0; c < contacts.size(); ++c) {
     const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
     if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;
     Pair pair = make_pair(contacts[c], mu, forces[c], x);
     pair.limit = (pair.slides ? mu.sliding : mu.sticking) * pair.force;
-    next.push_back(std::move(pair));
+    pairs.push_back(std::move(pair));
   }
+  return pairs;
+}
+
+void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                        const FrictionTable& coefficient, std::span<const Vec3> x) {
+  pairs_ = make_pairs(contacts, forces, coefficient, x);
+  next_start_.reset();
+  sort_by_point_count();
+}
+
+double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                          const FrictionTable& coefficient, std::span<const Vec3> x) {
+  std::vector<Pair> next = make_pairs(contacts, forces, coefficient, x);
   const Change change = compare(next);
   const bool settled = is_settled(next, change);
   ++resets_;

@@ -58,6 +58,9 @@ class FrictionSet {
   /// closest points: near an impact, turning planes keep friction from settling.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                const FrictionTable& coefficient, std::span<const Vec3> x);
+  /// Takes all of it anew between two calls of reset(), however little it changes.
+  void renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+             const FrictionTable& coefficient, std::span<const Vec3> x);
 
   /// Keeps what was frozen before the last reset.
   void keep() { kept_ = previous_; }
@@ -104,6 +107,8 @@ class FrictionSet {
 
   Pair make_pair(const Contact& contact, const FrictionCoefficient& mu, const Vec3& force,
                  std::span<const Vec3> x) const;
+  std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                               const FrictionTable& coefficient, std::span<const Vec3> x) const;
   void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
   /// Length of a deflection in the metric of the pair: sliding begins at the stick displacement [m].
   static double measure(const Pair& pair, const Vec3& deflection);

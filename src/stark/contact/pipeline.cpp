@@ -74,6 +74,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     geometry_.group_separation.push_back(settings.min_separation_factor * d);
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
   geometry_.mesh = &broad_phase_.mesh();
+  geometry_.edge_ranges = law_.areas().edge_ranges(mesh());
   std::vector<bool> rigid;
   for (int32_t i = 0; i < map.site_count(); ++i) rigid.push_back(map.site(i).kind == SiteKind::RigidPoint);
   friction_.set_rigid_sites(std::move(rigid));
@@ -310,15 +311,28 @@ double ContactPipeline::refresh_lagged(std::span<const Vec3> x) {
   return freeze_friction(x);
 }
 
+void ContactPipeline::refresh_early(std::span<const Vec3> x) {
+  if (!settings_.friction) return;
+  update(x);
+  const PhaseTimer::Scope scope(timer_, Phase::Friction);
+  friction_.renew(contacts(), pushing(forces(x)), friction_coefficient_, x);
+  friction_.remember(x);
+  keep_names();
+}
+
 double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
   const double change = friction_.reset(contacts(), pushing(forces(x)), friction_coefficient_, x);
   friction_.remember(x);
+  keep_names();
+  return change;
+}
+
+void ContactPipeline::keep_names() {
   for (const Contact& contact : contacts())
     if (is_name(contact.key)) names_.push_back(contact.key);
   std::ranges::sort(names_);
   names_.erase(std::ranges::unique(names_).begin(), names_.end());
-  return change;
 }
 
 double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {
@@ -372,23 +386,18 @@ double ContactPipeline::energy() const {
 
 double ContactPipeline::min_distance(std::span<const Vec3> x) {
   double smallest = std::numeric_limits<double>::infinity();
-  const auto visit = [&](const std::vector<Contact>& contacts) {
-    for (const Contact& contact : contacts) smallest = std::min(smallest, contact.distance);
-  };
-  // Close bodies are within their contact distances without having contacts.
-  if (geometry_.close.bodies.empty())
-    visit(active_.contacts());
-  else
-    visit(find_contacts_at(x));
+  for (const Contact& contact : find_contacts_at(x)) smallest = std::min(smallest, contact.distance);
   return smallest;
 }
 
 std::vector<Contact> ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
   if (!covers(candidates_, x)) build(x, candidates_);
-  const CloseBodies close = std::exchange(geometry_.close, {});
+  CloseBodies close = std::exchange(geometry_.close, {});
+  EdgeRanges ranges = std::exchange(geometry_.edge_ranges, {});
   std::vector<Contact> contacts;
   find_contacts(geometry_, candidates_.list, x, pool_, contacts);
-  geometry_.close = close;
+  geometry_.close = std::move(close);
+  geometry_.edge_ranges = std::move(ranges);
   return contacts;
 }
 

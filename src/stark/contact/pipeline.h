@@ -107,6 +107,7 @@ class ContactPipeline final : public ActiveSet {
   bool is_clear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   EnergyDifference energy_difference(std::span<const Vec3> x) override;
   double refresh_lagged(std::span<const Vec3> x) override;
+  void refresh_early(std::span<const Vec3> x) override;
   void keep_lagged() override { friction_.keep(); }
   void restore_lagged() override { friction_.restore(); }
 
@@ -161,6 +162,8 @@ class ContactPipeline final : public ActiveSet {
   /// Lowers the least distance of pairs of bodies that start the step below it. Returns whether any does.
   bool lower_separations();
   double freeze_friction(std::span<const Vec3> x);
+  /// Pairs that friction acts on keep the names that they have.
+  void keep_names();
   /// Forces on sides A of the active contacts [N].
   std::vector<Vec3> forces(std::span<const Vec3> x) const;
   /// The same, zero for contacts of negative multiplicity: they have no friction.

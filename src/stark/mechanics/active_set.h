@@ -34,6 +34,8 @@ class ActiveSet {
 
   /// Refreshes lagged quantities at x; returns the change of force [N].
   virtual double refresh_lagged(std::span<const Vec3> x) = 0;
+  /// The same far from a solution: all of what is lagged is taken anew, however often.
+  virtual void refresh_early(std::span<const Vec3> x) { static_cast<void>(x); }
   /// The lagged quantities before the last refresh belong to a solution that may be gone back to.
   virtual void keep_lagged() = 0;
   /// Goes back to the lagged quantities that were kept last.

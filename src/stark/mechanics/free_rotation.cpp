@@ -15,8 +15,9 @@ constexpr int kMostSubsteps = 4096;  ///< of motions that no step resolves
 constexpr double kSteady = 1e-14;    ///< change of w along the way, relative, below which it is steady
 
 /// Suzuki's composition of five steps of a symmetric method of second order to one of fourth.
-const double kOuter = 1.0 / (4.0 - std::cbrt(4.0));
-const std::array<double, 5> kStages{kOuter, kOuter, 1.0 - 4.0 * kOuter, kOuter, kOuter};
+constexpr double kCubeRootOfFour = 1.5874010519681996;  // std::cbrt differs from one processor to another
+constexpr double kOuter = 1.0 / (4.0 - kCubeRootOfFour);
+constexpr std::array<double, 5> kStages{kOuter, kOuter, 1.0 - 4.0 * kOuter, kOuter, kOuter};
 
 double inverse_or_zero(double moment) { return moment > 0.0 ? 1.0 / moment : 0.0; }
 

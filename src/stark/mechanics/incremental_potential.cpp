@@ -172,8 +172,9 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
   place_prescribed(trial_progress_, x_trial_);
 }
 
-double IncrementalPotential::bound_rotation(std::span<const double> direction, double max_rotation) const {
-  double alpha = 1.0;
+double IncrementalPotential::bound_rotation(std::span<const double> direction, double max_rotation,
+                                            double longest) const {
+  double alpha = longest;
   for (const int32_t block : rotation_blocks_) {
     const double angle = norm(block_of(direction, block));
     if (angle * alpha > max_rotation) alpha = max_rotation / angle;
@@ -183,12 +184,13 @@ double IncrementalPotential::bound_rotation(std::span<const double> direction, d
 
 std::vector<Vec3> IncrementalPotential::positions_along(std::span<const double> direction,
                                                         double max_rotation) {
-  set_trial(direction, bound_rotation(direction, max_rotation));
+  set_trial(direction, bound_rotation(direction, max_rotation, 1.0));
   return x_trial_;
 }
 
-double IncrementalPotential::bound_step(std::span<const double> direction, double max_rotation) {
-  double alpha = bound_rotation(direction, max_rotation);
+double IncrementalPotential::bound_step(std::span<const double> direction, double max_rotation,
+                                        double longest) {
+  double alpha = bound_rotation(direction, max_rotation, longest);
   certified_alpha_ = alpha;
   if (!active_set_) return alpha;
   // Linear vertex paths are certified. Where bodies rotate, the pose at a smaller alpha is off the path to
@@ -248,6 +250,11 @@ double IncrementalPotential::refresh_lagged(int round) {
     active_set_->keep_lagged();
   }
   return std::max(change, violation);
+}
+
+void IncrementalPotential::refresh_early() {
+  const PhaseTimer::Scope scope(timer_, Phase::Friction);
+  if (active_set_) active_set_->refresh_early(x_);
 }
 
 bool IncrementalPotential::restore_settled() {

@@ -59,10 +59,11 @@ class IncrementalPotential final : public Objective {
   Residual residual_beyond_rounding(std::span<const double> gradient,
                                     const BlockMatrix& hessian) const override;
   double motion(std::span<const double> direction) const override;
-  double bound_step(std::span<const double> direction, double max_rotation) override;
+  double bound_step(std::span<const double> direction, double max_rotation, double longest = 1.0) override;
   TrialEnergy try_step(std::span<const double> direction, double alpha) override;
   void accept_trial() override;
   double refresh_lagged(int round) override;
+  void refresh_early() override;
   bool restore_settled() override;
   bool has_run_away() const override;
   std::span<const Vec3> block_positions() const override { return block_positions_; }
@@ -70,7 +71,7 @@ class IncrementalPotential final : public Objective {
  private:
   void update_active_set(Curvature curvature);
   void set_trial(std::span<const double> direction, double alpha);
-  double bound_rotation(std::span<const double> direction, double max_rotation) const;
+  double bound_rotation(std::span<const double> direction, double max_rotation, double longest) const;
   void place_prescribed(double progress, std::span<Vec3> x) const;
 
   const KinematicMap& map_;

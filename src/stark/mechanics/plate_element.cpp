@@ -66,8 +66,10 @@ Point2 unfold(const Point2& a, const Point2& b, const Vec3& A, const Vec3& B, co
 /// Height of the surface above the line through a and b at point p, over the distance of p from the line:
 /// what p adds to the fold angle there.
 double slope(const Point2& a, const Point2& b, const Point2& p, double za, double zb, double zp) {
-  const double length = std::hypot(b.x - a.x, b.y - a.y), distance = std::fabs(cross2(a, b, p)) / length;
-  const double share = ((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / (length * length);
+  // Not std::hypot, whose last bit differs from one processor to another.
+  const double dx = b.x - a.x, dy = b.y - a.y, length = std::sqrt(dx * dx + dy * dy);
+  const double distance = std::fabs(cross2(a, b, p)) / length;
+  const double share = ((p.x - a.x) * dx + (p.y - a.y) * dy) / (length * length);
   return (zp - (1.0 - share) * za - share * zb) / distance;
 }
 

@@ -68,7 +68,8 @@ Mat3 with_bearing(const Vec3& tangent, const Vec3& way, const Vec3& rest) {
   if (!(norm(across) > kSmallestAngle * norm(way)))  // flattened at time 0: any frame is as good
     return polyline_frames(std::vector<Vec3>{{}, tangent})[0];
   const Vec3 e = normalized(across);
-  const double size = std::hypot(rest.x, rest.y);
+  // Not std::hypot, whose last bit differs from one processor to another.
+  const double size = std::sqrt(rest.x * rest.x + rest.y * rest.y);
   const Vec3 d1 = e * (rest.x / size) - cross(tangent, e) * (rest.y / size);
   return Mat3::from_columns(d1, cross(tangent, d1), tangent);
 }

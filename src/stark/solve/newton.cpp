@@ -17,11 +17,17 @@ constexpr int kRoundingProbe = 10;         ///< halvings after which the energy 
 constexpr int kUnsureSteps = 8;            ///< full steps on the word of the gradient, between refreshes
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
-constexpr double kShortStep = 0.6;    ///< step lengths below it call for curvature that overestimates
-constexpr double kTinyStep = 1e-6;    ///< step lengths below it make no progress ...
-constexpr int kTinyStepLimit = 12;    ///< ... and so many in a row end the minimisation
-constexpr int kLagUpdateLimit = 100;  ///< updates of lagged quantities; joints need a few
-constexpr double kNear = 5.0;         ///< motions over their tolerance from where the next may converge
+constexpr double kShortStep = 0.6;  ///< step lengths below it call for curvature that overestimates
+constexpr double kTooStiff =
+    0.85;  ///< share of the slope that a full step gains, above which it is too short
+constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, above which they go on
+constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
+constexpr double kTinyStep = 1e-6;                         ///< step lengths below it make no progress ...
+constexpr int kTinyStepLimit = 12;                         ///< ... and so many in a row end the minimisation
+constexpr int kLagUpdateLimit = 100;    ///< updates of lagged quantities; joints need a few
+constexpr int kEarlyRefreshLimit = 12;  ///< updates of friction before the first solution
+constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
+constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.1;  ///< relative residuals of linear solves
@@ -80,6 +86,7 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   if (converged) return refresh_lagged(objective, SolveStatus::Converged);
   if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
     return refresh_lagged(objective, SolveStatus::RoundOff);
+  if (!pending) refresh_early(objective);
   return handle_no_progress(objective, searched, pending);
 }
 
@@ -103,6 +110,18 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
   const bool is_full = searched == SolveStatus::Converged && report_.last_step_length == 1.0;
   const bool is_near = report_.last_motion < kNear * settings_.step_tolerance * time_step_;
   progress_.simplified_limit = !pending && is_full && is_near ? kContraction * report_.last_motion : 0.0;
+}
+
+// Lagged quantities of the start of the step are far off, and what is minimised with them is far from what
+// is minimised with those of the end; near a solution they stay as they are, so that there is one.
+void NewtonSolver::refresh_early(Objective& objective) {
+  if (report_.lag_updates > 0 || progress_.early_refreshes >= kEarlyRefreshLimit) return;
+  if (meets_tolerances(report_, kFrozen)) {
+    progress_.early_refreshes = kEarlyRefreshLimit;
+    return;
+  }
+  ++progress_.early_refreshes;
+  objective.refresh_early();
 }
 
 std::optional<SolveStatus> NewtonSolver::refresh_lagged(Objective& objective, SolveStatus reached) {
@@ -290,12 +309,12 @@ bool NewtonSolver::has_converged(const Objective& objective) {
   return meets_tolerances(report_) || (progress_.round_off_steps > 0 && is_at_rounding(objective));
 }
 
-bool NewtonSolver::meets_tolerances(const SolveReport& report) const {
+bool NewtonSolver::meets_tolerances(const SolveReport& report, double factor) const {
   bool all = true, any = false;
   const auto test = [&](double tolerance, double value) {
     if (tolerance <= 0.0) return;
-    all = all && value < tolerance;
-    any = any || value < tolerance;
+    all = all && value < factor * tolerance;
+    any = any || value < factor * tolerance;
   };
   test(settings_.residual_tolerance, report.residual);
   test(settings_.acceleration_tolerance, report.acceleration);
@@ -330,8 +349,9 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
     const bool is_below_noise = !pending && -decrease < noise;
     const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
     if (trial.feasible && (pending || trial.difference <= allowed)) {
-      objective.accept_trial();
       report_.last_step_length = alpha;
+      if (!pending && !is_below_noise && alpha == 1.0) lengthen_step(objective, trial);
+      objective.accept_trial();
       return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
     }
     ++report_.backtracks;
@@ -343,6 +363,29 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
   }
   report_.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;
+}
+
+// Of a quadratic model that fits, a full step gains half of what its slope promises. One that gains nearly
+// all of it stops far from the minimum along the direction: the matrix, projected as a rule, is too stiff.
+void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
+  double best = full.difference, longest = 1.0;
+  if (best > kTooStiff * slope()) return;
+  while (longest < kLongestStep) {
+    const double wish = kLengthening * longest;
+    const double alpha = objective.bound_step(direction_, settings_.max_rotation, wish);
+    if (alpha <= longest) break;
+    const TrialEnergy trial = objective.try_step(direction_, alpha);
+    if (!trial.feasible || !(trial.difference < best)) break;
+    const bool keeps_falling = trial.difference - best <= kStillFalling * (alpha - longest) * slope();
+    best = trial.difference;
+    longest = alpha;
+    if (alpha < wish || !keeps_falling) {
+      report_.last_step_length = longest;
+      return;  // the trial point is the best one
+    }
+  }
+  if (longest > 1.0) report_.last_step_length = longest;
+  objective.try_step(direction_, longest);
 }
 
 bool NewtonSolver::take_unsure_step(Objective& objective) {

@@ -43,6 +43,7 @@ class NewtonSolver {
     int round_off_steps = 0;        ///< since the last refresh
     int unsure_steps_left = 0;      ///< of take_unsure_step()
     int projected_left = 0;         ///< iterations for which Hessians stay projected after a failure
+    int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
     bool is_hessian_exact = false;  ///< neither projected nor shifted
     double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
     /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
@@ -70,15 +71,20 @@ class NewtonSolver {
 
   void read_gradient(const Objective& objective);
   bool has_converged(const Objective& objective);
-  bool meets_tolerances(const SolveReport& report) const;
+  /// All tolerances times a factor.
+  bool meets_tolerances(const SolveReport& report, double factor = 1.0) const;
   /// Whether nothing but rounding keeps the tolerances from being met.
   bool is_at_rounding(const Objective& objective);
 
   SolveStatus line_search(Objective& objective);
+  /// Goes beyond the full step, whose trial is known, as long as the energy keeps falling.
+  void lengthen_step(Objective& objective, TrialEnergy full);
   /// A full step on the word of the gradient, where energies do not show the decrease.
   bool take_unsure_step(Objective& objective);
   /// Whether the iterate after a step is so near that the next direction may do without a new Hessian.
   void trust_hessian(SolveStatus searched, bool pending);
+  /// Brings lagged quantities up to date on the way to the first solution with them.
+  void refresh_early(Objective& objective);
   std::optional<SolveStatus> refresh_lagged(Objective& objective, SolveStatus reached);
   /// What follows from steps that fail or lead nowhere.
   std::optional<SolveStatus> handle_no_progress(Objective& objective, SolveStatus searched, bool pending);

@@ -55,9 +55,9 @@ class Objective {
   /// Largest motion of a material point under the full increment [m].
   virtual double motion(std::span<const double> direction) const = 0;
 
-  /// Largest alpha in (0, 1] for which the path from the iterate to alpha * direction is certified free of
-  /// intersections and rotations are below max_rotation [rad].
-  virtual double bound_step(std::span<const double> direction, double max_rotation) = 0;
+  /// Largest alpha in (0, longest] for which the path from the iterate to alpha * direction is certified free
+  /// of intersections and rotations are below max_rotation [rad].
+  virtual double bound_step(std::span<const double> direction, double max_rotation, double longest = 1.0) = 0;
 
   /// Sets the trial point to alpha * direction and evaluates it.
   virtual TrialEnergy try_step(std::span<const double> direction, double alpha) = 0;
@@ -68,6 +68,9 @@ class Objective {
   /// joints) up to date. `round` counts the calls of this minimisation. Returns the change of force it caused
   /// [N], 0 when there is nothing left to do, infinity when constraints cannot be met.
   virtual double refresh_lagged(int round) { return static_cast<void>(round), 0.0; }
+  /// Called between iterations far from a solution: brings those lagged quantities up to date (friction) that
+  /// have a new energy then, which the next iterations minimise.
+  virtual void refresh_early() {}
   /// Goes back to the last converged iterate at which all that was left to do was to refresh lagged
   /// quantities once more. Returns false when there is none.
   virtual bool restore_settled() { return false; }
