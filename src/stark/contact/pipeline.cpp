@@ -96,8 +96,12 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
   law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
+  is_active_ = false;
   update(x);
-  if (is_bound_ && lower_separations()) update(x);
+  if (is_bound_ && lower_separations()) {
+    is_active_ = false;
+    update(x);
+  }
   if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
   if (settings_.friction) freeze_friction(x);
 }
@@ -206,6 +210,7 @@ void ContactPipeline::set_filter(PairFilter filter) {
   broad_phase_.set_filter(std::move(filter));
   candidates_.x.clear();
   trial_candidates_.x.clear();
+  is_active_ = false;
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
@@ -242,6 +247,7 @@ void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, C
 }
 
 void ContactPipeline::update(std::span<const Vec3> x) {
+  if (is_active_ && std::ranges::equal(x, x_active_)) return;
   if (!covers(candidates_, x)) {
     // The accepted trial point left a list behind.
     if (covers(trial_candidates_, x))
@@ -250,6 +256,7 @@ void ContactPipeline::update(std::span<const Vec3> x) {
       build(x, candidates_);
   }
   x_active_.assign(x.begin(), x.end());
+  is_active_ = true;
   fill(candidates_.list, x, active_);
   friction_.remember(x);
   restitution_.remember(x);
@@ -329,10 +336,12 @@ double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
 }
 
 void ContactPipeline::keep_names() {
+  const std::vector<PairKey> before = names_;
   for (const Contact& contact : contacts())
     if (is_name(contact.key)) names_.push_back(contact.key);
   std::ranges::sort(names_);
   names_.erase(std::ranges::unique(names_).begin(), names_.end());
+  if (names_ != before) is_active_ = false;
 }
 
 double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {

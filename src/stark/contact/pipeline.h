@@ -109,7 +109,10 @@ class ContactPipeline final : public ActiveSet {
   double refresh_lagged(std::span<const Vec3> x) override;
   void refresh_early(std::span<const Vec3> x) override;
   void keep_lagged() override { friction_.keep(); }
-  void restore_lagged() override { friction_.restore(); }
+  void restore_lagged() override {
+    friction_.restore();
+    is_active_ = false;
+  }
 
   const std::vector<Contact>& contacts() const { return active_.contacts(); }
   const ContactSet& active_set() const { return active_; }
@@ -195,6 +198,7 @@ class ContactPipeline final : public ActiveSet {
   std::vector<int32_t> surface_sites_;
   std::vector<Vec3> x_reference_;
   std::vector<Vec3> x_active_;  ///< of the last update()
+  bool is_active_ = false;      ///< nothing but x decides what the next update() gives
   double duration_ = 0.0, weight_ = 1.0;
   double friction_residual_ = 0.0;
 };
