@@ -394,6 +394,7 @@ void bind_simulation(nb::module_& m) {
           "max_time_step"_a = nb::none(), "Length of the coming step and the time at its end [s].")
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def("reset", &Simulation::reset, "Rewinds to the start.")
       .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")
       .def(
           "close_bodies",

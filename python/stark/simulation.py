@@ -215,6 +215,17 @@ class Simulation(Stepping, KnownAttributes):
         self._core.state = state
         self._last_step = self._taken = None
 
+    def reset(self, state: State | None = None) -> None:
+        """Goes back to the start: the state that the simulation was made with, bit for bit; or to ``state``,
+        as ``sim.state = state`` does. Cheaper than a step, and far cheaper than another simulation. Live
+        values of energies stay; sensors read nothing before the next step."""
+        if state is not None:
+            self.state = state
+            return
+        self._require_free("reset()")
+        self._core.reset()
+        self._last_step = self._taken = None
+
     def save(self, path: str | PathLike[str], *, memory: dict[str, Any] | None = None) -> None:
         """Writes where it is to a file, to go on from bit for bit: the state, the live values of energies,
         and ``memory``, what a controller remembers (numbers, texts, lists, dictionaries, arrays). The file is

@@ -85,3 +85,29 @@ TEST_CASE("contained bodies are found, open and filtered ones are not") {
   filled[outer] = false;
   CHECK(find_contained_groups(scene.surface, scene.x, filter, pool, filled).empty());
 }
+
+TEST_CASE("a finder that is used again finds what a new one finds, wherever bodies have gone") {
+  RandomPoints random(52);
+  SceneBuilder scene;
+  scene.add_mesh(make_icosphere(0.3, 2));
+  scene.add_mesh(make_box({0.2, 0.2, 0.2}, 2));
+  scene.add_mesh(make_grid(0.5, 0.5, 5, 5));
+  const std::vector<Vec3> at_rest = scene.x;
+  ThreadPool pool(2);
+  const PairFilter filter(3);
+  IntersectionFinder finder(scene.surface, 3, {true, false, true});
+  size_t crossing = 0, contained = 0;
+  for (int round = 0; round < 30; ++round) {
+    const Vec3 moves[] = {random.point() * 3.0, random.point() * 3.0, random.point() * 0.1};
+    for (size_t v = 0; v < scene.x.size(); ++v)
+      scene.x[v] = at_rest[v] + moves[scene.surface.vertex_group[v]] * (round % 3 == 0 ? 0.05 : 0.3);
+    const auto edges = finder.intersections(scene.x, filter, pool);
+    const auto groups = finder.contained_groups(scene.x, filter, pool);
+    CHECK(edges == find_intersections(scene.surface, scene.x, filter, pool));
+    CHECK(groups == find_contained_groups(scene.surface, scene.x, filter, pool, {true, false, true}));
+    crossing += edges.size(), contained += groups.size();
+    for (const ContainedGroup& group : groups) CHECK(group.outer == 0);  // the box is hollow, the grid open
+  }
+  CHECK(crossing > 50);
+  CHECK(contained > 3);
+}

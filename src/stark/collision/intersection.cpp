@@ -60,11 +60,37 @@ std::vector<int32_t> find_piece_vertices(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh, std::span<const Vec3> x,
-                                                         const PairFilter& filter, ThreadPool& pool) {
+struct IntersectionFinder::Parts {
   Bvh bvh;
-  bvh.reset(mesh, filter.group_count());
-  bvh.refit(x, x, std::vector<double>(filter.group_count(), 0.0), pool);
+  std::vector<bool> is_solid;                  // by group: closed, and filled
+  std::vector<std::vector<Index3>> triangles;  // of solid groups
+  std::vector<int32_t> pieces;                 // a vertex of each connected piece, sorted
+  std::vector<double> no_inflation;            // by group
+};
+
+IntersectionFinder::IntersectionFinder(SurfaceMesh mesh, int32_t group_count, std::vector<bool> is_filled)
+    : parts_(std::make_unique<Parts>()) {
+  parts_->triangles.resize(group_count);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    parts_->triangles[mesh.triangle_group[t]].push_back(mesh.triangles[t]);
+  for (int32_t g = 0; g < group_count; ++g) {
+    const bool is_solid = (is_filled.empty() || is_filled[g]) && is_closed(parts_->triangles[g]);
+    parts_->is_solid.push_back(is_solid);
+    if (!is_solid) parts_->triangles[g] = {};
+  }
+  parts_->pieces = find_piece_vertices(mesh);
+  parts_->no_inflation.assign(group_count, 0.0);
+  parts_->bvh.reset(std::move(mesh), group_count);
+}
+
+IntersectionFinder::~IntersectionFinder() = default;
+
+std::vector<EdgeTriangleIntersection> IntersectionFinder::intersections(std::span<const Vec3> x,
+                                                                        const PairFilter& filter,
+                                                                        ThreadPool& pool) {
+  Bvh& bvh = parts_->bvh;
+  const SurfaceMesh& mesh = bvh.mesh();
+  bvh.refit(x, x, parts_->no_inflation, pool);
   std::vector<std::vector<EdgeTriangleIntersection>> found(pool.thread_count());
   bvh.for_each_pair(filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
     add_edge_triangle(bvh, a, b, x, found[thread]);
@@ -83,28 +109,25 @@ std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh
   return result;
 }
 
-std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
-                                                  const PairFilter& filter, ThreadPool& pool,
-                                                  const std::vector<bool>& is_filled) {
-  const int32_t group_count = filter.group_count();
-  std::vector<std::vector<Index3>> triangles(group_count);
-  std::vector<Bounds> bounds(group_count);
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    triangles[mesh.triangle_group[t]].push_back(mesh.triangles[t]);
-    for (const int32_t v : mesh.triangles[t]) bounds[mesh.triangle_group[t]].add(x[v]);
-  }
-  const std::vector<int32_t> pieces = find_piece_vertices(mesh);
+std::vector<ContainedGroup> IntersectionFinder::contained_groups(std::span<const Vec3> x,
+                                                                 const PairFilter& filter,
+                                                                 ThreadPool& pool) const {
+  const SurfaceMesh& mesh = parts_->bvh.mesh();
+  const auto group_count = static_cast<int32_t>(parts_->is_solid.size());
   std::vector<std::vector<ContainedGroup>> found(group_count);
   pool.for_each_task(group_count, [&](int64_t task, int) {
     const int32_t outer = static_cast<int32_t>(task);
-    if (!(is_filled.empty() || is_filled[outer]) || !is_closed(triangles[outer])) return;
+    if (!parts_->is_solid[outer]) return;
+    Bounds bounds;
+    for (const Index3& triangle : parts_->triangles[outer])
+      for (const int32_t v : triangle) bounds.add(x[v]);
     std::vector<bool> reported(group_count, false);
-    for (const int32_t v : pieces) {
+    for (const int32_t v : parts_->pieces) {
       const int32_t inner = mesh.vertex_group[v];
       if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || filter.excluded(v, outer) ||
-          !bounds[outer].contains(x[v]))
+          !bounds.contains(x[v]))
         continue;
-      if (locate_point(x[v], x, triangles[outer]) != PointLocation::Inside) continue;
+      if (locate_point(x[v], x, parts_->triangles[outer]) != PointLocation::Inside) continue;
       reported[inner] = true;
       found[outer].push_back({inner, outer, v});
     }
@@ -115,6 +138,17 @@ std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::
     return a.inner != b.inner ? a.inner < b.inner : a.outer < b.outer;
   });
   return result;
+}
+
+std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                                                         const PairFilter& filter, ThreadPool& pool) {
+  return IntersectionFinder(mesh, filter.group_count()).intersections(x, filter, pool);
+}
+
+std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                                                  const PairFilter& filter, ThreadPool& pool,
+                                                  const std::vector<bool>& is_filled) {
+  return IntersectionFinder(mesh, filter.group_count(), is_filled).contained_groups(x, filter, pool);
 }
 
 }  // namespace stark

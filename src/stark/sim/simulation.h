@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <stark/collision/intersection.h>
 #include <stark/sim/energies.h>
 #include <stark/sim/model.h>
 #include <stark/sim/step_report.h>
@@ -40,6 +41,8 @@ class Simulation {
   /// Rewinds or resumes; throws InvalidArgument for a state of another model and for numbers that no state
   /// can have.
   void set_state(const State& state);
+  /// Rewinds to the start: the state that it was made with.
+  void reset();
   /// Goes on where another simulation of the same scene was, sensors included: takes the step of at most
   /// `max_time_step` [s] that led from `before` to `state` again, so that contacts, reactions and the report
   /// are those of that step. Returns false when it does not come to the same places bit for bit; the state is
@@ -163,6 +166,8 @@ class Simulation {
   void check_joints();
   void check_actuators();
   void check_attachments();
+  /// After the state was replaced: sensors have nothing to tell of it.
+  void forget_last_step();
   double scene_size() const;  ///< [m] diagonal of a box around all bodies
   double checked_duration(const std::string& owner, std::optional<double> duration) const;
   const ModelBody& rigid(BodyId body, const char* what) const;
@@ -174,10 +179,11 @@ class Simulation {
   std::unique_ptr<PhaseTimer> timer_;
   Energies energies_;
   std::unique_ptr<const Model> model_;
-  State state_;
+  State state_, start_state_;
   SurfaceMesh surface_mesh_;
   std::vector<bool> is_filled_;  ///< by body
   std::unique_ptr<ContactPipeline> contact_;
+  std::unique_ptr<IntersectionFinder> intersections_;  ///< null without contact
   std::unique_ptr<Assembler> assembler_;
   std::unique_ptr<IncrementalPotential> potential_;
   std::unique_ptr<LinearSolver> linear_solver_;

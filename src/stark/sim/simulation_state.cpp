@@ -64,9 +64,20 @@ void Simulation::set_state(const State& state) {
     }
   }
   state_ = std::move(next);
+  forget_last_step();
+}
+
+void Simulation::reset() {
+  state_ = start_state_;
+  if (contact_) parts_->watch.set_regained(parts_->watch.exclusions().over(state_));
+  forget_last_step();
+}
+
+void Simulation::forget_last_step() {
   step_start_.clear();
   energies_.constraints.set_forces(state_.joint_multiplier);
-  for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(site_positions());
+  const std::vector<Vec3> x = site_positions();
+  for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
 }
 
 bool Simulation::resume(const State& before, double max_time_step, const State& state) {
