@@ -35,6 +35,10 @@ class SimulationLink:
         """The settings it was made with."""
         raise NotImplementedError
 
+    def _to_place(self, what: str) -> _core.Simulation:
+        """The core, to place bodies with; raises where ``what`` must not be placed now."""
+        raise NotImplementedError
+
     def contact_distance(self, body: Any) -> float:
         """[m] within which surfaces of the body repel others."""
         raise NotImplementedError

@@ -81,7 +81,7 @@ class Simulation(Stepping, KnownAttributes):
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._is_simulated_by(self)
         self._live_values = [energy._live_values() for energy in scene.energies]
-        self._held: tuple[str, str] | None = None
+        self._held: tuple[str, str, bool] | None = None
         self._last_step: LastStep | None = None
         self._taken: TakenStep | None = None
         # The scene may grow after this: the simulation is of what it is now.
@@ -149,10 +149,10 @@ class Simulation(Stepping, KnownAttributes):
         return report
 
     @contextmanager
-    def _held_still(self, caller: str, remedy: str) -> Iterator[None]:
+    def _held_still(self, caller: str, remedy: str, *, may_place: bool = False) -> Iterator[None]:
         """While the function ``caller`` of a scene file runs: refuses steps and other states, which the
-        recording of the run would not have."""
-        self._held = caller, remedy
+        recording of the run would not have; and placing, unless it ``may_place``."""
+        self._held = caller, remedy, may_place
         try:
             yield
         finally:
@@ -160,8 +160,28 @@ class Simulation(Stepping, KnownAttributes):
 
     def _require_free(self, what: str) -> None:
         if self._held is not None:
-            caller, remedy = self._held
+            caller, remedy, _ = self._held
             raise InvalidArgument(f"{caller} of the scene uses sim.{what} at {self.time:g} s: must {remedy}")
+
+    def _to_place(self, what: str) -> _core.Simulation:
+        if self._held is not None and not self._held[2]:
+            self._require_free(f"bodies: {what} = ...")
+        return self._core
+
+    @contextmanager
+    def placing(self) -> Iterator[None]:
+        """Places bodies together: ``with sim.placing(): a.position = ...; b.position = ...``. What is
+        assigned in the block holds at once, and is checked at its end instead of one by one: so bodies may
+        change places, or move with what they are joined to. Where surfaces meet then, or a joint does not
+        hold, it raises, and everything is as it was before the block; likewise where the block raises."""
+        core = self._to_place("placing()")
+        core.begin_placing()
+        try:
+            yield
+        except BaseException:
+            core.cancel_placing()
+            raise
+        core.end_placing()
 
     def _followers(self) -> list[Follower]:
         """Of the bodies that this simulation has."""

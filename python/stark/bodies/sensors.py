@@ -150,7 +150,7 @@ class ContactSensors(BodyHandle):
     @property
     def contact_force(self) -> Array:
         """Sum of all contact forces on the body, friction included (3,) [N]."""
-        return self.contacts().forces.sum(axis=0)
+        return _core.contact_force(self._require_simulation("contact_force")._core, self._index)
 
     @property
     def contact_forces(self) -> Array:
@@ -234,9 +234,9 @@ class InertialSensors(BodyHandle):
     def imu(self, point: ArrayLike = (0.0, 0.0, 0.0), *, rotation: ArrayLike | None = None) -> Imu:
         """Reading of an inertial measurement unit at ``point`` [m] of the frame of the mesh, whose axes are
         those of the mesh turned by ``rotation``."""
-        simulation = self._require_simulation("imu")
-        mounted = np.eye(3) if rotation is None else as_matrix(rotation, "imu: rotation")
-        axes = simulation._core.pose(self._index)[1] @ mounted
-        gravity = np.asarray(simulation.settings.gravity, dtype=np.float64)
-        felt = self.acceleration(point) - gravity
-        return Imu(axes.T @ felt, axes.T @ simulation._core.twist(self._index)[1])
+        core = self._require_simulation("imu")._core
+        axes = core.pose(self._index)[1]
+        if rotation is not None:
+            axes = axes @ as_matrix(rotation, "imu: rotation")
+        felt = self.acceleration(point) - core.gravity
+        return Imu(axes.T @ felt, axes.T @ core.twist(self._index)[1])

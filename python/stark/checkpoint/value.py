@@ -40,7 +40,8 @@ class Checkpoint(Content):
             parts=sim._parts,
             energies=[live.energy.name for live in sim._live_values],
             values=[live.present() for live in sim._live_values],
-            last=sim._last_step,
+            # What was placed since is not what the last step led to.
+            last=None if len(sim._core.placed_bodies) > 0 else sim._last_step,
             memory=copy.deepcopy(memory or {}),
             run=copy.deepcopy(run),
         )

@@ -115,7 +115,10 @@ void Simulation::make_solver() {
 
 Simulation::~Simulation() = default;
 
-const StepReport& Simulation::step(double max_time_step) { return parts_->runner.step(max_time_step); }
+const StepReport& Simulation::step(double max_time_step) {
+  parts_->placing.require_closed("a step");
+  return parts_->runner.step(max_time_step);
+}
 const StepReport& Simulation::report() const { return parts_->runner.report(); }
 StepProgress Simulation::progress() const { return parts_->runner.progress(); }
 int64_t Simulation::exclusion_count() const { return parts_->watch.exclusions().size(); }
@@ -231,6 +234,10 @@ Vec3 Simulation::linear_velocity(BodyId body) const {
 
 Vec3 Simulation::angular_velocity(BodyId body) const {
   return state_.body_angular_velocity[rigid(body, "angular velocity").rigid_index];
+}
+
+Vec3 Simulation::centre_velocity(BodyId body) const {
+  return state_.body_velocity[rigid(body, "velocity").rigid_index];
 }
 
 double Simulation::checked_duration(const std::string& owner, std::optional<double> duration) const {

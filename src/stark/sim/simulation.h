@@ -15,6 +15,9 @@
 
 namespace stark {
 
+class Placing;
+struct Placed;
+
 class Simulation {
  public:
   /// Builds the model. Throws InvalidArgument for settings or scenes that cannot be simulated and
@@ -54,6 +57,31 @@ class Simulation {
   const Settings& settings() const { return settings_; }
   int32_t dof_count() const { return 3 * model_->map().layout().block_count; }
 
+  // Placing: free bodies are put elsewhere, or get other velocities, between two steps. Contact, friction,
+  // joints and the integrator start anew for them (sim/placing.h); sensors read nothing before the next step,
+  // whose report has what was placed. Throws InitialIntersection where surfaces meet afterwards, and
+  // InvalidArgument where a joint, a limit or an attachment would not hold; then nothing has changed.
+
+  /// From here to end_placing() or cancel_placing() bodies are placed together: checked at the end.
+  void begin_placing();
+  void end_placing();
+  void cancel_placing();
+  bool is_placing() const;
+  /// What was placed since the last step.
+  const Placed& placed() const;
+  /// Pose of the mesh frame of a rigid body.
+  void place(BodyId body, const Vec3& position, const Mat3& rotation);
+  /// Velocity [m/s] of the centre of mass of a rigid body, angular velocity [rad/s].
+  void push(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Positions [m] or velocities [m/s] of all vertices of a deformable body, in the order of its mesh. Pinned
+  /// vertices rest where they are placed, and take no velocities.
+  void place_vertices(BodyId body, std::span<const Vec3> positions);
+  void push_vertices(BodyId body, std::span<const Vec3> velocities);
+  /// Coordinates of a joint [m, rad], or their rates [m/s, rad/s]: what hangs on its side b moves as one, or
+  /// what hangs on side a where b is held. Throws InvalidArgument where neither hangs on the joint alone.
+  void place_joint(JointId joint, std::span<const double> coordinates);
+  void push_joint(JointId joint, std::span<const double> rates);
+
   /// Positions [m] or velocities [m/s] of the vertices of a body's mesh, in its order.
   std::vector<Vec3> positions(BodyId body) const;
   std::vector<Vec3> velocities(BodyId body) const;
@@ -64,6 +92,8 @@ class Simulation {
   Mat3 rotation(BodyId body) const;
   Vec3 linear_velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
+  /// Velocity of its centre of mass [m/s]; of the origin of fixed and scripted bodies.
+  Vec3 centre_velocity(BodyId body) const;
 
   /// Pose of a scripted body at the end of the next full time step; afterwards it rests until told otherwise.
   /// With `duration` [s] the pose holds after that time.
@@ -136,6 +166,8 @@ class Simulation {
   /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
   /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
   std::vector<ContactForce> contacts() const;
+  /// Sum of the contact forces on a body in the last step, friction included [N].
+  Vec3 contact_force(BodyId body) const;
   /// Acceleration [m/s^2] in the last step of a point of a rigid body, given in the frame of its mesh [m]:
   /// the change of velocity over the time step. Zero before the first step and after set_state().
   Vec3 acceleration(BodyId body, const Vec3& point) const;
@@ -160,6 +192,10 @@ class Simulation {
   /// Throws InitialIntersection where surfaces intersect or contain each other at site positions x; `when`
   /// names them: "at time 0".
   void check_clear(std::span<const Vec3> x, const std::string& when) const;
+  void check_state_clear(const State& state, std::span<const Vec3> x, const std::string& when);
+  /// Places by itself what is not part of a placing under way.
+  void place_with(const std::function<void(Placing&)>& change);
+  void require_free(BodyId body, const char* what) const;
   void check_energies();
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;

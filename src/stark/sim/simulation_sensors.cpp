@@ -8,6 +8,17 @@ std::vector<ContactForce> Simulation::contacts() const {
   return contact_->contact_forces(site_positions());
 }
 
+Vec3 Simulation::contact_force(BodyId body) const {
+  scene_.name(body);  // throws for ids of another scene
+  Vec3 sum;
+  for (const ContactForce& entry : contacts()) {
+    if (entry.contact.group_a == entry.contact.group_b) continue;  // its own, which cancel
+    if (entry.contact.group_a == body.index) sum += entry.normal_force + entry.friction;
+    if (entry.contact.group_b == body.index) sum -= entry.normal_force + entry.friction;
+  }
+  return sum;
+}
+
 Vec3 Simulation::acceleration(BodyId body, const Vec3& point) const {
   const ModelBody& b = rigid(body, "acceleration");
   if (step_start_.empty()) return {};

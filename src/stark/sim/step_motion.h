@@ -51,6 +51,7 @@ class StepMotion : private StepPart {
   /// Gives a batch the positions that it measures velocities and rates from.
   template <typename Batch>
   void set_previous(Batch& batch) const {
+    if (reference_.sites.empty()) return;  // before the first step
     batch.set_previous(reference_.sites);
     if (!reference_.beyond.empty()) batch.set_beyond(reference_.beyond);
   }
