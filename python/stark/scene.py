@@ -42,6 +42,7 @@ class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoa
         self._attachments = []
         self._layers = []
         self._followers = {}
+        self._courses = {}
         self._begin_simulations()
 
     # --- pairs ---

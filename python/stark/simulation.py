@@ -134,12 +134,14 @@ class Simulation(Stepping, KnownAttributes):
                 raise StepFailed(report)
 
     def _step(self, limit: float | None, progress: OnProgress | None) -> StepReport:
-        for values in self._live_values:
-            values.push(self._core)
-        if self._scene._followers:
+        if self._scene._followers or self._scene._courses:
             duration, end = self._core.next_step(limit)
+            for course in self._scene._courses.values():
+                course.apply(self, end)
             for follower in self._followers():
                 follower.apply(self, end, duration)
+        for values in self._live_values:
+            values.push(self._core)
         before, self._last_step, self._taken = self._core.state, None, None
         report = self._core.step(limit, progress, PROGRESS_PERIOD)
         self._taken = TakenStep(before, limit, report)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula
 from stark.arguments import real_number
+from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.definition import JointFormula
 
@@ -38,22 +39,22 @@ class JointActuators(Handle):
         coordinate: str | None = None,
         name: str | None = None,
         enabled: bool = True,
-        **values: float,
+        **values: TimeValue,
     ) -> Actuator:
         """Adds an actuator of any kind: the name of a built-in one or a function with ``@stark.actuator``;
-        ``values`` are those that the kind has."""
+        ``values`` are those that the kind has, numbers or functions of the time [s]."""
         on = self if coordinate is None else (self, coordinate)
         added: Actuator = self._scene.add_actuator(kind, on, name=name, enabled=enabled, **values)
         return added
 
-    def add_motor(self, target: float = 0.0, *, cap: float, delta: float, **options: Any) -> Actuator:
+    def add_motor(self, target: TimeValue = 0.0, *, cap: float, delta: float, **options: Any) -> Actuator:
         """Drives the rate to ``target`` [rad/s, m/s] with at most ``cap`` [N m, N]; closer than ``delta``
         [rad/s, m/s] to it the effort is in proportion to the difference."""
         return self.add_actuator("velocity_motor", target=target, cap=cap, delta=delta, **options)
 
     def add_servo(
         self,
-        target: float = 0.0,
+        target: TimeValue = 0.0,
         *,
         stiffness: float,
         damping: float,
@@ -74,7 +75,7 @@ class JointActuators(Handle):
             **options,
         )
 
-    def add_effort(self, target: float = 0.0, **options: Any) -> Actuator:
+    def add_effort(self, target: TimeValue = 0.0, **options: Any) -> Actuator:
         """A given torque [N m] or force [N]: ``target``."""
         return self.add_actuator("effort", target=target, **options)
 
@@ -272,7 +273,8 @@ class Joint(JointActuators):
 
 class Actuator(Handle):
     """An actuator of a scene. Its values are attributes: ``motor.target = 2.0`` holds from the next step on;
-    before a simulation is made it is the value to start with. Values are part of ``sim.state``."""
+    before a simulation is made it is the value to start with. Values are part of ``sim.state``. A function of
+    the time [s] is followed: each step takes its value at the end of the step, until another is assigned."""
 
     _formula: ActuatorFormula
     _on: tuple[tuple[Joint, str, str], ...]  # joint, name and unit of its coordinate
@@ -362,8 +364,11 @@ class Actuator(Handle):
         if name == "enabled":
             object.__setattr__(self, name, value)
         elif name in self._units:
-            number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
-            self._core().set_actuator_value(self._index, name, number)
+            owner = f"actuator '{self.name}'"
+            number = number_of(owner, name, self._units[name], at_start(value, f"{owner}: {name}"))
+            if not callable(value) or self._simulation() is None:
+                self._core().set_actuator_value(self._index, name, number)
+            set_courses("actuator", self, {name: value})
         else:
             raise AttributeError(f"actuator '{self.name}' has no value '{name}'; {self._known()}")
 
@@ -375,6 +380,10 @@ class Actuator(Handle):
         return f"<stark.Actuator '{self.name}' ({self.kind}) on {where}>"
 
     # --- details ---
+
+    def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
+        number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
+        simulation._core.set_actuator_value(self._index, name, number)
 
     def _read(self, name: str) -> float:
         return float(self._core().actuator_value(self._index, name))
