@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol, TypeAlias
 
+from stark._core import InvalidArgument
 from stark.handle import SceneLink, SimulationLink
 from stark.motion import Motion, as_motion
 
@@ -46,7 +47,14 @@ class Course:
 
 def at_start(value: Any, owner: str) -> Any:
     """What a value is at time 0."""
-    return as_motion(value, owner)(0.0) if callable(value) else value
+    if not callable(value):
+        return value
+    try:
+        return as_motion(value, owner)(0.0)
+    except TypeError as error:
+        raise InvalidArgument(
+            f"{owner} = {value!r}: must be a number, or a function of the time [s]: at 0 s it raises {error}"
+        ) from error
 
 
 def starts(values: Mapping[str, Any], owner: str) -> dict[str, Any]:

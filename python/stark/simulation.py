@@ -14,7 +14,7 @@ from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import KnownAttributes
 from stark.bodies import Body, Layer
-from stark.bodies.sensors import Contacts, contacts_of
+from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
 from stark.errors import StarkWarning
 from stark.handle import Follower
 from stark.overloads import overload
@@ -343,6 +343,16 @@ class Simulation(Stepping, KnownAttributes):
         """All contacts of the last step: points, forces, slip. ``sim.contacts.of("cup", "finger")`` are those
         of two bodies; ``sim["cup"].contact_force`` and its siblings sum them up."""
         return contacts_of(self)
+
+    def distance(self, a: Body | str, b: Body | str) -> float:
+        """Distance of the surfaces of two bodies as they are now [m], of rods that of their centre lines; 0
+        where they intersect. Contact between them may be disabled."""
+        return self.closest_points(a, b).distance
+
+    def closest_points(self, a: Body | str, b: Body | str) -> ClosestPoints:
+        """Where two bodies are nearest to each other: ``distance`` [m], ``point_a`` and ``point_b`` (3,) [m],
+        as ``distance(a, b)`` has it."""
+        return ClosestPoints(*_core.closest_points(self._core, self[a]._index, self[b]._index))
 
     @property
     def close_bodies(self) -> dict[tuple[str, str], float]:

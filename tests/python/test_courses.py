@@ -86,6 +86,7 @@ def test_two_simulations_follow_at_their_own_times() -> None:
         (lambda t: (1.0, 2.0), r"shape \(2,\)"),
         (lambda t: "far", "must be of real numbers"),
         (lambda t: (0, 0, np.inf), "must be finite"),
+        (lambda: (0, 0, 1), "must be a number, or a function of the time"),
     ],
 )
 def test_functions_of_something_else_are_refused(value: Any, message: str) -> None:

@@ -108,6 +108,14 @@ def contacts_of(simulation: SimulationLink) -> Contacts:
     return Contacts(names=names, **_core.contacts(simulation._core))
 
 
+class ClosestPoints(NamedTuple):
+    """Where two bodies are nearest to each other."""
+
+    distance: float  #: [m]
+    point_a: Array  #: on the first body (3,) [m]
+    point_b: Array  #: on the second body (3,) [m]
+
+
 class Imu(NamedTuple):
     """Reading of an inertial measurement unit, in the axes of the sensor."""
 

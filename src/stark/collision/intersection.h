@@ -1,7 +1,8 @@
-// Intersections at rest: edges through triangles (exact) and bodies inside others. Phase: check of states
-// that do not come from a step.
+// Intersections at rest: edges through triangles (exact) and bodies inside others; distances of bodies.
+// Phase: check of states that do not come from a step.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,6 +24,12 @@ struct ContainedGroup {
   bool operator==(const ContainedGroup&) const = default;
 };
 
+/// Points of two groups that are nearest to each other, and how far apart they are [m].
+struct ClosestPoints {
+  double distance = std::numeric_limits<double>::infinity();
+  Vec3 point_a{}, point_b{};
+};
+
 /// Finds both for the same surfaces at different places: what depends on the topology alone is kept from
 /// search to search. Not for two threads at once.
 class IntersectionFinder {
@@ -41,6 +48,9 @@ class IntersectionFinder {
   /// groups.
   std::vector<ContainedGroup> contained_groups(std::span<const Vec3> x, const PairFilter& filter,
                                                ThreadPool& pool) const;
+  /// Between the surfaces of two groups, whatever a filter would say; distance 0 at a place where they meet.
+  /// Infinite where one has no primitives.
+  ClosestPoints closest_points(std::span<const Vec3> x, int32_t group_a, int32_t group_b, ThreadPool& pool);
 
  private:
   struct Parts;

@@ -168,6 +168,10 @@ class Simulation {
   std::vector<ContactForce> contacts() const;
   /// Sum of the contact forces on a body in the last step, friction included [N].
   Vec3 contact_force(BodyId body) const;
+  /// Points of the surfaces of two bodies that are nearest to each other, as they are now; of rods, of their
+  /// centre lines. Distance 0 where they intersect; contact may be disabled. Throws InvalidArgument for a
+  /// body with itself.
+  ClosestPoints closest_points(BodyId a, BodyId b);
   /// Acceleration [m/s^2] in the last step of a point of a rigid body, given in the frame of its mesh [m]:
   /// the change of velocity over the time step. Zero before the first step and after set_state().
   Vec3 acceleration(BodyId body, const Vec3& point) const;
