@@ -32,6 +32,11 @@ class Checkpoint(Content):
         """Takes a copy of everything, so that the simulation may go on. Raises ``CheckpointError`` for a
         memory that no file can hold."""
         memories.check(memory)
+        if sim._core.is_placing:
+            raise CheckpointError(
+                "bodies are being placed together, and not checked so far: must be saved after the block of "
+                "sim.placing()"
+            )
         return cls(
             scene=sim._scene.name,
             stark_version=_core.__version__,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import runpy
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -99,6 +101,8 @@ def test_bodies_are_placed_together() -> None:
     assert sim.state == before
     with pytest.raises(stark.InvalidArgument, match="while bodies are placed together"), sim.placing():
         sim.step()
+    with pytest.raises(stark.CheckpointError, match="after the block of sim"), sim.placing():
+        sim.save("nowhere.stark")
     assert sim.state == before
 
 
@@ -247,6 +251,11 @@ def test_two_hundred_random_starts_have_the_same_bits() -> None:
     assert len(set(found)) == 200
     assert loop(3, 200, threads=2) == found
     assert loop(4, 5) != found[:5]
+
+
+def test_the_pole_of_the_example_is_balanced(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(Path(__file__).parents[3] / "examples/random_starts.py"))["main"]()
+    assert "trial 19" in capsys.readouterr().out
 
 
 def test_a_saved_start_goes_on_with_the_same_bits(tmp_path: object) -> None:
