@@ -124,3 +124,28 @@ def test_checkpoints_go_on_with_the_functions_of_the_scene(tmp_path: object) -> 
     sim.load(f"{tmp_path}/half.stark")
     sim.run_until(0.1)
     assert sim.state == end
+
+
+def test_a_reproducer_has_the_values_of_its_step(tmp_path: object) -> None:
+    scene, box = free_box()
+    hinge = scene.add_hinge(None, box, anchor=(0, 0, 0), axis=(0, 0, 1))
+    hinge.add_motor(lambda t: 10.0 * t, cap=5.0, delta=1e-3)
+    sim = simulated(scene)
+    sim.run_until(0.05)
+    sim.write_reproducer(f"{tmp_path}/step")
+    again = stark.reproducer.load(f"{tmp_path}/step")
+    assert not again.step().failed
+    assert again.state == sim.state and again.actuators == []  # it acts, but has no handle
+    assert again._core.actuator_value(0, "target") == pytest.approx(0.5)
+
+
+def test_a_reproducer_of_a_step_after_placing_starts_from_there(tmp_path: object) -> None:
+    scene, box = free_box()
+    sim = simulated(scene)
+    sim.step()
+    box.position, box.velocity = (0, 0, 3), (0, 1, 0)
+    sim.step()
+    sim.write_reproducer(f"{tmp_path}/step")
+    again = stark.reproducer.load(f"{tmp_path}/step")
+    again.step()
+    assert again.state == sim.state

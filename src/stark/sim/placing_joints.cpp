@@ -91,6 +91,7 @@ void Placing::check_constraints(const std::set<int32_t>& moved) {
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   const std::vector<Vec3> start = std::exchange(step_start_, x);
   const State kept = state_;
+  const MotionReference reference = motion_.reference();  // what sensors of the last step read
   state_.previous_time_step = 0.0;  // limits and gears are asked for coordinates as they are, without history
   motion_.begin(settings_.time.step);
   joints_.begin_actuators(settings_.time.step);
@@ -98,6 +99,9 @@ void Placing::check_constraints(const std::set<int32_t>& moved) {
   step_start_ = start;
   const std::string text =
       joints_.violation_text(x, [&](int32_t constraint) { return touches(constraint, moved); });
+  motion_.set_reference(reference);
+  if (!reference.sites.empty())
+    for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(reference.sites);
   if (text.empty()) return;
   throw InvalidArgument(
       text +

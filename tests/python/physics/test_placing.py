@@ -205,6 +205,21 @@ def test_what_is_no_coordinate_is_refused() -> None:
     assert sim.state == before
 
 
+def test_a_refused_placing_leaves_sensors_and_the_steps_after_it_as_they_were() -> None:
+    found = []
+    for refused in (False, True):
+        sim, (shoulder, slide), (upper, fore) = an_arm(**{"time.integrator": "bdf2"})
+        advance(sim, 10)
+        if refused:
+            for body in (fore, upper):
+                with pytest.raises(stark.InvalidArgument, match="is apart by"):
+                    body.position = (0, 0, 5)
+        readings = [fore.acceleration(), fore.imu()[0], *slide.reaction, *shoulder.reaction]
+        advance(sim, 3)
+        found.append((sim.state.hash, np.concatenate(readings).tobytes()))
+    assert found[0] == found[1]
+
+
 def test_limits_and_gears_hold_where_joints_are_placed() -> None:
     scene = stark.Scene()
     wheels = [scene.add_box(0.1, mass=0.1, position=(x, 0, 0), name=f"wheel{x}") for x in (0, 1)]
