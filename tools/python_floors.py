@@ -15,7 +15,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("array_file", "rotations", "palette", "scene_record", "telemetry"),
     ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic"),
     ("handle",),
-    ("selections",),
+    ("courses", "selections"),
     ("bodies", "formulas"),
     ("joints", "actuators", "attachments", "loads"),
     ("scene",),

@@ -68,6 +68,21 @@ auto inner_vertices(const Simulation& sim, int32_t body) {
 void bind_contacts(nb::module_& m) {
   m.def("contacts", &contact_dict, "simulation"_a,
         "The contacts of the last step: arrays with one row each; forces are on the first body.");
+  m.def(
+      "contact_force",
+      [](const Simulation& sim, int32_t body) {
+        const Vec3 force = sim.contact_force(BodyId{body});
+        return to_numpy<double>(std::vector<double>{force.x, force.y, force.z});
+      },
+      "simulation"_a, "body"_a, "Sum of the contact forces on a body in the last step (3,) [N].");
+  m.def(
+      "closest_points",
+      [](Simulation& sim, int32_t a, int32_t b) {
+        const ClosestPoints points = sim.closest_points(BodyId{a}, BodyId{b});
+        const auto place = [](const Vec3& p) { return to_numpy<double>(std::vector<double>{p.x, p.y, p.z}); };
+        return nb::make_tuple(points.distance, place(points.point_a), place(points.point_b));
+      },
+      "simulation"_a, "a"_a, "b"_a, "Distance of two bodies [m], and where they are nearest [m].");
   m.def("inner_vertices", &inner_vertices, "simulation"_a, "body"_a,
         "Vertices inside flat faces of a rigid body, where contact never acts (n,).");
 }

@@ -310,6 +310,14 @@ nb::dict section_to_dict(const RodMaterial& material) {
   return dict;
 }
 
+/// Each body of a with each other one of b.
+template <typename Action>
+void for_each_pair_of(const std::vector<int32_t>& a, const std::vector<int32_t>& b, Action&& action) {
+  for (const int32_t i : a)
+    for (const int32_t j : b)
+      if (i != j) action(BodyId{i}, BodyId{j});
+}
+
 void bind_scene_class(nb::module_& m) {
   nb::class_<Scene>(m, "Scene",
                     "Description of what is simulated; bodies are indices in the order of adding.")
@@ -413,6 +421,18 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "disable_contact", [](Scene& s, int32_t a, int32_t b) { s.disable_contact({a}, {b}); }, "a"_a,
           "b"_a)
+      .def(
+          "disable_contacts",
+          [](Scene& s, const std::vector<int32_t>& a, const std::vector<int32_t>& b) {
+            for_each_pair_of(a, b, [&](BodyId i, BodyId j) { s.disable_contact(i, j); });
+          },
+          "a"_a, "b"_a, "Of each body of a with each other one of b.")
+      .def(
+          "enable_contacts",
+          [](Scene& s, const std::vector<int32_t>& a, const std::vector<int32_t>& b) {
+            for_each_pair_of(a, b, [&](BodyId i, BodyId j) { s.enable_contact(i, j); });
+          },
+          "a"_a, "b"_a)
       .def(
           "enable_contact", [](Scene& s, int32_t a, int32_t b) { s.enable_contact({a}, {b}); }, "a"_a, "b"_a)
       .def(

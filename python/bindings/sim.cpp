@@ -19,6 +19,7 @@
 #include "formulas.h"
 #include "joints.h"
 #include "layers.h"
+#include "placing.h"
 #include "stepping.h"
 #include "watch.h"
 
@@ -50,6 +51,7 @@ nb::dict energy_dict(const StepReport& r) {
   energy["external"] = r.energy.external;
   energy["actuation"] = r.energy.actuation;
   energy["restitution"] = r.energy.restitution;
+  energy["placed"] = r.energy.placed;
   energy["numerical"] = r.energy.numerical;
   return energy;
 }
@@ -93,6 +95,7 @@ nb::dict report_dict(const StepReport& r) {
   d["residual"] = r.solve.residual;
   d["acceleration"] = r.solve.acceleration;
   d["last_motion"] = r.solve.last_motion;
+  if (!r.placed.empty()) d["placed"] = r.placed;
   d["contact_count"] = r.contact_count;
   d["min_distance"] = r.min_distance;
   d["friction_residual"] = r.friction_residual;
@@ -286,6 +289,9 @@ void bind_report(nb::module_& m) {
           "What the step was taken with: 'implicit_euler', 'bdf2' or 'quasistatic'. Steps of bdf2 are "
           "'implicit_euler' at the start and where steps more than double.")
       .def_ro("rejected_steps", &StepReport::rejected_steps)
+      .def_prop_ro(
+          "placed", [](const StepReport& r) { return r.placed; },
+          "Numbers of the bodies that were placed between the step before and this one.")
       .def_ro("contact_count", &StepReport::contact_count)
       .def_ro("min_distance", &StepReport::min_distance,
               "Smallest distance of an active contact [m], inf without any.")
@@ -314,7 +320,7 @@ void bind_report(nb::module_& m) {
           "energy", energy_dict,
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
           "step: damping, friction (dissipated), external (work of scripted and pinned parts), "
-          "actuation (work of actuators), "
+          "actuation (work of actuators), placed (given by placing bodies before the step), "
           "numerical (what closes the balance) [J].")
       .def_prop_ro(
           "momentum", [](const StepReport& r) { return vector3(r.momentum.linear); },
@@ -394,6 +400,7 @@ void bind_simulation(nb::module_& m) {
           "max_time_step"_a = nb::none(), "Length of the coming step and the time at its end [s].")
       .def_prop_rw(
           "state", [](const Simulation& s) { return s.state(); }, &Simulation::set_state)
+      .def("reset", &Simulation::reset, "Rewinds to the start.")
       .def("check_state", &Simulation::check_state, "Findings about the state that do not prevent a step.")
       .def(
           "close_bodies",
@@ -411,6 +418,9 @@ void bind_simulation(nb::module_& m) {
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
       .def_prop_ro("thread_count", &Simulation::thread_count)
+      .def_prop_ro(
+          "gravity", [](const Simulation& s) { return vector3(s.settings().gravity); },
+          nb::rv_policy::automatic, "(3,) [m/s^2]")
       .def_prop_ro("dof_count", &Simulation::dof_count)
       .def_prop_ro("body_count", [](const Simulation& s) { return s.scene().body_count(); })
       .def("positions",
@@ -426,6 +436,10 @@ void bind_simulation(nb::module_& m) {
              return nb::make_tuple(vector3(s.linear_velocity(BodyId{body})),
                                    vector3(s.angular_velocity(BodyId{body})));
            })
+      .def(
+          "center_velocity",
+          [](const Simulation& s, int body) { return vector3(s.centre_velocity(BodyId{body})); }, "body"_a,
+          "Of the centre of mass (3,) [m/s].")
       .def("acceleration",
            [](const Simulation& s, int body, nb::object point) {
              return vector3(s.acceleration(BodyId{body}, to_vec3(point, "point")));
@@ -483,6 +497,10 @@ void bind_simulation(nb::module_& m) {
           [](const Simulation& s, int32_t joint) { return to_numpy<double>(s.joint_coordinates({joint})); },
           "joint"_a, "[m, rad]")
       .def(
+          "joint_coordinate",
+          [](const Simulation& s, int32_t joint, int32_t k) { return s.joint_coordinates({joint}).at(k); },
+          "joint"_a, "coordinate"_a, "One of them [m, rad].")
+      .def(
           "joint_rates",
           [](const Simulation& s, int32_t joint) { return to_numpy<double>(s.joint_rates({joint})); },
           "joint"_a, "[m/s, rad/s]")
@@ -530,4 +548,5 @@ void bind_simulation(nb::module_& m) {
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.");
   bind_attachments_of_simulation(m.attr("Simulation"));
   bind_layers_of_simulation(m.attr("Simulation"));
+  bind_placing_of_simulation(m.attr("Simulation"));
 }

@@ -33,7 +33,7 @@ from stark._core import (  # noqa: E402
 )
 from stark.bodies import Body, Cloth, Fibres, Layer, RigidBody, Rod, Skin, Solid  # noqa: E402
 from stark.bodies.friction import Anisotropic  # noqa: E402
-from stark.bodies.sensors import Contacts, Imu  # noqa: E402
+from stark.bodies.sensors import ClosestPoints, Contacts, Imu  # noqa: E402
 from stark.errors import StarkWarning  # noqa: E402
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
@@ -99,6 +99,7 @@ __getattr__, __dir__ = attach("stark", _PLACES, _MODULES)
 __all__ = [
     "Anisotropic",
     "Body",
+    "ClosestPoints",
     "Cloth",
     "Contacts",
     "Error",

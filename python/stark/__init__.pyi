@@ -50,7 +50,7 @@ from stark.bodies import (
     Solid as Solid,
 )
 from stark.bodies.friction import Anisotropic as Anisotropic
-from stark.bodies.sensors import Contacts as Contacts, Imu as Imu
+from stark.bodies.sensors import ClosestPoints as ClosestPoints, Contacts as Contacts, Imu as Imu
 from stark.checkpoint import Checkpoint as Checkpoint, CheckpointError as CheckpointError
 from stark.errors import StarkWarning as StarkWarning
 from stark.formulas import (
@@ -142,6 +142,7 @@ from stark.symbolic import (
 __all__ = [
     "Anisotropic",
     "Body",
+    "ClosestPoints",
     "Cloth",
     "Contacts",
     "Error",

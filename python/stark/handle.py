@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol, Self, TypeAlias
 
 from stark import _core
+from stark._core import Simulation as CoreSimulation
 from stark.arguments import added_later, needs_simulation
 from stark.errors import StarkWarning
 from stark.mesh import Indices, Polyline, SolidMesh, TetMesh, TriangleMesh
@@ -33,6 +34,10 @@ class SimulationLink:
     @property
     def settings(self) -> Settings:
         """The settings it was made with."""
+        raise NotImplementedError
+
+    def _to_place(self, what: str) -> CoreSimulation:
+        """The core, to place bodies with; raises where ``what`` must not be placed now."""
         raise NotImplementedError
 
     def contact_distance(self, body: Any) -> float:
@@ -55,6 +60,7 @@ class SceneLink:
     _actuators: list[Any]
     _layers: list[Any]
     _followers: dict[int, list[Follower]]  # by body
+    _courses: dict[tuple[str, int, str], Any]  # values over time (stark.courses), by what they are of
     _simulations: list[weakref.ref[SimulationLink]]  # in the order in which they were made
     _simulated_bodies: int  # that some simulation had
     _warned: int  # warnings of the core that were passed on
@@ -82,7 +88,7 @@ class SceneLink:
         raise NotImplementedError
 
     def add_actuator(
-        self, kind: Any, on: Any, *, name: str | None = None, enabled: bool = True, **values: float
+        self, kind: Any, on: Any, *, name: str | None = None, enabled: bool = True, **values: Any
     ) -> Any:
         """Adds an actuator to joints."""
         raise NotImplementedError

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NoReturn
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -26,6 +26,13 @@ if TYPE_CHECKING:
     from stark.formulas.energy import Binding
     from stark.formulas.handle import Energy
 
+#: A body or several: handles or names.
+Bodies: TypeAlias = Body | str | Sequence[Body | str]
+
+
+def _is_group(bodies: Any) -> TypeGuard[Sequence[Body | str]]:
+    return isinstance(bodies, (list, tuple, set, frozenset))
+
 
 class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoads, KnownAttributes):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
@@ -42,6 +49,7 @@ class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoa
         self._attachments = []
         self._layers = []
         self._followers = {}
+        self._courses = {}
         self._begin_simulations()
 
     # --- pairs ---
@@ -69,13 +77,39 @@ class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoa
             raise InvalidArgument(f"scene: default_friction = {coefficient!r}: must be a number >= 0")
         self._core.default_friction = float(coefficient)
 
-    def disable_contact(self, a: Body | str, b: Body | str) -> None:
-        """Lets two bodies pass through each other; ``a`` with itself switches its self-contact off."""
-        self._core.disable_contact(*self._pair((a, b)))
+    def disable_contact(self, a: Bodies, b: Bodies | None = None) -> None:
+        """Lets two bodies pass through each other; ``a`` with itself switches its self-contact off. With
+        groups, ``disable_contact(fingers, palm)``, each body of the one with each of the other;
+        ``disable_contact(fingers)`` all of a group among each other, self-contact excepted."""
+        groups = self._groups("disable_contact", a, b)
+        if groups is None:
+            self._core.disable_contact(*self._pair((a, b)))
+        else:
+            self._core.disable_contacts(*groups)
 
-    def enable_contact(self, a: Body | str, b: Body | str) -> None:
-        """Undoes ``disable_contact``."""
-        self._core.enable_contact(*self._pair((a, b)))
+    def enable_contact(self, a: Bodies, b: Bodies | None = None) -> None:
+        """Undoes ``disable_contact``, of two bodies or of groups."""
+        groups = self._groups("enable_contact", a, b)
+        if groups is None:
+            self._core.enable_contact(*self._pair((a, b)))
+        else:
+            self._core.enable_contacts(*groups)
+
+    def _groups(self, caller: str, a: Bodies, b: Bodies | None) -> tuple[list[int], list[int]] | None:
+        """Indices of both groups; None where both sides are single bodies."""
+        if b is not None and not (_is_group(a) or _is_group(b)):
+            return None
+        if b is None and not _is_group(a):
+            raise InvalidArgument(f"{caller}: a = {a!r}: must be several bodies, or give another one as b")
+        sides = [self._members(caller, side) for side in (a, a if b is None else b)]
+        return sides[0], sides[1]
+
+    def _members(self, caller: str, group: Bodies) -> list[int]:
+        members: list[Any] = list(group) if _is_group(group) else [group]
+        indices = [self._index(body) for body in members]
+        if not indices:
+            raise InvalidArgument(f"{caller}: a group has no bodies: must have one or more")
+        return indices
 
     def contact_enabled(self, a: Body | str, b: Body | str) -> bool:
         return self._core.contact_enabled(*self._pair((a, b)))

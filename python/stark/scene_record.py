@@ -4,6 +4,7 @@ depends on."""
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from typing import Any
 
 from stark import _core
@@ -94,6 +95,12 @@ class RecordedScene(_core.Scene):
 
     def enable_contact(self, a: int, b: int) -> None:
         self._do("enable_contact", a, b)
+
+    def disable_contacts(self, a: Sequence[int], b: Sequence[int]) -> None:
+        self._do("disable_contacts", a, b)
+
+    def enable_contacts(self, a: Sequence[int], b: Sequence[int]) -> None:
+        self._do("enable_contacts", a, b)
 
 
 def _copied(value: Any) -> Any:

@@ -73,3 +73,58 @@ def test_every_change_of_a_scene_is_recorded() -> None:
     changing = ("add_", "set_", "pin", "clamp", "disable_", "enable_")
     names = {name for name in dir(_core.Scene) if name.startswith(changing)} - {"pins", "clamped"}
     assert names == {name for name in vars(RecordedScene) if name.startswith(changing)}
+
+
+def group_scene(count: int) -> tuple[stark.Scene, list[stark.RigidBody]]:
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    boxes = [scene.add_box(0.1, mass=1.0, position=(0.2 * k, 0, 1), name=f"box{k}") for k in range(count)]
+    return scene, boxes
+
+
+def test_contact_of_groups_is_disabled_with_one_call() -> None:
+    scene, boxes = group_scene(5)
+    calls = len(scene._core.calls)
+    scene.disable_contact(boxes[:3])
+    scene.disable_contact([boxes[3], "box4"], ["floor"])
+    scene.disable_contact(boxes[0], (boxes[4],))
+    assert len(scene._core.calls) == calls + 3
+    off = {(a, b) for a in range(6) for b in range(a, 6) if a != b and not scene._core.contact_enabled(a, b)}
+    assert off == {(1, 2), (1, 3), (2, 3), (0, 4), (0, 5), (1, 5)}
+    scene.enable_contact(boxes)
+    assert scene.contact_enabled("box0", "box1") and not scene.contact_enabled("box4", "floor")
+    again = group_scene(5)[0]
+    for name, arguments in scene._core.calls[calls:]:
+        getattr(again._core, name)(*arguments)
+    assert again.contact_enabled("box0", "box1") and not again.contact_enabled("box4", "floor")
+
+
+def test_groups_pass_through_each_other() -> None:
+    scene, boxes = group_scene(3)
+    scene.disable_contact(boxes, "floor")
+    sim = stark.Simulation(scene, time_step=0.05)
+    sim.run_until(1.0)
+    assert all(box.position[2] < -1.0 for box in boxes)
+
+
+def test_self_contact_is_no_matter_of_groups() -> None:
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(1.0, 1.0, 2), name="cloth")
+    scene.disable_contact([cloth, cloth])
+    assert scene.contact_enabled(cloth, cloth)
+    scene.disable_contact(cloth, cloth)
+    assert not scene.contact_enabled(cloth, cloth)
+
+
+def test_wrong_groups_are_refused() -> None:
+    scene, boxes = group_scene(2)
+    calls = len(scene._core.calls)
+    for wrong, message in (
+        (lambda: scene.disable_contact(boxes[0]), "must be several bodies, or give another one as b"),
+        (lambda: scene.disable_contact([]), "a group has no bodies"),
+        (lambda: scene.disable_contact(boxes, ["box7"]), "box7"),
+        (lambda: scene.enable_contact([boxes[0], 3]), "must be a body of the scene or its name"),  # type: ignore[list-item]
+    ):
+        with pytest.raises(stark.InvalidArgument, match=message):
+            wrong()
+    assert len(scene._core.calls) == calls

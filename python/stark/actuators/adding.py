@@ -8,6 +8,7 @@ from typing import Any
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
 from stark.arguments import given_flag, given_name
+from stark.courses import set_courses, starts
 from stark.handle import SceneLink
 from stark.joints.handle import Actuator, Joint, number_of
 
@@ -30,11 +31,13 @@ def add_actuator(
             "name": given_name(name),
             "definition": formula.core,
             "on": [(joint._index, coordinate) for joint, coordinate in targets],
-            "values": {key: number_of(owner, key, "", value) for key, value in values.items()},
+            "values": {key: number_of(owner, key, "", value) for key, value in starts(values, owner).items()},
             "enabled": given_flag(enabled, f"{owner}: enabled"),
         }
     )
-    return Actuator(scene, index, formula, tuple(_located(*target) for target in targets))
+    actuator = Actuator(scene, index, formula, tuple(_located(*target) for target in targets))
+    set_courses("actuator", actuator, values)
+    return actuator
 
 
 def _entries(owner: str, on: Any) -> list[Any]:

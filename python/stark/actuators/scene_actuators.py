@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stark.courses import TimeValue
 from stark.handle import SceneLink
 
 if TYPE_CHECKING:
@@ -21,12 +22,13 @@ class SceneActuators(SceneLink):
         *,
         name: str | None = None,
         enabled: bool = True,
-        **values: float,
+        **values: TimeValue,
     ) -> Actuator:
         """Adds an actuator of any kind: the name of a built-in one or a function with ``@stark.actuator``.
 
         ``on`` is a joint with one coordinate, ``(joint, "angle")``, or a list of two of them for a gear.
-        ``values`` are those that the kind has. Joints have short forms: ``hinge.add_motor(...)``."""
+        ``values`` are those that the kind has, numbers or functions of the time [s]. Joints have short forms:
+        ``hinge.add_motor(...)``."""
         from stark.actuators.adding import add_actuator
 
         actuator = add_actuator(

@@ -45,9 +45,39 @@ class DeformableBody(Body):
         return self.triangles
 
     @property
+    def positions(self) -> Floats:
+        """Positions of all vertices in the world (n, 3) [m], in the order of ``mesh.vertices``; a copy.
+        Assign them to place the body at once (docs/state.md); pinned vertices rest where they are placed."""
+        return super().positions
+
+    @positions.setter
+    def positions(self, value: ArrayLike) -> None:
+        simulation, rows = self._require_simulation("positions"), self._rows(value, "positions")
+        simulation._to_place("positions").place_vertices(self._index, rows)
+
+    @property
     def velocities(self) -> Floats:
-        """Velocities of all vertices (n, 3) [m/s]; a copy."""
+        """Velocities of all vertices (n, 3) [m/s]; a copy. Assign them, or one for all, to give others to the
+        vertices that are not pinned."""
         return self._require_simulation("velocities")._core.velocities(self._index)
+
+    @velocities.setter
+    def velocities(self, value: ArrayLike) -> None:
+        simulation, rows = self._require_simulation("velocities"), self._rows(value, "velocities")
+        simulation._to_place("velocities").push_vertices(self._index, rows)
+
+    def _rows(self, value: ArrayLike, what: str) -> Floats:
+        """(n, 3) for all vertices; a velocity may be one for all."""
+        array, count = real_array(value, f"'{self.name}': {what}"), len(self._mesh.vertices)
+        if what == "velocities" and array.shape == (3,):
+            array = np.tile(array, (count, 1))
+        if array.shape != (count, 3):
+            raise InvalidArgument(
+                f"'{self.name}': {what} has the shape {array.shape}: must be ({count}, 3), a row for each "
+                f"vertex of the mesh"
+            )
+        check_places(array, f"'{self.name}': {what}")
+        return np.ascontiguousarray(array)
 
     @property
     def pins(self) -> Indices:

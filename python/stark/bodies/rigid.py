@@ -1,4 +1,4 @@
-"""Handles of rigid bodies: poses, velocities, scripted motion."""
+"""Handles of rigid bodies: poses, velocities, placing, scripted motion."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from stark._core import InvalidArgument
 from stark.bodies.body import Body
 from stark.bodies.following import follow_pose
 from stark.bodies.sensors import InertialSensors
+from stark.handle import SimulationLink
 from stark.rotations import as_matrix, vector
 from stark.selections import FrameHandle, Points, local_points, rigid_frame
 
 
 class RigidBody(InertialSensors, Body):
     """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its
-    centre of mass. Scripted bodies are moved by assigning to them: the pose that holds at the end of the next
-    step."""
+    centre of mass. Dynamic bodies are placed by assigning to them, at once (docs/state.md). Scripted bodies
+    are moved so: to the pose that holds at the end of the next step."""
 
     kind = "rigid"
 
@@ -33,29 +34,28 @@ class RigidBody(InertialSensors, Body):
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """Origin of the mesh frame in the world (3,) [m]."""
+        """Origin of the mesh frame in the world (3,) [m]; assign it to place a dynamic body."""
         return self._pose()[0]
 
     @position.setter
     def position(self, value: ArrayLike) -> None:
         position = vector(value, f"'{self.name}': position")
-        self._require_scripted("position")
-        self._set_pose(position, self._target()[1])
+        self._set_pose("position", position, self._target("position")[1])
 
     @property
     def rotation(self) -> NDArray[np.float64]:
-        """Rotation of the mesh frame to the world (3, 3); a quaternion (w, x, y, z) may be assigned too."""
+        """Rotation of the mesh frame to the world (3, 3); a quaternion (w, x, y, z) may be assigned too. A
+        dynamic body is turned about the origin of its mesh."""
         return self._pose()[1]
 
     @rotation.setter
     def rotation(self, value: ArrayLike) -> None:
         rotation = as_matrix(value, f"'{self.name}': rotation")
-        self._require_scripted("rotation")
-        self._set_pose(self._target()[0], rotation)
+        self._set_pose("rotation", self._target("rotation")[0], rotation)
 
     @property
     def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(position, rotation); assign both at once to a scripted body."""
+        """(position, rotation); assign both at once to a dynamic or scripted body."""
         return self._pose()
 
     @pose.setter
@@ -65,9 +65,8 @@ class RigidBody(InertialSensors, Body):
                 f"'{self.name}': pose = {value!r}: must be (position [m], rotation); assign position or "
                 f"rotation for one of them"
             )
-        self._set_pose(
-            vector(value[0], f"'{self.name}': position"), as_matrix(value[1], f"'{self.name}': rotation")
-        )
+        position = vector(value[0], f"'{self.name}': position")
+        self._set_pose("pose", position, as_matrix(value[1], f"'{self.name}': rotation"))
 
     def follow(self, position: Any = None, rotation: Any = None) -> None:
         """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step:
@@ -78,28 +77,27 @@ class RigidBody(InertialSensors, Body):
 
     @property
     def velocity(self) -> NDArray[np.float64]:
-        """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies,
-        which move at it from the next step on when it is assigned."""
-        core = self._require_simulation("velocity")._core
-        of_origin, angular = core.twist(self._index)
-        return of_origin + np.cross(angular, core.pose(self._index)[1] @ self.center_of_mass)
+        """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies.
+        When it is assigned, dynamic bodies have it at once, and scripted ones move at it from the next step
+        on."""
+        return self._require_simulation("velocity")._core.center_velocity(self._index)
 
     @velocity.setter
     def velocity(self, value: ArrayLike) -> None:
         velocity = vector(value, f"'{self.name}': velocity")
-        self._require_scripted("velocity")
-        self._set_velocity(velocity, self.angular_velocity)
+        self._require_movable("velocity")
+        self._set_velocity("velocity", velocity, self.angular_velocity)
 
     @property
     def angular_velocity(self) -> NDArray[np.float64]:
-        """(3,) [rad/s], world axes; assign it to scripted bodies."""
+        """(3,) [rad/s], world axes; assign it to dynamic and scripted bodies."""
         return self._require_simulation("angular_velocity")._core.twist(self._index)[1]
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
         angular_velocity = vector(value, f"'{self.name}': angular_velocity")
-        self._require_scripted("angular_velocity")
-        self._set_velocity(self.velocity, angular_velocity)
+        self._require_movable("angular_velocity")
+        self._set_velocity("angular_velocity", self.velocity, angular_velocity)
 
     @property
     def center_of_mass(self) -> NDArray[np.float64]:
@@ -117,21 +115,40 @@ class RigidBody(InertialSensors, Body):
             self._scene._core.pose(self._index) if simulation is None else simulation._core.pose(self._index)
         )
 
-    def _target(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        return self._require_simulation("setting a pose")._core.target_pose(self._index)
+    def _target(self, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What the rest of the pose is when a part of it is assigned: of scripted bodies what they head
+        for."""
+        simulation = self._require_movable(what)
+        if self.motion == "scripted":
+            return simulation._core.target_pose(self._index)
+        return simulation._core.pose(self._index)
 
-    def _set_pose(self, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
-        simulation = self._require_simulation("setting a pose")
-        simulation._core.set_pose(self._index, position, rotation)
+    def _set_pose(self, what: str, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> None:
+        simulation = self._require_movable(what)
+        if self.motion == "scripted":
+            simulation._core.set_pose(self._index, position, rotation)
+        else:
+            simulation._to_place(what).place(self._index, position, rotation)
 
-    def _set_velocity(self, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]) -> None:
-        simulation = self._require_simulation("setting a velocity")
-        simulation._core.set_twist(self._index, velocity, angular_velocity)
+    def _set_velocity(
+        self, what: str, velocity: NDArray[np.float64], angular_velocity: NDArray[np.float64]
+    ) -> None:
+        simulation = self._require_movable(what)
+        if self.motion == "scripted":
+            simulation._core.set_twist(self._index, velocity, angular_velocity)
+        else:
+            simulation._to_place(what).push(self._index, velocity, angular_velocity)
 
-    def _require_scripted(self, what: str) -> None:
-        if self.motion != "scripted":
+    def _require_movable(self, what: str) -> SimulationLink:
+        if self.motion == "fixed":
             raise InvalidArgument(
-                f"'{self.name}' is {self.motion}: its {what} cannot be set; "
-                f"only bodies with motion='scripted' are moved so; where a body starts is said when it is "
-                f"added, with position=, rotation=, velocity= and angular_velocity="
+                f"'{self.name}' is fixed: its {what} cannot be set; only dynamic and scripted bodies can be "
+                f"moved, add it with motion='scripted'"
             )
+        if self._newest() is None:
+            raise InvalidArgument(
+                f"'{self.name}': {what} = ... needs a simulation: keep a stark.Simulation(scene); "
+                f"where a body starts is said when it is added, with position=, rotation=, velocity= and "
+                f"angular_velocity="
+            )
+        return self._require_simulation(f"setting its {what}")

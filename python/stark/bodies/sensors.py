@@ -108,6 +108,14 @@ def contacts_of(simulation: SimulationLink) -> Contacts:
     return Contacts(names=names, **_core.contacts(simulation._core))
 
 
+class ClosestPoints(NamedTuple):
+    """Where two bodies are nearest to each other."""
+
+    distance: float  #: [m]
+    point_a: Array  #: on the first body (3,) [m]
+    point_b: Array  #: on the second body (3,) [m]
+
+
 class Imu(NamedTuple):
     """Reading of an inertial measurement unit, in the axes of the sensor."""
 
@@ -150,7 +158,7 @@ class ContactSensors(BodyHandle):
     @property
     def contact_force(self) -> Array:
         """Sum of all contact forces on the body, friction included (3,) [N]."""
-        return self.contacts().forces.sum(axis=0)
+        return _core.contact_force(self._require_simulation("contact_force")._core, self._index)
 
     @property
     def contact_forces(self) -> Array:
@@ -234,9 +242,9 @@ class InertialSensors(BodyHandle):
     def imu(self, point: ArrayLike = (0.0, 0.0, 0.0), *, rotation: ArrayLike | None = None) -> Imu:
         """Reading of an inertial measurement unit at ``point`` [m] of the frame of the mesh, whose axes are
         those of the mesh turned by ``rotation``."""
-        simulation = self._require_simulation("imu")
-        mounted = np.eye(3) if rotation is None else as_matrix(rotation, "imu: rotation")
-        axes = simulation._core.pose(self._index)[1] @ mounted
-        gravity = np.asarray(simulation.settings.gravity, dtype=np.float64)
-        felt = self.acceleration(point) - gravity
-        return Imu(axes.T @ felt, axes.T @ simulation._core.twist(self._index)[1])
+        core = self._require_simulation("imu")._core
+        axes = core.pose(self._index)[1]
+        if rotation is not None:
+            axes = axes @ as_matrix(rotation, "imu: rotation")
+        felt = self.acceleration(point) - core.gravity
+        return Imu(axes.T @ felt, axes.T @ core.twist(self._index)[1])

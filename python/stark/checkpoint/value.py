@@ -32,6 +32,11 @@ class Checkpoint(Content):
         """Takes a copy of everything, so that the simulation may go on. Raises ``CheckpointError`` for a
         memory that no file can hold."""
         memories.check(memory)
+        if sim._core.is_placing:
+            raise CheckpointError(
+                "bodies are being placed together, and not checked so far: must be saved after the block of "
+                "sim.placing()"
+            )
         return cls(
             scene=sim._scene.name,
             stark_version=_core.__version__,
@@ -40,7 +45,8 @@ class Checkpoint(Content):
             parts=sim._parts,
             energies=[live.energy.name for live in sim._live_values],
             values=[live.present() for live in sim._live_values],
-            last=sim._last_step,
+            # What was placed since is not what the last step led to.
+            last=None if len(sim._core.placed_bodies) > 0 else sim._last_step,
             memory=copy.deepcopy(memory or {}),
             run=copy.deepcopy(run),
         )

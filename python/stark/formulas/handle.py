@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.courses import at_start, set_courses
 from stark.formulas.binding import BoundEnergy
 from stark.formulas.checks import check
 from stark.formulas.inspection import benchmark
@@ -21,7 +22,8 @@ Floats = NDArray[np.float64]
 class Energy(Handle):
     """An energy of a scene. Its parameters are attributes: ``pull.center = (0, 0.1, 0.3)``, also
     ``pull.stiffness[3] = 0.0`` in place. Every simulation of the scene takes the values at its next step;
-    nothing is recompiled."""
+    nothing is recompiled. A function of the time [s] is followed: each step takes its value at the end of the
+    step, until another is assigned."""
 
     _binding: BoundEnergy
 
@@ -119,7 +121,14 @@ class Energy(Handle):
     def __setattr__(self, name: str, given: Any) -> None:
         if name not in self._binding.values:
             raise AttributeError(f"energy '{self.name}' has no parameter '{name}'; {self._known()}")
-        self._write(name, given)
+        if callable(given):
+            self._write(name, at_start(given, f"energy '{self.name}': {name}"))
+        else:
+            self._write(name, given)
+        set_courses("energy", self, {name: given})
+
+    def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
+        self._write(name, value)
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._binding.values]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula
 from stark.arguments import real_number
+from stark.courses import TimeValue, at_start, set_courses
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.definition import JointFormula
 
@@ -38,22 +39,22 @@ class JointActuators(Handle):
         coordinate: str | None = None,
         name: str | None = None,
         enabled: bool = True,
-        **values: float,
+        **values: TimeValue,
     ) -> Actuator:
         """Adds an actuator of any kind: the name of a built-in one or a function with ``@stark.actuator``;
-        ``values`` are those that the kind has."""
+        ``values`` are those that the kind has, numbers or functions of the time [s]."""
         on = self if coordinate is None else (self, coordinate)
         added: Actuator = self._scene.add_actuator(kind, on, name=name, enabled=enabled, **values)
         return added
 
-    def add_motor(self, target: float = 0.0, *, cap: float, delta: float, **options: Any) -> Actuator:
+    def add_motor(self, target: TimeValue = 0.0, *, cap: float, delta: float, **options: Any) -> Actuator:
         """Drives the rate to ``target`` [rad/s, m/s] with at most ``cap`` [N m, N]; closer than ``delta``
         [rad/s, m/s] to it the effort is in proportion to the difference."""
         return self.add_actuator("velocity_motor", target=target, cap=cap, delta=delta, **options)
 
     def add_servo(
         self,
-        target: float = 0.0,
+        target: TimeValue = 0.0,
         *,
         stiffness: float,
         damping: float,
@@ -74,7 +75,7 @@ class JointActuators(Handle):
             **options,
         )
 
-    def add_effort(self, target: float = 0.0, **options: Any) -> Actuator:
+    def add_effort(self, target: TimeValue = 0.0, **options: Any) -> Actuator:
         """A given torque [N m] or force [N]: ``target``."""
         return self.add_actuator("effort", target=target, **options)
 
@@ -138,9 +139,11 @@ class JointActuators(Handle):
 
 
 class Joint(JointActuators):
-    """A joint of a scene. Its coordinates are attributes: ``hinge.angle``, ``slider.displacement``."""
+    """A joint of a scene. Its coordinates are attributes: ``hinge.angle``, ``slider.displacement``. When one
+    is assigned, what hangs on side b of the joint is placed so, at once and as one (docs/state.md)."""
 
     _formula: JointFormula
+    _coordinates: tuple[tuple[str, str], ...]  # names and units
     _enabled_at_start: bool
     _given: Mapping[str, Any]  # sides a and b and values, as the core was given them
 
@@ -148,7 +151,9 @@ class Joint(JointActuators):
         self, scene: SceneLink, index: int, formula: JointFormula, enabled: bool, given: Mapping[str, Any]
     ) -> None:
         super().__init__(scene, index)
-        self.__dict__.update(_formula=formula, _enabled_at_start=enabled, _given=given)
+        self.__dict__.update(
+            _formula=formula, _coordinates=formula.coordinates, _enabled_at_start=enabled, _given=given
+        )
 
     @property
     def name(self) -> str:
@@ -166,13 +171,26 @@ class Joint(JointActuators):
 
     @property
     def coordinates(self) -> dict[str, float]:
-        """Coordinates by name [m, rad]; angles are counted over full turns from time 0 on."""
+        """Coordinates by name [m, rad]; angles are counted over full turns from time 0 on. Assign some or all
+        of them to place what hangs on the joint; rates stay."""
         return self._named(self._require_simulation("coordinates")._core.joint_coordinates(self._index))
+
+    @coordinates.setter
+    def coordinates(self, values: Mapping[str, float]) -> None:
+        numbers = self._numbers("coordinates", values, self.coordinates)
+        simulation = self._require_simulation("coordinates")
+        simulation._to_place("coordinates").place_joint(self._index, numbers)
 
     @property
     def rates(self) -> dict[str, float]:
-        """Rates of the coordinates in the last step, by name [m/s, rad/s]."""
+        """Rates of the coordinates in the last step, by name [m/s, rad/s]. Assign some or all of them to give
+        what hangs on the joint other velocities."""
         return self._named(self._require_simulation("rates")._core.joint_rates(self._index))
+
+    @rates.setter
+    def rates(self, values: Mapping[str, float]) -> None:
+        numbers = self._numbers("rates", values, self.rates)
+        self._require_simulation("rates")._to_place("rates").push_joint(self._index, numbers)
 
     @property
     def residuals(self) -> Floats:
@@ -201,30 +219,49 @@ class Joint(JointActuators):
     def __getattr__(self, name: str) -> float:
         if name.startswith("_"):  # asked for while a copy has no attributes yet
             raise AttributeError(name)
-        if name in (known := [n for n, _ in self._formula.coordinates]):
-            return float(
-                self._require_simulation(name)._core.joint_coordinates(self._index)[known.index(name)]
-            )
+        for k, (known, _) in enumerate(self._coordinates):
+            if name == known:
+                return self._require_simulation(name)._core.joint_coordinate(self._index, k)
         raise AttributeError(f"joint of the kind '{self._formula.name}' has no attribute '{name}'")
 
     def __setattr__(self, name: str, value: Any) -> None:
         # A plain attribute would hide the coordinate of that name, and misspelt ones would do nothing.
-        if name != "enabled":
+        known = [coordinate for coordinate, _ in self._coordinates]
+        if name in known:
+            self.coordinates = {name: value}
+        elif name in ("enabled", "coordinates", "rates"):
+            object.__setattr__(self, name, value)
+        else:
             raise AttributeError(
-                f"joint '{self.name}': '{name}' cannot be set; enabled is what can be assigned"
+                f"joint '{self.name}': '{name}' cannot be set; {', '.join([*known, 'coordinates', 'rates'])} "
+                f"and enabled are what can be assigned"
             )
-        object.__setattr__(self, name, value)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *(name for name, _ in self._formula.coordinates)]
+        return [*super().__dir__(), *(name for name, _ in self._coordinates)]
 
     def __repr__(self) -> str:
         return f"<stark.Joint '{self.name}' ({self.kind})>"
 
     # --- details ---
 
+    def _numbers(self, what: str, given: Any, present: dict[str, float]) -> Floats:
+        """Present numbers by name, some replaced by those that are given."""
+        if not isinstance(given, Mapping):
+            raise InvalidArgument(
+                f"joint '{self.name}': {what} = {given!r}: must be numbers by name: {', '.join(present)}"
+            )
+        for name, value in given.items():
+            if name not in present:
+                raise InvalidArgument(
+                    f"joint '{self.name}': {what}: has no coordinate {name!r}: must be one of "
+                    f"{', '.join(present) or 'none, as joints of its kind have no coordinates'}"
+                )
+            present[name] = real_number(value, f"joint '{self.name}': {what}: {name}")
+        return np.array(list(present.values()), dtype=np.float64)
+
     def _named(self, values: Floats) -> dict[str, float]:
-        return {name: float(v) for (name, _), v in zip(self._formula.coordinates, values, strict=True)}
+        return {name: float(v) for (name, _), v in zip(self._coordinates, values, strict=True)}
 
     @property
     def _title(self) -> str:
@@ -236,7 +273,8 @@ class Joint(JointActuators):
 
 class Actuator(Handle):
     """An actuator of a scene. Its values are attributes: ``motor.target = 2.0`` holds from the next step on;
-    before a simulation is made it is the value to start with. Values are part of ``sim.state``."""
+    before a simulation is made it is the value to start with. Values are part of ``sim.state``. A function of
+    the time [s] is followed: each step takes its value at the end of the step, until another is assigned."""
 
     _formula: ActuatorFormula
     _on: tuple[tuple[Joint, str, str], ...]  # joint, name and unit of its coordinate
@@ -326,8 +364,11 @@ class Actuator(Handle):
         if name == "enabled":
             object.__setattr__(self, name, value)
         elif name in self._units:
-            number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
-            self._core().set_actuator_value(self._index, name, number)
+            owner = f"actuator '{self.name}'"
+            number = number_of(owner, name, self._units[name], at_start(value, f"{owner}: {name}"))
+            if not callable(value) or self._simulation() is None:
+                self._core().set_actuator_value(self._index, name, number)
+            set_courses("actuator", self, {name: value})
         else:
             raise AttributeError(f"actuator '{self.name}' has no value '{name}'; {self._known()}")
 
@@ -339,6 +380,10 @@ class Actuator(Handle):
         return f"<stark.Actuator '{self.name}' ({self.kind}) on {where}>"
 
     # --- details ---
+
+    def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
+        number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
+        simulation._core.set_actuator_value(self._index, name, number)
 
     def _read(self, name: str) -> float:
         return float(self._core().actuator_value(self._index, name))

@@ -11,7 +11,10 @@ Layout, beside the frames::
                                frames of rods; joints (k, j), attachments (k, p) and actuators (k, m): what
                                 was enabled; actuator_values (k, v): those of all actuators in a row;
                                 contact_regained (k, e): by exclusion of joints and attachments, 1 where
-                                contact was back in the step that led to the state; chain (k, 32) uint8:
+                                contact was back in the step that led to the state; placed (k, bodies): 1
+                                where the user has put bodies elsewhere, or pushed them, since the step
+                                before, in states that are recorded after that; placed_coordinates (k, c):
+                                of all joints in such a state [m, rad], else 0; chain (k, 32) uint8:
                                 digests, see stark.recording.chain
 
 A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
@@ -238,6 +241,10 @@ def _state_of(sim: Any) -> dict[str, np.ndarray]:
     state["attachments"] = np.concatenate([*status, np.zeros(0)]).astype(np.int8)
     regained = sim._core.state.arrays()["contact_regained"]
     state["contact_regained"] = np.isin(np.arange(sim._core.exclusion_count), regained).astype(np.int8)
+    placed = sim._core.placed_bodies
+    state["placed"] = np.isin(np.arange(len(sim.bodies)), placed).astype(np.int8)
+    coordinates = [sim._core.joint_coordinates(k) for k in range(len(sim.joints))]
+    state["placed_coordinates"] = np.concatenate([*coordinates, np.zeros(0)]) * float(len(placed) > 0)
     state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
     values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
     state["actuator_values"] = np.array(values, dtype=np.float64)

@@ -331,7 +331,8 @@ class Recorder:
             self._write_manifest()
 
     def record_state(self, sim: Any) -> None:
-        """Adds the state of ``sim`` in double precision, if the recording is one for certification."""
+        """Adds the state of ``sim`` in double precision, if the recording is one for certification: after
+        every step, and after bodies were placed."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; states can no longer be added")
         if self._states is not None and self._states.write(sim):

@@ -19,7 +19,8 @@ _ABOUT_TWO = (
     "disable_contact",
     "enable_contact",
 )
-_REDUCIBLE = {*_ADDING, *_ABOUT_ONE, *_ABOUT_TWO, "default_friction"}
+_ABOUT_MANY = ("disable_contacts", "enable_contacts")
+_REDUCIBLE = {*_ADDING, *_ABOUT_ONE, *_ABOUT_TWO, *_ABOUT_MANY, "default_friction"}
 
 Arrays = dict[str, Any]
 
@@ -58,6 +59,8 @@ def reduced(sim: Stepping, state: Arrays, keep: list[int]) -> tuple[list[Call], 
                 calls.append((name, ({**arguments[0], "name": sim.bodies[body].name}, *arguments[1:])))
         elif name == "default_friction":
             calls.append((name, arguments))
+        elif name in _ABOUT_MANY:
+            calls.append((name, tuple([number[i] for i in side if i in number] for side in arguments)))
         else:
             count = 1 if name in _ABOUT_ONE else 2
             if all(index in number for index in arguments[:count]):

@@ -32,7 +32,7 @@ CHECKPOINT_PERIOD = 60.0
 FAILURE = "failure"
 
 #: What a scene's drive(sim) must do.
-DRIVE_RULE = "set targets and live values only; the run takes the steps"
+DRIVE_RULE = "set targets and live values, and place bodies, only; the run takes the steps"
 
 #: What a result counts, kept when a run is resumed.
 COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
@@ -224,8 +224,10 @@ class Job:
     def _step(self, limit: float | None, on_progress: OnProgress | None) -> Any:
         """One step of at most ``limit`` [s] with its telemetry and frame; its report, or None when it
         failed."""
-        with self.sim._held_still("drive(sim)", DRIVE_RULE):
+        with self.sim._held_still("drive(sim)", DRIVE_RULE, may_place=True):
             self.scene_file.drive(self.sim)
+        if len(self.sim._core.placed_bodies) > 0:
+            self.recorder.record_state(self.sim)  # a jump, which no step leads to
         before = clock.perf_counter()
         report = self.sim.step(max_time_step=limit, progress=on_progress)
         wall, failed = clock.perf_counter() - before, status_of(report) == "failed"

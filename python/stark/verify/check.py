@@ -124,8 +124,9 @@ def _claims_of_states(run: Run, chain: ChainCheck, progress: Callable[[float, st
         prescribed.add(state)
         shapes.add(state)
         joints.add(state)
-        if previous is not None and state.index - 1 < len(run.rows):
-            inertia.add(previous, state, run.rows[state.index - 1])
+        row = run.row_of(state)
+        if previous is not None and row is not None and not run.jumps(previous, state):
+            inertia.add(previous, state, row)
         previous = state
         progress((state.index + 1) / len(run.times), f"t = {state.time:.3f} s")
     checks = (geometry, prescribed, shapes, joints, inertia)

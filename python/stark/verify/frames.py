@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .certificate import INCONCLUSIVE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .chain import ChainCheck
 from .files import need, read_npz
-from .reading import Body, Run
+from .reading import Body, Run, State
 
 Floats = NDArray[np.float64]
 
@@ -61,6 +61,11 @@ class FrameCheck:
             self.without_state += 1
             return
         state = self.run.state(at)
+        # Bodies may have been placed at that time, before the frame was recorded or after.
+        for other in range(at + 1, len(self.run.times)):
+            if self.run.times[other] != time or self._shows(row, shown, state):
+                break
+            state = self.run.state(other)
         for i, of_body in enumerate(shown):
             if of_body is None:
                 continue
@@ -70,6 +75,13 @@ class FrameCheck:
                 self.wrong.append(
                     {"time": time, "frame": index, "bodies": [of_body.name], "what": f"is off by {off:.3g} m"}
                 )
+
+    @staticmethod
+    def _shows(row: dict[str, np.ndarray], shown: list[_Shown | None], state: State) -> bool:
+        return all(
+            of_body is None or of_body.difference(row[f"positions_{i:04d}"], state.positions[i]) <= 0.0
+            for i, of_body in enumerate(shown)
+        )
 
     def claim(self) -> Claim:
         name, basis = "display", "frames against states"

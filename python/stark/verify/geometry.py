@@ -58,6 +58,8 @@ class GeometryCheck:
     least: list[float] = field(default_factory=list)  # measured distance of each state [m]
     farthest: float = 0.0  # largest coordinate of all states [m]: places round by their parts of it
     previous: State | None = None
+    placed: list[dict[str, Any]] = field(default_factory=list)  # time, state and names of bodies
+    unrecorded: list[dict[str, Any]] = field(default_factory=list)  # placed without a state of that
 
     def __post_init__(self) -> None:
         self.surface = Surface(self.run)
@@ -72,8 +74,15 @@ class GeometryCheck:
         self.surface.watch(state.regained)
         self._find_intersections(state, x)
         self._measure_distances(state, x)
-        if self.previous is not None:
-            self._follow(self.previous, state)
+        if state.is_placed:  # no path leads there
+            assert state.placed is not None
+            names = [self.surface.bodies[k].name for k in np.flatnonzero(state.placed)]
+            self.placed.append({"time": state.time, "state": state.index, "bodies": names})
+        elif self.previous is not None:
+            if self.run.jumps(self.previous, state):
+                self.unrecorded.append({"time": self.previous.time, "state": state.index})
+            else:
+                self._follow(self.previous, state)
         self.previous = state
 
     def interrupt(self) -> None:
@@ -109,7 +118,8 @@ class GeometryCheck:
             near = near or bool((distance[rows] < required).any())
             unsure = unsure or bool((~(bound >= required) | ~(bound > 0.0)).any())
             self._keep_worst(state, kind, pairs[rows], bound, required)
-        self.least.append(least)
+        if not state.is_placed:
+            self.least.append(least)
         self.too_near += near
         self.unsure += unsure and not near
 
@@ -225,7 +235,7 @@ class GeometryCheck:
         )
 
     def _paths(self) -> Claim:
-        steps = max(0, len(self.least) - 1)
+        steps = max(0, len(self.least) - 1 - len(self.unrecorded))
         open_steps = len({place["state"] for place in self.blocked})
         ways = [f"all vertices move straight in {steps - self.arcs - self.detours - open_steps} steps"]
         ways += [f"rigid bodies turn on arcs in {self.arcs}"] if self.arcs else []
@@ -233,6 +243,7 @@ class GeometryCheck:
             ways.append(
                 f"{self.detours} have detours of up to {self.largest_detour:.3g} m from the straight lines"
             )
+        ways += [placed_text(self.placed)] if self.placed else []
         status, where, detail = VERIFIED, None, "; ".join(ways)
         if self.passed:
             status, where = VIOLATED, self.passed[0]
@@ -248,6 +259,10 @@ class GeometryCheck:
             status, where = INCONCLUSIVE, self.long_detours[0]
             detail = _listed(self.long_detours, "steps have clear paths only far from the straight lines")
             detail += f"; up to {self.largest_detour:.3g} m, more than a tenth of the smallest body there"
+        elif self.unrecorded:
+            status, where = INCONCLUSIVE, self.unrecorded[0]
+            detail = f"bodies were placed before {len(self.unrecorded)} steps, and the states after that are "
+            detail += "not recorded: call record_state(sim) after placing, too"
         return Claim(
             "paths",
             "from each accepted state to the next there is a path on which nothing passes through anything"
@@ -304,6 +319,14 @@ class GeometryCheck:
             detail,
             required=False,
         )
+
+
+def placed_text(placed: list[dict[str, Any]]) -> str:
+    """What was placed and when, which no path leads to."""
+    names = [f"{', '.join(map(repr, p['bodies'][:_LISTED]))} at {p['time']:.6g} s" for p in placed]
+    more = f" and {len(names) - _LISTED} times more" if len(names) > _LISTED else ""
+    times = "once" if len(names) == 1 else f"{len(names)} times"
+    return f"the user has placed bodies {times}, a jump that is no path: {'; '.join(names[:_LISTED])}{more}"
 
 
 def _finite(value: float) -> float | None:

@@ -169,8 +169,8 @@ class JointCheck:
             frames = self._frames(state, joint)
             lengths, angles = KINDS[joint["kind"]](*frames, joint["values"])
             values = {name: float(f(*frames)) for name, f in COORDINATES.get(joint["kind"], {}).items()}
-        elif state.index == 0 and joint["formula"]["uses_motion"]:
-            return {}  # there is no step before
+        elif (state.index == 0 or state.is_placed) and joint["formula"]["uses_motion"]:
+            return {}  # no step led there
         else:
             outputs = self._evaluated(state, joint)
             lengths, angles = [], []
@@ -194,7 +194,7 @@ class JointCheck:
             "x_prev": None if start is None else self._frames(start, joint),
             "x_initial": self._frames(self.start, joint),
         }
-        row = self.run.rows[state.index - 1] if 0 < state.index <= len(self.run.rows) else {}
+        row = self.run.row_of(state) or {}
         clocks = {"time": state.time, "time_step": float(row.get("time_step") or math.nan)}
         return evaluate(joint["formula"], frames, joint["values"], clocks)
 

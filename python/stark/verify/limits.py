@@ -36,7 +36,7 @@ def limits_of(run: Run, claims: list[Claim]) -> list[str]:
     """One sentence for each limit; empty for a complete run of which everything was looked at, with
     tolerances not looser than the defaults."""
     parts = [_end(run), _missing(claims), _settings(run)]
-    parts += [_contact(run), _attached(run), _formulas(run)] if run.has_states else []
+    parts += [_placed(run), _contact(run), _attached(run), _formulas(run)] if run.has_states else []
     return list(chain.from_iterable(parts))
 
 
@@ -141,6 +141,23 @@ def _contact(run: Run) -> Iterator[str]:
 
 def _named(a: str, b: str) -> str:
     return f"'{a}' with itself" if a == b else f"'{a}' and '{b}'"
+
+
+def _placed(run: Run) -> Iterator[str]:
+    if not run.placed_count:
+        return
+    bodies: dict[str, int] = {}
+    for index in np.flatnonzero(run.placed).tolist():
+        placed = run.state(index).placed
+        assert placed is not None
+        for body in np.flatnonzero(placed).tolist():
+            bodies[run.bodies[body].name] = bodies.get(run.bodies[body].name, 0) + 1
+    names = [f"'{name}' {'once' if n == 1 else f'{n} times'}" for name, n in bodies.items()]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    yield (
+        f"the user has placed bodies between steps, which are jumps and not motion: "
+        f"{', '.join(names[:_NAMED])}{more}"
+    )
 
 
 def _attached(run: Run) -> Iterator[str]:

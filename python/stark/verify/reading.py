@@ -57,12 +57,20 @@ class State:
     actuator_values: Floats | None = None  # of all actuators in a row
     #: By exclusion (surface.exclusions): 1 where contact was back in the step that led here.
     regained: NDArray[np.int8] | None = None
+    #: By body: 1 where the user has placed it since the step before; None in recordings of older versions.
+    placed: NDArray[np.int8] | None = None
+    placed_coordinates: Floats | None = None  # of all joints in a row, where bodies were placed
     row: dict[str, np.ndarray] = field(default_factory=dict)  # as it is recorded
     digest: NDArray[np.uint8] | None = None  # (32,), None in recordings of older versions
 
     def points(self) -> Floats:
         """All vertices of all bodies (N, 3) [m]."""
         return np.concatenate(self.positions)
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is not the end of a step, but what the user has made of that."""
+        return self.placed is not None and bool(self.placed.any())
 
     def parts(self) -> list[Floats]:
         """All arrays of numbers."""
@@ -81,6 +89,8 @@ class Run:
     bodies: list[Body] = field(default_factory=list)
     scene: dict[str, Any] = field(default_factory=dict)
     times: Floats = field(default_factory=lambda: np.zeros(0))
+    #: By state: whether the user has placed bodies in it.
+    placed: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     files: dict[str, str] = field(default_factory=dict)  # sha256 by path
     frame_count: int = 0
     frame_chunks: int = 0
@@ -117,6 +127,21 @@ class Run:
         """All states in order of time."""
         return (self.state(k) for k in range(len(self.times)))
 
+    @property
+    def placed_count(self) -> int:
+        """States in which the user has placed bodies, which no step led to."""
+        return int(self.placed.sum())
+
+    def row_of(self, state: State) -> dict[str, Any] | None:
+        """Telemetry of the step that led to a state; None for the first one, placed ones, and without it."""
+        row = state.index - 1 - int(self.placed[: state.index].sum())
+        return self.rows[row] if 0 <= row < len(self.rows) and not state.is_placed else None
+
+    def jumps(self, start: State, end: State) -> bool:
+        """Whether bodies were placed before the step between two states, and none is recorded after that."""
+        row = self.row_of(end)
+        return row is not None and bool(row.get("placed")) and not start.is_placed
+
     def state(self, index: int) -> State:
         chunk = int(np.searchsorted(self._starts, index, side="right")) - 1
         arrays = self._chunk(chunk)
@@ -138,6 +163,8 @@ class Run:
             at("actuators"),
             at("actuator_values"),
             at("contact_regained"),
+            at("placed"),
+            at("placed_coordinates"),
             {name: at(name) for name in arrays if name != "chain"},
             at("chain"),
         )
@@ -166,6 +193,11 @@ class Run:
                     fits and rows is not None and rows.dtype == np.float64,
                     f"'{path}': {name} of body '{body.name}' are missing or have a wrong shape",
                 )
+        rows = arrays.get("placed")
+        need(
+            rows is None or (rows.shape[1:] == (len(self.bodies),) and len(rows) in (1, len(times))),
+            f"'{path}': placed has a wrong shape",
+        )
         digests = arrays.get("chain")
         need(
             digests is None or (digests.shape == (len(times), 32) and digests.dtype == np.uint8),
@@ -226,17 +258,19 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
             f"'{folder / 'manifest.json'}': states.chunk_count is more than states.count",
         )
         _read_scene(run)
-        times = []
+        times, placed = [], []
         for index in range(chunk_count):
-            times.append(run._checked_chunk(index)["times"])
+            chunk = run._checked_chunk(index)
+            times.append(chunk["times"])
+            placed.append(_placed(chunk))
             progress((index + 1) / chunk_count, "reading")
         if manifest.get("status") == "running" and times:
             # The last chunk grows; states that the manifest does not count yet are not there.
-            times[-1] = times[-1][
-                : max(0, _count(states, "count", folder, "states.") - sum(map(len, times[:-1])))
-            ]
+            left = max(0, _count(states, "count", folder, "states.") - sum(map(len, times[:-1])))
+            times[-1], placed[-1] = times[-1][:left], placed[-1][:left]
         run._starts = np.cumsum([0, *(len(t) for t in times)])
         run.times = np.concatenate([np.zeros(0), *times])
+        run.placed = np.concatenate([np.zeros(0, dtype=bool), *placed])
         count = _count(states, "count", folder, "states.")
         need(
             len(run.times) == count and count > 0,
@@ -246,6 +280,14 @@ def read(folder: Path, progress: Callable[[float, str], None] = lambda done, tex
     run.frame_chunks = _count(manifest, "chunk_count", folder)
     run.files = _digests(folder, run.frame_chunks, chunk_count, states is not None)
     return run
+
+
+def _placed(chunk: dict[str, np.ndarray]) -> NDArray[np.bool_]:
+    """By state of a chunk: whether bodies were placed; nowhere in recordings of older versions."""
+    count = len(chunk["times"])
+    if "placed" not in chunk:
+        return np.zeros(count, dtype=bool)
+    return np.array(np.broadcast_to((chunk["placed"] != 0).any(axis=1), (count,)))
 
 
 def _count(entry: Any, name: str, folder: Path, where: str = "") -> int:

@@ -25,6 +25,7 @@ class StopCheck:
     share: float = -1.0
     worst: tuple[float, float, str, dict[str, Any]] | None = None
     lacking: str = ""
+    _previous: State | None = None
     _turned: dict[tuple[int, str], float] = field(default_factory=dict)  # angles over full turns
 
     def __post_init__(self) -> None:
@@ -41,10 +42,15 @@ class StopCheck:
 
     def add(self, state: State, coordinates: dict[tuple[int, str], tuple[float, str]]) -> None:
         """``coordinates``: value and unit by number of the joint and name."""
+        if self._previous is not None and self.run.jumps(self._previous, state):
+            self.lacking = "bodies were placed, and how often their joints turned is not recorded"
+        self._previous = state
         for key, (value, unit) in coordinates.items():
             before = self._turned.get(key, value)
             turns = round((before - value) / (2.0 * math.pi)) if unit == "rad" else 0
             self._turned[key] = value + 2.0 * math.pi * turns
+        if state.is_placed:
+            self._take_turns(state, coordinates)
         if state.actuators is None or state.index == 0 or self.lacking:
             return
         assert state.actuator_values is not None
@@ -56,6 +62,21 @@ class StopCheck:
             held = all(state.joints[joint] for joint, _ in actuator["on"])
             if actuator["kind"] in _KINDS and actuator["built_in"] and state.actuators[k] and held:
                 self._add(state, actuator, values, coordinates)
+
+    def _take_turns(self, state: State, coordinates: dict[tuple[int, str], tuple[float, str]]) -> None:
+        """Full turns of angles that were placed are what the recording says."""
+        names = [
+            (number, str(name))
+            for number, joint in enumerate(self.run.scene["joints"])
+            for name, _ in joint.get("coordinates", [])
+        ]
+        if state.placed_coordinates is None or len(state.placed_coordinates) != len(names):
+            return
+        for key, recorded in zip(names, state.placed_coordinates.tolist(), strict=True):
+            if key in coordinates and coordinates[key][1] == "rad" and math.isfinite(recorded):
+                value = coordinates[key][0]
+                turns = round((recorded - value) / (2.0 * math.pi))
+                self._turned[key] = value + 2.0 * math.pi * turns
 
     def _add(
         self,

@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .reading import Run
 
@@ -56,7 +58,8 @@ def steps_claim(run: Run, broken_states: list[int]) -> Claim:
 
 def _state_times(run: Run) -> list[str]:
     """Every accepted step has a state of its time, and there is one before the first."""
-    expected, found = len(run.rows) + 1, len(run.times)
+    times = run.times[~run.placed]
+    expected, found = len(run.rows) + 1, len(times)
     unfinished = run.manifest.get("status") in ("running", "interrupted")
     lost = int(run.manifest.get("chunk_frames", 1))  # a killed run loses its last chunk
     problems = []
@@ -65,12 +68,21 @@ def _state_times(run: Run) -> list[str]:
             f"{len(run.rows)} accepted steps, but {found} states; one more state than steps is needed"
         )
     for k, row in enumerate(run.rows[: found - 1]):
-        if run.times[k + 1] != number(row, "time"):
-            problems.append(
-                f"state {k + 1} is at {run.times[k + 1]:.9g} s, its step ends at {row.get('time')} s"
-            )
+        if times[k + 1] != number(row, "time"):
+            problems.append(f"state {k + 1} is at {times[k + 1]:.9g} s, its step ends at {row.get('time')} s")
             break
-    return problems
+    return problems + _placed_states(run)
+
+
+def _placed_states(run: Run) -> list[str]:
+    """States in which bodies were placed follow that of their time, and the next step reports them."""
+    for index in np.flatnonzero(run.placed).tolist():
+        if index == 0 or run.times[index] != run.times[index - 1]:
+            return [f"in state {index} bodies are placed, but no state of its time comes before"]
+        row = index - 1 - int(run.placed[:index].sum())
+        if row < len(run.rows) and not run.rows[row].get("placed"):
+            return [f"in state {index} bodies are placed, but the step after it reports none"]
+    return []
 
 
 #: What ends the minimisation of a step: setting of its tolerance, by the number of the telemetry.
@@ -179,6 +191,8 @@ def ledger_claim(run: Run) -> Claim:
             off = max(-at_start, 0.0)
         # Stiffness may grow, but not out of nothing.
         limits = [max(0.0, at_start - factor * contact) for factor in (_GROWTH, _IMPOSSIBLE_GROWTH)]
+        if row.get("placed"):  # contact between other bodies than before
+            limits = [0.0, 0.0]
         allowed = rounding + _BALANCE_ROUNDING * abs(at_start)
         surely = not (max(off, -at_start) <= rounding and limits[1] <= allowed)
         violated, unexplained = violated + surely, unexplained + (not surely and limits[0] > allowed)
@@ -224,8 +238,8 @@ def _imbalance(before: Row, row: Row, contact: float) -> tuple[float, float]:
     rounding explains of it."""
     old, new = {**before["energy"], "contact": contact}, row["energy"]
     stored = [(new[key], 1.0) for key in _STORED] + [(old[key], -1.0) for key in _STORED]
-    # Recordings of versions without restitution do not name its work.
-    given_back = [(new.get("restitution", 0.0), -1.0)]
+    # Recordings of older versions do not name the work of restitution, and of the user who places bodies.
+    given_back = [(new.get(key, 0.0), -1.0) for key in ("restitution", "placed")]
     supplied = [(new[key], -1.0 if key in _SUPPLIED else 1.0) for key in _TURNED_OVER] + given_back
     terms = [value * sign for value, sign in stored + supplied]
     return math.fsum(terms), _BALANCE_ROUNDING * sum(abs(term) for term in terms)

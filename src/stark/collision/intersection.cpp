@@ -3,8 +3,11 @@
 #include <stark/collision/intersection.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <stark/collision/bvh.h>
+#include <stark/geometry/distance.h>
 #include <stark/geometry/intersection.h>
 #include <stark/geometry/topology.h>
 
@@ -60,11 +63,37 @@ std::vector<int32_t> find_piece_vertices(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh, std::span<const Vec3> x,
-                                                         const PairFilter& filter, ThreadPool& pool) {
+struct IntersectionFinder::Parts {
   Bvh bvh;
-  bvh.reset(mesh, filter.group_count());
-  bvh.refit(x, x, std::vector<double>(filter.group_count(), 0.0), pool);
+  std::vector<bool> is_solid;                  // by group: closed, and filled
+  std::vector<std::vector<Index3>> triangles;  // of solid groups
+  std::vector<int32_t> pieces;                 // a vertex of each connected piece, sorted
+  std::vector<double> no_inflation;            // by group
+};
+
+IntersectionFinder::IntersectionFinder(SurfaceMesh mesh, int32_t group_count, std::vector<bool> is_filled)
+    : parts_(std::make_unique<Parts>()) {
+  parts_->triangles.resize(group_count);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    parts_->triangles[mesh.triangle_group[t]].push_back(mesh.triangles[t]);
+  for (int32_t g = 0; g < group_count; ++g) {
+    const bool is_solid = (is_filled.empty() || is_filled[g]) && is_closed(parts_->triangles[g]);
+    parts_->is_solid.push_back(is_solid);
+    if (!is_solid) parts_->triangles[g] = {};
+  }
+  parts_->pieces = find_piece_vertices(mesh);
+  parts_->no_inflation.assign(group_count, 0.0);
+  parts_->bvh.reset(std::move(mesh), group_count);
+}
+
+IntersectionFinder::~IntersectionFinder() = default;
+
+std::vector<EdgeTriangleIntersection> IntersectionFinder::intersections(std::span<const Vec3> x,
+                                                                        const PairFilter& filter,
+                                                                        ThreadPool& pool) {
+  Bvh& bvh = parts_->bvh;
+  const SurfaceMesh& mesh = bvh.mesh();
+  bvh.refit(x, x, parts_->no_inflation, pool);
   std::vector<std::vector<EdgeTriangleIntersection>> found(pool.thread_count());
   bvh.for_each_pair(filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
     add_edge_triangle(bvh, a, b, x, found[thread]);
@@ -83,28 +112,25 @@ std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh
   return result;
 }
 
-std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
-                                                  const PairFilter& filter, ThreadPool& pool,
-                                                  const std::vector<bool>& is_filled) {
-  const int32_t group_count = filter.group_count();
-  std::vector<std::vector<Index3>> triangles(group_count);
-  std::vector<Bounds> bounds(group_count);
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    triangles[mesh.triangle_group[t]].push_back(mesh.triangles[t]);
-    for (const int32_t v : mesh.triangles[t]) bounds[mesh.triangle_group[t]].add(x[v]);
-  }
-  const std::vector<int32_t> pieces = find_piece_vertices(mesh);
+std::vector<ContainedGroup> IntersectionFinder::contained_groups(std::span<const Vec3> x,
+                                                                 const PairFilter& filter,
+                                                                 ThreadPool& pool) const {
+  const SurfaceMesh& mesh = parts_->bvh.mesh();
+  const auto group_count = static_cast<int32_t>(parts_->is_solid.size());
   std::vector<std::vector<ContainedGroup>> found(group_count);
   pool.for_each_task(group_count, [&](int64_t task, int) {
     const int32_t outer = static_cast<int32_t>(task);
-    if (!(is_filled.empty() || is_filled[outer]) || !is_closed(triangles[outer])) return;
+    if (!parts_->is_solid[outer]) return;
+    Bounds bounds;
+    for (const Index3& triangle : parts_->triangles[outer])
+      for (const int32_t v : triangle) bounds.add(x[v]);
     std::vector<bool> reported(group_count, false);
-    for (const int32_t v : pieces) {
+    for (const int32_t v : parts_->pieces) {
       const int32_t inner = mesh.vertex_group[v];
       if (inner == outer || reported[inner] || !filter.allowed(inner, outer) || filter.excluded(v, outer) ||
-          !bounds[outer].contains(x[v]))
+          !bounds.contains(x[v]))
         continue;
-      if (locate_point(x[v], x, triangles[outer]) != PointLocation::Inside) continue;
+      if (locate_point(x[v], x, parts_->triangles[outer]) != PointLocation::Inside) continue;
       reported[inner] = true;
       found[outer].push_back({inner, outer, v});
     }
@@ -115,6 +141,95 @@ std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::
     return a.inner != b.inner ? a.inner < b.inner : a.outer < b.outer;
   });
   return result;
+}
+
+namespace {
+
+constexpr int kCorners[3][2] = {{0, 1}, {1, 2}, {2, 0}};
+
+void keep_nearest(const ClosestPoints& found, ClosestPoints& nearest) {
+  if (found.distance < nearest.distance) nearest = found;
+}
+
+void add_point_to_triangle(const Vec3& p, const Index3& t, std::span<const Vec3> x, bool is_turned,
+                           ClosestPoints& nearest) {
+  const std::array<double, 3> w =
+      point_triangle_weights(p, x[t[0]], x[t[1]], x[t[2]], point_triangle_type(p, x[t[0]], x[t[1]], x[t[2]]));
+  const Vec3 q = x[t[0]] * w[0] + x[t[1]] * w[1] + x[t[2]] * w[2];
+  keep_nearest(is_turned ? ClosestPoints{norm(p - q), q, p} : ClosestPoints{norm(p - q), p, q}, nearest);
+}
+
+/// Between two cells, of groups a and b.
+void add_cells(const Cell& a, const Cell& b, std::span<const Vec3> x, ClosestPoints& nearest) {
+  for (int k = 0; k < 3; ++k) {
+    if (b.triangle >= 0) add_point_to_triangle(x[a.vertices[k]], b.vertices, x, false, nearest);
+    if (a.triangle >= 0) add_point_to_triangle(x[b.vertices[k]], a.vertices, x, true, nearest);
+  }
+  for (const auto& i : kCorners)
+    for (const auto& j : kCorners) {
+      const Vec3 &a0 = x[a.vertices[i[0]]], &a1 = x[a.vertices[i[1]]];
+      const Vec3 &b0 = x[b.vertices[j[0]]], &b1 = x[b.vertices[j[1]]];
+      const std::array<double, 4> w = edge_edge_weights(a0, a1, b0, b1, edge_edge_type(a0, a1, b0, b1));
+      const Vec3 p = a0 * w[0] + a1 * w[1], q = b0 * w[2] + b1 * w[3];
+      keep_nearest({norm(p - q), p, q}, nearest);
+    }
+}
+
+}  // namespace
+
+ClosestPoints IntersectionFinder::closest_points(std::span<const Vec3> x, int32_t group_a, int32_t group_b,
+                                                 ThreadPool& pool) {
+  Bvh& bvh = parts_->bvh;
+  const SurfaceMesh& mesh = bvh.mesh();
+  PairFilter filter(bvh.group_count(), false, false);
+  filter.set(group_a, group_b, true);
+  if (const auto meeting = intersections(x, filter, pool); !meeting.empty()) {
+    const Index2& edge = mesh.edges[meeting.front().edge];
+    const Index3& t = mesh.triangles[meeting.front().triangle];
+    const Vec3 n = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
+    const double h0 = dot(n, x[edge[0]] - x[t[0]]), h1 = dot(n, x[edge[1]] - x[t[0]]);
+    const double share = h0 == h1 ? 0.5 : h0 / (h0 - h1);
+    const Vec3 place = x[edge[0]] + (x[edge[1]] - x[edge[0]]) * share;
+    return {0.0, place, place};
+  }
+  Bounds bounds[2];
+  for (int32_t v = 0; v < mesh.vertex_count; ++v)
+    for (const int side : {0, 1})
+      if (mesh.vertex_group[v] == (side == 0 ? group_a : group_b)) bounds[side].add(x[v]);
+  Vec3 gap, size;
+  for (int k = 0; k < 3; ++k) {
+    gap[k] = std::max({0.0, bounds[0].low[k] - bounds[1].high[k], bounds[1].low[k] - bounds[0].high[k]});
+    size[k] = std::max(bounds[0].high[k], bounds[1].high[k]) - std::min(bounds[0].low[k], bounds[1].low[k]);
+  }
+  // Pairs within a reach, which grows until the nearest one is known.
+  ClosestPoints nearest;
+  ThreadPool alone(1);  // few pairs, in a fixed order
+  double reach = norm(gap) + 1e-3 * norm(size);
+  while (reach <= 16.0 * norm(size)) {  // not NaN
+    std::vector<double> inflation(bvh.group_count(), 0.0);
+    inflation[group_a] = inflation[group_b] = 0.5 * reach;
+    bvh.refit(x, x, inflation, pool);
+    std::vector<std::pair<const Cell*, const Cell*>> pairs;
+    bvh.for_each_pair(filter, alone, [&](int, const Cell& a, const Cell& b, bool) {
+      const bool is_turned = mesh.vertex_group[a.vertices[0]] != group_a;
+      pairs.emplace_back(is_turned ? &b : &a, is_turned ? &a : &b);
+    });
+    for (const auto& [a, b] : pairs) add_cells(*a, *b, x, nearest);
+    if (nearest.distance <= reach || reach == 0.0) break;
+    reach = std::min(2.0 * reach, nearest.distance);
+  }
+  return nearest;
+}
+
+std::vector<EdgeTriangleIntersection> find_intersections(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                                                         const PairFilter& filter, ThreadPool& pool) {
+  return IntersectionFinder(mesh, filter.group_count()).intersections(x, filter, pool);
+}
+
+std::vector<ContainedGroup> find_contained_groups(const SurfaceMesh& mesh, std::span<const Vec3> x,
+                                                  const PairFilter& filter, ThreadPool& pool,
+                                                  const std::vector<bool>& is_filled) {
+  return IntersectionFinder(mesh, filter.group_count(), is_filled).contained_groups(x, filter, pool);
 }
 
 }  // namespace stark

@@ -169,7 +169,8 @@ std::vector<double> ConstraintSet::reactions(std::span<const Vec3> x) const {
   return result;
 }
 
-ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
+ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x, std::span<const double> enabled,
+                                              const ConstraintTolerance& tolerance) const {
   Violation worst;
   const std::vector<double> C = residuals(x);
   for (int32_t j = 0; j < joint_count_; ++j) {
@@ -179,8 +180,8 @@ ConstraintSet::Violation ConstraintSet::worst(std::span<const Vec3> x) const {
       const ResidualUnit unit = joint.units()[r - places_[j].residual];
       const std::span<const char> one_sided =
           std::span(joint.one_sided()).subspan(r - places_[j].residual, rows);
-      const double size = norm_of_rows(C, r, one_sided), ratio = size / tolerance_of(unit);
-      if (enabled_[j] != 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
+      const double size = norm_of_rows(C, r, one_sided), ratio = size / tolerance.of(unit);
+      if (enabled[j] != 0.0 && ratio > worst.ratio) worst = {ratio, j, size, unit};
       r += rows;
     }
   }

@@ -25,6 +25,8 @@ inline double shortest_turn(double angle) { return std::remainder(angle, 2.0 * s
 struct ConstraintTolerance {
   double length = 1e-6;  ///< [m]
   double angle = 1e-5;   ///< [rad]
+
+  double of(ResidualUnit unit) const { return unit == ResidualUnit::Length ? length : angle; }
 };
 
 /// Stiffness by which one side of a joint resists, against translation [N/m] and rotation [N m].
@@ -75,7 +77,10 @@ class ConstraintSet {
     double residual = 0.0;
     ResidualUnit unit = ResidualUnit::Length;
   };
-  Violation worst(std::span<const Vec3> x) const;
+  Violation worst(std::span<const Vec3> x) const { return worst(x, enabled_, tolerance_); }
+  /// The same between steps, of the joints that are enabled.
+  Violation worst(std::span<const Vec3> x, std::span<const double> enabled,
+                  const ConstraintTolerance& tolerance) const;
 
   /// Residuals or coordinates at x, in the order of groups and elements.
   std::vector<double> residuals(std::span<const Vec3> x) const;
@@ -89,9 +94,7 @@ class ConstraintSet {
 
  private:
   void write_inputs();
-  double tolerance_of(ResidualUnit unit) const {
-    return unit == ResidualUnit::Length ? tolerance_.length : tolerance_.angle;
-  }
+  double tolerance_of(ResidualUnit unit) const { return tolerance_.of(unit); }
 
   std::vector<ConstraintGroup> groups_;
   std::vector<Place> places_;  ///< by joint

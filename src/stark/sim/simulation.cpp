@@ -8,7 +8,6 @@
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
-#include <stark/collision/intersection.h>
 #include <stark/sim/script_phase.h>
 #include <stark/sim/validation.h>
 
@@ -69,12 +68,15 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
         settings_.contact.stick_velocity * settings_.time.step, model_->map(), *pool_, *timer_);
     between();
     prescribed = PrescribedBodies(scene_, surface_mesh_);
+    intersections_ = std::make_unique<IntersectionFinder>(surface_mesh_, scene_.body_count(), is_filled_);
+    between();
     check_initial_state();
     between();
     const CloseBodies close = contact_->find_close_bodies(site_positions());
     state_.contact_close_bodies = close.bodies;
     state_.contact_close_distance = close.distance;
   }
+  start_state_ = state_;
   between();
   make_solver();
   parts_ = std::make_unique<Parts>(StepContext{.scene = scene_,
@@ -113,14 +115,17 @@ void Simulation::make_solver() {
 
 Simulation::~Simulation() = default;
 
-const StepReport& Simulation::step(double max_time_step) { return parts_->runner.step(max_time_step); }
+const StepReport& Simulation::step(double max_time_step) {
+  parts_->placing.require_closed("a step");
+  return parts_->runner.step(max_time_step);
+}
 const StepReport& Simulation::report() const { return parts_->runner.report(); }
 StepProgress Simulation::progress() const { return parts_->runner.progress(); }
 int64_t Simulation::exclusion_count() const { return parts_->watch.exclusions().size(); }
 
 void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) const {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
-  const auto intersections = find_intersections(surface_mesh_, x, contact_->filter(), *pool_);
+  const auto intersections = intersections_->intersections(x, contact_->filter(), *pool_);
   if (!intersections.empty()) {
     const auto& first = intersections.front();
     const Vec3 where = (x[surface_mesh_.edges[first.edge][0]] + x[surface_mesh_.edges[first.edge][1]]) * 0.5;
@@ -130,7 +135,7 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
                               " edge-triangle pairs, the first near " + point_text(where) +
                               "; move them apart, or disable contact between them");
   }
-  const auto contained = find_contained_groups(surface_mesh_, x, contact_->filter(), *pool_, is_filled_);
+  const auto contained = intersections_->contained_groups(x, contact_->filter(), *pool_);
   if (!contained.empty()) {
     const auto& first = contained.front();
     const bool is_rigid = scene_.kind(BodyId{first.outer}) == BodyKind::Rigid;
@@ -229,6 +234,10 @@ Vec3 Simulation::linear_velocity(BodyId body) const {
 
 Vec3 Simulation::angular_velocity(BodyId body) const {
   return state_.body_angular_velocity[rigid(body, "angular velocity").rigid_index];
+}
+
+Vec3 Simulation::centre_velocity(BodyId body) const {
+  return state_.body_velocity[rigid(body, "velocity").rigid_index];
 }
 
 double Simulation::checked_duration(const std::string& owner, std::optional<double> duration) const {

@@ -7,12 +7,16 @@
 #include <span>
 #include <vector>
 
+#include <stark/collision/intersection.h>
 #include <stark/sim/energies.h>
 #include <stark/sim/model.h>
 #include <stark/sim/step_report.h>
 #include <stark/sim/time_marks.h>
 
 namespace stark {
+
+class Placing;
+struct Placed;
 
 class Simulation {
  public:
@@ -40,6 +44,8 @@ class Simulation {
   /// Rewinds or resumes; throws InvalidArgument for a state of another model and for numbers that no state
   /// can have.
   void set_state(const State& state);
+  /// Rewinds to the start: the state that it was made with.
+  void reset();
   /// Goes on where another simulation of the same scene was, sensors included: takes the step of at most
   /// `max_time_step` [s] that led from `before` to `state` again, so that contacts, reactions and the report
   /// are those of that step. Returns false when it does not come to the same places bit for bit; the state is
@@ -51,6 +57,31 @@ class Simulation {
   const Settings& settings() const { return settings_; }
   int32_t dof_count() const { return 3 * model_->map().layout().block_count; }
 
+  // Placing: free bodies are put elsewhere, or get other velocities, between two steps. Contact, friction,
+  // joints and the integrator start anew for them (sim/placing.h); sensors read nothing before the next step,
+  // whose report has what was placed. Throws InitialIntersection where surfaces meet afterwards, and
+  // InvalidArgument where a joint, a limit or an attachment would not hold; then nothing has changed.
+
+  /// From here to end_placing() or cancel_placing() bodies are placed together: checked at the end.
+  void begin_placing();
+  void end_placing();
+  void cancel_placing();
+  bool is_placing() const;
+  /// What was placed since the last step.
+  const Placed& placed() const;
+  /// Pose of the mesh frame of a rigid body.
+  void place(BodyId body, const Vec3& position, const Mat3& rotation);
+  /// Velocity [m/s] of the centre of mass of a rigid body, angular velocity [rad/s].
+  void push(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Positions [m] or velocities [m/s] of all vertices of a deformable body, in the order of its mesh. Pinned
+  /// vertices rest where they are placed, and take no velocities.
+  void place_vertices(BodyId body, std::span<const Vec3> positions);
+  void push_vertices(BodyId body, std::span<const Vec3> velocities);
+  /// Coordinates of a joint [m, rad], or their rates [m/s, rad/s]: what hangs on its side b moves as one, or
+  /// what hangs on side a where b is held. Throws InvalidArgument where neither hangs on the joint alone.
+  void place_joint(JointId joint, std::span<const double> coordinates);
+  void push_joint(JointId joint, std::span<const double> rates);
+
   /// Positions [m] or velocities [m/s] of the vertices of a body's mesh, in its order.
   std::vector<Vec3> positions(BodyId body) const;
   std::vector<Vec3> velocities(BodyId body) const;
@@ -61,6 +92,8 @@ class Simulation {
   Mat3 rotation(BodyId body) const;
   Vec3 linear_velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
+  /// Velocity of its centre of mass [m/s]; of the origin of fixed and scripted bodies.
+  Vec3 centre_velocity(BodyId body) const;
 
   /// Pose of a scripted body at the end of the next full time step; afterwards it rests until told otherwise.
   /// With `duration` [s] the pose holds after that time.
@@ -133,6 +166,12 @@ class Simulation {
   /// The contacts of the last step: who touches whom where, forces and slip. Empty before the first step,
   /// after set_state() and without contact. Groups are indices of bodies, sites those of surface_mesh().
   std::vector<ContactForce> contacts() const;
+  /// Sum of the contact forces on a body in the last step, friction included [N].
+  Vec3 contact_force(BodyId body) const;
+  /// Points of the surfaces of two bodies that are nearest to each other, as they are now; of rods, of their
+  /// centre lines. Distance 0 where they intersect; contact may be disabled. Throws InvalidArgument for a
+  /// body with itself.
+  ClosestPoints closest_points(BodyId a, BodyId b);
   /// Acceleration [m/s^2] in the last step of a point of a rigid body, given in the frame of its mesh [m]:
   /// the change of velocity over the time step. Zero before the first step and after set_state().
   Vec3 acceleration(BodyId body, const Vec3& point) const;
@@ -157,12 +196,18 @@ class Simulation {
   /// Throws InitialIntersection where surfaces intersect or contain each other at site positions x; `when`
   /// names them: "at time 0".
   void check_clear(std::span<const Vec3> x, const std::string& when) const;
+  void check_state_clear(const State& state, std::span<const Vec3> x, const std::string& when);
+  /// Places by itself what is not part of a placing under way.
+  void place_with(const std::function<void(Placing&)>& change);
+  void require_free(BodyId body, const char* what) const;
   void check_energies();
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
   void check_joints();
   void check_actuators();
   void check_attachments();
+  /// After the state was replaced: sensors have nothing to tell of it.
+  void forget_last_step();
   double scene_size() const;  ///< [m] diagonal of a box around all bodies
   double checked_duration(const std::string& owner, std::optional<double> duration) const;
   const ModelBody& rigid(BodyId body, const char* what) const;
@@ -174,10 +219,11 @@ class Simulation {
   std::unique_ptr<PhaseTimer> timer_;
   Energies energies_;
   std::unique_ptr<const Model> model_;
-  State state_;
+  State state_, start_state_;
   SurfaceMesh surface_mesh_;
   std::vector<bool> is_filled_;  ///< by body
   std::unique_ptr<ContactPipeline> contact_;
+  std::unique_ptr<IntersectionFinder> intersections_;  ///< null without contact
   std::unique_ptr<Assembler> assembler_;
   std::unique_ptr<IncrementalPotential> potential_;
   std::unique_ptr<LinearSolver> linear_solver_;

@@ -94,14 +94,18 @@ std::vector<Joint::Coordinate> Simulation::joint_coordinate_names(JointId joint)
 }
 
 std::vector<double> Simulation::joint_coordinates(JointId joint) const {
-  const size_t count = joint_coordinate_names(joint).size();
-  const auto first = state_.joint_coordinate.begin() + energies_.constraints.place(joint.index).coordinate;
+  scene_.joint(joint);
+  const ConstraintSet::Place& place = energies_.constraints.place(joint.index);
+  const size_t count = energies_.constraints.groups()[place.group].joint->coordinates().size();
+  const auto first = state_.joint_coordinate.begin() + place.coordinate;
   return {first, first + static_cast<std::ptrdiff_t>(count)};
 }
 
 std::vector<double> Simulation::joint_rates(JointId joint) const {
-  const size_t count = joint_coordinate_names(joint).size();
-  const auto first = state_.joint_rate.begin() + energies_.constraints.place(joint.index).coordinate;
+  scene_.joint(joint);
+  const ConstraintSet::Place& place = energies_.constraints.place(joint.index);
+  const size_t count = energies_.constraints.groups()[place.group].joint->coordinates().size();
+  const auto first = state_.joint_rate.begin() + place.coordinate;
   return {first, first + static_cast<std::ptrdiff_t>(count)};
 }
 

@@ -15,13 +15,15 @@ struct Simulation::Parts {
         ledger(context, motion),
         way(context, motion, std::move(prescribed)),
         watch(context, std::move(exclusions), mesh, is_filled),
-        runner(context, {motion, joints, ledger, way, watch}, assembler, linear_solver) {}
+        placing(context, motion, joints, ledger, mesh),
+        runner(context, {motion, joints, ledger, way, watch, placing}, assembler, linear_solver) {}
 
   StepMotion motion;
   StepJoints joints;
   StepLedger ledger;
   StepWay way;
   ReleaseWatch watch;
+  Placing placing;
   StepRunner runner;
 };
 

@@ -1,4 +1,7 @@
 // What the last step did, as sensors see it: contacts with their forces, accelerations of rigid bodies.
+#include <cmath>
+
+#include <stark/base/error.h>
 #include <stark/sim/simulation_parts.h>
 
 namespace stark {
@@ -6,6 +9,28 @@ namespace stark {
 std::vector<ContactForce> Simulation::contacts() const {
   if (!contact_ || step_start_.empty()) return {};
   return contact_->contact_forces(site_positions());
+}
+
+ClosestPoints Simulation::closest_points(BodyId a, BodyId b) {
+  const std::string &name_a = scene_.name(a), &name_b = scene_.name(b);
+  if (a == b) throw InvalidArgument("distance of '" + name_a + "' from itself: give two bodies");
+  if (!intersections_)  // without contact nothing has asked for it
+    intersections_ = std::make_unique<IntersectionFinder>(surface_mesh_, scene_.body_count(), is_filled_);
+  const ClosestPoints points = intersections_->closest_points(site_positions(), a.index, b.index, *pool_);
+  if (std::isinf(points.distance))
+    throw InvalidArgument("distance of '" + name_a + "' from '" + name_b + "': one of them has no surface");
+  return points;
+}
+
+Vec3 Simulation::contact_force(BodyId body) const {
+  scene_.name(body);  // throws for ids of another scene
+  Vec3 sum;
+  for (const ContactForce& entry : contacts()) {
+    if (entry.contact.group_a == entry.contact.group_b) continue;  // its own, which cancel
+    if (entry.contact.group_a == body.index) sum += entry.normal_force + entry.friction;
+    if (entry.contact.group_b == body.index) sum -= entry.normal_force + entry.friction;
+  }
+  return sum;
 }
 
 Vec3 Simulation::acceleration(BodyId body, const Vec3& point) const {

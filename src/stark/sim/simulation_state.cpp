@@ -40,6 +40,7 @@ void copy_place(const State& from, int32_t body, State& to) {
 }  // namespace
 
 void Simulation::set_state(const State& state) {
+  parts_->placing.require_closed("the state");
   if (const std::string field = first_length_difference(state, state_); !field.empty())
     throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(state_) +
                           " ('" + field + "' is not as long); use a state of the same scene and integrator");
@@ -53,20 +54,36 @@ void Simulation::set_state(const State& state) {
     if (scene_.kind(BodyId{b}) == BodyKind::Rigid && scene_.motion(BodyId{b}) == Motion::Fixed)
       copy_place(model_->initial_state(), model_->bodies()[b].rigid_index, next);
   parts_->watch.check(next);
-  if (contact_) {
-    const std::vector<int64_t> filtered = parts_->watch.filtered();
-    parts_->watch.set_regained(parts_->watch.exclusions().over(next));
-    try {
-      check_clear(model_->site_positions(next), "in this state");
-    } catch (...) {
-      parts_->watch.set_regained(filtered);
-      throw;
-    }
-  }
+  if (contact_) check_state_clear(next, model_->site_positions(next), "in this state");
   state_ = std::move(next);
+  parts_->placing.forget();
+  forget_last_step();
+}
+
+void Simulation::check_state_clear(const State& state, std::span<const Vec3> x, const std::string& when) {
+  const std::vector<int64_t> filtered = parts_->watch.filtered();
+  parts_->watch.set_regained(parts_->watch.exclusions().over(state));
+  try {
+    check_clear(x, when);
+  } catch (...) {
+    parts_->watch.set_regained(filtered);
+    throw;
+  }
+}
+
+void Simulation::reset() {
+  parts_->placing.require_closed("the state");
+  state_ = start_state_;
+  parts_->placing.forget();
+  if (contact_) parts_->watch.set_regained(parts_->watch.exclusions().over(state_));
+  forget_last_step();
+}
+
+void Simulation::forget_last_step() {
   step_start_.clear();
   energies_.constraints.set_forces(state_.joint_multiplier);
-  for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(site_positions());
+  const std::vector<Vec3> x = site_positions();
+  for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
 }
 
 bool Simulation::resume(const State& before, double max_time_step, const State& state) {

@@ -19,6 +19,9 @@ double unwrap(double raw, double previous) {
   return raw + kTurn * std::round((previous - raw) / kTurn);
 }
 
+/// Residual over its tolerance between steps: rounding of what moves as one.
+constexpr double kRounding = 1.001;
+
 Vec3 vector_at(std::span<const double> numbers, int64_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
@@ -117,28 +120,46 @@ void StepJoints::set_attachment_status(const ModelAttachment& attachment, int64_
   std::fill_n(state_.joint_multiplier.begin() + r, 3, 0.0);
 }
 
-std::string StepJoints::violation_text() const {
-  const ConstraintSet::Violation worst = energies_.constraints.worst(potential_.site_positions());
-  if (worst.joint < 0) return "";
+std::string StepJoints::text_of(const ConstraintSet::Violation& worst) const {
   const auto joints = static_cast<int32_t>(scene_.joints().size());
-  if (!model_.attachments().empty() && worst.joint >= model_.attachments().front().first_constraint) {
+  const std::string off = residual_text(worst.residual, worst.unit);
+  if (is_of_attachments(worst.joint)) {
     const auto after =
         std::ranges::upper_bound(model_.attachments(), worst.joint, {}, &ModelAttachment::first_constraint);
     const auto k = static_cast<size_t>(after - model_.attachments().begin()) - 1;
     return "attachment '" + scene_.attachments()[k].name + "', pair " +
-           std::to_string(worst.joint - model_.attachments()[k].first_constraint) + ", is apart by " +
-           residual_text(worst.residual, worst.unit) +
-           "; look for prescribed bodies that pull it apart, or give it a break_force";
+           std::to_string(worst.joint - model_.attachments()[k].first_constraint) + ", is apart by " + off;
   }
   if (worst.joint >= joints)
-    return "actuator '" + scene_.actuators()[worst.joint - joints].name + "' is off by " +
-           residual_text(worst.residual, worst.unit) +
-           "; look for joints, limits and prescribed bodies that contradict it";
-  return "joint '" + scene_.joints()[worst.joint].name + "' is apart by " +
-         residual_text(worst.residual, worst.unit) +
-         "; look for joints that contradict each other, for prescribed bodies that pull it apart, and for "
-         "bodies in "
-         "its way";
+    return "actuator '" + scene_.actuators()[worst.joint - joints].name + "' is off by " + off;
+  return "joint '" + scene_.joints()[worst.joint].name + "' is apart by " + off;
+}
+
+bool StepJoints::is_of_attachments(int32_t constraint) const {
+  return !model_.attachments().empty() && constraint >= model_.attachments().front().first_constraint;
+}
+
+std::string StepJoints::violation_text(std::span<const Vec3> x,
+                                       const std::function<bool(int32_t)>& some) const {
+  std::vector<double> enabled = acting();
+  for (size_t j = 0; j < enabled.size(); ++j)
+    if (!some(static_cast<int32_t>(j))) enabled[j] = 0.0;
+  const ConstraintSet::Violation worst =
+      energies_.constraints.worst(x, enabled, joint_tolerance(settings_.joints));
+  return worst.ratio > kRounding ? text_of(worst) : "";
+}
+
+std::string StepJoints::violation_text() const {
+  const ConstraintSet::Violation worst = energies_.constraints.worst(potential_.site_positions());
+  if (worst.joint < 0) return "";
+  const char* remedy =
+      "look for joints that contradict each other, for prescribed bodies that pull it apart, and for bodies "
+      "in its way";
+  if (is_of_attachments(worst.joint))
+    remedy = "look for prescribed bodies that pull it apart, or give it a break_force";
+  else if (worst.joint >= static_cast<int32_t>(scene_.joints().size()))
+    remedy = "look for joints, limits and prescribed bodies that contradict it";
+  return text_of(worst) + "; " + remedy;
 }
 
 }  // namespace stark

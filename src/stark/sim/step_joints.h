@@ -2,6 +2,7 @@
 // (step phases 1 and 6).
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +38,9 @@ class StepJoints : private StepPart {
   void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
   /// Which constraint is worst, with a remedy; empty if none is off.
   std::string violation_text() const;
+  /// The same between steps with sites at x, of `some` constraints: what is beyond their tolerances, without
+  /// a remedy.
+  std::string violation_text(std::span<const Vec3> x, const std::function<bool(int32_t)>& some) const;
 
  private:
   /// 1 for each joint, then for each actuator, then for each pair of attachments, that acts; actuators of
@@ -44,6 +48,9 @@ class StepJoints : private StepPart {
   std::vector<double> acting() const;
   /// Joints, actuators and attachments are numbered one after the other.
   bool is_of_actuators(const ConstraintGroup& group) const;
+  /// "joint 'knee' is apart by 0.1 m".
+  std::string text_of(const ConstraintSet::Violation& worst) const;
+  bool is_of_attachments(int32_t constraint) const;
   /// Takes efforts and memories over at the end of a step.
   void commit_actuators(std::span<const Vec3> x);
   /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.

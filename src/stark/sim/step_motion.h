@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <stark/contact/restitution.h>
@@ -42,6 +43,8 @@ class StepMotion : private StepPart {
   /// Sets what the velocities of a step of length h are measured from.
   void begin(double h);
   const MotionReference& reference() const { return reference_; }
+  /// Puts back what begin() has set before.
+  void set_reference(MotionReference reference) { reference_ = std::move(reference); }
   /// Coordinates of joints that their rates are measured from, angles up to full turns [m, rad].
   std::vector<double> coordinates() const;
   /// Predictions and times of all energies, for a step of length h by the integrator.
@@ -51,6 +54,7 @@ class StepMotion : private StepPart {
   /// Gives a batch the positions that it measures velocities and rates from.
   template <typename Batch>
   void set_previous(Batch& batch) const {
+    if (reference_.sites.empty()) return;  // before the first step
     batch.set_previous(reference_.sites);
     if (!reference_.beyond.empty()) batch.set_beyond(reference_.beyond);
   }

@@ -45,6 +45,8 @@ struct EnergyLedger {
   /// Given back in the step by restitution: what impacts before it had taken up, in contact that lost its
   /// stiffness and in numerical dissipation.
   double restitution = 0.0;
+  /// Given to what is stored between the step before and this one, by placing bodies (sim/placing).
+  double placed = 0.0;
   double numerical = 0.0;  ///< what closes the balance: dissipated by the time integration and by joints
 
   double stored() const { return kinetic + elastic + gravity + contact; }
@@ -73,6 +75,8 @@ struct StepReport {
   /// Largest difference of a friction limit in this step from mu times the normal force at its end [N].
   double friction_residual = 0.0;
   EnergyLedger energy;
+  /// Bodies that were placed between the step before and this one, by number; sorted.
+  std::vector<int32_t> placed{};
   /// Of the barriers at the start of the step, with the stiffness of this step [J]: what EnergyLedger takes
   /// for stored(start), where the step before reported the same contacts with its own stiffness.
   double contact_energy_at_start = 0.0;

@@ -112,6 +112,7 @@ StepRunner::StepRunner(const StepContext& context, const StepParts& parts, Assem
       ledger_(parts.ledger),
       way_(parts.way),
       watch_(parts.watch),
+      placing_(parts.placing),
       assembler_(assembler),
       linear_solver_(linear_solver),
       newton_(settings_.newton, linear_solver, timer_) {}
@@ -190,6 +191,9 @@ void StepRunner::accept(double h, bool is_cut) {
   {
     const PhaseTimer::Scope scope(timer_, Phase::Commit);
     report_.energy = ledger_.balance(energies_before_, h);
+    report_.energy.placed = placing_.placed().energy;
+    report_.placed = placing_.placed().bodies;
+    placing_.forget();
     report_.contact_energy_at_start = energies_before_.contact;
     report_.bristle_energy_at_start = contact_ ? contact_->bristle_energy_at_start() : 0.0;
   }

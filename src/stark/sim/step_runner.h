@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <stark/sim/diagnosis.h>
+#include <stark/sim/placing.h>
 #include <stark/sim/release_watch.h>
 #include <stark/sim/step_joints.h>
 #include <stark/sim/step_ledger.h>
@@ -23,6 +24,7 @@ struct StepParts {
   StepLedger& ledger;
   StepWay& way;
   ReleaseWatch& watch;
+  Placing& placing;
 };
 
 class StepRunner : private StepPart {
@@ -59,6 +61,7 @@ class StepRunner : private StepPart {
   StepLedger& ledger_;
   StepWay& way_;
   ReleaseWatch& watch_;
+  Placing& placing_;
   Assembler& assembler_;
   LinearSolver& linear_solver_;
   NewtonSolver newton_;

@@ -38,15 +38,28 @@ def test_frames_of_rigid_bodies_take_their_rotation_as_the_guide_has_it() -> Non
     assert all((a.positions == b.positions).all() for a, b in zip(*(f.columns for f in frames), strict=True))
 
 
-def test_setting_the_velocity_of_a_dynamic_body_says_where_it_is_given() -> None:
-    """With and without a simulation."""
+def test_setting_a_velocity_without_a_simulation_says_where_it_is_given() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=1.0)
-    for _ in range(2):
-        with pytest.raises(stark.InvalidArgument, match=r"is dynamic: its velocity cannot be set.*velocity="):
-            box.velocity = (1, 0, 0)
-        sim = stark.Simulation(scene)
-    assert sim.time == 0.0
+    with pytest.raises(stark.InvalidArgument, match=r"velocity = ... needs a simulation.*velocity="):
+        box.velocity = (1, 0, 0)
+    sim = stark.Simulation(scene)
+    box.velocity = (1, 0, 0)
+    assert sim.time == 0.0 and box.velocity.tolist() == [1, 0, 0]
+
+
+def test_velocities_are_of_the_centre_of_mass_those_of_scripted_bodies_of_the_origin() -> None:
+    scene, mesh = stark.Scene(), stark.mesh.box(0.1).translated((0.3, 0.0, 0.0))
+    bodies = [
+        scene.add_rigid(mesh, motion=motion, velocity=(0, 0, 1), angular_velocity=(0, 0, 2), **mass)
+        for motion, mass in (("dynamic", {"mass": 1.0, "position": (0, 3, 0)}), ("scripted", {}))
+    ]
+    sim = stark.Simulation(scene, gravity=(0, 0, 0))
+    for body in bodies:
+        of_origin, turning = sim._core.twist(body._index)
+        is_dynamic = body.motion == "dynamic"
+        lever = body.rotation @ np.array([0.3, 0.0, 0.0]) * is_dynamic
+        np.testing.assert_allclose(body.velocity, of_origin + np.cross(turning, lever), atol=1e-14)
 
 
 def test_scripted_bodies_reach_their_targets_or_keep_their_velocity() -> None:
@@ -72,9 +85,12 @@ def test_scripted_bodies_reach_their_targets_or_keep_their_velocity() -> None:
     np.testing.assert_allclose(plate.position, (0, 0, 0.5), atol=1e-14)  # rests until told otherwise
 
 
-def test_dynamic_bodies_are_not_moved_by_hand() -> None:
-    _sim, box = falling()
-    with pytest.raises(stark.InvalidArgument, match=r"'box' is dynamic.*scripted"):
-        box.position = (0, 0, 0)
+def test_fixed_bodies_are_not_moved_and_nothing_to_nowhere() -> None:
+    scene = stark.Scene()
+    wall = scene.add_box(0.1, motion="fixed", position=(5, 0, 0), name="wall")
+    box = scene.add_box(0.1, mass=1.0, name="box")
+    _sim = stark.Simulation(scene)
+    with pytest.raises(stark.InvalidArgument, match=r"'wall' is fixed: its position cannot be set.*scripted"):
+        wall.position = (0, 0, 0)
     with pytest.raises(stark.InvalidArgument, match="nan"):
         box.rotation = (math.nan, 0, 0, 1)

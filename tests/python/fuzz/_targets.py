@@ -265,6 +265,7 @@ def live(draw: Draw) -> None:
         draw.array(np.eye(3)),
         draw.value(True),
     )
+    places = draw.array(GRID.vertices + np.array([0.0, 1.0, 1.1]))
     pins, name = draw.array(GRID.vertices[:2] + np.array([0.0, 1.0, 1.0])), draw.text("cloth")
     actions: dict[str, Callable[[], Any]] = {
         "position": lambda: setattr(world.lift, "position", three),
@@ -272,6 +273,13 @@ def live(draw: Draw) -> None:
         "pose": lambda: setattr(world.lift, "pose", (three, axes)),
         "velocity": lambda: setattr(world.lift, "velocity", three),
         "angular_velocity": lambda: setattr(world.lift, "angular_velocity", three),
+        "place": lambda: setattr(world.box, draw.pick(("position", "velocity", "angular_velocity")), three),
+        "turn": lambda: setattr(world.box, "rotation", axes),
+        "place cloth": lambda: setattr(world.cloth, draw.pick(("positions", "velocities")), places),
+        "place joint": lambda: setattr(world.hinge, draw.pick(("coordinates", "rates")), {"angle": value}),
+        "angle": lambda: setattr(world.hinge, "angle", value),
+        "place together": lambda: _place_together(sim, world, three, value),
+        "reset": lambda: sim.reset(None if flag is True else flag),
         "pin_targets": lambda: setattr(world.cloth, "pin_targets", pins),
         "follow": lambda: world.lift.follow(lambda t: three),
         "follow pins": lambda: world.cloth.follow(displacement=lambda t: three),
@@ -290,6 +298,12 @@ def live(draw: Draw) -> None:
         if refused(draw, action, actions[action]) and action != "step":
             assert sim.state == before, f"{action} was refused and changed the state"
         refused(draw, "then step", lambda: _step(sim))
+
+
+def _place_together(sim: stark.Simulation, world: World, three: Any, value: Any) -> None:
+    with sim.placing():
+        world.box.position = three
+        world.hinge.angle = value
 
 
 #: Targets by name, with the longest input that makes sense.
