@@ -102,7 +102,9 @@ class Study:
             if ray is None:
                 LocalPool(self._files, count, self.plan.limits.retries, shares.set).run(waiting)
             else:
-                raise NotImplementedError
+                from .on_ray import run_on_ray
+
+                run_on_ray(self._files, waiting, ray, self.plan.limits.retries, shares.set)
             self.write_csv()
         finally:
             lock.release()
