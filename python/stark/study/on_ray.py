@@ -1,4 +1,4 @@
-"""Runs on a Ray cluster. Ray decides where each run is made, and makes it again when its process or its machine
+"""Runs on a Ray cluster. Ray decides where each run is made, and makes it again when its process or machine
 is lost; the study folder must be on a file system that all machines share."""
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ def run_on_ray(
     folder: StudyFolder, tasks: Sequence[Task], address: str, retries: int, on_share: OnShare
 ) -> None:
     """Returns when every task has a result. ``address`` is that of a cluster, ``auto`` finds the one of this
-    machine, ``local`` makes one for this process. Raises ImportError without Ray, StudyError where there is no
-    such cluster, and WriteError when results cannot be written."""
+    machine, ``local`` makes one for this process. Raises ImportError without Ray, StudyError where there is
+    no such cluster, and WriteError when results cannot be written."""
     ray = _ray()
     mine = not ray.is_initialized()
     if mine:
