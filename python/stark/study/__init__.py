@@ -6,8 +6,8 @@
 ``docs/studies.md`` is the guide.
 """
 
-from .folder import StudyError
+from .folder import RunEntry, StudyError
 from .plan import Limits, Plan, PlanError
 from .study import Study, resume, run
 
-__all__ = ["Limits", "Plan", "PlanError", "Study", "StudyError", "resume", "run"]
+__all__ = ["Limits", "Plan", "PlanError", "RunEntry", "Study", "StudyError", "resume", "run"]

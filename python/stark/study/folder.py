@@ -20,8 +20,9 @@ from typing import Any
 
 from .._core import InvalidArgument
 from ..arguments import given_path
-from ..array_file import make_folder, naming, refuse_link, write_atomically
+from ..array_file import is_leftover, make_folder, naming, refuse_link, write_atomically
 from ..files import printable, read_bytes, resolved
+from ..recording.format import LOCK
 from ..recording.lock import FolderLock
 from .plan import Limits, Plan
 from .sampling import Value
@@ -61,7 +62,10 @@ class StudyFolder:
 
     def create(self, plan: Plan, runs: list[RunEntry]) -> None:
         """Makes the folder, or gives one that holds a study this plan: results of earlier plans stay."""
-        if self.path.is_dir() and any(self.path.iterdir()) and not (self.path / MANIFEST).exists():
+        others = self.path.is_dir() and any(
+            path.name != LOCK and not is_leftover(path) for path in self.path.iterdir()
+        )
+        if others and not (self.path / MANIFEST).exists():
             raise StudyError(f"folder '{self.path}' is not empty and holds no study; choose another folder")
         if self.path.exists() and not self.path.is_dir():
             raise StudyError(f"'{self.path}' is a file; choose a folder for the study")
@@ -70,8 +74,12 @@ class StudyFolder:
         header: dict[str, Any] = {"format": FORMAT, "version": VERSION, "plan": asdict(plan)}
         header["runs"] = [asdict(entry) for entry in runs]
         text = json.dumps(header, indent=1).encode()
-        write_atomically(self.path / MANIFEST, lambda file: file.write(text))
-        self.make_folders()
+        lock = self.lock()  # not while somebody else makes runs
+        try:
+            write_atomically(self.path / MANIFEST, lambda file: file.write(text))
+            self.make_folders()
+        finally:
+            lock.release()
 
     def make_folders(self) -> None:
         for name in (RUNS, RESULTS, ATTEMPTS):

@@ -16,12 +16,15 @@ from pathlib import Path
 from typing import Any
 
 from ..array_file import WriteError
-from .folder import StudyFolder
+from .folder import StudyError, StudyFolder
 from .task import Task
 from .work import empty_result, timed_out_result
 
 #: After its time-out a run has so long to end by itself before its process is killed [s].
 _GRACE = 5.0
+
+#: Processes in a row that may end before they have work.
+_MOST_STILLBORN = 5
 
 #: Processes that are told to stop have so long to write their checkpoints [s].
 _FAREWELL = 0.6
@@ -62,6 +65,7 @@ class LocalPool:
     _workers: list[_Worker] = field(default_factory=list)
     _waiting: deque[Task] = field(default_factory=deque)
     _deaths: dict[str, int] = field(default_factory=dict)
+    _stillborn: int = 0  # processes in a row that ended before they were ready
 
     def run(self, tasks: Sequence[Task]) -> None:
         """Returns when every task has a result. On KeyboardInterrupt all processes are ended within a second.
@@ -111,6 +115,7 @@ class LocalPool:
         if "time" in what and task is not None:
             self.on_share(task, min(0.999, what["time"] / task.until))
         elif "done" in what or "ready" in what:
+            self._stillborn = 0
             if task is not None:
                 self.on_share(task, 1.0)
             self._give(worker)
@@ -136,9 +141,10 @@ class LocalPool:
         """A process has died: its task is tried again, by another one."""
         task = worker.task
         self._dismiss(worker)
-        if task is None and not self._deaths and self._waiting:
-            raise RuntimeError(
-                f"a process of the study ended at once with exit code {worker.process.returncode}: "
+        self._stillborn += task is None
+        if self._stillborn > _MOST_STILLBORN:
+            raise StudyError(
+                f"study '{self.folder.path}': a process {_how(worker.process)} before it had work; see why: "
                 f"{sys.executable} -m stark.study.worker"
             )
         if task is not None and self.folder.result(task.key) is not None:

@@ -33,7 +33,8 @@ class Study:
 
     def __init__(self, folder: str | PathLike[str], *, scene: str | PathLike[str] | None = None) -> None:
         self._files = StudyFolder(folder)
-        plan, self.runs = self._files.read()
+        plan, runs = self._files.read()
+        self.runs: list[RunEntry] = runs
         self.folder: Path = self._files.path
         self.plan: Plan = plan if scene is None else _with_scene(plan, str(given_path(scene, "study: scene")))
         self._scene_is_named = scene is not None

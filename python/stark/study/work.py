@@ -20,6 +20,7 @@ from ..recording import Recording, RecordingError
 from ..recording.format import CHECKPOINT
 from ..recording.lock import FolderLock
 from ..scenes.resuming import read_checkpoint
+from ..scenes.runner import told
 from ..scenes.scene_file import SceneFile
 from .folder import StudyFolder
 from .task import Task
@@ -66,7 +67,7 @@ def perform(task: Task, on_time: OnTime | None = None) -> dict[str, Any]:
         except KeyboardInterrupt:
             result["status"] = "interrupted"
         except Exception as error:  # code of the user may raise anything
-            result["status"], result["message"] = "error", f"{type(error).__name__}: {error}"
+            result["status"], result["message"] = "error", told(error, task.scene)
             if isinstance(error, OSError) and error.errno in DISK_ERRORS:
                 raise  # a full disk is no property of the run
     if alarm.rang and result["status"] in ("interrupted", "error"):

@@ -43,10 +43,12 @@ def main() -> int:
     # What scenes print must not get between the lines.
     stream = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    tasks = os.fdopen(os.dup(0), encoding="utf-8")  # no scene may read them
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(lines,), daemon=True).start()
+    threading.Thread(target=_read, args=(tasks, lines), daemon=True).start()
     teller = _Teller(stream)
     try:
         teller.tell(ready=True)
@@ -67,8 +69,8 @@ def _work(task: Task, teller: _Teller) -> None:
         teller.tell(done=result["status"])
 
 
-def _read(lines: queue.SimpleQueue[str]) -> None:
-    for line in sys.stdin:
+def _read(tasks: TextIO, lines: queue.SimpleQueue[str]) -> None:
+    for line in tasks:
         lines.put(line)
     os._exit(0)  # nobody is there any more
 

@@ -52,7 +52,9 @@ def test_failures_end_with_1_and_are_told_without_escapes(
     assert command("study", "run", plan, "--processes", 1, "--out", "here") == 1
     out, err = capsys.readouterr()
     assert out.startswith("here: 2 complete, 2 error\n")
-    assert err == "".join(f"stark: run {k} error: ValueError: a bad scene\\x1b[31m\n" for k in (1, 3))
+    assert err == "".join(
+        f"stark: run {k} error: ValueError: a bad scene\\x1b[31m (fall.py, line 7)\n" for k in (1, 3)
+    )
     assert command("study", "status", "here") == 0
     assert "  run 1 error: ValueError: a bad scene" in capsys.readouterr().out
 

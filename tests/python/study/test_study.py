@@ -16,9 +16,17 @@ from _studies import grid, write_study
 
 import stark
 from stark.recording import Recording
-from stark.study import Study, StudyError
+from stark.study import Study, StudyError, local
 from stark.study.table import COST
 
+STUBBORN = """
+def drive(sim):
+    while options["height"] == 1.0:
+        try:
+            time.sleep(60)
+        except KeyboardInterrupt:
+            pass
+"""
 SOURCE = Path(__file__).parents[3] / "python"
 
 
@@ -99,7 +107,8 @@ def test_failures_are_rows(tmp_path: Path) -> None:
     study = stark.study.run(plan, tmp_path / "out", processes=4)
     good, bad, raised, late = study.rows()
     assert good["status"] == "complete"
-    assert (bad["status"], bad["message"]) == ("error", "ValueError: a bad scene")
+    assert bad["status"] == "error"
+    assert bad["message"].startswith("ValueError: a bad scene (fall.py, line ")
     assert raised["status"] == "error" and raised["message"].startswith("FileNotFoundError")
     assert late["status"] == "timed_out" and "limits.time_out = 0.5 s" in late["message"]
     assert len(rows_of_csv(tmp_path / "out")) == 4
@@ -114,6 +123,58 @@ def test_a_run_that_always_dies_is_a_row(tmp_path: Path) -> None:
     (row,) = stark.study.run(plan, tmp_path / "out", processes=1).rows()
     assert (row["status"], row["cost.attempts"]) == ("crashed", 2)
     assert row["message"].startswith("its process was killed by signal 11, 2 times; raise limits.retries")
+
+
+def test_a_run_that_does_not_heed_its_time_out_is_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(local, "_GRACE", 0.2)
+    plan = write_study(tmp_path, "[limits]\ntime_out = 0.3\n" + grid(height="[1.0, 2.0]"))
+    with (tmp_path / "fall.py").open("a") as file:
+        file.write(STUBBORN)
+    late, good = stark.study.run(plan, tmp_path / "out", processes=1).rows()
+    assert (late["status"], good["status"]) == ("timed_out", "complete")
+
+
+def test_scenes_may_print_and_read(tmp_path: Path) -> None:
+    plan = write_study(tmp_path, grid(height="[1.0, 2.0, 3.0]"))
+    with (tmp_path / "fall.py").open("a") as file:
+        file.write("\nimport sys\nprint(sys.stdin.read())\nos.write(1, b'{}')\n")
+    # This process executes the scene, too, to know its options; pytest lets nobody read its input.
+    words = [
+        sys.executable,
+        "-m",
+        "stark",
+        "study",
+        "run",
+        str(plan),
+        "--out",
+        str(tmp_path / "out"),
+        "--quiet",
+    ]
+    environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
+    subprocess.run(
+        words, stdin=subprocess.DEVNULL, env=environment, check=True, timeout=60, capture_output=True
+    )
+    assert Study(tmp_path / "out").counts() == {"complete": 3}
+
+
+def test_processes_that_do_not_start_are_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = write_study(tmp_path, grid(height="[1.0]"))
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(StudyError, match="a process ended with exit code 1 before it had work; see why"):
+        stark.study.run(plan, tmp_path / "out", processes=1)
+
+
+def test_the_example_is_twenty_short_runs(tmp_path: Path) -> None:
+    study = stark.study.run(SOURCE.parent / "examples/slope.toml", tmp_path / "out", processes=2)
+    assert study.counts() == {"complete": 20}
+    # 0.04 s each on a free machine.
+    assert sum(row["cost.cpu"] for row in study.rows()) < 10.0
+    slid = {
+        (row["option.angle"], row["option.friction"]): row["observables.distance"] for row in study.rows()
+    }
+    assert slid[10.0, 0.2] < 1e-4 < slid[30.0, 0.4] < slid[30.0, 0.1]
 
 
 def _children(of: int) -> list[int]:

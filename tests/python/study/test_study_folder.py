@@ -152,9 +152,13 @@ def test_a_damaged_result_is_made_again(folder: Path, spoil: Callable[[Path], ob
     assert [row["state_hash"] for row in again] == [row["state_hash"] for row in first]
 
 
-def test_a_study_has_one_writer(folder: Path) -> None:
+def test_a_study_has_one_writer(folder: Path, made: Path) -> None:
     lock = FolderLock(folder)
     with pytest.raises(RecordingError, match="is in use"):
         stark.study.resume(folder)
+    before = (folder / "study.json").read_bytes()
+    with pytest.raises(RecordingError, match="is in use"):
+        stark.study.run(made / "plan.toml", folder)
+    assert (folder / "study.json").read_bytes() == before
     lock.release()
     assert stark.study.resume(folder).counts() == {"complete": 2}
