@@ -66,9 +66,15 @@ def test_damaged_runs_are_rows_without_pictures(study: Study, tmp_path: Path) ->
 @pytest.mark.skipif(_CHROMIUM is None, reason="needs chromium: apt-get install chromium")
 def test_a_browser_shows_it(study: Study, tmp_path: Path) -> None:
     words = [str(_CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
-    page = study.write_page(replays=False).as_uri()
+    page = study.write_page(tmp_path / "page.html", replays=False)
+    # A click on the heading sorts; another one sorts the other way.
+    click = "document.querySelectorAll('th button')[0].click();"
+    page.write_text(page.read_text().replace("</body>", f"<script>{click}{click}</script></body>"))
     done = subprocess.run(
-        [*words, f"--user-data-dir={tmp_path}", page], capture_output=True, text=True, check=True, timeout=60
-    )
-    assert done.stdout.count("<tr") == 5 and done.stdout.count('class="run"') == 4
-    assert done.stdout.count('class="dot"') == 4 and "4 complete" in done.stdout
+        [*words, f"--user-data-dir={tmp_path}/profile", page.as_uri()],
+        capture_output=True, text=True, check=True, timeout=60,
+    )  # fmt: skip
+    dom = done.stdout
+    assert dom.count("<tr") == 5 and dom.count('class="run"') == 4 and dom.count('class="dot"') == 4
+    assert "4 complete" in dom and 'aria-sort="descending"' in dom
+    assert re.findall(r'<tr data-run="(\d)"', dom) == ["3", "2", "1", "0"]
