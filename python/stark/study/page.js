@@ -20,17 +20,15 @@ function shown(value) {
 const column = (name) => data.columns.indexOf(name);
 const isNumber = (name) => data.rows.some((row) => typeof row[column(name)] === "number");
 
-// Colours of the runs by a column: blue to yellow for numbers, a wheel for texts.
+// Colours of the runs by the rank of their value in a column: blue to yellow for numbers, a wheel for texts.
 function colors(name) {
   const values = data.rows.map((row) => row[column(name)]);
-  const kinds = [...new Set(values)];
-  const numbers = values.filter((v) => typeof v === "number");
-  const low = Math.min(...numbers), high = Math.max(...numbers);
-  return values.map((v) => {
-    const share = numbers.length === values.length ? (high > low ? (v - low) / (high - low) : 0.5)
-      : kinds.indexOf(v) / Math.max(1, kinds.length);
-    return numbers.length === values.length ? `hsl(${250 - 210 * share} 70% 50%)` : `hsl(${360 * share} 65% 48%)`;
-  });
+  const numeric = values.every((v) => typeof v === "number");
+  const kinds = [...new Set(values)].sort(numeric ? (a, b) => a - b : undefined);
+  const rank = new Map(kinds.map((v, k) => [v, k]));
+  return values.map((v) => numeric
+    ? `hsl(${250 - 210 * rank.get(v) / Math.max(1, kinds.length - 1)} 70% 57%)`
+    : `hsl(${360 * rank.get(v) / kinds.length} 65% 52%)`);
 }
 
 function ticks(low, high) {

@@ -106,6 +106,7 @@ def _data(rows: Sequence[Row], runs: _Runs) -> dict[str, Any]:
     """What the script of the page reads."""
     hidden = {"key", "cost.host"} | (set() if any(row["repetition"] for row in rows) else {"repetition"})
     names = [name for name in columns(rows) if name not in hidden]
+    names.sort(key=lambda name: name == "message")  # the longest comes last
     statuses = [str(row["status"]) for row in rows]
     counts = {status: statuses.count(status) for status in dict.fromkeys(statuses)}
     limits = [f"The table shows the first {MOST_ROWS} runs."] if len(rows) == MOST_ROWS else []

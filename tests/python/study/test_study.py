@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from _studies import grid, write_study
 import stark
 from stark.recording import Recording
 from stark.study import Study, StudyError, local
+from stark.study.sampling import latin_hypercube
 from stark.study.table import COST
 
 STUBBORN = """
@@ -220,6 +222,24 @@ def test_nothing_is_left_behind_and_resuming_gives_the_same(tmp_path: Path, numb
     assert [row["cost.attempts"] for row in rows] == [1, 1, 2, 2]
     straight = stark.study.run(plan, tmp_path / "straight", processes=4).rows()
     assert without_cost(rows) == without_cost(straight)
+
+
+@pytest.mark.parametrize(
+    ("module", "call"),
+    [
+        ("ray", lambda study: study.resume(ray="local")),
+        ("pyarrow", lambda study: study.write_parquet()),
+        ("scipy.stats", lambda study: latin_hypercube({"x": [1, 2]}, 2, 0)),
+    ],
+)
+def test_a_missing_extra_names_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, call: Callable[[Study], object]
+) -> None:
+    plan = write_study(tmp_path, grid(height="[1.0]"))
+    study = stark.study.run(plan, tmp_path / "out", processes=1)
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ImportError, match=r"needs .*: pip install 'stark-sim\[sweep\]'"):
+        call(study)
 
 
 def test_arguments_are_checked(tmp_path: Path) -> None:
