@@ -31,7 +31,7 @@ MANIFEST, RUNS, RESULTS, ATTEMPTS = "study.json", "runs", "results", "attempts"
 FORMAT, VERSION = "stark-study", 1
 
 #: Largest result and largest plan that are read [bytes].
-LARGEST_RESULT, LARGEST_MANIFEST = 1 << 20, 1 << 26
+LARGEST_RESULT, LARGEST_MANIFEST = 1 << 24, 1 << 26
 
 #: How a run may end. ``wrong``: its check failed; ``failed``: a step did; ``error``: an exception.
 STATUSES = ("complete", "wrong", "failed", "error", "timed_out", "crashed")
