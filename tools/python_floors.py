@@ -25,6 +25,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("reproducer", "recording", "render", "replay"),
     ("__init__",),
     ("scenes",),
+    ("study",),
     ("cli", "__main__"),
 )
 

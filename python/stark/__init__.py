@@ -71,6 +71,7 @@ _MODULES = (
     "replay",
     "reproducer",
     "scenes",
+    "study",
     "symbolic",
     "telemetry",
     "verify",

@@ -14,6 +14,7 @@ from stark import (
     replay as replay,
     reproducer as reproducer,
     scenes as scenes,
+    study as study,
     surfaces as surfaces,
     symbolic as symbolic,
     telemetry as telemetry,

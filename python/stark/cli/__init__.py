@@ -14,6 +14,7 @@ from .output import complain
 #: Verb and what it does; the module of a verb has add_arguments(parser) and run(args) -> exit code.
 VERBS: dict[str, str] = {
     "run": "run a scene and record it, or go on with a run",
+    "study": "run a scene many times with different options, and show the results",
     "bench": "measure a scene",
     "replay": "write the replay page of a recording",
     "still": "write a picture of a recording",

@@ -338,14 +338,14 @@ def _finish(result: RunResult, scene_file: SceneFile, replay: bool, picture: boo
         except AssertionError as error:
             result.status, result.message = "wrong", f"the scene's check failed: {error}"
         except Exception as error:  # code of the user may raise anything
-            told = _told(error, str(scene_file.module.__file__))
-            result.status, result.message = "wrong", f"the scene's check raised {told}"
+            text = told(error, str(scene_file.module.__file__))
+            result.status, result.message = "wrong", f"the scene's check raised {text}"
         else:
             result.message = "check passed"
 
 
-def _told(error: Exception, file: str) -> str:
-    """Kind and text of what a check raised, and the line of the scene's file that it came from."""
+def told(error: Exception, file: str) -> str:
+    """Kind and text of what a scene file raised, and the line of the scene's file that it came from."""
     lines = [row.lineno for row in traceback.extract_tb(error.__traceback__) if row.filename == file]
     place = f" ({Path(file).name}, line {lines[-1]})" if lines else ""
     return f"{type(error).__name__}: {error}{place}"

@@ -162,17 +162,24 @@ def _choose(module: ModuleType, name: str, chosen: Mapping[str, Any]) -> str:
     # Modules of packaged scenes are imported once: what an earlier caller chose must not stay.
     defaults = module.__dict__.setdefault("_default_options", dict(options))
     options.update(defaults)
+    options.update(converted_options(name, defaults, chosen))
+    changed = [str(options[key]) for key in defaults if options[key] != defaults[key]]
+    return "".join("_" + re.sub(r"[^\w.-]+", "-", value) for value in changed)
+
+
+def converted_options(name: str, defaults: Mapping[str, Any], chosen: Mapping[str, Any]) -> dict[str, Any]:
+    """What was chosen, as the types of the defaults. Raises SceneFileError; ``name`` is that of the scene."""
+    converted = {}
     for key, value in chosen.items():
         if key not in defaults:
             known = ", ".join(defaults) or "none"
             raise SceneFileError(f"scene '{name}' has no option '{key}'; its options: {known}")
         try:
-            options[key] = _as(type(defaults[key]), value)
+            converted[key] = _as(type(defaults[key]), value)
         except (TypeError, ValueError):
             kind = type(defaults[key]).__name__
             raise SceneFileError(f"scene '{name}': option {key} = {value!r}; must be a {kind}") from None
-    changed = [str(options[key]) for key in defaults if options[key] != defaults[key]]
-    return "".join("_" + re.sub(r"[^\w.-]+", "-", value) for value in changed)
+    return converted
 
 
 def _forget(module: ModuleType, name: str) -> None:
