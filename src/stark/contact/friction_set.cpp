@@ -129,6 +129,10 @@ Vec3 FrictionSet::limited(const Pair& pair, Vec3 u) const {
   return length > stick_displacement_ ? u * (stick_displacement_ / length) : u;
 }
 
+int64_t FrictionSet::bodies_of(const Pair& pair) {
+  return group_code(pair.contact.group_a, pair.contact.group_b);
+}
+
 std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact>& contacts,
                                                        std::span<const Vec3> forces,
                                                        const FrictionTable& coefficient,
@@ -147,6 +151,7 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
 void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                         const FrictionTable& coefficient, std::span<const Vec3> x) {
   pairs_ = make_pairs(contacts, forces, coefficient, x);
+  std::erase_if(pairs_, [&](const Pair& pair) { return !touching_.contains(bodies_of(pair)); });
   next_start_.reset();
   sort_by_point_count();
 }
@@ -156,6 +161,10 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   std::vector<Pair> next = make_pairs(contacts, forces, coefficient, x);
   const Change change = compare(next);
   const bool settled = is_settled(next, change);
+  if (resets_ == 0) {
+    touching_.clear();
+    for (const Pair& pair : next) touching_.insert(bodies_of(pair));
+  }
   ++resets_;
   if (settled && resets_ > 1) {
     // The solution is one with the friction that it was found with; where the next step starts from is new.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -58,7 +59,9 @@ class FrictionSet {
   /// closest points: near an impact, turning planes keep friction from settling.
   double reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                const FrictionTable& coefficient, std::span<const Vec3> x);
-  /// Takes all of it anew between two calls of reset(), however little it changes.
+  /// Takes all of it anew between two calls of reset(), however little it changes; of bodies that had
+  /// friction at the start of the step only. Where bodies hit each other, forces on the way to the solution
+  /// say nothing of those at the end.
   void renew(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
              const FrictionTable& coefficient, std::span<const Vec3> x);
 
@@ -109,6 +112,7 @@ class FrictionSet {
                  std::span<const Vec3> x) const;
   std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                const FrictionTable& coefficient, std::span<const Vec3> x) const;
+  static int64_t bodies_of(const Pair& pair);
   void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
   /// Length of a deflection in the metric of the pair: sliding begins at the stick displacement [m].
   static double measure(const Pair& pair, const Vec3& deflection);
@@ -144,6 +148,7 @@ class FrictionSet {
   std::vector<Pair> previous_;  ///< before the last reset
   std::vector<Pair> kept_;
   std::optional<std::vector<Pair>> next_start_;  ///< what is remembered in place of pairs_
+  std::set<int64_t> touching_;                   ///< bodies that had friction at the start
   int resets_ = 0;                               ///< in this step
   std::vector<PotentialBatch> batches_;  ///< of 2 to 5 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> majorants_;
