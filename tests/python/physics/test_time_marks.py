@@ -77,11 +77,11 @@ def test_motions_are_evaluated_on_marks() -> None:
 
 
 def _stiff_drop() -> stark.Simulation:
-    """Steps that have to be halved: 8 Newton iterations are not enough for an impact of a soft box."""
+    """Steps that have to be halved: 6 Newton iterations are not enough for an impact of a soft box."""
     scene = stark.Scene()
     scene.add_floor()
     scene.add_solid(stark.mesh.tet_box(0.2, 3), position=(0, 0, 0.11), velocity=(0, 0, -3))
-    return stark.Simulation(scene, time_step=0.016, **{"newton.max_iterations": 8})
+    return stark.Simulation(scene, time_step=0.016, **{"newton.max_iterations": 6})
 
 
 def test_retried_steps_return_to_the_marks(tmp_path: Path) -> None:
