@@ -24,6 +24,9 @@ constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
 /// Resets of a step after which pairs keep their tangent planes and closest points.
 constexpr int kGeometryResets = 2;
 
+/// Resets in a step after which limits go half of the way only.
+constexpr int kPlainResets = 3;
+
 /// Part of the stick displacement from which a remembered pair counts as sliding.
 constexpr double kSliding = 1.0 - 1e-6;
 
@@ -156,6 +159,13 @@ void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Ve
   sort_by_point_count();
 }
 
+// Limits that go back and forth between two solutions meet in the middle. Pairs that one of them lacks are
+// left out: what is left of their limits would fade over more refreshes than there are.
+void FrictionSet::damp(std::vector<Pair>& next) const {
+  for (Pair& pair : next)
+    if (const Pair* before = find(pair.contact.key)) pair.limit = 0.5 * (before->limit + pair.limit);
+}
+
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                           const FrictionTable& coefficient, std::span<const Vec3> x) {
   std::vector<Pair> next = make_pairs(contacts, forces, coefficient, x);
@@ -171,6 +181,7 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     next_start_ = std::move(next);
     return 0.0;
   }
+  if (resets_ > kPlainResets) damp(next);
   previous_ = std::exchange(pairs_, std::move(next));
   next_start_.reset();
   sort_by_point_count();

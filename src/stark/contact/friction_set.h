@@ -113,6 +113,8 @@ class FrictionSet {
   std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                const FrictionTable& coefficient, std::span<const Vec3> x) const;
   static int64_t bodies_of(const Pair& pair);
+  /// Takes the mean of the limits that are frozen and those of the next pairs.
+  void damp(std::vector<Pair>& next) const;
   void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
   /// Length of a deflection in the metric of the pair: sliding begins at the stick displacement [m].
   static double measure(const Pair& pair, const Vec3& deflection);
