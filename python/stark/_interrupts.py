@@ -31,6 +31,13 @@ def tell(what: str = "interrupted") -> None:
         print(f"stark: {what}", file=sys.stderr, flush=True)
 
 
+def forget_unhandled() -> None:
+    """Where Ctrl-C comes while Python executes a string, as for each dataclass of an import, CPython remembers
+    an unhandled KeyboardInterrupt and ends the process by the signal at last, although it was handled. The
+    next string that it executes resets that."""
+    exec("")
+
+
 def _leave(number: int = signal.SIGINT, frame: FrameType | None = None) -> None:
     if not _told:
         os.write(2, b"stark: interrupted\n")  # print() may be what it interrupts

@@ -111,6 +111,14 @@ def test_while_a_scene_is_built(tmp_path: Path) -> None:
         assert not run.out.exists()
 
 
+def test_while_python_executes_a_string(tmp_path: Path) -> None:
+    begun = tmp_path / "begun"
+    code = f"open({str(begun)!r}, 'w').close(); import time; time.sleep(60)"
+    with Run(tmp_path, building=f"exec({code!r})") as run:
+        run.wait_until(begun.exists)
+        assert run.interrupt() == "stark: interrupted\n"
+
+
 def test_as_soon_as_there_is_a_folder(tmp_path: Path) -> None:
     with Run(tmp_path) as run:
         run.wait_until(run.out.exists)

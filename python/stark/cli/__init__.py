@@ -8,7 +8,7 @@ import signal
 import sys
 from collections.abc import Sequence
 
-from .._interrupts import EXIT_INTERRUPTED, RaisedOnce, tell
+from .._interrupts import EXIT_INTERRUPTED, RaisedOnce, forget_unhandled, tell
 from .output import complain
 
 #: Verb and what it does; the module of a verb has add_arguments(parser) and run(args) -> exit code.
@@ -59,6 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         tell()
         return EXIT_INTERRUPTED
+    finally:
+        forget_unhandled()
 
 
 def _run(arguments: Sequence[str] | None) -> int:

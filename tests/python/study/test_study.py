@@ -29,7 +29,7 @@ def drive(sim):
         except KeyboardInterrupt:
             pass
 """
-SOURCE = Path(__file__).parents[3] / "python"
+SOURCE = Path(stark.__file__).parents[1]  # of the package that is tested: installed or in the tree
 
 
 def without_cost(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
