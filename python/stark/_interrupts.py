@@ -32,9 +32,9 @@ def tell(what: str = "interrupted") -> None:
 
 
 def forget_unhandled() -> None:
-    """Where Ctrl-C comes while Python executes a string, as for each dataclass of an import, CPython remembers
-    an unhandled KeyboardInterrupt and ends the process by the signal at last, although it was handled. The
-    next string that it executes resets that."""
+    """Where Ctrl-C comes while Python executes a string, as for each dataclass of an import, CPython keeps an
+    unhandled KeyboardInterrupt in mind and ends the process by the signal at last, although it was handled.
+    Executing another string resets that."""
     exec("")
 
 
