@@ -29,6 +29,7 @@ def drive(sim):
         except KeyboardInterrupt:
             pass
 """
+EXAMPLES = Path(__file__).parents[3] / "examples"
 SOURCE = Path(stark.__file__).parents[1]  # of the package that is tested: installed or in the tree
 
 
@@ -169,7 +170,7 @@ def test_processes_that_do_not_start_are_an_error(tmp_path: Path, monkeypatch: p
 
 
 def test_the_example_is_twenty_short_runs(tmp_path: Path) -> None:
-    study = stark.study.run(SOURCE.parent / "examples/slope.toml", tmp_path / "out", processes=2)
+    study = stark.study.run(EXAMPLES / "slope.toml", tmp_path / "out", processes=2)
     assert study.counts() == {"complete": 20}
     # 0.04 s each on a free machine.
     assert sum(row["cost.cpu"] for row in study.rows()) < 10.0
