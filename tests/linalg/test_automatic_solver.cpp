@@ -40,7 +40,7 @@ TEST_CASE(
     for (int c = 0; c < 3; ++c) matrix.values[9 * matrix.pattern.row_start[i] + 4 * c] += 100.0;
   const std::vector<double> b = test::random_vector(3 * count, 4);
   std::vector<double> x(b.size());
-  AutomaticSolver solver({}, pool);
+  AutomaticSolver solver({.pcg_max_iterations = 40}, pool);
   solver.prepare(matrix.pattern, {});
   solver.begin_step();
   LinearSolveReport report = solver.solve({.A = matrix, .b = b, .tolerance = 1e-4}, x);

@@ -148,7 +148,7 @@ void Pcg::multiply(const double* x, double* y, ThreadPool& pool) const {
 }
 
 PcgReport Pcg::solve(std::span<const double> b, std::span<double> x, double tolerance, int max_iterations,
-                     ThreadPool& pool) {
+                     ThreadPool& pool, CoarseSpace* coarse) {
   const int64_t size = 3 * static_cast<int64_t>(block_count_);
   STARK_CHECK(static_cast<int64_t>(b.size()) == size && static_cast<int64_t>(x.size()) == size);
   PcgReport report;
@@ -187,8 +187,11 @@ PcgReport Pcg::solve(std::span<const double> b, std::span<double> x, double tole
     }
     partial_[begin / grain] = sum;
   };
+  const auto corrected = [&](double rz) {
+    return coarse == nullptr ? rz : rz + coarse->correct(r_.data(), z_.data(), pool);
+  };
   pool.for_each_range(size, grain, precondition);
-  double rz = sum_partials();
+  double rz = corrected(sum_partials());
   const double rz_start = rz;
   if (!(rz > 0.0)) {  // b = 0, or not finite
     report.converged = rz == 0.0;
@@ -226,7 +229,7 @@ PcgReport Pcg::solve(std::span<const double> b, std::span<double> x, double tole
       }
       precondition(begin, end);
     });
-    const double rz_next = sum_partials();
+    const double rz_next = corrected(sum_partials());
     beta = rz_next / rz;
     rz = rz_next;
     if (!(rz > rz_stop)) {

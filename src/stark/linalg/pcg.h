@@ -1,7 +1,8 @@
-// Conjugate gradients with block-Jacobi preconditioner on a block matrix (Hestenes and Stiefel 1952; Saad,
-// Iterative Methods for Sparse Linear Systems, section 9.2). The upper triangle is expanded once per matrix
-// so that a product reads every block once, row by row, and rows can be shared among threads. Dot products
-// are summed over fixed blocks. Phase: linear solve of a Newton step.
+// Conjugate gradients with block-Jacobi preconditioner, to which a coarse space may be added, on a block
+// matrix (Hestenes and Stiefel 1952; Saad, Iterative Methods for Sparse Linear Systems, section 9.2). The
+// upper triangle is expanded once per matrix so that a product reads every block once, row by row, and rows
+// can be shared among threads. Dot products are summed over fixed blocks. Phase: linear solve of a Newton
+// step.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include <stark/base/aligned.h>
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
+#include <stark/linalg/coarse_space.h>
 
 namespace stark {
 
@@ -33,9 +35,10 @@ class Pcg {
 
   /// Solves A x = b from x = 0 until the residual, in the norm of the inverse preconditioner, falls below
   /// `tolerance` times that of b. On indefiniteness x holds the last iterate, which is still a descent
-  /// direction (b^T x > 0) unless it is the first iteration, where x is the preconditioned b.
+  /// direction (b^T x > 0) unless it is the first iteration, where x is the preconditioned b. `coarse`, if
+  /// given, has a factor of A and corrects the preconditioner.
   PcgReport solve(std::span<const double> b, std::span<double> x, double tolerance, int max_iterations,
-                  ThreadPool& pool);
+                  ThreadPool& pool, CoarseSpace* coarse = nullptr);
 
   /// y = A x with the expanded form.
   void multiply(const double* x, double* y, ThreadPool& pool) const;

@@ -11,9 +11,27 @@ constexpr double kLargestTolerance = 0.5;
 
 }  // namespace
 
+void PcgSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> /*positions*/) {
+  coarse_.prepare(pattern);
+  has_positions_ = false;
+}
+
+// Whether the coarse matrix is positive definite, true where there is none.
+bool PcgSolver::use_coarse_space(const LinearSystem& system) {
+  is_corrected_ = false;
+  if (!coarse_.is_useful() || system.positions.empty()) return true;
+  if (!has_positions_) {
+    coarse_.set_positions(system.positions);
+    has_positions_ = true;
+  }
+  is_corrected_ = coarse_.factor(system.A, pool_);
+  return is_corrected_;
+}
+
 void PcgSolver::iterate(std::span<const double> b, double tolerance, std::span<double> x,
                         LinearSolveReport& report) {
-  const PcgReport result = pcg_.solve(b, x, tolerance, max_iterations_, pool_);
+  const PcgReport result =
+      pcg_.solve(b, x, tolerance, max_iterations_, pool_, is_corrected_ ? &coarse_ : nullptr);
   report.iterations += result.iterations;
   report.indefinite = result.indefinite;
   report.failed_block = result.failed_block;
@@ -27,6 +45,10 @@ LinearSolveReport PcgSolver::solve_system(const LinearSystem& system, std::span<
   const double tolerance = std::clamp(system.tolerance, least_tolerance_, kLargestTolerance);
   // Half of the bytes to read, where what is asked allows that; whether A is definite is for double to say.
   const bool in_float = tolerance >= kFloatPcgTolerance;
+  if (!use_coarse_space(system) && system.may_be_indefinite) {
+    report.indefinite = true;
+    return report;
+  }
   pcg_.prepare(system.A, pool_, in_float ? PcgStorage::Float : PcgStorage::Double);
   iterate(system.b, tolerance, x, report);
   if (report.indefinite && in_float) {

@@ -7,7 +7,9 @@
 
 namespace stark {
 
-/// "pcg": to the tolerance that is asked, no less than LinearSettings::pcg_tolerance.
+/// "pcg": to the tolerance that is asked, no less than LinearSettings::pcg_tolerance. Large connected parts
+/// of the pattern without contact get a coarse space, with clusters from the positions in the first solve of
+/// a step.
 class PcgSolver final : public LinearSolver {
  public:
   static constexpr std::string_view kName = "pcg";
@@ -15,18 +17,25 @@ class PcgSolver final : public LinearSolver {
       : pool_(pool), least_tolerance_(settings.pcg_tolerance), max_iterations_(settings.pcg_max_iterations) {}
 
   void set_max_iterations(int count) { max_iterations_ = count; }
+  bool has_coarse_space() const { return coarse_.is_useful(); }
+  void prepare(const BlockPattern& pattern, std::span<const Vec3> positions) override;
+  void begin_step() override { has_positions_ = false; }
 
  protected:
   LinearSolveReport solve_system(const LinearSystem& system, std::span<double> x) override;
   LinearSolveReport solve_kept(const LinearSystem& system, std::span<double> x) override;
 
  private:
+  bool use_coarse_space(const LinearSystem& system);
   void iterate(std::span<const double> b, double tolerance, std::span<double> x, LinearSolveReport& report);
 
   ThreadPool& pool_;
   double least_tolerance_;
   int max_iterations_;
   Pcg pcg_;
+  CoarseSpace coarse_;
+  bool has_positions_ = false;  ///< of this step, in coarse_
+  bool is_corrected_ = false;   ///< coarse_ has a factor of the last system
 };
 
 }  // namespace stark

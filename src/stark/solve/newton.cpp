@@ -30,7 +30,7 @@ constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as 
 constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
-constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.1;  ///< relative residuals of linear solves
+constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
 constexpr std::chrono::milliseconds kLongPart{
     100};  ///< of an iteration, after which interrupts are asked for
 
