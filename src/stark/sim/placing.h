@@ -39,6 +39,11 @@ class Placing : private StepPart {
   /// Since the last step.
   const Placed& placed() const { return placed_; }
   void forget() { placed_ = {}; }
+  /// Stored energy that a new value of an energy of the scene has added.
+  void add_energy(double energy) {
+    placed_.energy += energy;
+    stored_before_ += energy;
+  }
 
   /// Pose of the body frame of a free rigid body: centre of mass [m], rotation from the principal axes.
   void put_rigid(int32_t body, const Vec3& centre, const Mat3& rotation);

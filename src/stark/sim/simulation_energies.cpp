@@ -3,6 +3,7 @@
 
 #include <stark/base/error.h>
 #include <stark/sim/simulation.h>
+#include <stark/sim/simulation_parts.h>
 
 namespace stark {
 
@@ -92,7 +93,8 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
   const EnergyDescription& energy = scene_.energy(id);
   // Not from the formula: recording it again would cost more than the step of a small scene.
   const FieldValues& added = added_value(energy, name);
-  PotentialBatch& batch = energies_.batches[model_->energy_batch(id)].batch;
+  ModelBatch& elements = energies_.batches[model_->energy_batch(id)];
+  PotentialBatch& batch = elements.batch;
   const bool per_element = added.per_element;
   const size_t expected = added.values.size();
   const std::string owner = owner_text(energy) + ": '" + name + "'";
@@ -104,10 +106,16 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
   if (const int bad = first_not_finite(values); bad >= 0)
     throw InvalidArgument(owner + ": number " + std::to_string(bad) + " is " + to_text(values[bad]) +
                           ": must be finite; check where it is computed");
-  if (!per_element) return batch.set_uniform(name, values);
-  const int field = batch.field_index(name);
-  const size_t width = expected / static_cast<size_t>(batch.size());
-  for (int64_t e = 0; e < batch.size(); ++e) batch.set(field, e, values.subspan(e * width, width));
+  const std::vector<Vec3> x = site_positions();
+  const double before = parts_->ledger.stored_energy(elements, x);
+  if (per_element) {
+    const int field = batch.field_index(name);
+    const size_t width = expected / static_cast<size_t>(batch.size());
+    for (int64_t e = 0; e < batch.size(); ++e) batch.set(field, e, values.subspan(e * width, width));
+  } else {
+    batch.set_uniform(name, values);
+  }
+  parts_->placing.add_energy(parts_->ledger.stored_energy(elements, x) - before);
 }
 
 std::vector<double> Simulation::element_energies(EnergyId id) const {

@@ -26,6 +26,15 @@ bool remembers(const PotentialBatch& batch) {
 
 }  // namespace
 
+// With the previous positions at x, dissipation potentials vanish and only what is stored is left.
+double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
+  if (batch.role != ModelBatch::Role::Elastic) return 0.0;
+  batch.batch.set_previous(x);
+  const double energy = total_energy(batch.batch, x);
+  motion_.set_previous(batch.batch);
+  return energy;
+}
+
 EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
   EnergyLedger ledger;
   const auto& masses = model_.point_masses();
@@ -45,13 +54,7 @@ EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
   if (!has_inertia(settings_.time.integrator)) ledger.kinetic = 0.0;
-  // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
-  for (ModelBatch& batch : energies_.batches) {
-    if (batch.role != ModelBatch::Role::Elastic) continue;
-    batch.batch.set_previous(x);
-    ledger.elastic += total_energy(batch.batch, x);
-    motion_.set_previous(batch.batch);
-  }
+  for (ModelBatch& batch : energies_.batches) ledger.elastic += stored_energy(batch, x);
   for (ModelQuadrature& elements : energies_.quadrature) {
     elements.batch.set_previous(x);
     ledger.elastic += total_energy(elements.batch, x);

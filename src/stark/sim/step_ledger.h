@@ -14,6 +14,8 @@ class StepLedger : private StepPart {
 
   /// Stored energies of the current state with sites at x; contact is left at zero.
   EnergyLedger stored_energies(std::span<const Vec3> x);
+  /// What the elements of one elastic batch store, 0 for others.
+  double stored_energy(ModelBatch& batch, std::span<const Vec3> x);
   /// Completes the ledger of the step of length h that has just been committed; `before`: stored energies at
   /// its start.
   EnergyLedger balance(const EnergyLedger& before, double h);

@@ -45,7 +45,8 @@ struct EnergyLedger {
   /// Given back in the step by restitution: what impacts before it had taken up, in contact that lost its
   /// stiffness and in numerical dissipation.
   double restitution = 0.0;
-  /// Given to what is stored between the step before and this one, by placing bodies (sim/placing).
+  /// Given to what is stored between the step before and this one, by placing bodies (sim/placing)
+  /// and by new values of energies of the scene.
   double placed = 0.0;
   double numerical = 0.0;  ///< what closes the balance: dissipated by the time integration and by joints
 

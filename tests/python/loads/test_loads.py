@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 
 import stark
+from stark.telemetry import report_to_dict
+from stark.verify.telemetry import _imbalance
 
 ORIGIN = (0.0, 0.0, 0.0)
 
@@ -168,3 +171,22 @@ def test_wrong_loads_are_refused() -> None:
         scene.add_torque(cloth, (0, 0, 1))
     with pytest.raises(stark.InvalidArgument, match=r"pressure.*finite"):
         scene.add_pressure(cloth, float("nan"))
+
+
+def test_the_ledger_closes_while_loads_change() -> None:
+    """What new values add to the stored energy is reported as placed."""
+    scene = stark.Scene()
+    ball = scene.add_sphere(0.01, mass=0.014, name="ball", position=(0.0, 0.0, 1.0))
+    scene.add_force(ball, lambda t: (0.0, 0.0, 0.13 * max(1.0 - t / 0.2, 0.0)))
+    balloon = scene.add_cloth(stark.mesh.sphere(0.05, 2), stark.materials.pet, position=(1.0, 0.0, 0.0))
+    load = scene.add_pressure(balloon, 100.0)
+    sim = simulate(scene)
+    rows = [report_to_dict(sim.step()) for _ in range(10)]
+    size, height = volume(balloon), ball.position[2]
+    load.pressure = 300.0
+    rows += [report_to_dict(sim.step()) for _ in range(20)]
+    lost = 0.13 * 0.01 / 0.2  # of the force in the step [N]
+    assert rows[10]["energy"]["placed"] == pytest.approx(lost * height - 200.0 * size, rel=1e-9)
+    for before, row in pairwise(rows):
+        off, rounding = _imbalance(before, row, row["contact_energy_at_start"])
+        assert abs(off) <= rounding
