@@ -64,6 +64,13 @@ def build():
     scene.default_friction = FRICTION
     table = (0.0, 0.0, -0.5 * HEIGHT - 0.01 - 1.5 * CONTACT_DISTANCE)
     scene.add_box((0.12, 0.12, 0.02), name="table", motion="scripted", position=table, color=TABLE)
+    add_hand(scene, FORCE)
+    _add_object(scene)
+    return scene
+
+
+def add_hand(scene, force):
+    """Hand and fingers, open, at the height 0; ``force`` [N] is the limit of both fingers together."""
     behind = min(y for _, y in OUTLINE) - 0.5 * HAND[1] - 0.001
     hand = scene.add_box(HAND, name="hand", motion="fixed", position=(0.0, behind, 0.0), color=STEEL)
     sliders = []
@@ -74,9 +81,7 @@ def build():
         )
         sliders.append(scene.add_slider(hand, finger, anchor=place, axis=(1, 0, 0), name=f"slider_{name}"))
     sliders[1].add_gear(sliders[0], ratio=-1.0, name="rack")
-    sliders[0].add_motor(SPEED, cap=FORCE, delta=RAMP, name="motor")
-    _add_object(scene)
-    return scene
+    sliders[0].add_motor(SPEED, cap=force, delta=RAMP, name="motor")
 
 
 def finger_mesh(side):
