@@ -132,7 +132,7 @@ def test_a_run_that_does_not_heed_its_time_out_is_killed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(local, "_GRACE", 0.2)
-    plan = write_study(tmp_path, "[limits]\ntime_out = 0.3\n" + grid(height="[1.0, 2.0]"))
+    plan = write_study(tmp_path, "[limits]\ntime_out = 3.0\n" + grid(height="[1.0, 2.0]"))
     with (tmp_path / "fall.py").open("a") as file:
         file.write(STUBBORN)
     late, good = stark.study.run(plan, tmp_path / "out", processes=1).rows()
