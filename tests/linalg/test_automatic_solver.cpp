@@ -41,7 +41,11 @@ TEST_CASE(
   const std::vector<double> b = test::random_vector(3 * count, 4);
   std::vector<double> x(b.size());
   AutomaticSolver solver({.pcg_max_iterations = 40}, pool);
+  // A sheet with the same pattern is factorised.
   solver.prepare(matrix.pattern, {});
+  solver.begin_step();
+  CHECK(solver.solve({.A = matrix, .b = b, .tolerance = 1e-4}, x).used == "cholesky_float");
+  solver.prepare(matrix.pattern, std::vector<uint8_t>(count, 1));
   solver.begin_step();
   LinearSolveReport report = solver.solve({.A = matrix, .b = b, .tolerance = 1e-4}, x);
   CHECK(report.ok);

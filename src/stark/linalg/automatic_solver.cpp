@@ -8,16 +8,20 @@ namespace {
 
 // Rates of the cost model, in the round numbers of one core of 2020-2025. Only their ratio matters; a choice
 // must not depend on the machine, or runs would not repeat elsewhere.
-constexpr double kFlopsPerSecond = 30e9;
+constexpr double kFlopsPerSecond = 20e9;
 constexpr double kBytesPerSecond = 12e9;
-// No conjugate gradients where direct costs less than so many: chains of rigid bodies, say. Without a coarse
-// space only soft solids pay.
-constexpr double kProbeMinCorrected = 20, kProbeMinPlain = 150;
+// With a coarse space conjugate gradients pay for solids whose factorisation takes more than so many flops,
+// some milliseconds. For cloth they do not: it takes about 100 iterations, and steps of Newton's method grow
+// in number by a tenth.
+constexpr double kSolidFlops = 6e7;
+// Without a coarse space they pay where a factorisation costs so many iterations.
+constexpr double kProbeMinIterations = 150;
 // Above, single precision with refinement is faster than double.
 constexpr double kFloatFlops = 2e7;
-// Conjugate gradients give up where they have cost a few factorisations: the next system may need fewer.
-constexpr double kPatience = 3.0;
-constexpr double kLeastIterationCap = 100;
+// Conjugate gradients give up where one solve has cost a few factorisations, or all of the step on average
+// more than one: the model is no better than that for systems of which all is in the cache.
+constexpr double kPatience = 3.0, kPatienceOnAverage = 1.5;
+constexpr double kLeastBreakEven = 80.0;
 
 }  // namespace
 
@@ -29,10 +33,10 @@ AutomaticSolver::AutomaticSolver(const LinearSettings& settings, ThreadPool& poo
       current_(start_direct_),
       last_used_(start_direct_) {}
 
-void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> positions) {
+void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8_t> in_solid) {
   if (pattern.block_count == 0) return;
-  pcg_.prepare(pattern, positions);
-  direct_.in_double().factor().update(pattern, positions);
+  pcg_.prepare(pattern, in_solid);
+  direct_.in_double().factor().update(pattern, {});
   const double n = pattern.block_count, off_diagonal = static_cast<double>(pattern.slot_count()) - n;
   const double flops = cholesky().flops();
   // A factor is written, read by its parents, and read twice by the triangular solves; an iteration reads
@@ -45,13 +49,17 @@ void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const Vec3>
     start_direct_ = &direct_;
   else
     start_direct_ = &direct_.in_double();
-  starts_with_pcg_ = break_even > (pcg_.has_coarse_space() ? kProbeMinCorrected : kProbeMinPlain);
-  const double patience = std::max(kPatience * break_even, kLeastIterationCap);
-  pcg_.set_max_iterations(static_cast<int>(std::min(patience, static_cast<double>(max_iterations_))));
+  const auto solid = static_cast<double>(std::ranges::count(in_solid, 1));
+  starts_with_pcg_ = break_even > kProbeMinIterations;
+  if (pcg_.has_coarse_space()) starts_with_pcg_ = solid > 0.5 * n && flops > kSolidFlops;
+  break_even_ = std::max(break_even, kLeastBreakEven);
+  pcg_.set_max_iterations(
+      static_cast<int>(std::min(kPatience * break_even_, static_cast<double>(max_iterations_))));
 }
 
 void AutomaticSolver::begin_step() {
   current_ = starts_with_pcg_ ? static_cast<LinearSolver*>(&pcg_) : start_direct_;
+  solves_ = iterations_ = 0;
   pcg_.begin_step();
   direct_.begin_step();
 }
@@ -61,6 +69,8 @@ LinearSolveReport AutomaticSolver::solve_system(const LinearSystem& system, std:
   if (current_ == &pcg_) {
     last_used_ = current_;
     const LinearSolveReport report = pcg_.solve(system, x);
+    iterations_ += report.iterations;
+    if (iterations_ > kPatienceOnAverage * break_even_ * ++solves_) current_ = start_direct_;
     if (report.ok || report.indefinite) return report;
     iterations = report.iterations;
     current_ = start_direct_;  // for the rest of the step

@@ -13,7 +13,7 @@ class AutomaticSolver final : public LinearSolver {
  public:
   AutomaticSolver(const LinearSettings& settings, ThreadPool& pool);
 
-  void prepare(const BlockPattern& pattern, std::span<const Vec3> positions) override;
+  void prepare(const BlockPattern& pattern, std::span<const uint8_t> in_solid) override;
   void begin_step() override;
   const Cholesky<double>& cholesky() { return direct_.in_double().factor().cholesky(); }
 
@@ -25,9 +25,11 @@ class AutomaticSolver final : public LinearSolver {
   PcgSolver pcg_;
   CholeskyFloatSolver direct_;
   int max_iterations_;
-  // What steps start with; both follow from prepare(), never from earlier steps, so that a resumed run
-  // continues bit for bit.
+  // What steps start with and when they change; all follow from prepare(), never from earlier steps, so that
+  // a resumed run continues bit for bit.
   bool starts_with_pcg_ = false;
+  double break_even_ = 0.0;  ///< iterations of conjugate gradients that cost as much as a factorisation
+  int solves_ = 0, iterations_ = 0;  ///< of conjugate gradients in this step
   LinearSolver* start_direct_;
   LinearSolver* current_;    ///< what the next solve will use
   LinearSolver* last_used_;  ///< what has the factor or preconditioner of the last solve

@@ -57,8 +57,9 @@ class LinearSolver {
   /// if the last solve() was not, or if the solver keeps nothing.
   LinearSolveReport solve_again(const LinearSystem& system, std::span<double> x);
 
-  /// Told once for a simulation: the pattern without contact.
-  virtual void prepare(const BlockPattern&, std::span<const Vec3> /*positions*/) {}
+  /// Told once for a simulation: the pattern without contact, and which blocks are nodes of solids,
+  /// [block_count], may be empty.
+  virtual void prepare(const BlockPattern&, std::span<const uint8_t> /*in_solid*/) {}
 
   /// Marks the start of a time step: what earlier steps taught must be forgotten, so that a resumed run
   /// continues bit for bit.

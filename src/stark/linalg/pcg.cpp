@@ -13,6 +13,7 @@ namespace stark {
 
 namespace {
 
+constexpr double kSurely = 1e-2;        // of the squared residual that is asked: then decreases do not matter
 constexpr int64_t kRowGrain = 512;      // block rows of one task
 constexpr int64_t kVectorGrain = 4096;  // scalars of one partial dot product
 
@@ -199,7 +200,7 @@ PcgReport Pcg::solve(std::span<const double> b, std::span<double> x, double tole
     return report;
   }
   const double rz_stop = tolerance * tolerance * rz_start;
-  double beta = 0.0;
+  double beta = 0.0, total = 0.0;
   while (report.iterations < max_iterations) {
     pool.for_each_range(size, grain, [&](int64_t begin, int64_t end) {
       if (beta == 0.0) {
@@ -222,6 +223,8 @@ PcgReport Pcg::solve(std::span<const double> b, std::span<double> x, double tole
       break;
     }
     const double alpha = rz / pq;
+    const double decrease = alpha * rz;
+    total += decrease;
     pool.for_each_range(size, grain, [&](int64_t begin, int64_t end) {
       for (int64_t k = begin; k < end; ++k) {
         x[k] += alpha * p_[k];
@@ -233,8 +236,11 @@ PcgReport Pcg::solve(std::span<const double> b, std::span<double> x, double tole
     beta = rz_next / rz;
     rz = rz_next;
     if (!(rz > rz_stop)) {
-      report.converged = rz <= rz_stop;
-      break;
+      const bool is_settled = report.iterations * decrease <= tolerance * tolerance * total;
+      if (is_settled || !(rz > kSurely * rz_stop)) {
+        report.converged = rz <= rz_stop;
+        break;
+      }
     }
   }
   report.relative_residual = std::sqrt(rz / rz_start);

@@ -34,7 +34,9 @@ class Pcg {
   bool prepare(const BlockMatrix& matrix, ThreadPool& pool, PcgStorage storage = PcgStorage::Double);
 
   /// Solves A x = b from x = 0 until the residual, in the norm of the inverse preconditioner, falls below
-  /// `tolerance` times that of b. On indefiniteness x holds the last iterate, which is still a descent
+  /// `tolerance` times that of b, and what k iterations like the last, the k-th, would lower the quadratic
+  /// model x^T A x / 2 - b^T x by is below tolerance^2 of what all have [Nash and Sofer 1990]: residuals say
+  /// little of soft modes. On indefiniteness x holds the last iterate, which is still a descent
   /// direction (b^T x > 0) unless it is the first iteration, where x is the preconditioned b. `coarse`, if
   /// given, has a factor of A and corrects the preconditioner.
   PcgReport solve(std::span<const double> b, std::span<double> x, double tolerance, int max_iterations,

@@ -11,7 +11,7 @@ constexpr double kLargestTolerance = 0.5;
 
 }  // namespace
 
-void PcgSolver::prepare(const BlockPattern& pattern, std::span<const Vec3> /*positions*/) {
+void PcgSolver::prepare(const BlockPattern& pattern, std::span<const uint8_t> /*in_solid*/) {
   coarse_.prepare(pattern);
   has_positions_ = false;
 }

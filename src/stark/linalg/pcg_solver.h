@@ -18,7 +18,7 @@ class PcgSolver final : public LinearSolver {
 
   void set_max_iterations(int count) { max_iterations_ = count; }
   bool has_coarse_space() const { return coarse_.is_useful(); }
-  void prepare(const BlockPattern& pattern, std::span<const Vec3> positions) override;
+  void prepare(const BlockPattern& pattern, std::span<const uint8_t> in_solid) override;
   void begin_step() override { has_positions_ = false; }
 
  protected:

@@ -23,6 +23,18 @@ int threads_of(const ExecutionSettings& execution) {
 /// Motion in a quasistatic step, over the diagonal of all bodies, beyond which there is no equilibrium.
 constexpr double kFarthestMotion = 100.0;
 
+// For each block of the system, 1 where it is a node of a solid.
+std::vector<uint8_t> blocks_in_solids(const Model& model) {
+  const KinematicMap& map = model.map();
+  std::vector<uint8_t> in_solid(map.layout().block_count, 0);
+  for (const ModelBody& body : model.bodies()) {
+    if (body.kind != BodyKind::Solid) continue;
+    for (int32_t k = 0; k < body.site_count; ++k)
+      if (const int32_t block = map.point_block(body.first_site + k); block != kNoBlock) in_solid[block] = 1;
+  }
+  return in_solid;
+}
+
 std::string point_text(const Vec3& p) {
   std::ostringstream out;
   out << "(" << to_text(p.x) << ", " << to_text(p.y) << ", " << to_text(p.z) << ") m";
@@ -110,7 +122,7 @@ void Simulation::make_solver() {
   potential_->set_active_set_updates(settings_.contact.friction_updates);
   if (!has_inertia(settings_.time.integrator)) potential_->set_motion_limit(kFarthestMotion * scene_size());
   linear_solver_ = make_linear_solver(settings_.linear, *pool_);
-  linear_solver_->prepare(assembler_->static_pattern(), {});
+  linear_solver_->prepare(assembler_->static_pattern(), blocks_in_solids(*model_));
 }
 
 Simulation::~Simulation() = default;
