@@ -6,10 +6,11 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "python")]
+sys.path.insert(0, str(ROOT / "tools"))
 
 import docs_api  # noqa: E402
 
+docs_api.use_local_package()
 import stark  # noqa: E402
 
 project = "Stark"

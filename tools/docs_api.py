@@ -1,7 +1,7 @@
 """Pages of the site with the Python interface: which names stand where. Sphinx's autodoc writes the entries.
 
-Public are the names of python/stark/__init__.pyi and those of its modules: `__all__`, or what a module without
-it defines.
+Public are the names of python/stark/__init__.pyi and those of its modules: `__all__`, or what a module
+without it defines.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import ast
 import importlib
 import inspect
 import re
+import sys
 from types import ModuleType
 from typing import Any
 
@@ -44,11 +45,64 @@ GROUPS: dict[str, tuple[str, str]] = {
 RETURNED = (
     "stark._core.Diagnosis",
     "stark._core.State",
+    "stark.handle.BodyHandle",
+    "stark.selections.Points",
+    "stark.selections.Stencils",
+    "stark.selections.FrameHandle",
+    "stark.bodies.friction.FrictionTable",
+    "stark.bodies.restitution.RestitutionTable",
+    "stark.formulas.parameters.Parameter",
+    "stark.formulas.parameters.Declaration",
+    "stark.formulas.statistics.FormulaStatistics",
+    "stark.symbolic.function.Formula",
+    "stark._core.SolidLaw",
+    "stark._core.ShellLaw",
+    "stark._core.RodLaw",
 )
-#: Types in signatures that have no page here.
+#: Names of types in annotations, and what they stand for.
+ALIASES = {
+    "Array": "array of numbers",
+    "ArrayLike": "number, sequence or array",
+    "Binding": "what an argument of a formula stands for: points, stencils, a frame",
+    "Floats": "array of 64-bit floating-point numbers",
+    "Side": "body, frame, name of a body, or None for the world",
+    "TimeValue": "number, or function of the time [s]",
+    "Vec3Like": "three numbers, a sequence or an array",
+}
+#: Inside the package: types in the constructors of classes that other calls make, and their own base classes.
+INTERNAL = frozenset(
+    (
+        "stark._core.ActuatorDefinition",
+        "stark._core.Formula",
+        "stark._core.JointDefinition",
+        "stark._core.symbolic.ArrayFunction",
+        "stark.formulas.arguments.ClockArgument",
+        "stark.formulas.arguments.FrameArgument",
+        "stark.formulas.arguments.PointArgument",
+        "stark.formulas.binding.BoundEnergy",
+        "stark.formulas.kinematics.Inputs",
+        "stark.formulas.recorded_law.Past",
+        "stark.formulas.tracing.Trace",
+        "stark.handle.SceneLink",
+        "stark.joints.definition.Held",
+        "stark.recording.lock.FolderLock",
+        "stark.render.camera.Bounds",
+        "stark.steps.LastStep",
+        "stark.steps.Stepping",
+        "stark.symbolic.signature.Argument",
+    )
+)
+#: Types in signatures that other projects document.
 FOREIGN_TYPES = [
-    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum)(\..*)?"),
+    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect)(\..*)?"),
 ]
+
+
+def use_local_package() -> None:
+    """Has imports find the package in python/ if its extension is built in place, else the installed one."""
+    package = ROOT / "python"
+    if any((package / "stark").glob("_core*.so")):
+        sys.path.insert(0, str(package))
 
 
 def public_modules() -> list[str]:
@@ -110,7 +164,9 @@ def _groups() -> dict[str, tuple[str, str]]:
     lost = [name for name in rest if name not in symbolic | formulas]
     lost += sorted(grouped.difference(public_names()))
     if lost:
-        raise SystemExit(f"tools/docs_api.py: {', '.join(lost)}: enter new names in GROUPS, take old ones out")
+        raise SystemExit(
+            f"tools/docs_api.py: {', '.join(lost)}: enter new names in GROUPS, take old ones out"
+        )
     ours = " ".join(name for name in rest if name in formulas)
     functions = " ".join(name for name in rest if name not in formulas)
     written = {"energies": ("Energies and laws", ours), "functions": ("Functions of formulas", functions)}
@@ -145,22 +201,37 @@ def _entry(module: str, name: str, value: Any) -> str:
     if inspect.isclass(value):
         inherited = "" if issubclass(value, BaseException) else "   :inherited-members:\n"
         return f".. autoclass:: {full}\n{inherited}"
-    if callable(value) and hasattr(value, "__name__") and not _is_alias(value):
-        return f".. autofunction:: {full}\n"
+    if _is_alias(value):
+        return f".. py:type:: {name}\n\n   {ALIASES.get(name, _plain(value))}\n"
+    if callable(value) and hasattr(value, "__name__"):
+        given = str(inspect.signature(value)) if module == "stark.materials" else ""
+        return f".. autofunction:: {full}{given}\n"
     source = getattr(value, "source", None)
     if source:
-        return f".. py:data:: {full}\n   :type: {type(value).__name__}\n\n   {source}\n"
+        return f".. py:data:: {name}\n   :type: {type(value).__name__}\n\n   {source}\n"
     return f".. autodata:: {full}\n   :no-value:\n"
 
 
 def _is_alias(value: Any) -> bool:
+    """Whether a value is a type made of others, `float | str` among them."""
     return type(value).__module__ in ("typing", "types") and not inspect.isroutine(value)
 
 
+def _plain(value: Any) -> str:
+    return re.sub(r"\b(?:\w+\.)+(\w+)", r"\1", str(value))
+
+
 def _returned() -> str:
-    text = "Classes without a public name of their own: values of attributes and results of calls.\n"
+    text = (
+        "Classes without a public name of their own: values of attributes, results and arguments of calls.\n"
+    )
     entries = [f".. autoclass:: {name}\n" for name in RETURNED]
-    return "\n".join([_title("Objects that calls return"), text, *entries])
+    return "\n".join([_title("Objects that calls give and take"), text, *entries, _aliases()])
+
+
+def _aliases() -> str:
+    rows = "".join(f"``{name}``\n   {meaning}\n\n" for name, meaning in ALIASES.items())
+    return f"Names of types in signatures\n----------------------------\n\n{rows}"
 
 
 def _title(text: str) -> str:
@@ -169,3 +240,40 @@ def _title(text: str) -> str:
 
 def connect(app: Any) -> None:
     """Hooks for Sphinx."""
+    app.connect("autodoc-process-docstring", _docstring)
+    app.connect("autodoc-process-signature", _signature)
+    app.connect("doctree-read", _complete)
+    app.connect("missing-reference", _reference)
+
+
+def _docstring(app: Any, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
+    """Indented programs after a line with a colon are programs, and |x| is no substitution."""
+    for k, line in enumerate(lines):
+        program = lines[k + 2 : k + 3] and not lines[k + 1] and lines[k + 2].startswith("    ")
+        if program and line.strip() and not line.startswith("    "):
+            lines[k] = line.rstrip(":.") + "::"
+        lines[k] = re.sub(r"(?<!`)\|(\w+)\|", r"\\|\1\\|", lines[k])
+
+
+def _signature(
+    app: Any, what: str, name: str, value: Any, options: Any, arguments: str | None, result: str | None
+) -> tuple[str, str | None] | None:
+    """Classes whose objects only other calls make show no constructor; defaults of dataclasses are Python."""
+    if what != "class" or not arguments:
+        return None
+    if any(internal.rpartition(".")[2] in arguments for internal in INTERNAL):
+        return "", None
+    return arguments.replace("<factory>", "..."), result
+
+
+def _complete(app: Any, tree: Any) -> None:
+    """Names of types without their module get the one of their page."""
+    places = {place.rpartition(".")[2]: place for place in RETURNED}
+    for node in tree.findall(lambda node: node.get("refdomain") == "py" if hasattr(node, "get") else False):
+        node["reftarget"] = places.get(node["reftarget"], node["reftarget"])
+
+
+def _reference(app: Any, env: Any, node: Any, text: Any) -> Any:
+    """Types without a page are no links."""
+    target = node.get("reftarget", "")
+    return text if node.get("refdomain") == "py" and target in INTERNAL.union(ALIASES) else None

@@ -1,8 +1,8 @@
 """Builds the documentation as a site: tools/docs_site.py [--out out/docs]. `./run docs` calls it.
 
-The Markdown pages of the repository are the sources. They are gathered in OUT/source under the names that they
-have in the site, with links to match; the reference of the Python and the C++ interface is generated beside them. Then
-Sphinx makes OUT/index.html and the rest. Needs the package with its extension and the extra `docs`.
+The Markdown pages of the repository are the sources. They are gathered in OUT/source under the names that
+they have in the site, with links to match; the reference of the Python and the C++ interface is generated
+beside them. Then Sphinx makes OUT/html. Needs the package with its extension and the extra `docs`.
 """
 
 from __future__ import annotations
@@ -125,6 +125,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Builds the documentation as a site.")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "docs", help="folder of the site")
     out = parser.parse_args().out.resolve()
+    docs_api.use_local_package()
     status = build(out)
     print(f"Open {out / 'html' / 'index.html'}" if status == 0 else "The site has defects, see above")
     return status
