@@ -65,6 +65,8 @@ ALIASES = {
     "ArrayLike": "number, sequence or array",
     "Binding": "what an argument of a formula stands for: points, stencils, a frame",
     "Floats": "array of 64-bit floating-point numbers",
+    "Indices": "array of 32-bit integers",
+    "Integers": "array of 32-bit integers",
     "Side": "body, frame, name of a body, or None for the world",
     "TimeValue": "number, or function of the time [s]",
     "Vec3Like": "three numbers, a sequence or an array",
@@ -267,10 +269,26 @@ def _signature(
 
 
 def _complete(app: Any, tree: Any) -> None:
-    """Names of types without their module get the one of their page."""
+    """Names of types without their module get the one of their page; arrays are shown without parameters."""
     places = {place.rpartition(".")[2]: place for place in RETURNED}
-    for node in tree.findall(lambda node: node.get("refdomain") == "py" if hasattr(node, "get") else False):
+    for node in [node for node in tree.findall() if getattr(node, "attributes", {}).get("refdomain") == "py"]:
         node["reftarget"] = places.get(node["reftarget"], node["reftarget"])
+        if node["reftarget"] == "numpy.ndarray":
+            _cut_parameters(node)
+
+
+def _cut_parameters(node: Any) -> None:
+    """Takes "[tuple[Any, ...], dtype[float64]]" out, which stands after a name."""
+    siblings = node.parent.children
+    first = siblings.index(node) + 1
+    depth, last = 0, first
+    while last < len(siblings):
+        depth += {"[": 1, "]": -1}.get(siblings[last].astext(), 0)
+        if depth == 0:
+            break
+        last += 1
+    if last > first:
+        del siblings[first : last + 1]
 
 
 def _reference(app: Any, env: Any, node: Any, text: Any) -> Any:

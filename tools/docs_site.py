@@ -38,7 +38,15 @@ ELSEWHERE = {
 }
 #: Page with the table of contents, and the section that generated pages are part of.
 CONTENTS = "docs/README.md"
-GENERATED = {"Reference": ["api/index", "cpp"]}
+GENERATED = {
+    "Reference": {
+        "api/index.rst": (
+            "Python interface",
+            "every public name, with its signature, shapes, units and errors",
+        ),
+        "cpp.md": ("C++ interface", "the public headers"),
+    }
+}
 _LINK = re.compile(r"(!?)\[((?:[^][]|\[[^][]*\])*)\]\(([^)\s]+)\)")
 _FENCE = re.compile(r"^\s*```")
 
@@ -56,6 +64,7 @@ def gather(root: Path, folder: Path) -> None:
     for page, name in names.items():
         text = with_links(root, page, names, folder)
         if page == CONTENTS:
+            text = with_generated(text)
             text += "\n" + contents(text)
         if page == "docs/theory.md":
             text = docs_math.with_mathml(text)
@@ -99,13 +108,20 @@ def _link(root: Path, page: str, names: dict[str, str], folder: Path, found: re.
     return f"{mark}[{text}]({os.path.relpath(copy, here)})"
 
 
+def with_generated(text: str) -> str:
+    """The page of contents with entries of the generated pages at the top of their sections."""
+    for section, entries in GENERATED.items():
+        rows = "".join(f"- [{title}]({page}): {what}\n" for page, (title, what) in entries.items())
+        text = text.replace(f"## {section}\n\n", f"## {section}\n\n{rows}")
+    return text
+
+
 def contents(text: str) -> str:
     """Navigation in the order of the page's own list: a table of contents for each section."""
     tables = []
     for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
         title, _, body = section.partition("\n")
-        entries = [link.removesuffix(".md") for link in re.findall(r"\]\(([^)#:]+\.md)\)", body)]
-        entries += GENERATED.get(title.strip(), [])
+        entries = re.findall(r"\]\(([^)#:]+)\.(?:md|rst)\)", body)
         rows = "\n".join(dict.fromkeys(entries))
         tables.append(f"```{{toctree}}\n:hidden:\n:caption: {title.strip()}\n\n{rows}\n```\n")
     return "\n".join(tables)

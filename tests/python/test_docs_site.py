@@ -1,0 +1,139 @@
+"""Sources of the site of the documentation, without Sphinx: pages, links, entries of the reference, equations.
+`./run docs` builds the site from them, and `./run test --all` does so, too."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+import docs_api  # noqa: E402
+import docs_headers  # noqa: E402
+import docs_math  # noqa: E402
+import docs_site  # noqa: E402
+import equations  # noqa: E402
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site") / "source"
+    docs_site.gather(ROOT, folder)
+    return folder
+
+
+def prose(text: str) -> str:
+    """A page without its code."""
+    return re.sub(r"^ *(```+).*?^ *\1|`[^`\n]*`", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def anchors(text: str) -> set[str]:
+    """What links to headings of a page may name, by the rule of GitHub and MyST."""
+    titles = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def test_every_document_is_a_page(site: Path) -> None:
+    names = docs_site.page_names(ROOT)
+    documents = {
+        path.relative_to(ROOT).as_posix() for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
+    }
+    assert documents <= set(names)
+    assert len(set(names.values())) == len(names)
+    assert [name for name in names.values() if not (site / name).is_file()] == []
+
+
+def test_links_lead_to_pages_and_headings(site: Path) -> None:
+    wrong = []
+    for page in sorted(site.rglob("*.md")):
+        for target in LINK.findall(prose(page.read_text(encoding="utf-8"))):
+            if "://" in target:
+                continue
+            place, _, anchor = target.partition("#")
+            path = Path(os.path.normpath(page.parent / place)) if place else page
+            known = path.is_file() and path.is_relative_to(site)
+            if not known or (anchor and anchor not in anchors(path.read_text(encoding="utf-8"))):
+                wrong.append(f"{page.relative_to(site)}: {target}")
+    assert wrong == []
+
+
+def test_every_page_is_in_the_navigation(site: Path) -> None:
+    pages = {path.relative_to(site).with_suffix("").as_posix() for path in site.rglob("*.*") if is_page(path)}
+    listed = {"index"}
+    for page in [*site.rglob("*.md"), *site.rglob("*.rst")]:
+        for table in re.findall(r"(?:\{toctree\}|toctree::)\n(.*?)(?:```|\Z)", page.read_text(), re.DOTALL):
+            rows = re.findall(r"^\s*([\w/]+)$", table, re.MULTILINE)
+            listed |= {(page.parent / row).relative_to(site).as_posix() for row in rows}
+    assert listed == pages
+
+
+def is_page(path: Path) -> bool:
+    return path.suffix in (".md", ".rst") and "files" not in path.parts
+
+
+def test_every_public_name_has_an_entry(site: Path) -> None:
+    shown = set()
+    for page in (site / "api").glob("*.rst"):
+        text = page.read_text(encoding="utf-8")
+        module = "".join(re.findall(r"^\.\. py:currentmodule:: (\S+)", text, re.MULTILINE))
+        for kind, name in re.findall(r"^\.\. (\w+|py:data|py:type):: ([\w.]+)", text, re.MULTILINE):
+            shown.add(f"{module}.{name}" if kind.startswith("py:") else name)
+        also = re.findall(r":py:obj:`stark\.(\w+)`", text)
+        shown |= {f"{module}.{name}" for name in also}
+    public = {f"stark.{name}" for name in docs_api.public_names()}
+    for module in docs_api.public_modules():
+        public |= {f"stark.{module}"} | {
+            f"stark.{module}.{name}" for name in docs_api.public_names(f"stark.{module}")
+        }
+    assert len(public) > 250
+    assert public - shown == set()
+
+
+def test_a_public_name_without_a_group_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    names = docs_api.public_names
+    monkeypatch.setattr(docs_api, "public_names", lambda module="stark": [*names(module), *new(module)])
+    with pytest.raises(SystemExit, match="Novelty: enter new names in GROUPS"):
+        docs_api.pages()
+
+
+def new(module: str) -> list[str]:
+    return ["Novelty"] if module == "stark" else []
+
+
+def test_every_public_header_is_a_page(site: Path) -> None:
+    headers = docs_headers.public_headers(ROOT)
+    assert len(headers) > 10
+    for header in headers:
+        page = site / "cpp" / header.removeprefix("stark/").replace(".h", ".md")
+        assert (ROOT / "src" / header).read_text(encoding="utf-8") in page.read_text(encoding="utf-8")
+        assert docs_headers.leading_comment((ROOT / "src" / header).read_text(encoding="utf-8")), header
+
+
+def test_every_equation_is_drawn_and_can_be_linked(site: Path) -> None:
+    text = (site / "theory.md").read_text(encoding="utf-8")
+    drawn = re.findall(r"<math.*?</math>", text)
+    for element in drawn:
+        assert len(ElementTree.fromstring(element)) > 0
+    assert len(drawn) > len(equations.defined())
+    assert [number for number in equations.defined() if f'id="eq-{number}"' not in text] == []
+
+
+@pytest.mark.parametrize(
+    ("formula", "expected"),
+    [
+        ("½ m", '<mfrac><mn>1</mn><mn>2</mn></mfrac><mspace width="0.17em"/><mi>m</mi>'),
+        ("x̂", '<mover accent="true"><mi>x</mi><mo>^</mo></mover>'),
+        ("√a", "<msqrt><mi>a</mi></msqrt>"),
+        ("vⁿ⁺¹", "<msup><mi>v</mi><mrow><mi>n</mi>"),
+    ],
+)
+def test_notation_of_the_theory(formula: str, expected: str) -> None:
+    assert expected in docs_math.mathml(formula)
