@@ -1,4 +1,4 @@
-"""Sources of the site of the documentation, without Sphinx: pages, links, entries of the reference, equations.
+"""Sources of the site of the documentation, without Sphinx: pages, links, entries of the reference.
 `./run docs` builds the site from them, and `./run test --all` does so, too."""
 
 from __future__ import annotations
