@@ -206,7 +206,7 @@ def _entry(module: str, name: str, value: Any) -> str:
     if _is_alias(value):
         return f".. py:type:: {name}\n\n   {ALIASES.get(name, _plain(value))}\n"
     if callable(value) and hasattr(value, "__name__"):
-        given = str(inspect.signature(value)) if module == "stark.materials" else ""
+        given = str(inspect.signature(value)).replace("'", "") if module == "stark.materials" else ""
         return f".. autofunction:: {full}{given}\n"
     source = getattr(value, "source", None)
     if source:

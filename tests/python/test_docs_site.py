@@ -108,13 +108,49 @@ def new(module: str) -> list[str]:
     return ["Novelty"] if module == "stark" else []
 
 
-def test_every_public_header_is_a_page(site: Path) -> None:
+def test_every_public_header_is_a_page_with_its_types_and_functions(site: Path) -> None:
     headers = docs_headers.public_headers(ROOT)
     assert len(headers) > 10
     for header in headers:
-        page = site / "cpp" / header.removeprefix("stark/").replace(".h", ".md")
-        assert (ROOT / "src" / header).read_text(encoding="utf-8") in page.read_text(encoding="utf-8")
-        assert docs_headers.leading_comment((ROOT / "src" / header).read_text(encoding="utf-8")), header
+        text = (ROOT / "src" / header).read_text(encoding="utf-8")
+        page = (site / "cpp" / header.removeprefix("stark/").replace(".h", ".md")).read_text(encoding="utf-8")
+        types = re.findall(
+            r"^(?:class|struct|enum class) (\w+)(?: final)?(?: :[^;]*)? \{", text, re.MULTILINE
+        )
+        functions = re.findall(r"^\w[\w:<>*& ]* [*&]?(\w+)\([^;{]*\);", text, re.MULTILINE)
+        assert docs_headers.leading_comment(text), header
+        for name in [*types, *(f"{function}()" for function in functions)]:
+            assert f"\n## `{name}`\n" in page, (header, name)
+
+
+def test_declarations_of_a_header() -> None:
+    text = """// What it is.
+namespace stark {
+
+class Elsewhere;
+
+/// A body.
+struct Body final {
+ public:
+  /// Its mass [kg].
+  double mass() const { return mass_; }
+
+ private:
+  double mass_ = 1.0;
+};
+
+inline constexpr int kCount = size(2);
+
+namespace inner {
+Body make(  // a comment; with signs {
+    int count);
+}  // namespace inner
+}  // namespace stark
+"""
+    found = docs_headers.declarations(text)
+    assert [declaration.name for declaration in found] == ["Body", "kCount", "make()"]
+    assert found[0].comment == "A body." and "mass_ = 1.0" not in found[0].code
+    assert found[0].code.endswith("}\n};") and "Its mass [kg]" in found[0].code
 
 
 def test_every_equation_is_drawn_and_can_be_linked(site: Path) -> None:
