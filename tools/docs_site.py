@@ -48,7 +48,7 @@ GENERATED = {
     }
 }
 _LINK = re.compile(r"(!?)\[((?:[^][]|\[[^][]*\])*)\]\(([^)\s]+)\)")
-_FENCE = re.compile(r"^\s*```")
+_CODE = re.compile(r"(^ *```.*?^ *```$)", re.MULTILINE | re.DOTALL)
 
 
 def page_names(root: Path) -> dict[str, str]:
@@ -80,14 +80,11 @@ def _write(path: Path, text: str) -> None:
 
 def with_links(root: Path, page: str, names: dict[str, str], folder: Path) -> str:
     """A page of the repository with links that lead to where things are in the site."""
-    lines = (root / page).read_text(encoding="utf-8").splitlines()
-    in_code = False
-    for k, line in enumerate(lines):
-        if _FENCE.match(line):
-            in_code = not in_code
-        elif not in_code:
-            lines[k] = _LINK.sub(lambda found: _link(root, page, names, folder, found), line)
-    return "\n".join(lines) + "\n"
+    parts = _CODE.split((root / page).read_text(encoding="utf-8"))
+    parts[::2] = [
+        _LINK.sub(lambda found: _link(root, page, names, folder, found), prose) for prose in parts[::2]
+    ]
+    return "".join(parts)
 
 
 def _link(root: Path, page: str, names: dict[str, str], folder: Path, found: re.Match[str]) -> str:
