@@ -93,6 +93,8 @@ def _link(root: Path, page: str, names: dict[str, str], folder: Path, found: re.
     if not place or "://" in place or place.startswith("mailto:"):
         return found[0]
     path = Path(os.path.normpath((root / page).parent / place))
+    if not path.exists():
+        raise SystemExit(f"{page}: a link leads to {target}, which is not there")
     here = (folder / names[page]).parent
     if path.is_dir():
         return f"[{text}]" if text.startswith("`") else text  # a folder has no page
@@ -127,9 +129,10 @@ def contents(text: str) -> str:
 def build(out: Path, root: Path = ROOT) -> int:
     """Makes the site in a folder; returns the exit status, which is not 0 after any warning."""
     source = out / "source"
-    shutil.rmtree(source, ignore_errors=True)
+    for folder in (source, out / "html"):
+        shutil.rmtree(folder, ignore_errors=True)
     gather(root, source)
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-c", str(root / "docs")]
+    command = [sys.executable, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "-c", str(root / "docs")]
     done = subprocess.run([*command, "-d", str(out / "cache"), str(source), str(out / "html")], check=False)
     return done.returncode
 

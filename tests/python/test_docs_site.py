@@ -65,6 +65,18 @@ def test_links_lead_to_pages_and_headings(site: Path) -> None:
     assert wrong == []
 
 
+def test_a_link_to_nothing_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "page.md").write_text("[this] and [that\nthing](gone.md)\n")
+    with pytest.raises(SystemExit, match=r"page\.md: a link leads to gone\.md, which is not there"):
+        docs_site.with_links(tmp_path, "page.md", {"page.md": "page.md"}, tmp_path / "out")
+
+
+def test_links_in_code_stay(tmp_path: Path) -> None:
+    text = "```\n[a](gone.md)\n```\n[b](https://x.example/y.md)\n"
+    (tmp_path / "page.md").write_text(text)
+    assert docs_site.with_links(tmp_path, "page.md", {"page.md": "page.md"}, tmp_path / "out") == text
+
+
 def test_every_page_is_in_the_navigation(site: Path) -> None:
     pages = {path.relative_to(site).with_suffix("").as_posix() for path in site.rglob("*.*") if is_page(path)}
     listed = {"index"}
