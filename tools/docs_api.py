@@ -245,6 +245,7 @@ def connect(app: Any) -> None:
     app.connect("autodoc-process-docstring", _docstring)
     app.connect("autodoc-process-signature", _signature)
     app.connect("doctree-read", _complete)
+    app.connect("doctree-read", _leave_inherited_out, priority=100)  # before Sphinx looks for contents
     app.connect("missing-reference", _reference)
 
 
@@ -275,6 +276,17 @@ def _complete(app: Any, tree: Any) -> None:
         node["reftarget"] = places.get(node["reftarget"], node["reftarget"])
         if node["reftarget"] == "numpy.ndarray":
             _cut_parameters(node)
+
+
+def _leave_inherited_out(app: Any, tree: Any) -> None:
+    """Inherited members stand on the page, but not in its contents beside it."""
+    for node in tree.findall():
+        owner = getattr(node, "attributes", {}).get("class")
+        if owner and node.get("_toc_name"):
+            kind = getattr(importlib.import_module(node["module"]), owner, None)
+            member = node["fullname"].rpartition(".")[2]
+            if inspect.isclass(kind) and member not in kind.__dict__ and hasattr(kind, member):
+                node["_toc_name"] = ""
 
 
 def _cut_parameters(node: Any) -> None:
