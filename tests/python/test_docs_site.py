@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+
+import stark
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
@@ -107,6 +111,27 @@ def test_every_public_name_has_an_entry(site: Path) -> None:
         }
     assert len(public) > 250
     assert public - shown == set()
+
+
+@pytest.mark.parametrize("page", ["coming_from", "troubleshooting"])
+def test_names_that_a_page_gives_are_there(page: str) -> None:
+    text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
+    owners: dict[str, Any] = {
+        "scene": stark.Scene,
+        "sim": stark.Simulation,
+        "report": stark.StepReport,
+        "joint": stark.Joint,
+        "body": stark.RigidBody,
+        "cloth": stark.Cloth,
+        "motor": stark.Actuator,
+    }
+    given = re.findall(rf"\b({'|'.join(owners)})\.(\w+)", text)
+    values = {("motor", "target")}  # of some actuators
+    assert [name for name in given if not hasattr(owners[name[0]], name[1]) and name not in values] == []
+    settings = set(re.findall(r"`((?:time|contact|linear|execution|joints)\.\w+)`", text))
+    assert settings and settings <= set(stark.Settings().names())
+    for name in re.findall(r"`stark\.([\w.]+)", text):
+        functools.reduce(getattr, name.split("."), stark)
 
 
 def test_a_public_name_without_a_group_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
