@@ -45,7 +45,7 @@ def run(path: Path, *arguments: str, **environment: str) -> subprocess.Completed
 def test_usage(bare_path: Path, arguments: list[str]) -> None:
     done = run(bare_path, *arguments)
     assert done.returncode == 2
-    assert "./run demo | test [--all] | lint | bench" in done.stderr
+    assert "./run demo | test [--all] | lint | docs | bench" in done.stderr
 
 
 def test_everything_missing(bare_path: Path) -> None:

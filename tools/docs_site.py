@@ -1,0 +1,151 @@
+"""Builds the documentation as a site: tools/docs_site.py [--out out/docs]. `./run docs` calls it.
+
+The Markdown pages of the repository are the sources. They are gathered in OUT/source under the names that
+they have in the site, with links to match; the reference of the Python and the C++ interface is generated
+beside them. Then Sphinx makes OUT/html. Needs the package with its extension and the extra `docs`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import docs_api
+import docs_headers
+import docs_math
+from repository import ROOT
+
+#: Pages outside of docs/, and their names in the site.
+ELSEWHERE = {
+    "README.md": "overview.md",
+    "ARCHITECTURE.md": "architecture.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "RELEASING.md": "releasing.md",
+    "CHANGELOG.md": "changelog.md",
+    "SECURITY.md": "security.md",
+    "CODE_OF_CONDUCT.md": "code_of_conduct.md",
+    "benchmarks/README.md": "benchmarks/index.md",
+    "benchmarks/kernels/README.md": "benchmarks/kernels.md",
+    "benchmarks/symbolic/README.md": "benchmarks/symbolic.md",
+    "benchmarks/results/scenes.md": "benchmarks/scenes.md",
+    "benchmarks/results/torture.md": "benchmarks/torture.md",
+    "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",
+}
+#: Page with the table of contents, and the section that generated pages are part of.
+CONTENTS = "docs/README.md"
+GENERATED = {
+    "Reference": {
+        "api/index.rst": (
+            "Python interface",
+            "every public name, with its signature, shapes, units and errors",
+        ),
+        "cpp.md": ("C++ interface", "the public headers"),
+    }
+}
+_LINK = re.compile(r"(!?)\[((?:[^][]|\[[^][]*\])*)\]\(([^)\s]+)\)")
+_CODE = re.compile(r"(^ *```.*?^ *```$)", re.MULTILINE | re.DOTALL)
+
+
+def page_names(root: Path) -> dict[str, str]:
+    """Every page of the repository that the site has, and its name there."""
+    inside = {path.relative_to(root).as_posix(): path for path in sorted((root / "docs").rglob("*.md"))}
+    names = {page: page.removeprefix("docs/") for page in inside}
+    return names | {CONTENTS: "index.md"} | ELSEWHERE
+
+
+def gather(root: Path, folder: Path) -> None:
+    """Writes the sources of the site into an empty folder."""
+    names = page_names(root)
+    for page, name in names.items():
+        text = with_links(root, page, names, folder)
+        if page == CONTENTS:
+            text = with_generated(text)
+            text += "\n" + contents(text)
+        if page == "docs/theory.md":
+            text = docs_math.with_mathml(text)
+        _write(folder / name, text)
+    for name, text in (docs_api.pages() | docs_headers.pages(root)).items():
+        _write(folder / name, text)
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def with_links(root: Path, page: str, names: dict[str, str], folder: Path) -> str:
+    """A page of the repository with links that lead to where things are in the site."""
+    parts = _CODE.split((root / page).read_text(encoding="utf-8"))
+    parts[::2] = [
+        _LINK.sub(lambda found: _link(root, page, names, folder, found), prose) for prose in parts[::2]
+    ]
+    return "".join(parts)
+
+
+def _link(root: Path, page: str, names: dict[str, str], folder: Path, found: re.Match[str]) -> str:
+    mark, text, target = found.groups()
+    place, hash_sign, anchor = target.partition("#")
+    if not place or "://" in place or place.startswith("mailto:"):
+        return found[0]
+    path = Path(os.path.normpath((root / page).parent / place))
+    if not path.exists():
+        raise SystemExit(f"{page}: a link leads to {target}, which is not there")
+    here = (folder / names[page]).parent
+    if path.is_dir():
+        return f"[{text}]" if text.startswith("`") else text  # a folder has no page
+    known = path.relative_to(root).as_posix()
+    if known in names:
+        return f"{mark}[{text}]({os.path.relpath(folder / names[known], here)}{hash_sign}{anchor})"
+    copy = folder / "files" / known
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(path, copy)
+    return f"{mark}[{text}]({os.path.relpath(copy, here)})"
+
+
+def with_generated(text: str) -> str:
+    """The page of contents with entries of the generated pages at the top of their sections."""
+    for section, entries in GENERATED.items():
+        rows = "".join(f"- [{title}]({page}): {what}\n" for page, (title, what) in entries.items())
+        text = text.replace(f"## {section}\n\n", f"## {section}\n\n{rows}")
+    return text
+
+
+def contents(text: str) -> str:
+    """Navigation in the order of the page's own list: a table of contents for each section."""
+    tables = []
+    for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
+        title, _, body = section.partition("\n")
+        entries = re.findall(r"\]\(([^)#:]+)\.(?:md|rst)\)", body)
+        rows = "\n".join(dict.fromkeys(entries))
+        tables.append(f"```{{toctree}}\n:hidden:\n:caption: {title.strip()}\n\n{rows}\n```\n")
+    return "\n".join(tables)
+
+
+def build(out: Path, root: Path = ROOT) -> int:
+    """Makes the site in a folder; returns the exit status, which is not 0 after any warning."""
+    source = out / "source"
+    for folder in (source, out / "html"):
+        shutil.rmtree(folder, ignore_errors=True)
+    gather(root, source)
+    command = [sys.executable, "-m", "sphinx", "-E", "-W", "--keep-going", "-q", "-c", str(root / "docs")]
+    done = subprocess.run([*command, "-d", str(out / "cache"), str(source), str(out / "html")], check=False)
+    return done.returncode
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Builds the documentation as a site.")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "docs", help="folder of the site")
+    out = parser.parse_args().out.resolve()
+    docs_api.use_local_package()
+    status = build(out)
+    print(f"Open {out / 'html' / 'index.html'}" if status == 0 else "The site has defects, see above")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
