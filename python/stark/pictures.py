@@ -1,0 +1,74 @@
+"""What a simulation shows of itself: pictures at once, without a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from stark._core import InvalidArgument
+from stark.arguments import given_path
+from stark.handle import SimulationLink
+
+if TYPE_CHECKING:
+    from stark.render import Picture
+
+
+class Pictures(SimulationLink):
+    """Pictures of the state of a simulation; a part of ``Simulation``."""
+
+    def picture(
+        self,
+        path: str | PathLike[str] | None = None,
+        *,
+        camera: Any = None,
+        target: Any = None,
+        field_of_view: float | None = None,
+        size: Sequence[int] = (1280, 720),
+        quality: str = "good",
+        bodies: Any = None,
+        hide: Any = (),
+        opacity: Mapping[Any, float] | None = None,
+        clip: Sequence[Any] | None = None,
+        edges: bool = False,
+        grid: bool = True,
+    ) -> Picture:
+        """Draws the bodies where they are now (docs/pictures.md): an array (height, width, 3) uint8, sRGB,
+        which notebooks show. Writes it to ``path``, a PNG file, if there is one.
+
+        ``camera`` is a view ("oblique", "front", "side", "top"), where the camera is (3,) [m], or a
+        ``stark.render.Camera``; ``target`` is what it looks at, a point (3,) [m] or bodies, else the middle
+        of the scene; ``field_of_view`` is vertical [rad]. ``size`` is (width, height) in pixels, ``quality``
+        "draft", "good" or "best".
+
+        Bodies are named by handle, name, pattern such as "finger*", or several of these. ``bodies`` are the
+        only ones to draw, ``hide`` are left out, ``opacity`` has numbers in [0, 1] for some: {"glass*": 0.3}.
+        ``clip`` = (point [m], normal), or (point, normal, bodies), takes away what lies on the side that the
+        normal points to; solids show their section. ``edges`` draws the edges of meshes, ``grid`` lines on
+        the ground.
+
+        Raises InvalidArgument for names and words that are unknown and numbers out of range."""
+        from stark.render import render, write_png
+
+        file = None if path is None else given_path(path, "picture: path")
+        width, height = _size(size)
+        picture = render(
+            self, width, height, camera=camera, target=target, field_of_view=field_of_view, quality=quality,
+            bodies=bodies, hide=hide, opacity=opacity, clip=clip, edges=edges, grid=grid,
+        )  # fmt: skip
+        if file is not None:
+            write_png(file, picture)
+        return picture
+
+
+def _size(size: Any) -> tuple[int, int]:
+    try:
+        width, height = (int(length) for length in size)
+        whole = width == size[0] and height == size[1]
+    except (TypeError, ValueError, KeyError):
+        whole = False
+    if not whole:
+        raise InvalidArgument(
+            f"picture: size = {size!r}: must be (width, height) in pixels, like (1280, 720)"
+        )
+    return width, height
