@@ -32,6 +32,11 @@ class Pictures(SimulationLink):
         clip: Sequence[Any] | None = None,
         edges: bool = False,
         grid: bool = True,
+        field: Any = None,
+        limits: Sequence[float] | None = None,
+        colormap: Any = "viridis",
+        label: str | None = None,
+        contacts: Any = False,
     ) -> Picture:
         """Draws the bodies where they are now (docs/pictures.md): an array (height, width, 3) uint8, sRGB,
         which notebooks show. Writes it to ``path``, a PNG file, if there is one.
@@ -47,6 +52,12 @@ class Pictures(SimulationLink):
         normal points to; solids show their section. ``edges`` draws the edges of meshes, ``grid`` lines on
         the ground.
 
+        ``field`` colours bodies by "stress", "strain", "pressure", "contact_force" or "speed", or by a
+        dictionary of bodies with a value for each vertex (n,) or one of these words. ``limits`` = (low, high)
+        of the colours are those of the values if left out; ``colormap`` is "viridis", "magma", "coolwarm" or
+        colours (k, 3) in [0, 1]; ``label`` replaces the title of the scale. ``contacts`` = True draws points
+        and forces of contact in front of everything; a body in its place, those of this body.
+
         Raises InvalidArgument for names and words that are unknown and numbers out of range."""
         from stark.render import render, write_png
 
@@ -55,6 +66,7 @@ class Pictures(SimulationLink):
         picture = render(
             self, width, height, camera=camera, target=target, field_of_view=field_of_view, quality=quality,
             bodies=bodies, hide=hide, opacity=opacity, clip=clip, edges=edges, grid=grid,
+            field=field, limits=limits, colormap=colormap, label=label, contacts=contacts,
         )  # fmt: skip
         if file is not None:
             write_png(file, picture)

@@ -8,6 +8,7 @@ stark.render.write_video(recording, "run.mp4")        # needs: pip install 'star
 
 from .array import Picture
 from .camera import Camera, auto_camera, scene_bounds
+from .fields import field_values
 from .picture import render
 from .png import read_png, write_png
 from .video import write_video
@@ -16,6 +17,7 @@ __all__ = [
     "Camera",
     "Picture",
     "auto_camera",
+    "field_values",
     "read_png",
     "render",
     "scene_bounds",

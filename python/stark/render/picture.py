@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from .._core import InvalidArgument
-from ..arguments import given_flag
+from ..arguments import given_flag, given_word, real_array
 from ..recording.format import drawn
 from .aiming import aimed
 from .array import Picture
 from .camera import Bounds, bounds_of
 from .choosing import matching, opacities
 from .clipping import Plane
+from .colorbar import draw_colorbar, limits_of
 from .colormaps import Colormap
+from .contact_marks import draw_contacts
+from .fields import field_of
+from .overlay import Overlay
 from .pieces import pieces_of
 from .shading import QUALITIES, Style, draw
 
@@ -33,6 +39,11 @@ def render(
     clip: Sequence[Any] | None = None,
     edges: bool = False,
     grid: bool = True,
+    field: Any = None,
+    limits: Sequence[float] | None = None,
+    colormap: Any = "viridis",
+    label: str | None = None,
+    contacts: Any = False,
     bounds: Bounds | None = None,
     threads: int = 0,
 ) -> Picture:
@@ -52,6 +63,13 @@ def render(
     normal), or (point, normal, bodies), takes away what lies on the side that the normal points to, scenery
     apart; solids show their section, other bodies are hollow.
 
+    ``field`` colours bodies by numbers at their vertices: "stress", "strain", "pressure", "contact_force" or
+    "speed" (``field_values`` says what they are), or a dictionary of bodies with arrays (n,) or one of these
+    words. ``limits`` = (low, high) are those of the colours, else those of the values that are shown;
+    ``colormap`` is viridis, magma, coolwarm or colours (k, 3); ``label`` replaces the title of the scale.
+    ``contacts`` = True draws points and forces of contact in front of everything; a body in its place, those
+    of this body.
+
     Raises InvalidArgument for names and words that are unknown and numbers out of range."""
     if quality not in QUALITIES:
         raise InvalidArgument(f"quality '{quality}' is unknown; choose one of {', '.join(QUALITIES)}")
@@ -65,13 +83,17 @@ def render(
     share = opacities(opacity, names)
     box = bounds_of([shown]) if bounds is None else bounds
     far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
+    colors = Colormap(colormap)
+    shades = None if field is None else field_of(source, field)
     pieces = pieces_of(
         shown,
         [far[id(body)] for body in shown],
         [share[i] for i in chosen if i not in hidden],
-        {},
+        {} if shades is None else shades.values,
         _planes(clip, shown),
     )
+    seen = [piece.values for piece in pieces if piece.values is not None]
+    range_of_colors = limits_of(seen) if limits is None else _limits(limits)
     style = Style(
         size=(int(width), int(height)),
         camera=aimed(camera, target, field_of_view, box, everything, width / height),
@@ -80,10 +102,23 @@ def render(
         edges=given_flag(edges, "edges"),
         grid=given_flag(grid, "grid"),
         threads=int(threads),
-        colormap=Colormap("viridis"),
-        limits=(0.0, 1.0),
+        colormap=colors,
+        limits=range_of_colors,
     )
-    return Picture.of(draw(pieces, style))
+    overlay = Overlay(draw(pieces, style))
+    if contacts is not False:
+        draw_contacts(overlay, source, contacts, style.camera, box)
+    if shades is not None:
+        words, unit = (shades.label, shades.unit) if label is None else (given_word(label, "label"), "")
+        draw_colorbar(overlay, colors, range_of_colors, words, unit)
+    return Picture.of(overlay.picture)
+
+
+def _limits(limits: Any) -> tuple[float, float]:
+    values = real_array(limits, "limits")
+    if values.shape != (2,) or not np.isfinite(values).all() or not values[0] < values[1]:
+        raise InvalidArgument(f"limits = {limits!r}: must be (low, high), two finite numbers, low < high")
+    return float(values[0]), float(values[1])
 
 
 def _planes(clip: Sequence[Any] | None, bodies: Sequence[Any]) -> list[Plane | None]:
