@@ -12,6 +12,7 @@ from stark.handle import SimulationLink
 
 if TYPE_CHECKING:
     from stark.render import Picture
+    from stark.replay import InlinePage
 
 
 class Pictures(SimulationLink):
@@ -71,6 +72,22 @@ class Pictures(SimulationLink):
         if file is not None:
             write_png(file, picture)
         return picture
+
+    def show(self, *, height: int = 480, max_megabytes: float = 20.0) -> InlinePage | Picture:
+        """What notebooks show of it: the newest recording that a ``stark.recording.Recorder`` made of this
+        simulation, up to now, as a replay page of ``height`` pixels that needs no network; frames are left
+        out where it would be larger than about ``max_megabytes``. A picture, if there is no recording."""
+        from stark.recording.latest import latest_recording
+        from stark.replay import show
+
+        recording = latest_recording(self)
+        if recording is None:
+            return self.picture(size=(16 * height // 9, height))
+        return show(recording, height=height, max_megabytes=max_megabytes)
+
+    def _repr_png_(self) -> bytes | None:
+        """A small picture in place of the name, where notebooks show values."""
+        return self.picture(size=(640, 360), quality="draft")._repr_png_()
 
 
 def _size(size: Any) -> tuple[int, int]:

@@ -71,6 +71,32 @@ def test_a_camera_follows_a_body(sim) -> None:
     assert picture[45, 80, 2] > picture[45, 80, 0] + 40  # in the middle
 
 
+def test_fields_and_contacts_go_to_the_renderer(sim) -> None:
+    values = {"ball 1": sim["ball 1"].positions[:, 2]}
+    own = {"field": values, "limits": (0.0, 0.2), "colormap": "magma", "label": "height [m]"}
+    picture = sim.picture(**own, **SMALL)
+    assert np.array_equal(picture, stark.render.render(sim, 160, 90, quality="draft", **own))
+    assert not np.array_equal(picture, sim.picture(**own | {"label": "h"}, **SMALL))
+    assert np.array_equal(sim.picture(contacts=True, **SMALL), sim.picture(**SMALL))  # before the first step
+
+
+def test_show_replays_what_was_recorded_or_is_a_picture(sim, tmp_path: Path) -> None:
+    shown = sim.show(height=90)
+    assert isinstance(shown, stark.render.Picture) and shown.shape == (90, 160, 3)
+    with stark.recording.Recorder(tmp_path / "run", sim) as recorder:
+        recorder.record(sim)
+        page = sim.show(height=300)
+        assert isinstance(page, stark.replay.InlinePage) and page.height == 300
+        assert "1 frames of" in repr(page)
+    assert "ball 2" in sim.show().html
+
+
+def test_notebooks_show_simulations(sim, tmp_path: Path) -> None:
+    (tmp_path / "sim.png").write_bytes(sim._repr_png_())
+    picture = stark.render.read_png(tmp_path / "sim.png")
+    assert np.array_equal(picture, sim.picture(size=(640, 360), quality="draft"))
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -9,6 +9,7 @@ import numpy as np
 
 from .._core import InvalidArgument
 from ..arguments import given_flag, given_word, real_array
+from ..palette import body_colors
 from ..recording.format import drawn
 from .aiming import aimed
 from .array import Picture
@@ -79,16 +80,18 @@ def render(
     names = [str(body.name) for body in everything]
     hidden = matching(hide, names, "hide")
     chosen = range(len(names)) if bodies is None else matching(bodies, names, "bodies")
-    shown = [everything[i] for i in chosen if i not in hidden]
-    share = opacities(opacity, names)
+    kept = [i for i in chosen if i not in hidden]
+    shown = [everything[i] for i in kept]
+    share, paint = opacities(opacity, names), body_colors(everything)
     box = bounds_of([shown]) if bounds is None else bounds
     far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
     colors = Colormap(colormap)
     shades = None if field is None else field_of(source, field)
     pieces = pieces_of(
         shown,
+        [paint[i] for i in kept],
         [far[id(body)] for body in shown],
-        [share[i] for i in chosen if i not in hidden],
+        [share[i] for i in kept],
         {} if shades is None else shades.values,
         _planes(clip, shown),
     )

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
-from ..palette import body_colors
 from ..recording.format import surface
 from .clipping import Plane, cut_triangles, section
 
@@ -35,6 +34,7 @@ class Piece:
 
 def pieces_of(
     bodies: Sequence[Any],
+    colors: Sequence[tuple[float, float, float]],
     scenery: Sequence[bool],
     opacity: Sequence[float],
     values: Mapping[str, np.ndarray],
@@ -43,7 +43,7 @@ def pieces_of(
     """Pieces of all bodies; ``values`` by name, at each vertex of a body. Where there are any, other bodies
     are neutral. Scenery is not clipped."""
     result = []
-    rows = zip(bodies, body_colors(bodies), scenery, opacity, planes, strict=True)
+    rows = zip(bodies, colors, scenery, opacity, planes, strict=True)
     for body, color, far, share, plane in rows:
         positions, triangles = surface(body)
         require_finite(body.name, positions)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stark
+from stark.palette import body_colors
 from stark.render.clipping import Plane
 from stark.render.pieces import NEUTRAL, at_surface, crease_angle, pieces_of
 
@@ -32,7 +33,9 @@ def test_values_of_all_vertices_come_to_drawn_ones(sim) -> None:
 
 def pieces(sim, values=None, planes=None):
     n = len(sim.bodies)
-    return pieces_of(sim.bodies, [False] * n, [1.0] * n, values or {}, planes or [None] * n)
+    return pieces_of(
+        sim.bodies, body_colors(sim.bodies), [False] * n, [1.0] * n, values or {}, planes or [None] * n
+    )
 
 
 def test_others_are_neutral_where_values_are_shown(sim) -> None:
@@ -63,7 +66,7 @@ def test_hexahedra_have_sections_too() -> None:
     body = SimpleNamespace(bodies=[block])
     low, high = block.positions.min(axis=0), block.positions.max(axis=0)
     plane = Plane.of(0.5 * (low + high) + 0.01, (0, 0, 1))
-    *_, cut = pieces_of(body.bodies, [False], [1.0], {}, [plane])
+    *_, cut = pieces_of(body.bodies, [NEUTRAL], [False], [1.0], {}, [plane])
     x = cut.positions[cut.triangles]
     area = 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum()
     assert area == pytest.approx(0.04)

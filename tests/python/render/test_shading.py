@@ -35,7 +35,7 @@ def scene() -> tuple[list[Piece], Style]:
         colormap=Colormap([(0.1, 0.1, 0.9), (0.9, 0.2, 0.1)]),
         limits=(0.0, 2.0),
     )
-    return pieces_of(bodies, [False] * 3, [1.0] * 3, {}, [None] * 3), style
+    return pieces_of(bodies, [(0.2, 0.7, 0.4)] * 3, [False] * 3, [1.0] * 3, {}, [None] * 3), style
 
 
 @pytest.mark.parametrize("value", [0.0, 1.0, 2.0])
