@@ -63,7 +63,7 @@ def _candidates() -> list[Color]:
     """Neither pale nor dark nor grey."""
     return [
         colorsys.hsv_to_rgb(hue / 36.0, saturation, value)
-        for saturation in (0.45, 0.6, 0.75, 0.3)
+        for saturation in (0.45, 0.6, 0.3)
         for value in (0.75, 0.9, 0.6, 0.45)
         for hue in range(36)
     ]

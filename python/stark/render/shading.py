@@ -20,6 +20,8 @@ from .pieces import Piece, crease_angle
 
 #: Samples of the key light, samples of the sky, samples per pixel and axis.
 QUALITIES = {"draft": (4, 12, 1), "good": (12, 40, 2), "best": (32, 128, 3)}
+#: Exponent of the light on values: below 1, so that colours can be told in the shade.
+_CONTRAST = 0.6
 #: Linear grey whose light, highlights included, stays below white.
 _GREY = 0.6
 
@@ -65,10 +67,11 @@ def _draw_opaque(pieces: Sequence[Piece], style: Style) -> np.ndarray:
         linear(_rasterised([_painted(piece, (shade,) * 3) for piece in pieces], style) / 255.0)
         for shade in (grey, 0.0)
     )
-    colors = linear(_colors_seen(pieces, style))
-    # The core shows c = t(albedo * light + highlight). Where values are black it leaves all the rest.
-    received = _untoned(np.maximum(lit - dark, 0.0)) / float(linear(grey))
-    return srgb_bytes(dark + _toned(colors * received))
+    colors, share = _colors_seen(pieces, style)
+    # The core shows t(albedo * light + highlight). Where values are black it leaves all the rest.
+    part = np.maximum(lit - dark, 0.0) / share[..., None]
+    received = _untoned(part) / float(linear(grey))
+    return srgb_bytes(dark + share[..., None] * _toned(linear(colors) * received**_CONTRAST))
 
 
 def _painted(piece: Piece, color: tuple[float, ...]) -> Piece:
@@ -78,10 +81,11 @@ def _painted(piece: Piece, color: tuple[float, ...]) -> Piece:
     return dataclasses.replace(piece, color=(red, green, blue))
 
 
-def _colors_seen(pieces: Sequence[Piece], style: Style) -> np.ndarray:
-    """Colour of the values in each pixel (height, width, 3), sRGB; around them that of the next pixel, for
-    pixels that show an edge."""
-    samples = min(2, QUALITIES[style.quality][2])
+def _colors_seen(pieces: Sequence[Piece], style: Style) -> tuple[np.ndarray, np.ndarray]:
+    """Colour of the values in each pixel (height, width, 3), sRGB, and the share of the pixel that they take
+    (height, width). Around them the colour is that of the next pixel and the share 1, for samples that
+    rounding gives to another triangle than in the core."""
+    samples = QUALITIES[style.quality][2]
     width, height = style.size
     rows = [np.column_stack([p.positions, p.values]) for p in pieces if p.values is not None]
     starts = np.cumsum([0, *map(len, rows)])
@@ -96,9 +100,9 @@ def _colors_seen(pieces: Sequence[Piece], style: Style) -> np.ndarray:
     blocks = (height, samples, width, samples)
     total = colors.reshape(*blocks, 3).sum(axis=(1, 3))
     count = seen.reshape(blocks).sum(axis=(1, 3))
-    for _ in range(2):
-        total, count = _spread(total, count)
-    return np.asarray(total / np.maximum(count, 1)[..., None])
+    share = np.where(count > 0, count / samples**2, 1.0)
+    total, count = _spread(total, count)
+    return total / np.maximum(count, 1)[..., None], share
 
 
 def _spread(total: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
