@@ -1,34 +1,55 @@
-"""Which recorder of a simulation is the newest: what ``sim.show()`` replays."""
+"""Which recording of a simulation is the newest: what ``sim.show()`` replays."""
 
 from __future__ import annotations
 
 import weakref
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
 
+from .format import RecordingError
 from .reader import Recording
 
 
 class Recorded(Protocol):
     """A recorder."""
 
-    def recorded(self) -> Recording | None:
-        """What it has recorded so far; None if that is nothing, or not there any more."""
+    folder: Path
+
+    def sync_if_open(self) -> None:
+        """Writes what it has recorded so far."""
 
 
-#: Neither keeps the other alive.
-_RECORDERS: weakref.WeakKeyDictionary[Any, Recorded] = weakref.WeakKeyDictionary()
+class _Made(NamedTuple):
+    """Where a recording was begun, and when; who does, as long as it is there."""
+
+    recorder: weakref.ref[Recorded]
+    folder: Path
+    created: str
 
 
-def remember(sim: Any, recorder: Recorded) -> None:
-    """The recorder is the newest one of ``sim`` from now on."""
+#: Keeps neither simulations nor recorders.
+_RECORDINGS: weakref.WeakKeyDictionary[Any, _Made] = weakref.WeakKeyDictionary()
+
+
+def remember(sim: Any, recorder: Recorded, created: str) -> None:
+    """The recording that was begun at the time ``created`` is the newest one of ``sim`` from now on."""
     try:
-        _RECORDERS[sim] = recorder
+        _RECORDINGS[sim] = _Made(weakref.ref(recorder), recorder.folder, created)
     except TypeError:  # something that cannot be referred to weakly only looks like a simulation
         return
 
 
 def latest_recording(sim: Any) -> Recording | None:
-    """The newest recording of a simulation with all of its frames, written so far or not; None where there is
-    none, or the folder is not that of it any more."""
-    recorder = _RECORDERS.get(sim)
-    return None if recorder is None else recorder.recorded()
+    """The newest recording of a simulation with all of its frames, those included that its recorder has not
+    written yet; None without frames, and where the folder is gone or holds a later recording."""
+    made = _RECORDINGS.get(sim)
+    if made is None:
+        return None
+    recorder = made.recorder()
+    if recorder is not None:
+        recorder.sync_if_open()
+    try:
+        recording = Recording(made.folder)
+    except RecordingError:
+        return None
+    return recording if len(recording) and recording.manifest.get("created") == made.created else None

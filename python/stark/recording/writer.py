@@ -150,7 +150,7 @@ class Recorder:
         except BaseException:
             self._lock.release()
             raise
-        remember(sim, self)
+        remember(sim, self, self._manifest["created"])
 
     def _begin(self, sim: Any, bodies: list[Any], certify: bool) -> None:
         """The files that do not change, between two manifests: with the first one the folder is known as that
@@ -242,7 +242,7 @@ class Recorder:
             remove_leftovers(part)
         recorder._closed = False
         recorder._go_on(lines)
-        remember(sim, recorder)
+        remember(sim, recorder, recorder._manifest["created"])
         return recorder
 
     def _take_up_frames(self, recording: Recording, frames: int) -> None:
@@ -371,17 +371,10 @@ class Recorder:
         self._telemetry.sync()
         self._write_manifest()
 
-    def recorded(self) -> Recording | None:
-        """All that was recorded so far, written by ``sync()`` first; None without frames, and where the
-        folder is gone or holds a later recording."""
+    def sync_if_open(self) -> None:
+        """``sync()``, unless it is closed."""
         if not self._closed:
             self.sync()
-        try:
-            recording = Recording(self.folder)
-        except RecordingError:
-            return None
-        mine = recording.manifest.get("created") == self._manifest["created"]
-        return recording if mine and recording.bodies == self._entries and len(recording) else None
 
     def _write_chunk(self) -> None:
         """A body that did not move in the chunk is stored once."""

@@ -15,25 +15,30 @@ _CHUNK = 2_000_000
 
 
 def values_seen(
-    data: np.ndarray, triangles: np.ndarray, camera: Camera, size: tuple[int, int], near: float
+    data: np.ndarray,
+    triangles: np.ndarray,
+    camera: Camera,
+    size: tuple[int, int],
+    near: float,
+    rows: tuple[int, int] | None = None,
 ) -> np.ndarray:
-    """Values at the middles of the pixels of a picture of ``size`` (width, height), shape (height, width);
-    NaN where no triangle is seen. ``data`` (n, 4) are the vertices: x, y, z [m], value; ``near`` [m] is the
+    """Values at the middles of the pixels of a picture of ``size`` (width, height), shape (height, width), or
+    of its ``rows`` from the first to before the second; NaN where no triangle is seen. ``data`` (n, 4) are the vertices: x, y, z [m], value; ``near`` [m] is the
     least depth that is drawn. O(triangles + samples in their boxes)."""
     forward = camera.axes()[2]
     before = Plane(-forward, float(-(np.dot(forward, camera.eye) + near)))
     data, triangles = cut_triangles(before, data, triangles)
     pixels, depth = camera.project(data[:, :3], size)
-    width, height = size
-    seen = np.full(width * height, np.nan)
-    nearest = np.zeros(width * height)  # inverse depth
+    width, (top, end) = size[0], rows or (0, size[1])
+    seen = np.full(width * (end - top), np.nan)
+    nearest = np.zeros(len(seen))  # inverse depth
     corners, inverse = pixels[triangles], 1.0 / depth[triangles]  # (m, 3, 2), (m, 3)
     low = np.ceil(corners.min(axis=1) - 0.5)
     high = np.floor(corners.max(axis=1) - 0.5)
-    low, high = np.maximum(low, 0.0), np.minimum(high, [width - 1.0, height - 1.0])
-    columns, rows = (np.maximum(high - low + 1.0, 0.0).astype(np.int64)).T
-    drawn = np.flatnonzero((columns > 0) & (rows > 0) & (_areas(corners) != 0.0))
-    for part, first, count in _parts(drawn, columns * rows):
+    low, high = np.maximum(low, [0.0, top]), np.minimum(high, [width - 1.0, end - 1.0])
+    columns, lines = (np.maximum(high - low + 1.0, 0.0).astype(np.int64)).T
+    drawn = np.flatnonzero((columns > 0) & (lines > 0) & (_areas(corners) != 0.0))
+    for part, first, count in _parts(drawn, columns * lines):
         triangle = np.repeat(part, count)
         place = (
             np.arange(len(triangle)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
@@ -43,14 +48,14 @@ def values_seen(
         weights = _weights(corners[triangle], x + 0.5, y + 0.5)
         inside = (weights >= 0.0).all(axis=1)
         triangle, weights = triangle[inside], weights[inside]
-        pixel = (y[inside] * width + x[inside]).astype(np.int64)
+        pixel = ((y[inside] - top) * width + x[inside]).astype(np.int64)
         shares = weights * inverse[triangle]
         closeness = shares.sum(axis=1)
         np.maximum.at(nearest, pixel, closeness)
         won = closeness >= nearest[pixel]
         values = (shares * data[triangles[triangle], 3]).sum(axis=1) / closeness
         seen[pixel[won]] = values[won]
-    return seen.reshape(height, width)
+    return seen.reshape(end - top, width)
 
 
 def _areas(corners: np.ndarray) -> np.ndarray:

@@ -157,7 +157,7 @@ def _corotated(material: Any, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _limit(material: Any, F: np.ndarray) -> tuple[Any, Any]:
-    """Of the limit of strain, by the eigenvalues of the Green strain (eq. 14)."""
+    """Of the limit of strain, by the eigenvalues of the Green strain (theory eq. 14)."""
     limit = _by_element(material, "strain_limit")
     if not np.isfinite(limit).any() or material.strain_limit_law != "green_strain":
         return 0.0, 0.0

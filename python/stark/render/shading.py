@@ -20,6 +20,8 @@ from .pieces import Piece, crease_angle
 
 #: Samples of the key light, samples of the sky, samples per pixel and axis.
 QUALITIES = {"draft": (4, 12, 1), "good": (12, 40, 2), "best": (32, 128, 3)}
+#: Samples that are looked at at once; bounds the memory.
+_BAND = 2_000_000
 #: Exponent of the light on values: below 1, so that colours can be told in the shade.
 _CONTRAST = 0.6
 #: Linear grey whose light, highlights included, stays below white.
@@ -91,15 +93,17 @@ def _colors_seen(pieces: Sequence[Piece], style: Style) -> tuple[np.ndarray, np.
     starts = np.cumsum([0, *map(len, rows)])
     faces = [p.triangles for p in pieces if p.values is not None]
     triangles = np.concatenate([f + start for f, start in zip(faces, starts, strict=False)])
-    near = 1e-3 * style.bounds.radius
-    fine = (samples * width, samples * height)
-    values = values_seen(np.concatenate(rows), triangles, style.camera, fine, near)
-    low, high = style.limits
-    seen = np.isfinite(values)
-    colors = style.colormap(np.where(seen, (values - low) / (high - low), 0.0)) * seen[..., None]
-    blocks = (height, samples, width, samples)
-    total = colors.reshape(*blocks, 3).sum(axis=(1, 3))
-    count = seen.reshape(blocks).sum(axis=(1, 3))
+    data, near, fine = np.concatenate(rows), 1e-3 * style.bounds.radius, (samples * width, samples * height)
+    total, count = np.zeros((height, width, 3)), np.zeros((height, width), dtype=np.int64)
+    band = max(1, _BAND // (fine[0] * samples))  # rows of pixels at once
+    for top in range(0, height, band):
+        end = min(top + band, height)
+        values = values_seen(data, triangles, style.camera, fine, near, (samples * top, samples * end))
+        seen, (low, high) = np.isfinite(values), style.limits
+        colors = style.colormap(np.where(seen, (values - low) / (high - low), 0.0)) * seen[..., None]
+        blocks = (end - top, samples, width, samples)
+        total[top:end] = colors.reshape(*blocks, 3).sum(axis=(1, 3))
+        count[top:end] = seen.reshape(blocks).sum(axis=(1, 3))
     share = np.where(count > 0, count / samples**2, 1.0)
     total, count = _spread(total, count)
     return total / np.maximum(count, 1)[..., None], share

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 import shutil
 import weakref
 from pathlib import Path
@@ -49,15 +50,22 @@ def test_folders_that_are_gone_or_of_others(tmp_path: Path) -> None:
         recorder.record(sim)
     shutil.rmtree(tmp_path / "run")
     assert latest_recording(sim) is None
-    record(tmp_path / "run", 1, cells=5)  # another simulation
-    assert latest_recording(sim) is None
+    later = record(tmp_path / "run", 1, cells=4)  # another simulation, a second later
+    manifest = json.loads((tmp_path / "run/manifest.json").read_text()) | {"created": "2100-01-01T00:00:00Z"}
+    (tmp_path / "run/manifest.json").write_text(json.dumps(manifest))
+    assert len(later) == 2 and latest_recording(sim) is None
 
 
-def test_simulations_are_not_kept_alive(tmp_path: Path) -> None:
+def test_neither_simulations_nor_recorders_are_kept_alive(tmp_path: Path) -> None:
     sim = FakeSimulation()
-    Recorder(tmp_path / "run", sim).close()
-    alive = weakref.ref(sim)
+    recorder = Recorder(tmp_path / "run", sim)
+    recorder.record(sim)
+    recorder.sync()
+    alive = [weakref.ref(sim), weakref.ref(recorder)]
+    del recorder
+    assert alive[1]() is None
+    assert len(latest_recording(sim)) == 1  # what it has written
     del sim
     gc.collect()
-    assert alive() is None
+    assert alive[0]() is None
     Recorder(tmp_path / "plain", SimpleNamespace(bodies=[])).close()  # cannot be referred to weakly

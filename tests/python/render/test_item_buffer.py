@@ -45,6 +45,8 @@ def test_random_triangles() -> None:
     assert np.isfinite(expected).mean() > 0.3
     same = np.isfinite(seen) == np.isfinite(expected)
     assert same.mean() > 0.998  # rays through edges may go either way
+    bands = [values_seen(data, triangles, CAMERA, SIZE, 0.1, rows) for rows in ((0, 17), (17, 18), (18, 48))]
+    assert np.array_equal(np.concatenate(bands), seen, equal_nan=True)
     both = np.isfinite(seen) & np.isfinite(expected)
     assert np.abs(seen - expected)[both] == pytest.approx(0.0, abs=1e-9)
 

@@ -54,6 +54,14 @@ def test_a_constant_value_looks_like_a_body_of_that_colour(value: float, quality
     assert np.abs(draw(valued, style).astype(int) - draw(pieces, style)).max() > 100
 
 
+def test_bands_do_not_show(monkeypatch) -> None:
+    pieces, style = scene()
+    valued = [dataclasses.replace(pieces[0], values=pieces[0].positions[:, 2]), *pieces[1:]]
+    whole = draw(valued, style)
+    monkeypatch.setattr(shading, "_BAND", 7 * 240 * 4)
+    assert np.array_equal(draw(valued, style), whole)
+
+
 def test_colours_can_be_told_in_the_shade() -> None:
     """The front of the left box is in the shade: darker than its colour, but lighter than a painted one, in
     the same tone."""
