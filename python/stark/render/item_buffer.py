@@ -23,8 +23,9 @@ def values_seen(
     rows: tuple[int, int] | None = None,
 ) -> np.ndarray:
     """Values at the middles of the pixels of a picture of ``size`` (width, height), shape (height, width), or
-    of its ``rows`` from the first to before the second; NaN where no triangle is seen. ``data`` (n, 4) are the vertices: x, y, z [m], value; ``near`` [m] is the
-    least depth that is drawn. O(triangles + samples in their boxes)."""
+    of its ``rows`` from the first to before the second; NaN where no triangle is seen. ``data`` (n, 4) are
+    the vertices: x, y, z [m], value; ``near`` [m] is the least depth that is drawn. O(triangles + samples in
+    their boxes)."""
     forward = camera.axes()[2]
     before = Plane(-forward, float(-(np.dot(forward, camera.eye) + near)))
     data, triangles = cut_triangles(before, data, triangles)
