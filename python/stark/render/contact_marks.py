@@ -15,7 +15,7 @@ from .overlay import PAPER, Color, Overlay, rectangle
 
 FORCE: Color = (0.80, 0.09, 0.13)
 #: Length of the longest arrow over the radius of the scene.
-_LONGEST = 0.45
+_LONGEST = 0.35
 
 
 def draw_contacts(overlay: Overlay, sim: Any, which: Any, camera: Camera, bounds: Bounds) -> None:

@@ -58,6 +58,20 @@ def test_stress_and_strain_of_a_hanging_rod() -> None:
     assert strain[1:-1] == pytest.approx(cord.density * G * below[1:-1] / cord.youngs_modulus, rel=0.01)
 
 
+def test_stress_of_a_large_stretch_is_that_of_the_deformed_area() -> None:
+    """F = diag(1, 1, s) of St. Venant and Kirchhoff: the second Piola-Kirchhoff stress is linear in
+    e = (s^2 - 1)/2, Cauchy's is F S F^T / s."""
+    E, nu, s = 1e4, 0.3, 1.5
+    mu, la, e = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu)), 0.5 * (s**2 - 1)
+    along, across = s * (la + 2 * mu) * e, la * e / s
+    mesh = stark.mesh.tet_box((0.1, 0.1, 0.1), (1, 1, 1))
+    material = stark.materials.st_venant_kirchhoff(youngs_modulus=E, poissons_ratio=nu, density=1000.0)
+    scene = stark.Scene()
+    scene.add_solid(mesh, material, name="cube", initial_positions=mesh.vertices * (1, 1, s))
+    values = field_values(stark.Simulation(scene), "stress")["cube"]
+    assert values == pytest.approx(np.full(len(mesh.vertices), along - across))
+
+
 def test_cloth_that_is_stretched_by_a_tenth() -> None:
     """Uniaxial strain of a membrane without lateral strain: sigma_x = E/(1 - nu^2) eps, sigma_y = nu sigma_x
     for small ones."""

@@ -59,6 +59,13 @@ def test_clipped_solids_show_their_section(sim) -> None:
     assert names.count("box") == 1  # hollow
 
 
+def test_scenery_is_not_cut(sim) -> None:
+    plane, box = Plane.of((3.0, 0, 0), (1, 0, 0)), [sim["box"]]
+    for far, right in ((True, 3.1), (False, 3.0)):
+        (piece,) = pieces_of(box, [NEUTRAL], [far], [1.0], {}, [plane])
+        assert piece.positions[piece.triangles][..., 0].max() == pytest.approx(right)
+
+
 def test_hexahedra_have_sections_too() -> None:
     scene = stark.Scene()
     scene.add_solid(stark.mesh.box_hexahedra((0.2, 0.2, 0.2), (2, 2, 2)), name="block")

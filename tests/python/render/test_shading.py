@@ -87,11 +87,11 @@ def test_values_vary_over_a_body_and_are_hidden_by_others() -> None:
     assert front[1] > max(front[0], front[2]) + 30  # green as it was
 
 
-def test_half_of_a_body_is_the_mean_of_with_and_without() -> None:
+def test_a_transparent_body_is_the_mean_of_with_and_without() -> None:
     pieces, style = scene()
-    half = [dataclasses.replace(pieces[0], opacity=0.5), *pieces[1:]]
-    mean = 0.5 * (linear(draw(pieces, style) / 255.0) + linear(draw(pieces[1:], style) / 255.0))
-    assert linear(draw(half, style) / 255.0) == pytest.approx(mean, abs=0.01)
+    part = [dataclasses.replace(pieces[0], opacity=0.3), *pieces[1:]]
+    mean = 0.3 * linear(draw(pieces, style) / 255.0) + 0.7 * linear(draw(pieces[1:], style) / 255.0)
+    assert linear(draw(part, style) / 255.0) == pytest.approx(mean, abs=0.01)
     gone = [dataclasses.replace(pieces[0], opacity=0.0), *pieces[1:]]
     assert np.array_equal(draw(gone, style), draw(pieces[1:], style))
 
