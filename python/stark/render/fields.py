@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,13 +54,14 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
     return {body.name: kind.compute(body) for body in chosen if body.kind in kind.kinds}
 
 
-def field_of(source: Any, field: Any) -> Field:
+def field_of(source: Any, field: Any, shown: Collection[str] | None = None) -> Field:
     """What ``picture(field=...)`` shows: the name of a field, or a dictionary of bodies (handle, name or
     pattern) with arrays of a value for each vertex (n,), or with the name of a field. Bodies whose kind does
-    not have the field are left out, and fixed ones that are not named."""
+    not have the field are left out, and of those that are not named fixed ones and all but the ``shown``."""
     if isinstance(field, str):
         kind = _known(field)
-        moving = [b for b in _with_handles(source, field).bodies if b.motion != "fixed"]
+        bodies = [b for b in _with_handles(source, field).bodies if shown is None or b.name in shown]
+        moving = [b for b in bodies if b.motion != "fixed"]
         return Field(field_values(source, field, moving), kind.label, kind.unit)
     if not isinstance(field, Mapping):
         raise InvalidArgument(

@@ -124,7 +124,7 @@ def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.nda
     elif law is None:
         raise InvalidArgument(
             f"'{owner}': stress: its law '{material.law.name}' is not one of those whose stress pictures "
-            f"know; compute it and give an array: field={{'{owner}': values}}"
+            f"know; leave the body out with bodies= or hide=, or give an array: field={{'{owner}': values}}"
         )
     else:
         names = [a.name for a in law.formula.arguments if a.name != "F"]

@@ -86,7 +86,7 @@ def render(
     box = bounds_of([shown]) if bounds is None else bounds
     far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
     colors = Colormap(colormap)
-    shades = None if field is None else field_of(source, field)
+    shades = None if field is None else field_of(source, field, {body.name for body in shown})
     pieces = pieces_of(
         shown,
         [paint[i] for i in kept],

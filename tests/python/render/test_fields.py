@@ -175,6 +175,19 @@ def test_which_bodies_have_which_fields(sim) -> None:
     assert set(FIELDS) >= {"stress", "strain", "pressure", "contact_force", "speed"}
 
 
+def test_bodies_that_are_not_shown_are_not_asked() -> None:
+    """Nor is the stress of their laws, which may not be known."""
+    law = stark.materials.solid_laws["strain_limit"]
+    scene, mesh = stark.Scene(), stark.mesh.tet_box((0.1, 0.1, 0.1), (1, 1, 1))
+    scene.add_solid(mesh, stark.SolidMaterial(law=law, strain_limit=0.1), name="own")
+    scene.add_solid(mesh, name="known", position=(1, 0, 0))
+    sim = stark.Simulation(scene)
+    with pytest.raises(stark.InvalidArgument, match=r"'own': stress: its law.*leave the body out"):
+        sim.picture(field="stress", size=(16, 16), quality="draft")
+    sim.picture(field="stress", hide="own", size=(16, 16), quality="draft")
+    assert set(field_of(sim, {"known": "stress"}).values) == {"known"}
+
+
 @pytest.mark.parametrize(
     ("field", "message"),
     [
