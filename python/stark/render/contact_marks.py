@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -18,14 +19,24 @@ FORCE: Color = (0.80, 0.09, 0.13)
 _LONGEST = 0.35
 
 
-def draw_contacts(overlay: Overlay, sim: Any, which: Any, camera: Camera, bounds: Bounds) -> None:
+def draw_contacts(
+    overlay: Overlay,
+    sim: Any,
+    which: Any,
+    camera: Camera,
+    bounds: Bounds,
+    shown: Collection[str] | None = None,
+) -> None:
     """Dots and arrows of the last step over everything, and an arrow of a round force as a key. ``which`` is
     True, or a body by handle or name: forces on it, from all others. Else they are those on the body that
     moves freely, of two such on the first one of the scene. Forces below a thousandth of the largest have a
-    dot only. Raises InvalidArgument where there are no contacts to tell of: in recordings."""
+    dot only. Contacts between bodies none of which is ``shown`` are left out. Raises InvalidArgument where
+    there are no contacts to tell of: in recordings."""
     if not hasattr(sim, "contacts"):
         raise InvalidArgument("contacts: need a simulation; a recording has positions only")
     contacts = sim.contacts if which is True else sim.contacts.of(which)
+    drawn = np.array([shown is None or name in shown for name in contacts.names], dtype=bool)
+    contacts = contacts._take(drawn[contacts.bodies].any(axis=1))
     if not len(contacts):
         return
     forces = contacts.forces

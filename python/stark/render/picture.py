@@ -110,7 +110,7 @@ def render(
     )
     overlay = Overlay(draw(pieces, style))
     if contacts is not False:
-        draw_contacts(overlay, source, contacts, style.camera, box)
+        draw_contacts(overlay, source, contacts, style.camera, box, {body.name for body in shown})
     if shades is not None:
         words, unit = (shades.label, shades.unit) if label is None else (given_word(label, "label"), "")
         draw_colorbar(overlay, colors, range_of_colors, words, unit)

@@ -55,6 +55,16 @@ def test_forces_on_a_body_that_is_named(sim) -> None:
         marks(sim, "cup")
 
 
+def test_contacts_of_bodies_that_are_not_shown_are_left_out(sim) -> None:
+    def drawn(shown) -> bool:
+        overlay = Overlay(np.full((SIZE[1], SIZE[0], 3), 128, dtype=np.uint8))
+        draw_contacts(overlay, sim, True, CAMERA, scene_bounds(sim), shown)
+        return bool((overlay.picture != 128).any())
+
+    assert drawn(None) and drawn({"ball"}) and drawn({"table", "free"})
+    assert not drawn({"free"}) and not drawn(set())
+
+
 def test_of_a_fixed_and_a_free_body_the_free_one_has_the_force() -> None:
     """The pairs of a vertex below with a face above begin with the fixed body."""
     scene = stark.Scene()
