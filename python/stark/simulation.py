@@ -18,6 +18,7 @@ from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
 from stark.errors import StarkWarning
 from stark.handle import Follower
 from stark.overloads import overload
+from stark.pictures import Pictures
 from stark.scene import Scene
 from stark.settings import FixedSettings, Settings
 from stark.steps import (
@@ -42,7 +43,7 @@ AnyBody = TypeVar("AnyBody", bound=Body)
 PROGRESS_PERIOD = 0.25
 
 
-class Simulation(Stepping, KnownAttributes):
+class Simulation(Pictures, Stepping, KnownAttributes):
     """A scene being simulated.
 
     ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3,

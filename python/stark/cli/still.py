@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import math
+from typing import Any
 
 from .output import say
 from .paths import path_argument
@@ -15,6 +17,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=path_argument, metavar="FILE.png", help="the picture; default: RUN/still.png"
     )
     add_picture_arguments(parser, "good")
+    parser.add_argument(
+        "--camera", metavar="X,Y,Z", help="where the camera is [m], instead of a view: --camera=-1,0,0.5"
+    )
+    parser.add_argument(
+        "--target", metavar="X,Y,Z|BODY", help="what it looks at: a point [m], or a body by name or pattern"
+    )
+    parser.add_argument("--fov", type=float, metavar="DEG", help="vertical field of view [degrees] (35)")
+    parser.add_argument("--only", nargs="+", metavar="BODY", help="draw only these, by name or pattern")
+    parser.add_argument("--hide", nargs="+", metavar="BODY", default=(), help="leave these out")
+    parser.add_argument(
+        "--opacity", nargs="+", metavar="BODY=A", default=(), help="see through bodies: 'glass*=0.3'"
+    )
+    parser.add_argument(
+        "--clip",
+        metavar="POINT:NORMAL",
+        help="takes away the side of a plane that the normal points to: --clip=0,0,0.1:0,-1,0",
+    )
 
 
 def add_picture_arguments(parser: argparse.ArgumentParser, quality: str) -> None:
@@ -36,17 +55,72 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
+def parse_point(text: str, what: str) -> tuple[float, float, float]:
+    """Three numbers of ``0.1,-2,0.5``."""
+    from .._core import InvalidArgument
+
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InvalidArgument(f"{what} '{text}': must be three numbers like 0.5,-0.7,0.4") from None
+    return x, y, z
+
+
+def parse_opacities(texts: list[str] | tuple[()]) -> dict[str, float]:
+    """Names or patterns with numbers, of ``glass*=0.3``."""
+    from .._core import InvalidArgument
+
+    result = {}
+    for text in texts:
+        name, _, number = text.rpartition("=")
+        try:
+            result[name] = float(number)
+        except ValueError:
+            name = ""
+        if not name:
+            raise InvalidArgument(f"--opacity '{text}': must be BODY=NUMBER like 'glass*=0.3'")
+    return result
+
+
 def run(args: argparse.Namespace) -> int:
     from ..recording import Recording
     from ..render import write_png
 
     width, height = parse_size(args.size)
+    options = _options(args)
     recording = Recording(args.run)
     time = float("inf") if args.time is None else args.time
-    picture = recording.still(
-        time, width=width, height=height, camera=args.view, quality=args.quality, edges=args.edges
-    )
+    picture = recording.still(time, width=width, height=height, **options)
     path = args.out or args.run / "still.png"
     write_png(path, picture)
     say(path)
     return 0
+
+
+def _options(args: argparse.Namespace) -> dict[str, Any]:
+    """Those of ``stark.render.render``."""
+    return {
+        "camera": args.view if args.camera is None else parse_point(args.camera, "--camera"),
+        "target": args.target and _target(args.target),
+        "field_of_view": None if args.fov is None else math.radians(args.fov),
+        "quality": args.quality,
+        "edges": args.edges,
+        "bodies": args.only,
+        "hide": args.hide,
+        "opacity": parse_opacities(args.opacity),
+        "clip": args.clip and _plane(args.clip),
+    }
+
+
+def _target(text: str) -> Any:
+    """A point, else the name of a body."""
+    parts = text.split(",")
+    try:
+        return tuple(float(part) for part in parts) if len(parts) == 3 else text
+    except ValueError:
+        return text
+
+
+def _plane(text: str) -> tuple[Any, Any]:
+    point, _, normal = text.partition(":")
+    return parse_point(point, "--clip: point"), parse_point(normal, "--clip: normal")

@@ -34,6 +34,7 @@ from .format import (
     drawn,
     surface,
 )
+from .latest import remember
 from .lock import FolderLock
 from .reader import Recording
 
@@ -149,6 +150,7 @@ class Recorder:
         except BaseException:
             self._lock.release()
             raise
+        remember(sim, self, self._manifest["created"])
 
     def _begin(self, sim: Any, bodies: list[Any], certify: bool) -> None:
         """The files that do not change, between two manifests: with the first one the folder is known as that
@@ -240,6 +242,7 @@ class Recorder:
             remove_leftovers(part)
         recorder._closed = False
         recorder._go_on(lines)
+        remember(sim, recorder, recorder._manifest["created"])
         return recorder
 
     def _take_up_frames(self, recording: Recording, frames: int) -> None:
@@ -367,6 +370,11 @@ class Recorder:
         assert self._telemetry is not None
         self._telemetry.sync()
         self._write_manifest()
+
+    def sync_if_open(self) -> None:
+        """``sync()``, unless it is closed."""
+        if not self._closed:
+            self.sync()
 
     def _write_chunk(self) -> None:
         """A body that did not move in the chunk is stored once."""

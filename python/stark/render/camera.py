@@ -34,6 +34,31 @@ class Camera:
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     vertical_fov: float = 0.61
 
+    def axes(self) -> np.ndarray:
+        """Unit vectors to the right, upwards and forwards, as rows (3, 3)."""
+        forward = np.subtract(self.target, self.eye)
+        forward = forward / np.linalg.norm(forward)
+        for up in (self.up, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):  # another one where it looks along up
+            right = np.cross(forward, up)
+            if right @ right >= 1e-12:
+                break
+        right = right / np.linalg.norm(right)
+        return np.array([right, np.cross(right, forward), forward])
+
+    def project(self, points: Any, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """Where points (n, 3) [m] are in a picture of ``size`` (width, height): (n, 2) pixels from its upper
+        left corner, whose first pixel has its middle at (0.5, 0.5); and depths (n,) [m] along the view, which
+        are negative behind the camera."""
+        arms = (np.asarray(points, dtype=np.float64).reshape(-1, 3) - self.eye) @ self.axes().T
+        width, height = size
+        scale = 0.5 * height / math.tan(0.5 * self.vertical_fov)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y = (
+                0.5 * width + scale * arms[:, 0] / arms[:, 2],
+                0.5 * height - scale * arms[:, 1] / arms[:, 2],
+            )
+        return np.stack([x, y], axis=1), arms[:, 2]
+
     @classmethod
     def looking(
         cls,
@@ -87,7 +112,12 @@ def _triple(values: Any) -> tuple[float, float, float]:
 def scene_bounds(*frames: Any) -> Bounds:
     """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless
     much larger."""
-    first = drawn(frames[0])
+    return bounds_of([drawn(frame) for frame in frames])
+
+
+def bounds_of(frames: Sequence[Sequence[Any]]) -> Bounds:
+    """``scene_bounds`` of the bodies of each frame; ``scenery`` has an entry for each body."""
+    first = frames[0]
     fixed = [_word(getattr(b, "motion", "")) == "fixed" for b in first]
     filled = [i for i, b in enumerate(first) if len(surface(b)[0])]
     if not filled:
@@ -95,7 +125,7 @@ def scene_bounds(*frames: Any) -> Bounds:
             (0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first)
         )
     still = {i: _box(surface(first[i])[0]) for i in filled if fixed[i]}
-    moving = [_box(surface(drawn(f)[i])[0]) for f in frames for i in filled if not fixed[i]]
+    moving = [_box(surface(f[i])[0]) for f in frames for i in filled if not fixed[i]]
     core = _join(moving or list(still.values()))
     scenery = {i for i, box in still.items() if moving and _size(box) >= _SCENERY * _size(core)}
     core = _join([core, *(box for i, box in still.items() if i not in scenery)])
@@ -113,12 +143,17 @@ def scene_bounds(*frames: Any) -> Bounds:
     )
 
 
-def auto_camera(bounds: Bounds, view: str = "oblique", aspect: float = 16.0 / 9.0) -> Camera:
+def auto_camera(
+    bounds: Bounds,
+    view: str = "oblique",
+    aspect: float = 16.0 / 9.0,
+    vertical_fov: float = Camera.vertical_fov,
+) -> Camera:
     """A camera that shows the whole box of ``bounds`` from a named view: oblique, front, side, top."""
     if view not in VIEWS:
         raise InvalidArgument(f"view '{view}' is unknown; choose one of {', '.join(VIEWS)}")
     azimuth, elevation = VIEWS[view]
-    fov = Camera.vertical_fov
+    fov = vertical_fov
     back = np.array(
         [
             math.cos(elevation) * math.cos(azimuth),

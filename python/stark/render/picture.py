@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from .._core import Canvas, InvalidArgument
+from .._core import InvalidArgument
+from ..arguments import given_flag, given_word, real_array
 from ..palette import body_colors
-from ..recording.format import drawn, surface
-from .camera import Bounds, Camera, auto_camera, scene_bounds
-
-#: Samples of the key light, samples of the sky, samples per pixel and axis.
-QUALITIES = {"draft": (4, 12, 1), "good": (12, 40, 2), "best": (32, 128, 3)}
-
-
-def grid_spacing(radius: float) -> float:
-    """Distance of the ground's lines [m]: the power of ten between 0.08 and 0.8 of the scene's radius."""
-    return 10.0 ** math.floor(math.log10(0.8 * radius))
+from ..recording.format import drawn
+from .aiming import aimed
+from .array import Picture
+from .camera import Bounds, bounds_of
+from .choosing import matching, opacities
+from .clipping import Plane
+from .colorbar import draw_colorbar, limits_of
+from .colormaps import Colormap
+from .contact_marks import draw_contacts
+from .fields import field_of
+from .overlay import Overlay
+from .pieces import pieces_of
+from .shading import QUALITIES, Style, draw
 
 
 def render(
@@ -26,54 +30,113 @@ def render(
     width: int = 1280,
     height: int = 720,
     *,
-    camera: Camera | str | None = None,
+    camera: Any = None,
+    target: Any = None,
+    field_of_view: float | None = None,
     quality: str = "good",
+    bodies: Any = None,
+    hide: Any = (),
+    opacity: Mapping[Any, float] | None = None,
+    clip: Sequence[Any] | None = None,
     edges: bool = False,
     grid: bool = True,
+    field: Any = None,
+    limits: Sequence[float] | None = None,
+    colormap: Any = "viridis",
+    label: str | None = None,
+    contacts: Any = False,
     bounds: Bounds | None = None,
     threads: int = 0,
-) -> np.ndarray:
-    """Picture of ``source`` as a (height, width, 3) uint8 sRGB array.
+) -> Picture:
+    """Picture of ``source`` as a (height, width, 3) uint8 sRGB array, which notebooks show.
 
     ``source`` is a simulation, a frame of a recording, or anything with ``.bodies`` that have ``positions``
-    (n, 3) [m], ``triangles`` (m, 3), ``kind``, ``motion`` and ``color``. ``camera`` is a ``Camera``, the
-    name of a view (oblique, front, side, top), or None for the oblique view of the whole scene. ``quality``
-    is draft, good or best. ``bounds`` keeps camera and light still over the frames of a film. ``threads`` =
-    0 uses all cores; the picture does not depend on it.
-    """
+    (n, 3) [m], ``triangles`` (m, 3), ``kind``, ``motion`` and ``color``. ``quality`` is draft, good or best.
+    ``bounds`` keeps camera and light still over the frames of a film. ``threads`` = 0 uses all cores; the
+    picture does not depend on it.
+
+    ``camera`` is a view (oblique, front, side, top; None: oblique), where the camera is (3,) [m], or a
+    ``Camera``; ``target`` is a point (3,) [m] or bodies to look at, else the middle of the scene;
+    ``field_of_view`` is vertical [rad].
+
+    Bodies are named by handle, name, pattern such as "finger*", or several of these: ``bodies`` are the only
+    ones to draw, ``hide`` are left out, ``opacity`` has numbers in [0, 1] for some. ``clip`` = (point [m],
+    normal), or (point, normal, bodies), takes away what lies on the side that the normal points to, scenery
+    apart; solids show their section, other bodies are hollow.
+
+    ``field`` colours bodies by numbers at their vertices: "stress", "strain", "pressure", "contact_force" or
+    "speed" (``field_values`` says what they are), or a dictionary of bodies with arrays (n,) or one of these
+    words. ``limits`` = (low, high) are those of the colours, else those of the values that are shown;
+    ``colormap`` is viridis, magma, coolwarm or colours (k, 3); ``label`` replaces the title of the scale.
+    ``contacts`` = True draws points and forces of contact in front of everything; a body in its place, those
+    of this body.
+
+    Raises InvalidArgument for names and words that are unknown and numbers out of range."""
     if quality not in QUALITIES:
         raise InvalidArgument(f"quality '{quality}' is unknown; choose one of {', '.join(QUALITIES)}")
     if not (1 <= width <= 16384 and 1 <= height <= 16384):
         raise InvalidArgument(f"size {width} x {height} px: each must be in [1, 16384]")
-    bodies = drawn(source)
-    for body in bodies:
-        bad = np.flatnonzero(~np.isfinite(surface(body)[0]).all(axis=1))
-        if len(bad):
-            raise InvalidArgument(
-                f"body '{body.name}': vertex {bad[0]} is not finite; only finite positions can be drawn"
-            )
-    if bounds is None:
-        bounds = scene_bounds(source)
-    if not isinstance(camera, Camera):
-        camera = auto_camera(bounds, camera or "oblique", width / height)
-    canvas = Canvas()
-    canvas.width, canvas.height, canvas.threads = int(width), int(height), int(threads)
-    canvas.key_lights, canvas.sky_lights, canvas.samples = QUALITIES[quality]
-    canvas.eye, canvas.target, canvas.up = camera.eye, camera.target, camera.up
-    canvas.vertical_fov = camera.vertical_fov
-    canvas.scene_center, canvas.scene_radius = bounds.center, bounds.radius
-    canvas.ground, canvas.ground_height = not bounds.has_floor, bounds.ground
-    canvas.grid_spacing = grid_spacing(bounds.radius) if grid else 0.0
-    canvas.edges = edges
-    for body, color, scenery in zip(bodies, body_colors(bodies), bounds.scenery, strict=True):
-        cloth = str(getattr(body.kind, "name", body.kind)).lower() == "cloth"
-        positions, triangles = surface(body)
-        canvas.add_mesh(
-            positions.astype(np.float64),
-            triangles.astype(np.int32),
-            color=color,
-            crease_angle=math.pi if cloth else 0.65,
-            pale_back=cloth,
-            fades_out=scenery,
-        )
-    return canvas.draw()
+    everything = drawn(source)
+    names = [str(body.name) for body in everything]
+    hidden = matching(hide, names, "hide")
+    chosen = range(len(names)) if bodies is None else matching(bodies, names, "bodies")
+    kept = [i for i in chosen if i not in hidden]
+    shown = [everything[i] for i in kept]
+    share, paint = opacities(opacity, names), body_colors(everything)
+    box = bounds_of([shown]) if bounds is None else bounds
+    far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
+    colors = Colormap(colormap)
+    shades = None if field is None else field_of(source, field, {body.name for body in shown})
+    pieces = pieces_of(
+        shown,
+        [paint[i] for i in kept],
+        [far[id(body)] for body in shown],
+        [share[i] for i in kept],
+        {} if shades is None else shades.values,
+        _planes(clip, shown),
+    )
+    seen = [piece.values for piece in pieces if piece.values is not None]
+    range_of_colors = limits_of(seen) if limits is None else _limits(limits)
+    style = Style(
+        size=(int(width), int(height)),
+        camera=aimed(camera, target, field_of_view, box, everything, width / height),
+        bounds=box,
+        quality=quality,
+        edges=given_flag(edges, "edges"),
+        grid=given_flag(grid, "grid"),
+        threads=int(threads),
+        colormap=colors,
+        limits=range_of_colors,
+    )
+    overlay = Overlay(draw(pieces, style))
+    if contacts is not False:
+        draw_contacts(overlay, source, contacts, style.camera, box, {body.name for body in shown})
+    if shades is not None:
+        words, unit = (shades.label, shades.unit) if label is None else (given_word(label, "label"), "")
+        draw_colorbar(overlay, colors, range_of_colors, words, unit)
+    return Picture.of(overlay.picture)
+
+
+def _limits(limits: Any) -> tuple[float, float]:
+    values = real_array(limits, "limits")
+    if values.shape != (2,) or not np.isfinite(values).all() or not values[0] < values[1]:
+        raise InvalidArgument(f"limits = {limits!r}: must be (low, high), two finite numbers, low < high")
+    return float(values[0]), float(values[1])
+
+
+def _planes(clip: Sequence[Any] | None, bodies: Sequence[Any]) -> list[Plane | None]:
+    """The plane that cuts each body, or None."""
+    if clip is None:
+        return [None] * len(bodies)
+    try:
+        point, normal, *cut = clip
+        (chosen,) = cut or [None]
+    except (TypeError, ValueError):
+        raise InvalidArgument(
+            f"clip = {clip!r}: must be (point [m], normal) or (point, normal, bodies): "
+            f"((0, 0, 0.1), (0, -1, 0), 'jelly')"
+        ) from None
+    plane = Plane.of(point, normal)
+    names = [str(body.name) for body in bodies]
+    meant = range(len(bodies)) if chosen is None else matching(chosen, names, "clip: body")
+    return [plane if i in meant else None for i in range(len(bodies))]

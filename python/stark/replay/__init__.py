@@ -5,6 +5,7 @@ compressed, and the telemetry of every step. It opens from disk and makes no net
 """
 
 from .encode import EncodedReplay, decode, encode
+from .inline import InlinePage, show
 from .page import write_page
 
-__all__ = ["EncodedReplay", "decode", "encode", "write_page"]
+__all__ = ["EncodedReplay", "InlinePage", "decode", "encode", "show", "write_page"]

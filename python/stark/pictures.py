@@ -1,0 +1,103 @@
+"""What a simulation shows of itself: pictures at once, without a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from stark._core import InvalidArgument
+from stark.arguments import given_path
+from stark.handle import SimulationLink
+
+if TYPE_CHECKING:
+    from stark.render import Picture
+    from stark.replay import InlinePage
+
+
+class Pictures(SimulationLink):
+    """Pictures of the state of a simulation; a part of ``Simulation``."""
+
+    def picture(
+        self,
+        path: str | PathLike[str] | None = None,
+        *,
+        camera: Any = None,
+        target: Any = None,
+        field_of_view: float | None = None,
+        size: Sequence[int] = (1280, 720),
+        quality: str = "good",
+        bodies: Any = None,
+        hide: Any = (),
+        opacity: Mapping[Any, float] | None = None,
+        clip: Sequence[Any] | None = None,
+        edges: bool = False,
+        grid: bool = True,
+        field: Any = None,
+        limits: Sequence[float] | None = None,
+        colormap: Any = "viridis",
+        label: str | None = None,
+        contacts: Any = False,
+    ) -> Picture:
+        """Draws the bodies where they are now (docs/pictures.md): an array (height, width, 3) uint8, sRGB,
+        which notebooks show. Writes it to ``path``, a PNG file, if there is one.
+
+        ``camera`` is a view ("oblique", "front", "side", "top"), where the camera is (3,) [m], or a
+        ``stark.render.Camera``; ``target`` is what it looks at, a point (3,) [m] or bodies, else the middle
+        of the scene; ``field_of_view`` is vertical [rad]. ``size`` is (width, height) in pixels, ``quality``
+        "draft", "good" or "best".
+
+        Bodies are named by handle, name, pattern such as "finger*", or several of these. ``bodies`` are the
+        only ones to draw, ``hide`` are left out, ``opacity`` has numbers in [0, 1] for some: {"glass*": 0.3}.
+        ``clip`` = (point [m], normal), or (point, normal, bodies), takes away what lies on the side that the
+        normal points to; solids show their section. ``edges`` draws the edges of meshes, ``grid`` lines on
+        the ground.
+
+        ``field`` colours bodies by "stress", "strain", "pressure", "contact_force" or "speed", or by a
+        dictionary of bodies with a value for each vertex (n,) or one of these words. ``limits`` = (low, high)
+        of the colours are those of the values if left out; ``colormap`` is "viridis", "magma", "coolwarm" or
+        colours (k, 3) in [0, 1]; ``label`` replaces the title of the scale. ``contacts`` = True draws points
+        and forces of contact in front of everything; a body in its place, those of this body.
+
+        Raises InvalidArgument for names and words that are unknown and numbers out of range."""
+        from stark.render import render, write_png
+
+        file = None if path is None else given_path(path, "picture: path")
+        width, height = _size(size)
+        picture = render(
+            self, width, height, camera=camera, target=target, field_of_view=field_of_view, quality=quality,
+            bodies=bodies, hide=hide, opacity=opacity, clip=clip, edges=edges, grid=grid,
+            field=field, limits=limits, colormap=colormap, label=label, contacts=contacts,
+        )  # fmt: skip
+        if file is not None:
+            write_png(file, picture)
+        return picture
+
+    def show(self, *, height: int = 480, max_megabytes: float = 20.0) -> InlinePage | Picture:
+        """What notebooks show of it: the newest recording that a ``stark.recording.Recorder`` made of this
+        simulation, up to now, as a replay page of ``height`` pixels that needs no network; frames are left
+        out where it would be larger than about ``max_megabytes``. A picture, if there is no recording."""
+        from stark.recording.latest import latest_recording
+        from stark.replay import show
+
+        recording = latest_recording(self)
+        if recording is None:
+            return self.picture(size=(16 * height // 9, height))
+        return show(recording, height=height, max_megabytes=max_megabytes)
+
+    def _repr_png_(self) -> bytes | None:
+        """A small picture in place of the name, where notebooks show values."""
+        return self.picture(size=(640, 360), quality="draft")._repr_png_()
+
+
+def _size(size: Any) -> tuple[int, int]:
+    try:
+        width, height = (int(length) for length in size)
+        whole = width == size[0] and height == size[1]
+    except (TypeError, ValueError, KeyError):
+        whole = False
+    if not whole:
+        raise InvalidArgument(
+            f"picture: size = {size!r}: must be (width, height) in pixels, like (1280, 720)"
+        )
+    return width, height

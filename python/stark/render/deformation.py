@@ -1,0 +1,100 @@
+"""Deformation gradients of bodies, and means at vertices of what is known at elements."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import mesh as meshes
+
+
+class Deformation(NamedTuple):
+    """Of m elements at k places each, next to k of their vertices; k = 1: constant."""
+
+    gradients: np.ndarray  #: (m, k, 3, d), d = 3 of solids, 2 of cloth in the axes of each triangle
+    elements: np.ndarray  #: (m, n) vertices
+    sizes: np.ndarray  #: (m,) volumes at rest [m^3], of cloth areas [m^2]
+
+
+def of_solid(body: Any) -> Deformation:
+    """Of tetrahedra; of elements of higher order at each of their nodes."""
+    mesh = body.mesh
+    elements = mesh.tets if hasattr(mesh, "tets") else mesh.elements
+    X, x = mesh.vertices[elements], body.positions[elements]
+    slopes = shape_slopes(elements.shape[1])  # (k, n, 3)
+    at_rest = np.einsum("mna,knb->mkab", X, slopes)
+    now = np.einsum("mna,knb->mkab", x, slopes)
+    return Deformation(now @ np.linalg.inv(at_rest), elements, np.abs(mesh.volumes))
+
+
+def of_cloth(body: Any, first: np.ndarray | None = None) -> Deformation:
+    """Of triangles, whose first axis is their first edge, or the part of ``first`` (3,) or (m, 3) in their
+    planes at rest."""
+    triangles = body.triangles
+    X, x = body.mesh.vertices[triangles], body.positions[triangles]
+    edges = np.stack([X[:, 1] - X[:, 0], X[:, 2] - X[:, 0]], axis=-1)  # (m, 3, 2)
+    normals = np.cross(edges[..., 0], edges[..., 1])
+    areas = 0.5 * np.linalg.norm(normals, axis=1)
+    normals = normals / (2.0 * areas[:, None])
+    along = edges[..., 0] if first is None else np.broadcast_to(first, normals.shape)
+    along = along - normals * (along * normals).sum(axis=1, keepdims=True)
+    e1 = along / np.linalg.norm(along, axis=1, keepdims=True)
+    axes = np.stack([e1, np.cross(normals, e1)], axis=1)  # (m, 2, 3)
+    now = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], axis=-1)
+    return Deformation((now @ np.linalg.inv(axes @ edges))[:, None], triangles, areas)
+
+
+def at_vertices(deformation: Deformation, values: np.ndarray, count: int) -> np.ndarray:
+    """Means of values (m, k, ...) of elements at ``count`` vertices, weighted by the sizes of the elements:
+    (count, ...). 0 at vertices of no element."""
+    elements = deformation.elements
+    each = np.broadcast_to(values, (*elements.shape, *values.shape[2:]))
+    weights = np.broadcast_to(deformation.sizes[:, None], elements.shape)
+    total, weight = np.zeros((count, *values.shape[2:])), np.zeros(count)
+    shaped = weights.reshape(*weights.shape, *[1] * (values.ndim - 2))
+    np.add.at(total, elements, shaped * each)
+    np.add.at(weight, elements, weights)
+    return np.asarray(total / np.where(weight > 0.0, weight, 1.0).reshape(-1, *[1] * (values.ndim - 2)))
+
+
+@functools.cache
+def shape_slopes(nodes: int) -> np.ndarray:
+    """Gradients of the shape functions of solid elements in their own coordinates at each node, (k, n, 3);
+    of linear tetrahedra at one place. Nodes in the order of VTK."""
+    places = _nodes(nodes)
+    powers = _powers(nodes)
+    at_nodes = places[:1] if nodes == 4 else places
+    coefficients = np.linalg.inv(_monomials(places, powers))  # monomials x shape functions
+    slopes = []
+    for axis in range(3):
+        lower = powers.copy()
+        lower[:, axis] = np.maximum(lower[:, axis] - 1, 0)
+        slopes.append(powers[:, axis] * _monomials(at_nodes, lower) @ coefficients)
+    return np.stack(slopes, axis=-1)
+
+
+def _monomials(points: np.ndarray, powers: np.ndarray) -> np.ndarray:
+    return np.asarray((points[:, None, :] ** powers[None]).prod(axis=-1))
+
+
+def _powers(nodes: int) -> np.ndarray:
+    if nodes in (4, 10):
+        degree = 1 if nodes == 4 else 2
+        every = np.indices((degree + 1,) * 3).reshape(3, -1).T
+        return np.asarray(every[every.sum(axis=1) <= degree])
+    return np.indices((2 if nodes == 8 else 3,) * 3).reshape(3, -1).T
+
+
+def _nodes(nodes: int) -> np.ndarray:
+    """Own coordinates of the nodes: those of an element that our own functions make."""
+    if nodes in (4, 10):
+        corners = np.concatenate([np.zeros((1, 3)), np.eye(3)])
+        one: Any = meshes.TetMesh(corners, [[0, 1, 2, 3]])
+    else:
+        one = meshes.box_hexahedra(2.0, 1).centered()
+    if nodes in (10, 27):
+        one = meshes.to_quadratic(one)
+    elements = one.tets if hasattr(one, "tets") else one.elements
+    return np.asarray(one.vertices[elements[0]])

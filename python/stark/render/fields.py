@@ -1,0 +1,211 @@
+"""Fields on the surfaces of bodies: numbers at vertices, computed from what handles of bodies tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._core import InvalidArgument
+from ..arguments import real_array
+from .choosing import matching
+from .deformation import Deformation, at_vertices, of_cloth, of_solid
+
+
+class Field(NamedTuple):
+    """Values by name of body, at each vertex (n,), and what they are."""
+
+    values: dict[str, np.ndarray]
+    label: str
+    unit: str
+
+
+class _Kind(NamedTuple):
+    label: str
+    unit: str
+    kinds: tuple[str, ...]  #: of the bodies that have it
+    compute: Callable[[Any], np.ndarray]
+
+
+def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarray]:
+    """A field of the bodies of a simulation as they are now: values at each vertex (n,), in the order of
+    ``positions``, by name of body. Bodies that do not have it are left out; ``bodies`` are the only ones to
+    look at, by handle, name or pattern.
+
+    | name | unit | value | of |
+    |---|---|---|---|
+    | speed | m/s | length of the velocity | all |
+    | contact_force | N | length of the sum of contact forces on the vertex, friction included | all |
+    | pressure | Pa | normal contact force over area, ``body.contact_pressure()`` | all but rods |
+    | strain | 1 | largest change of a principal stretch, max \\|s_i - 1\\| | cloth, solids, rods |
+    | stress | Pa | von Mises stress (Cauchy); of rods axial force over area | cloth, solids, rods |
+
+    Strains and stresses are means over the elements at a vertex. Stresses are those of the constitutive law
+    and of limits of Green strain, without damping; cloth has them in its middle surface (its bending is left
+    out), with the thickness at rest. Skins and fibres are not counted.
+
+    Raises InvalidArgument for fields that are unknown, and for the stress of laws other than the built-in
+    ones."""
+    kind = _known(name)
+    every = list(sim.bodies)
+    indices = range(len(every)) if bodies is None else matching(bodies, [b.name for b in every], "bodies")
+    chosen = [every[i] for i in indices]
+    return {body.name: kind.compute(body) for body in chosen if body.kind in kind.kinds}
+
+
+def field_of(source: Any, field: Any, shown: Collection[str] | None = None) -> Field:
+    """What ``picture(field=...)`` shows: the name of a field, or a dictionary of bodies (handle, name or
+    pattern) with arrays of a value for each vertex (n,), or with the name of a field. Bodies whose kind does
+    not have the field are left out, and of those that are not named fixed ones and all but the ``shown``."""
+    if isinstance(field, str):
+        kind = _known(field)
+        bodies = [b for b in _with_handles(source, field).bodies if shown is None or b.name in shown]
+        moving = [b for b in bodies if b.motion != "fixed"]
+        return Field(field_values(source, field, moving), kind.label, kind.unit)
+    if not isinstance(field, Mapping):
+        raise InvalidArgument(
+            f"field = {field!r}: must be one of {', '.join(FIELDS)}, or a dictionary of bodies with arrays "
+            f"of a value for each vertex"
+        )
+    bodies = list(source.bodies)
+    names = [body.name for body in bodies]
+    values: dict[str, np.ndarray] = {}
+    words = [value for value in field.values() if isinstance(value, str)]
+    if any(word != words[0] for word in words):
+        raise InvalidArgument(f"field = {field!r}: must name one field: a picture has one scale of colours")
+    for key, given in field.items():
+        for i in matching(key, names, "field: body"):
+            if isinstance(given, str):
+                values |= field_values(_with_handles(source, given), given, names[i])
+            else:
+                values[names[i]] = _given(bodies[i], given)
+    label, unit = (_known(words[0]).label, _known(words[0]).unit) if words else ("", "")
+    return Field(values, label, unit)
+
+
+def _known(name: Any) -> _Kind:
+    if not isinstance(name, str) or name not in FIELDS:
+        raise InvalidArgument(
+            f"field '{name}' is unknown; choose one of {', '.join(FIELDS)}, or give arrays: "
+            f"field={{'body': values}}"
+        )
+    return FIELDS[name]
+
+
+def _with_handles(source: Any, name: str) -> Any:
+    if not all(hasattr(body, "contact_forces") for body in source.bodies):
+        raise InvalidArgument(
+            f"field '{name}': needs a simulation; a recording has positions only: give arrays, "
+            f"field={{'body': values}}"
+        )
+    return source
+
+
+def _given(body: Any, given: Any) -> np.ndarray:
+    values, count = real_array(given, f"field of '{body.name}'"), len(body.positions)
+    if values.shape != (count,):
+        raise InvalidArgument(
+            f"field of '{body.name}' has the shape {values.shape}: must be ({count},), a value for each "
+            f"vertex"
+        )
+    if not np.isfinite(values).all():
+        bad = int(np.flatnonzero(~np.isfinite(values))[0])
+        raise InvalidArgument(f"field of '{body.name}': value {bad} is {values[bad]}: must be finite")
+    return values
+
+
+# --- the fields ---
+
+
+def _speed(body: Any) -> np.ndarray:
+    if body.motion == "fixed":
+        return np.zeros(len(body.positions))
+    if body.kind != "rigid":
+        return np.asarray(np.linalg.norm(body.velocities, axis=1))
+    position, rotation = body.pose
+    center = position if body.motion == "scripted" else position + rotation @ body.center_of_mass
+    turning = np.cross(body.angular_velocity, body.positions - center)
+    return np.asarray(np.linalg.norm(body.velocity + turning, axis=1))
+
+
+def _contact_force(body: Any) -> np.ndarray:
+    return np.asarray(np.linalg.norm(body.contact_forces, axis=1))
+
+
+def _pressure(body: Any) -> np.ndarray:
+    return np.asarray(body.contact_pressure())
+
+
+def _strain(body: Any) -> np.ndarray:
+    if body.kind == "rod":
+        return np.abs(_at_nodes(_stretches(body) - 1.0))
+    deformation = of_solid(body) if body.kind == "solid" else of_cloth(body)
+    F = deformation.gradients
+    left = F @ np.swapaxes(F, -1, -2)  # eigenvalues are squares of the principal stretches
+    if body.kind == "cloth":
+        normals = np.cross(F[..., 0], F[..., 1])
+        normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+        left = left + normals[..., :, None] * normals[..., None, :]  # no stretch across the sheet
+    squares = np.linalg.eigvalsh(at_vertices(deformation, left, len(body.positions)))
+    return np.asarray(np.abs(np.sqrt(np.maximum(squares, 0.0)) - 1.0).max(axis=1))
+
+
+def _stress(body: Any) -> np.ndarray:
+    material = body._shared["material"]
+    if body.kind == "rod":
+        return _rod_stress(body, material)
+    warp = material._fields.get("warp_direction")
+    deformation = of_solid(body) if body.kind == "solid" else of_cloth(body, warp)
+    cauchy = cauchy_stress(material, deformation, body.name)
+    return von_mises(at_vertices(deformation, cauchy, len(body.positions)))
+
+
+def cauchy_stress(material: Any, deformation: Deformation, owner: str) -> np.ndarray:
+    """Of elements (m, k, 3, 3) [Pa]: P F^T / J with the first Piola-Kirchhoff stress P of the law of a
+    material, J the ratio of volumes, of cloth that of areas."""
+    from .laws import density_and_stress
+
+    F = deformation.gradients
+    P = density_and_stress(material, F, owner)[1]
+    J = np.sqrt(np.linalg.det(np.swapaxes(F, -1, -2) @ F))
+    return np.asarray(P @ np.swapaxes(F, -1, -2) / J[..., None, None])
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Of symmetric tensors (..., 3, 3): (3/2 s : s)^1/2 with the deviator s."""
+    pressure = np.trace(stress, axis1=-2, axis2=-1) / 3.0
+    deviator = stress - pressure[..., None, None] * np.eye(3)
+    return np.asarray(np.sqrt(1.5 * (deviator**2).sum(axis=(-1, -2))))
+
+
+def _rod_stress(rod: Any, material: Any) -> np.ndarray:
+    if material.law is not None or material._fields:
+        raise InvalidArgument(
+            f"'{rod.name}': stress: is known of rods of the built-in law with one value for all edges; "
+            f"compute it and give an array: field={{'{rod.name}': values}}"
+        )
+    section = material.section
+    area = section["mass"] / material.density
+    return np.abs(_at_nodes(section["axial_stiffness"] / area * (_stretches(rod) - 1.0)))
+
+
+def _stretches(rod: Any) -> np.ndarray:
+    """Lengths of the edges over those at rest (n - 1,)."""
+    now = np.linalg.norm(np.diff(rod.positions, axis=0), axis=1)
+    return np.asarray(now / np.linalg.norm(np.diff(rod.mesh.vertices, axis=0), axis=1))
+
+
+def _at_nodes(edges: np.ndarray) -> np.ndarray:
+    """Means of the edges at each node of a chain."""
+    return np.asarray(0.5 * (np.concatenate([edges[:1], edges]) + np.concatenate([edges, edges[-1:]])))
+
+
+_ELASTIC = ("cloth", "solid", "rod")
+FIELDS: dict[str, _Kind] = {
+    "stress": _Kind("von Mises stress", "Pa", _ELASTIC, _stress),
+    "strain": _Kind("strain", "", _ELASTIC, _strain),
+    "pressure": _Kind("contact pressure", "Pa", ("cloth", "solid", "rigid"), _pressure),
+    "contact_force": _Kind("contact force", "N", ("cloth", "solid", "rigid", "rod"), _contact_force),
+    "speed": _Kind("speed", "m/s", ("cloth", "solid", "rigid", "rod"), _speed),
+}

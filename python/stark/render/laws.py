@@ -1,0 +1,171 @@
+"""Stored energies of the built-in laws, once more as formulas of stark.symbolic, which differentiates them
+for stresses. [theory, section 4] The tests compare them with the energies that the solver reports."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+
+import stark.symbolic as sym
+
+from .._core import InvalidArgument
+
+
+def _lame(youngs_modulus: Any, poissons_ratio: Any) -> tuple[Any, Any]:
+    E, nu = youngs_modulus, poissons_ratio
+    return E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+
+
+def _in_plane(youngs_modulus: Any, poissons_ratio: Any) -> tuple[Any, Any]:
+    E, nu = youngs_modulus, poissons_ratio
+    return E / (2.0 * (1.0 + nu)), E * nu / (1.0 - nu * nu)
+
+
+@sym.function
+def stable_neo_hookean(F: sym.Mat3, youngs_modulus: float, poissons_ratio: float) -> Any:
+    """[J/m^3]"""
+    mu0, lambda0 = _lame(youngs_modulus, poissons_ratio)
+    mu, la = 4.0 / 3.0 * mu0, lambda0 + 5.0 / 6.0 * mu0
+    alpha, trace, J = 1.0 + 0.75 * mu / la, sym.trace(F.T @ F), sym.determinant(F)
+    rest = 0.5 * la * (1.0 - alpha) ** 2 - 0.5 * mu * np.log(4.0)
+    return 0.5 * mu * (trace - 3.0) + 0.5 * la * (J - alpha) ** 2 - 0.5 * mu * sym.log(trace + 1.0) - rest
+
+
+@sym.function
+def neo_hookean(F: sym.Mat3, youngs_modulus: float, poissons_ratio: float) -> Any:
+    """[J/m^3]"""
+    mu, la = _lame(youngs_modulus, poissons_ratio)
+    log_J = sym.log(sym.determinant(F))
+    return 0.5 * mu * (sym.trace(F.T @ F) - 3.0) - mu * log_J + 0.5 * la * log_J**2
+
+
+@sym.function
+def st_venant_kirchhoff(F: sym.Mat3, youngs_modulus: float, poissons_ratio: float) -> Any:
+    """[J/m^3]"""
+    mu, la = _lame(youngs_modulus, poissons_ratio)
+    G = 0.5 * (F.T @ F - sym.identity(3))
+    return mu * sym.trace(G @ G) + 0.5 * la * sym.trace(G) ** 2
+
+
+@sym.function
+def mooney_rivlin(F: sym.Mat3, c10: float, c01: float, bulk_modulus: float) -> Any:
+    """[J/m^3]"""
+    C = F.T @ F
+    trace, J = sym.trace(C), sym.determinant(F)
+    shape, II = J ** (-2.0 / 3.0), 0.5 * (trace**2 - sym.trace(C @ C))
+    return c10 * (shape * trace - 3.0) + c01 * (shape**2 * II - 3.0) + 0.5 * bulk_modulus * (J - 1.0) ** 2
+
+
+@sym.function
+def fiber_reinforced(
+    F: sym.Mat3,
+    youngs_modulus: float,
+    poissons_ratio: float,
+    fiber_stiffness: float,
+    fiber_exponent: float,
+    fiber_direction: sym.Vec3,
+) -> Any:
+    """[J/m^3]"""
+    excess = sym.maximum(sym.squared_norm(F @ sym.normalized(fiber_direction)) - 1.0, 0.0)
+    fibres = 0.5 * fiber_stiffness / fiber_exponent * (sym.exp(fiber_exponent * excess**2) - 1.0)
+    return stable_neo_hookean(F, youngs_modulus, poissons_ratio) + fibres
+
+
+@sym.function
+def membrane_neo_hookean(F: Annotated[sym.Mat, 3, 2], youngs_modulus: float, poissons_ratio: float) -> Any:
+    """[J/m^3]"""
+    mu, la = _in_plane(youngs_modulus, poissons_ratio)
+    C = F.T @ F
+    log_J = 0.5 * sym.log(sym.determinant(C))
+    return 0.5 * mu * (sym.trace(C) - 2.0) - mu * log_J + 0.5 * la * log_J**2
+
+
+@sym.function
+def membrane_st_venant_kirchhoff(
+    F: Annotated[sym.Mat, 3, 2], youngs_modulus: float, poissons_ratio: float
+) -> Any:
+    """[J/m^3]"""
+    mu, la = _in_plane(youngs_modulus, poissons_ratio)
+    G = 0.5 * (F.T @ F - sym.identity(2))
+    return mu * sym.trace(G @ G) + 0.5 * la * sym.trace(G) ** 2
+
+
+@sym.function
+def orthotropic_cloth(
+    F: Annotated[sym.Mat, 3, 2],
+    warp_modulus: float,
+    weft_modulus: float,
+    shear_modulus: float,
+    poissons_ratio: float,
+) -> Any:
+    """[J/m^3]; the first direction at rest is the warp."""
+    G = 0.5 * (F.T @ F - sym.identity(2))
+    cross = 2.0 * poissons_ratio * sym.sqrt(warp_modulus * weft_modulus) * G[0, 0] * G[1, 1]
+    stretch = warp_modulus * G[0, 0] ** 2 + cross + weft_modulus * G[1, 1] ** 2
+    return stretch / (2.0 * (1.0 - poissons_ratio**2)) + 2.0 * shear_modulus * G[0, 1] ** 2
+
+
+_SOLIDS = (stable_neo_hookean, neo_hookean, st_venant_kirchhoff, mooney_rivlin, fiber_reinforced)
+_SHELLS = (membrane_neo_hookean, membrane_st_venant_kirchhoff, orthotropic_cloth)
+
+
+def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.ndarray, np.ndarray]:
+    """Energy density (m, k) [J/m^3] and first Piola-Kirchhoff stress (m, k, 3, d) [Pa] of a material at
+    deformation gradients (m, k, 3, d), d = 3 of solids, 2 of shells, of m elements; limits of strain
+    included, damping not. Raises InvalidArgument that names ``owner`` for laws that are not here."""
+    d = F.shape[-1]
+    if material.law is None:
+        law: Any = stable_neo_hookean if d == 3 else membrane_neo_hookean
+    else:
+        law = {f.__name__: f for f in (_SOLIDS if d == 3 else _SHELLS)}.get(material.law.name)
+    if law is None and material.law.name == "corotated":
+        psi, P = _corotated(material, F)
+    elif law is None:
+        raise InvalidArgument(
+            f"'{owner}': stress: its law '{material.law.name}' is not one of those whose stress pictures "
+            f"know; leave the body out with bodies= or hide=, or give an array: field={{'{owner}': values}}"
+        )
+    else:
+        names = [a.name for a in law.formula.arguments if a.name != "F"]
+        psi, P = law.value_and_gradient(F, **{name: _by_element(material, name) for name in names}, wrt="F")
+    limit_psi, limit_P = _limit(material, F)
+    return psi + limit_psi, P + limit_P
+
+
+def _by_element(material: Any, name: str) -> Any:
+    """A number, or values (m, 1, ...) for the places of each element."""
+    value = np.asarray(getattr(material, name), dtype=np.float64)
+    vector = name.endswith("direction")
+    return value if value.ndim == int(vector) else value[:, None]
+
+
+def _corotated(material: Any, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """mu |F - R|^2 + lambda/2 (J - 1)^2: P = 2 mu (F - R) + lambda (J - 1) cof F."""
+    mu, la = _lame(_by_element(material, "youngs_modulus"), _by_element(material, "poissons_ratio"))
+    U, s, V = np.linalg.svd(F)
+    sign = np.ones_like(s)
+    sign[..., 2] = np.sign(np.linalg.det(U) * np.linalg.det(V))
+    s = s * sign
+    R = (U * sign[..., None, :]) @ V
+    J = s.prod(axis=-1)
+    psi = mu * ((s - 1.0) ** 2).sum(axis=-1) + 0.5 * la * (J - 1.0) ** 2
+    cofactors = np.stack([s[..., 1] * s[..., 2], s[..., 2] * s[..., 0], s[..., 0] * s[..., 1]], axis=-1)
+    cofactor = (U * (sign * cofactors)[..., None, :]) @ V
+    both = np.asarray(2.0 * mu)[..., None, None] * (F - R)
+    return psi, both + np.asarray(la * (J - 1.0))[..., None, None] * cofactor
+
+
+def _limit(material: Any, F: np.ndarray) -> tuple[Any, Any]:
+    """Of the limit of strain, by the eigenvalues of the Green strain (theory eq. 14)."""
+    limit = _by_element(material, "strain_limit")
+    if not np.isfinite(limit).any() or material.strain_limit_law != "green_strain":
+        return 0.0, 0.0
+    k, eta = (_by_element(material, f"strain_limit_{name}") for name in ("stiffness", "hardening"))
+    values, vectors = np.linalg.eigh(0.5 * (np.swapaxes(F, -1, -2) @ F - np.eye(F.shape[-1])))
+    excess = np.maximum(values - np.asarray(limit)[..., None], 0.0)
+    S, cube = (excess**3).sum(axis=-1), np.minimum(limit, 1e30) ** 3
+    psi = k / 3.0 * S * (1.0 + eta * S / (S + cube))
+    slope = k * (1.0 + eta * S * (S + 2.0 * cube) / (S + cube) ** 2)
+    second = (vectors * (slope[..., None] * excess**2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    return psi, F @ second

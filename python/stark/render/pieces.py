@@ -1,0 +1,132 @@
+"""Meshes of a picture: the surfaces of bodies, what a clip plane leaves of them, with their colours."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .._core import InvalidArgument
+from ..recording.format import surface
+from .clipping import Plane, cut_triangles, section
+
+#: Of bodies without values in a picture that shows values.
+NEUTRAL = (0.80, 0.81, 0.83)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A mesh to draw."""
+
+    name: str
+    positions: np.ndarray  #: (n, 3) [m]
+    triangles: np.ndarray  #: (m, 3)
+    color: tuple[float, float, float]  #: sRGB in [0, 1]
+    smooth: bool = False  #: no edges, however sharp; the back is paler
+    scenery: bool = False  #: dissolves far away
+    opacity: float = 1.0
+    values: np.ndarray | None = None  #: of the vertices (n,), shown by colour
+
+
+def pieces_of(
+    bodies: Sequence[Any],
+    colors: Sequence[tuple[float, float, float]],
+    scenery: Sequence[bool],
+    opacity: Sequence[float],
+    values: Mapping[str, np.ndarray],
+    planes: Sequence[Plane | None],
+) -> list[Piece]:
+    """Pieces of all bodies; ``values`` by name, at each vertex of a body. Where there are any, other bodies
+    are neutral. Scenery is not clipped."""
+    result = []
+    rows = zip(bodies, colors, scenery, opacity, planes, strict=True)
+    for body, color, far, share, plane in rows:
+        positions, triangles = surface(body)
+        require_finite(body.name, positions)
+        own = values.get(body.name)
+        piece = Piece(
+            name=str(body.name),
+            positions=positions.astype(np.float64),
+            triangles=triangles.astype(np.int32),
+            color=NEUTRAL if values and own is None else color,
+            smooth=str(getattr(body.kind, "name", body.kind)).lower() == "cloth",
+            scenery=far,
+            opacity=share,
+            values=None if own is None else at_surface(body, own),
+        )
+        result += [piece] if plane is None or far else _clipped(piece, body, own, plane)
+    return result
+
+
+def require_finite(name: str, positions: np.ndarray) -> None:
+    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+    if len(bad):
+        raise InvalidArgument(
+            f"body '{name}': vertex {bad[0]} is not finite; only finite positions can be drawn"
+        )
+
+
+def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
+    """Values of the drawn vertices, of those of all vertices."""
+    drawn = len(surface(body)[0])
+    kind = str(getattr(body.kind, "name", body.kind)).lower()
+    if kind == "rod" and drawn > len(values):  # rings around the nodes, then the middles of both ends
+        return np.concatenate([np.repeat(values, (drawn - 2) // len(values)), values[[0, -1]]])
+    if len(values) == drawn:
+        return values
+    return np.asarray(values[np.unique(body.triangles)])
+
+
+def _clipped(piece: Piece, body: Any, values: np.ndarray | None, plane: Plane) -> list[Piece]:
+    """What is left of a piece, and its section if it is of a solid whose inside is known."""
+    parts = [_cut(piece, plane)]
+    tets = _tetrahedra(body)
+    if tets is not None:
+        numbers = np.zeros(len(body.positions)) if values is None else values
+        data, faces = section(plane, np.column_stack([body.positions, numbers]), tets)
+        parts.append(
+            dataclasses.replace(
+                piece, positions=data[:, :3], triangles=faces, values=None if values is None else data[:, 3]
+            )
+        )
+    return [part for part in parts if len(part.triangles)]
+
+
+def _cut(piece: Piece, plane: Plane) -> Piece:
+    numbers = np.zeros(len(piece.positions)) if piece.values is None else piece.values
+    data, triangles = cut_triangles(plane, np.column_stack([piece.positions, numbers]), piece.triangles)
+    return dataclasses.replace(
+        piece,
+        positions=data[:, :3],
+        triangles=triangles,
+        values=None if piece.values is None else data[:, 3],
+    )
+
+
+def _tetrahedra(body: Any) -> np.ndarray | None:
+    """Of solids, elements of higher order by their corners; None of all else."""
+    mesh = getattr(body, "mesh", None)
+    tets = getattr(mesh, "tets", None)
+    if tets is not None:
+        return np.asarray(tets)
+    elements = getattr(mesh, "elements", None)
+    if elements is None:
+        return None
+    if elements.shape[1] in (4, 10):
+        return np.asarray(elements[:, :4])
+    return np.asarray(elements[:, _HEXAHEDRON].reshape(-1, 4))
+
+
+#: Six tetrahedra around the diagonal of a hexahedron, corners in the order of VTK.
+_HEXAHEDRON = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
+
+CREASE_ANGLE = 0.65  # [rad]
+
+
+def crease_angle(piece: Piece) -> float:
+    """Edges sharper than this are drawn as edges [rad]."""
+    return math.pi if piece.smooth else CREASE_ANGLE
