@@ -113,8 +113,8 @@ class _Builder:
                 continue
             if is_given:
                 raise InvalidArgument(
-                    f"{self.robot.source}: joint '{name}': starts at q = {q[k]:g} {unit}: must be in its limits, "
-                    f"[{lower[k]:g}, {upper[k]:g}] {unit}; give another q"
+                    f"{self.robot.source}: joint '{name}': starts at q = {q[k]:g} {unit}: must be in "
+                    f"its limits, [{lower[k]:g}, {upper[k]:g}] {unit}; give another q"
                 )
             q[k] = lower[k] if q[k] < lower[k] else upper[k]
             self.report.add(
@@ -200,8 +200,8 @@ class _Builder:
             return None
         if not parts:
             raise InvalidArgument(
-                f"{self.robot.source}: link {_listed(group.frames)}: has no mass: a link that moves must have an "
-                f"<inertial>; add it, fix the link to another one, or give inertias={{'{group.root}': (mass, "
+                f"{self.robot.source}: link {_listed(group.frames)}: has no mass: a link that moves must "
+                f"have an <inertial>; add it, fix the link to another one, or give inertias={{'{group.root}': (mass, "
                 f"centre of mass, tensor about it)}}"
             )
         for name in group.frames:
@@ -321,7 +321,8 @@ class _Builder:
             for link in (a, b):
                 if link not in self.group_of:
                     raise InvalidArgument(
-                        f"{self.robot.source}: exclude: link '{link}': must be one of {', '.join(self.robot.links)}"
+                        f"{self.robot.source}: exclude: link '{link}': must be one of "
+                        f"{', '.join(self.robot.links)}"
                     )
             pair = [self.body_of[self.group_of[link].root] for link in (a, b)]
             if pair[0] is not None and pair[1] is not None and pair[0] is not pair[1]:
@@ -348,6 +349,7 @@ class _Builder:
             self.robot.joints.values(),
             excluded=self.robot.excluded,
             base=self.robot.base,
+            placement=self.robot.placement,
             report=self.robot.report,
         )
 

@@ -32,8 +32,8 @@ def check_inertias(links: Iterable[Link], report: Report) -> None:
                 report.add(
                     "suspicious",
                     title,
-                    f"mass {link.inertia.mass:g} kg with moments {_moments(moments)} kg m^2: radii of gyration "
-                    f"from {radius[0]:.2g} to {radius[-1]:.2g} m",
+                    f"mass {link.inertia.mass:g} kg with moments {_moments(moments)} kg m^2: radii of "
+                    f"gyration from {radius[0]:.2g} to {radius[-1]:.2g} m",
                 )
         if (problem := impossible(link.inertia)) is not None:
             report.add("suspicious", title, problem)

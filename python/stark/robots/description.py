@@ -140,12 +140,15 @@ class RobotDescription:
         *,
         excluded: Iterable[tuple[str, str]] = (),
         base: str = "fixed",
+        placement: tuple[Floats, Floats] | None = None,
         report: Report | None = None,
     ) -> None:
         self.name = name
         self.report = Report(f"description '{name}'") if report is None else report
         self.base = base
         """What the file says of its base: "fixed" or "floating"."""
+        self.placement = (_origin(), _unturned()) if placement is None else placement
+        """Where the file places the base: position (3,) [m] and rotation (3, 3)."""
         self.links = _by_name("link", list(links), self.report.source)
         by_name = _by_name("joint", list(joints), self.report.source)
         self.root = self._root(by_name)

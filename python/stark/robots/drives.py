@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -201,13 +201,17 @@ def add_drives(
     shifts = np.array([axis.shift if kind == "servos" else 0.0 for axis in axes])
     start = robot.q[rows] if kind == "servos" else np.zeros(len(rows))
     wanted = start if target is None else spread(target, len(rows), f"{owner}: target", names)
-    add = {"servos": Joint.add_servo, "motors": Joint.add_motor, "efforts": Joint.add_effort}[kind]
+    kinds: dict[str, Callable[..., Actuator]] = {
+        "servos": Joint.add_servo,
+        "motors": Joint.add_motor,
+        "efforts": Joint.add_effort,
+    }
     number = len(robot._drives) + 1
     actuators = []
     for k, name in enumerate(names):
         given: dict[str, Any] = {key: float(column[k]) for key, column in columns.items()}
         title = f"{robot.name}.{name}.{kind.removesuffix('s')}{'' if number == 1 else f'_{number}'}"
-        actuators.append(add(axes[k].joint, float(wanted[k] - shifts[k]), name=title, **given))
+        actuators.append(kinds[kind](axes[k].joint, float(wanted[k] - shifts[k]), name=title, **given))
     drives = Drives(robot, kind, rows, actuators, shifts)
     if kind == "efforts":
         drives.target = wanted  # cuts it

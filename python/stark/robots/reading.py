@@ -32,7 +32,8 @@ def read(
 
         return read_mjcf(file)
     raise InvalidArgument(
-        f"'{file}': begins with <{root}>: must be a URDF file (<robot>) or an MJCF file (<mujoco>); convert it"
+        f"'{file}': begins with <{root}>: must be a URDF file (<robot>) or an MJCF file (<mujoco>); "
+        f"convert it"
     )
 
 

@@ -75,7 +75,9 @@ class SceneRobots(SceneLink):
         options = Options(
             title,
             base,
-            Placement(vector(position, f"{owner}: position"), as_matrix(rotation, f"{owner}: rotation")),
+            Placement(vector(position, f"{owner}: position"), as_matrix(rotation, f"{owner}: rotation")).at(
+                *description.placement
+            ),
             q,
             given_flag(contact, f"{owner}: contact"),
             given_flag(self_contact, f"{owner}: self_contact"),
