@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots._robots import ARM, pair, random_mjcf, random_urdf
+from robots._robots import pair, random_mjcf, random_urdf
 
 import stark.robots
 from stark.robots import Geometry, Inertia, Link, RobotDescription, RobotJoint, kinematics
@@ -43,20 +43,20 @@ def test_bodies_have_the_inertias_and_frames_of_pinocchio(merge: bool, tmp_path:
         other = pinocchio.neutral(model)
         for name, value in kinematics.joint_values(robot.description, q).items():
             joint = model.joints[model.getJointId(name)]
-            other[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+            other[joint.idx_q : joint.idx_q + joint.nq] = (
+                value if joint.nq == 1 else (np.cos(value), np.sin(value))
+            )
         pinocchio.framesForwardKinematics(model, data, other)
         for name, link in robot.links.items():
             place = data.oMf[model.getFrameId(name)]
             np.testing.assert_allclose(link.position, place.translation, atol=1e-9)
             np.testing.assert_allclose(link.rotation, place.rotation, atol=1e-9)
         assert len(robot.bodies) == (7 if merge else 9)
-        total = 0.0
         for k, name in enumerate(model.names):
             if k == 0 or not merge:
                 continue
             body = robot.links[robot.description.joints[name].child].body
             assert body is not None
-            total += body.mass
             assert abs(body.mass - model.inertias[k].mass) < 1e-9
             np.testing.assert_allclose(body.center_of_mass, model.inertias[k].lever, atol=1e-9)
             np.testing.assert_allclose(body.inertia, model.inertias[k].inertia, atol=1e-9)
@@ -71,7 +71,7 @@ def test_bodies_have_the_frames_of_mujoco(tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     for _ in range(20):
         scene = stark.Scene()
-        q = random.uniform(-0.4, 0.4, 5)
+        q = random.uniform(-0.4, 0.4, 3)
         robot = scene.add_robot(file, q=q, self_contact=False)
         for name, value in kinematics.joint_values(robot.description, q).items():
             data.joint(name).qpos[0] = value
@@ -81,8 +81,10 @@ def test_bodies_have_the_frames_of_mujoco(tmp_path: Path) -> None:
             np.testing.assert_allclose(link.rotation.ravel(), data.body(name).xmat, atol=1e-9)
             if link.body is not None and link.body.motion == "dynamic" and name not in ("b3", "b6"):
                 center = link.position + link.rotation @ link.body.center_of_mass
-                first = model.body(name).id
-                if not any(model.body_jntnum[k] == 0 for k in range(1, model.nbody) if model.body_parentid[k] == first):
+                children = [
+                    k for k in range(1, model.nbody) if model.body(k).parentid[0] == model.body(name).id
+                ]
+                if all(model.body_jntnum[k] for k in children):  # nothing is fixed to it
                     np.testing.assert_allclose(center, data.body(name).xipos, atol=1e-9)
                     assert abs(link.body.mass - model.body(name).mass[0]) < 1e-9
         sim = stark.Simulation(scene, time_step=0.001)
@@ -92,9 +94,9 @@ def test_bodies_have_the_frames_of_mujoco(tmp_path: Path) -> None:
 @pytest.mark.parametrize("angle", [-6.5, -3.2, 0.0, 3.2, 6.5])
 def test_angles_start_beyond_half_a_turn(angle: float) -> None:
     scene = stark.Scene()
-    robot = scene.add_robot(chain(3), q={"joint_1": angle})
+    robot = scene.add_robot(chain(), q={"joint_1": angle})
     sim = stark.Simulation(scene, time_step=0.01)
-    np.testing.assert_allclose(robot.q, [angle, 0.0], atol=1e-12)
+    np.testing.assert_allclose(robot.q, [angle], atol=1e-12)
     stop = next(a for a in sim.actuators if a.name == "chain.joint_1.limit")
     assert abs((stop.upper - 7.0) - (robot.joints["joint_1"].angle - angle)) < 1e-12
 
@@ -139,23 +141,24 @@ def test_what_touches() -> None:
     bodies = [robot.links[f"link_{k}"].body for k in range(4)]
     assert all(body is not None for body in bodies)
     touching = {(a, b) for a in range(4) for b in range(a) if scene.contact_enabled(bodies[a], bodies[b])}
-    sim = stark.Simulation(scene, time_step=0.01)
-    assert not sim.step().failed
     assert touching >= {(2, 0), (3, 1)} and (3, 0) not in touching
     apart = scene.add_robot(chain(4), self_contact=False, position=(1, 0, 1), exclude=[])
     a, b = apart.links["link_0"].body, apart.links["link_2"].body
     assert a is not None and b is not None and not scene.contact_enabled(a, b)
-    assert scene.contact_enabled(a, floor)
+    assert scene.contact_enabled(b, floor)
     ghost = scene.add_robot(chain(2), contact=False, position=(2, 0, 1))
     later = scene.add_box(0.1, mass=1.0, position=(5, 0, 1))
-    assert not any(scene.contact_enabled(body, other) for body in ghost.bodies for other in (floor, later, a))
+    assert not any(scene.contact_enabled(body, other) for body in ghost.bodies for other in (floor, later, b))
     assert apart.name == "chain_2" and ghost.bodies[0].name == "chain_3.link_0"
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"q": {"joint_1": 8.0}}, r"joint 'joint_1': starts at q = 8 rad: must be in its limits, \[-7, 7\] rad"),
+        (
+            {"q": {"joint_1": 8.0}},
+            r"joint 'joint_1': starts at q = 8 rad: must be in its limits, \[-7, 7\] rad",
+        ),
         ({"base": "wheels"}, "base = 'wheels': must be 'fixed' or 'floating' or 'scripted'"),
         ({"exclude": [("link_0", "leg")]}, "exclude: link 'leg': must be one of link_0, link_1"),
         ({"inertias": {"leg": (1, (0, 0, 0), np.eye(3))}}, r"inertias\['leg'\]: must be one of link_0"),

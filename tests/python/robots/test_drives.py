@@ -78,7 +78,9 @@ def test_motors_and_efforts_act_on_groups() -> None:
 
 def test_wrong_values_are_named() -> None:
     _, robot = arm()
-    with pytest.raises(stark.InvalidArgument, match=r"servos: stiffness has the shape \(2,\): must be a number or \(6,"):
+    with pytest.raises(
+        stark.InvalidArgument, match=r"servos: stiffness has the shape \(2,\): must be a number or \(6,"
+    ):
         robot.add_servos(stiffness=[1.0, 2.0], damping=1.0)
     with pytest.raises(stark.InvalidArgument, match="motors: target = nan: must be finite"):
         robot.add_motors(target=np.nan)
@@ -95,6 +97,8 @@ def test_a_joint_without_limit_of_effort_needs_a_cap() -> None:
     links = [stark.robots.Link("base", body), stark.robots.Link("arm", body)]
     joint = stark.robots.RobotJoint("hinge", "continuous", "base", "arm")
     robot = stark.Scene().add_robot(stark.robots.RobotDescription("free", links, [joint]))
-    with pytest.raises(stark.InvalidArgument, match="joint 'hinge' has no limit of effort in description 'free'"):
+    with pytest.raises(
+        stark.InvalidArgument, match="joint 'hinge' has no limit of effort in description 'free'"
+    ):
         robot.add_motors()
     assert robot.add_motors(cap=1.0).joints == ("hinge",)

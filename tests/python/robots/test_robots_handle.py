@@ -58,12 +58,15 @@ def test_rates_and_jacobian_are_those_of_the_bodies() -> None:
     assert sim.time == 0.0
 
 
+@pytest.mark.filterwarnings("ignore::stark.StarkWarning")
 def test_each_simulation_has_its_robot() -> None:
     scene, robot = arm()
     first, second = (stark.Simulation(scene, time_step=0.01) for _ in range(2))
     second.robots[0].q = {"turn": 1.0}
     assert abs(robot.q[0] - 1.0) < 1e-9 and abs(first.robots[0].q[0]) < 1e-9
-    assert abs(second.robots[0].links["palm"].position[1]) > 0.1 > abs(first.robots[0].links["palm"].position[1])
+    assert (
+        abs(second.robots[0].links["palm"].position[1]) > 0.1 > abs(first.robots[0].links["palm"].position[1])
+    )
     later = scene.add_robot(ARM, position=(2, 0, 0))
     assert len(first.robots) == 1 and later.name == "arm_2"
     with pytest.raises(stark.InvalidArgument, match="was added after the simulation was made"):

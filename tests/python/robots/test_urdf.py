@@ -54,7 +54,10 @@ BAD = {
         "joint 'hinge': <axis .*: must not be zero",
     ),
     "no limit": (pair('<axis xyz="0 0 1"/>'), "joint 'hinge': <limit> is missing: .* must have one"),
-    "limits": (pair(LIMIT.format(2, 5)), "joint 'hinge': lower = 2, upper = 1 rad: lower must be below upper"),
+    "limits": (
+        pair(LIMIT.format(2, 5)),
+        "joint 'hinge': lower = 2, upper = 1 rad: lower must be below upper",
+    ),
     "effort": (pair(LIMIT.format(-1, -5)), "joint 'hinge': <limit effort='-5'>: must be >= 0"),
     "planar": (pair(kind="planar"), "joint 'hinge': type = 'planar': must be one of fixed, revolute"),
     "type": (pair(kind="hinge"), "joint 'hinge': type = 'hinge': must be one of"),
@@ -145,5 +148,7 @@ def test_meshes_are_found_by_package_and_scaled(tmp_path: Path) -> None:
         np.testing.assert_allclose(mesh.bounds, [[0, 0, 0], [1, 2, 1]], atol=1e-15)
         assert mesh.volume > 0.0  # a mirror turns triangles over
         assert robot.links["arm"].visual is None
-    file.write_text(pair(link=INERTIAL.format('<mass value="1"/>', 0.01) + shape.format("collision", "package://x/a.obj")))
+    file.write_text(
+        pair(link=INERTIAL.format('<mass value="1"/>', 0.01) + shape.format("collision", "package://x/a.obj"))
+    )
     assert stark.Scene().add_robot(file, packages={"x": folder}).links["arm"].collision is not None
