@@ -88,7 +88,7 @@ def test_wrong_values_are_named() -> None:
         robot.add_efforts("right_slide")
     assert not robot.drives
     efforts = robot.add_efforts()
-    with pytest.raises(stark.InvalidArgument, match="only servos have it; add robot.gravity_efforts"):
+    with pytest.raises(stark.InvalidArgument, match="only servos have it; add robot"):
         efforts.gravity_compensation = True
 
 

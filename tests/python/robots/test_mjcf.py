@@ -1,4 +1,4 @@
-"""MJCF files: what mujoco compiles is kept, dropped or refused by name; numbers are in test_robots_kinematics."""
+"""MJCF files: what mujoco compiles is kept, dropped or refused by name."""
 
 from __future__ import annotations
 
@@ -86,7 +86,8 @@ def test_what_is_dropped_and_kept_is_reported(tmp_path: Path) -> None:
     more = (
         '<contact><exclude body1="a" body2="b"/></contact>'
         '<equality><joint joint1="j" joint2="k" polycoef="0 1 1 0 0"/></equality>'
-        '<sensor><jointpos joint="j"/></sensor><actuator><position name="p" joint="j" kp="1" forcerange="-3 3"/></actuator>'
+        '<sensor><jointpos joint="j"/></sensor><actuator>'
+        '<position name="p" joint="j" kp="1" forcerange="-3 3"/></actuator>'
     )
     robot = stark.robots.read(written(tmp_path, body, more))
     report = str(robot.report)

@@ -34,8 +34,8 @@ def test_inertias_that_are_hardly_meant_are_suspicious() -> None:
     check_inertias(links, report)
     assert [str(finding) for finding in report.suspicious] == [
         "link 'heavy': mass 1 kg with moments (9, 9, 9) kg m^2: radii of gyration from 3 to 3 m",
-        "link 'flat': principal moments (0.1, 0.1, 0.5) kg m^2: none may exceed the sum of the other two (the "
-        "triangle inequality)",
+        "link 'flat': principal moments (0.1, 0.1, 0.5) kg m^2: none may exceed the sum of the other two "
+        "(the triangle inequality)",
         "link 'none': mass = 0 kg: must be > 0",
         "links: a, b, c have the same inertia: a placeholder?",
     ]

@@ -1,4 +1,4 @@
-"""URDF files: masses and inertias are those of pinocchio, what is wrong is named, what is left out reported."""
+"""URDF files: masses and inertias are those of pinocchio; faults are named, gaps reported."""
 
 from __future__ import annotations
 
