@@ -56,17 +56,16 @@ def _link(random: np.random.Generator, k: int) -> str:
 
 
 def random_mjcf(seed: int, count: int = 7) -> str:
-    """A tree of bodies with hinges and slides whose axes miss the origins, references, classes, an equality."""
+    """A tree of bodies with hinges and slides whose axes miss the origins, with classes and an equality."""
     random = np.random.default_rng(seed)
-    bodies = {0: ""}
     parents = [0] + [int(random.integers(max(0, k - 2), k)) for k in range(1, count)]
     inner = [""] * count
     for k in reversed(range(count)):
         inner[k] = _body(random, k, "".join(inner[c] for c in range(k + 1, count) if parents[c] == k))
-    del bodies
     return f"""<mujoco model="tree"><compiler angle="degree"/>
       <option gravity="{text(GRAVITY)}"/>
-      <default><joint damping="0.1" armature="0.01"/><default class="arm"><joint range="-170 170"/></default></default>
+      <default><joint damping="0.1" armature="0.01"/>
+        <default class="arm"><joint range="-170 170"/></default></default>
       <worldbody>{inner[0]}</worldbody>
       <equality><joint joint1="j5" joint2="j1" polycoef="0.1 -0.5 0 0 0"/></equality>
       <actuator><motor name="m1" joint="j1" gear="20" ctrlrange="-1 1"/></actuator></mujoco>"""
@@ -98,5 +97,6 @@ def pair(joint: str = "", link: str = "", more: str = "", kind: str = "revolute"
     joint = joint or '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="5" velocity="2"/>'
     return (
         f'<robot name="pair"><link name="base"/><link name="arm">{link or inertial}</link>'
-        f'<joint name="hinge" type="{kind}"><parent link="base"/><child link="arm"/>{joint}</joint>{more}</robot>'
+        f'<joint name="hinge" type="{kind}"><parent link="base"/><child link="arm"/>'
+        f"{joint}</joint>{more}</robot>"
     )

@@ -84,7 +84,7 @@ def test_wrong_values_are_named() -> None:
         robot.add_servos(stiffness=[1.0, 2.0], damping=1.0)
     with pytest.raises(stark.InvalidArgument, match="motors: target = nan: must be finite"):
         robot.add_motors(target=np.nan)
-    with pytest.raises(stark.InvalidArgument, match="joint 'right_slide'|must be the name or pattern"):
+    with pytest.raises(stark.InvalidArgument, match="joints = 'right_slide': must be the name"):
         robot.add_efforts("right_slide")
     assert not robot.drives
     efforts = robot.add_efforts()
