@@ -28,7 +28,8 @@ CUBE, MASS, FRICTION, GRIP = 0.04, 0.12, 0.6, 12.0  # [m], [kg], [1], of both fi
 REACH, LIFT, SIDE, GRAVITY = 0.34, 0.12, 0.6, 9.81  # [m], [m], [rad], [m/s^2]
 OPEN = 0.035  # of a finger [m]
 # When the arm is to be where [s]; it rests in between.
-SCHEDULE = ((0.0, "above"), (0.5, "at"), (0.9, "at"), (1.5, "lifted"), (2.1, "aside"))
+TIMES = (0.0, 0.5, 0.9, 1.5, 2.1)
+GOALS = ("above", "at", "at", "lifted", "aside")
 CLOSING = 0.55  # [s]
 places: dict[str, np.ndarray] = {}  # q of the arm by name, from inverse kinematics
 
@@ -44,11 +45,11 @@ def build():
     scene.add_box(
         CUBE, mass=MASS, position=(REACH, 0, 0.5 * CUBE + 0.0005), name="cube", color=(0.2, 0.62, 0.62)
     )
-    low = np.array([REACH, 0.5 * CUBE + 0.01])
+    low = 0.5 * CUBE + 0.01
     heights = {"above": 0.08, "at": 0.0, "lifted": LIFT}
     model = stark.Scene().add_robot(FILE)
     for name, height in heights.items():
-        places[name] = inverse_kinematics(model, low + (0.0, height))
+        places[name] = inverse_kinematics(model, np.array([REACH, low + height]))
     places["aside"] = places["lifted"] + (SIDE, 0, 0, 0, 0)
     start = dict(zip(ARM, places["above"], strict=True)) | {"left_slide": OPEN}
     robot = scene.add_robot(FILE, q=start, position=(0, 0, 0.001))
@@ -61,23 +62,23 @@ def inverse_kinematics(robot, goal):
     """q of the arm (5,) that has the gripper at ``goal`` (x, z) [m], pointing down."""
     q = np.array([0.0, 0.5, 1.6, 1.0, 0.0, 0.0])
     rows, columns = [0, 2, 4], [1, 2, 3]  # x, z and turn about y; shoulder, elbow, pitch
-    for _ in range(30):
+    error = np.ones(3)
+    while np.abs(error).max() > 1e-9:
         frame = robot.forward_kinematics(q)["grip"]
         down = np.arctan2(frame.rotation[0, 2], frame.rotation[2, 2])  # pi where it points down
         error = np.array([*(goal - frame.position[[0, 2]]), np.pi - down % (2.0 * np.pi)])
         q[columns] += np.linalg.solve(robot.jacobian("grip", q=q)[np.ix_(rows, columns)], error)
-    assert np.abs(error).max() < 1e-9
     return q[:5]
 
 
 def drive(sim):
     (robot,) = sim.robots
     arm, gripper = robot.drives
-    times, names = zip(*SCHEDULE, strict=True)
     time = sim.time + sim.time_step
-    k = min(int(np.searchsorted(times, time, side="right")), len(times) - 1)
-    s = np.clip((time - times[k - 1]) / (times[k] - times[k - 1]), 0.0, 1.0)
-    arm.target = places[names[k - 1]] + s * s * (3.0 - 2.0 * s) * (places[names[k]] - places[names[k - 1]])
+    k = min(int(np.searchsorted(TIMES, time, side="right")), len(TIMES) - 1)
+    s = np.clip((time - TIMES[k - 1]) / (TIMES[k] - TIMES[k - 1]), 0.0, 1.0)
+    before, after = places[GOALS[k - 1]], places[GOALS[k]]
+    arm.target = before + s * s * (3.0 - 2.0 * s) * (after - before)
     gripper.target = -GRIP if time > CLOSING else 0.0
 
 

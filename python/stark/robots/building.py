@@ -201,8 +201,8 @@ class _Builder:
         if not parts:
             raise InvalidArgument(
                 f"{self.robot.source}: link {_listed(group.frames)}: has no mass: a link that moves must "
-                f"have an <inertial>; add it, fix the link to another one, or give inertias={{'{group.root}': (mass, "
-                f"centre of mass, tensor about it)}}"
+                f"have an <inertial>; add it, fix the link to another one, or give "
+                f"inertias={{'{group.root}': (mass, centre of mass, tensor about it)}}"
             )
         for name in group.frames:
             part = self._inertia_of(name)

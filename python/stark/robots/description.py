@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,6 +128,9 @@ class RobotJoint:
         return "m" if self.kind == "prismatic" else "rad"
 
 
+_Part = TypeVar("_Part", Link, RobotJoint)
+
+
 class RobotDescription:
     """Links and joints of a robot, checked: names are unique, joints make one tree.
 
@@ -143,18 +147,18 @@ class RobotDescription:
         placement: tuple[Floats, Floats] | None = None,
         report: Report | None = None,
     ) -> None:
-        self.name = name
-        self.report = Report(f"description '{name}'") if report is None else report
-        self.base = base
+        self.name: str = name
+        self.report: Report = Report(f"description '{name}'") if report is None else report
+        self.base: str = base
         """What the file says of its base: "fixed" or "floating"."""
-        self.placement = (_origin(), _unturned()) if placement is None else placement
+        self.placement: tuple[Floats, Floats] = (_origin(), _unturned()) if placement is None else placement
         """Where the file places the base: position (3,) [m] and rotation (3, 3)."""
-        self.links = _by_name("link", list(links), self.report.source)
-        by_name = _by_name("joint", list(joints), self.report.source)
-        self.root = self._root(by_name)
-        self.joints = self._sorted(by_name)
+        self.links: dict[str, Link] = _by_name("link", links, self.report.source)
+        by_name = _by_name("joint", joints, self.report.source)
+        self.root: str = self._root(by_name)
+        self.joints: dict[str, RobotJoint] = self._sorted(by_name)
         """By name, from the root outwards."""
-        self.excluded = tuple(excluded)
+        self.excluded: tuple[tuple[str, str], ...] = tuple(excluded)
         """Pairs of links that do not touch, beside those that a joint connects."""
         self._check()
 
@@ -258,18 +262,17 @@ class RobotDescription:
                 self._refuse(
                     part, f"mimics '{joint.mimic.joint}': both must be joints that turn or slide; correct it"
                 )
-            assert other is not None
             if other.name in seen:
                 self._refuse(part, f"mimics itself, by way of {', '.join(seen)}: one of them must not mimic")
             seen.append(other.name)
             joint = other
 
-    def _refuse(self, part: str, text: str) -> None:
+    def _refuse(self, part: str, text: str) -> NoReturn:
         raise InvalidArgument(f"{self.source}: {part}: {text}")
 
 
-def _by_name(what: str, rows: list, source: str) -> dict:  # type: ignore[type-arg]
-    found = {}
+def _by_name(what: str, rows: Iterable[_Part], source: str) -> dict[str, _Part]:
+    found: dict[str, _Part] = {}
     for row in rows:
         if not row.name:
             raise InvalidArgument(f"{source}: a {what} has no name: must have one; name it")

@@ -96,7 +96,8 @@ class _Reader:
             inertia = Inertia(float(model.body_mass[body]), center, 0.5 * (tensor + tensor.T))
         if body > 0 and np.any(getattr(model, "body_gravcomp", np.zeros(model.nbody))[body]):
             self.report.add("dropped", f"body '{name}'", "gravcomp")
-        shown, touching = [], []
+        shown: list[Geometry] = []
+        touching: list[Geometry] = []
         first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
         for geom in range(first, first + count):
             shape = self._geometry(geom, name)

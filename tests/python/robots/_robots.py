@@ -50,7 +50,8 @@ def _link(random: np.random.Generator, k: int) -> str:
     values = tensor[np.triu_indices(3)]
     moments = " ".join(f'{name}="{float(value)!r}"' for name, value in zip(names, values, strict=True))
     return (
-        f'<link name="link_{k}"><inertial><origin xyz="{text(center)}" rpy="{text(random.uniform(-3, 3, 3))}"/>'
+        f'<link name="link_{k}"><inertial>'
+        f'<origin xyz="{text(center)}" rpy="{text(random.uniform(-3, 3, 3))}"/>'
         f'<mass value="{mass!r}"/><inertia {moments}/></inertial></link>'
     )
 
