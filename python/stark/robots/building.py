@@ -17,7 +17,7 @@ from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh
 from stark.robots import kinematics
-from stark.robots.checks import refuse_impossible
+from stark.robots.checks import is_nothing, refuse_impossible
 from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.handle import Robot, RobotLink, _limits
 from stark.robots.kinematics import WORLD, Placement
@@ -146,7 +146,9 @@ class _Builder:
         return any(self._inertia_of(name) is None for name in (joint.parent, joint.child))
 
     def _inertia_of(self, link: str) -> Inertia | None:
-        return self.options.inertias.get(link, self.robot.links[link].inertia)
+        """None for links without mass."""
+        inertia = self.options.inertias.get(link, self.robot.links[link].inertia)
+        return None if inertia is None or is_nothing(inertia) else inertia
 
     # --- bodies ---
 
@@ -190,7 +192,7 @@ class _Builder:
         parts = []
         for name, frame in group.frames.items():
             inertia = self._inertia_of(name)
-            if inertia is not None and (inertia.mass != 0.0 or inertia.tensor.any()):
+            if inertia is not None:
                 parts.append(inertia.moved(*frame))
         if len(group.frames) > 1:
             self.report.add(

@@ -21,7 +21,7 @@ def check_inertias(links: Iterable[Link], report: Report) -> None:
     same: dict[tuple[float, ...], list[str]] = defaultdict(list)
     for link in links:
         title = f"link '{link.name}'"
-        if link.inertia is None:
+        if link.inertia is None or is_nothing(link.inertia):
             report.add("assumed", title, "no inertia: has no mass, must be fixed to a link that has")
             continue
         moments = np.linalg.eigvalsh(link.inertia.tensor)
@@ -40,6 +40,11 @@ def check_inertias(links: Iterable[Link], report: Report) -> None:
     for names in same.values():
         if len(names) > 2:
             report.add("suspicious", "links", f"{', '.join(names)} have the same inertia: a placeholder?")
+
+
+def is_nothing(inertia: Inertia) -> bool:
+    """Whether an inertia has neither mass nor moments, as files give it to frames."""
+    return inertia.mass == 0.0 and not inertia.tensor.any()
 
 
 def impossible(inertia: Inertia) -> str | None:

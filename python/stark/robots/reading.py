@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -35,6 +35,23 @@ def read(
         f"'{file}': begins with <{root}>: must be a URDF file (<robot>) or an MJCF file (<mujoco>); "
         f"convert it"
     )
+
+
+def read_exclusions(path: str | os.PathLike[str], links: Iterable[str]) -> tuple[tuple[str, str], ...]:
+    """Pairs of links that do not touch, of an SRDF file (``<disable_collisions link1= link2=>``). Pairs of
+    links that the robot does not have are passed over: such files are of several robots. InvalidArgument as
+    in ``read``."""
+    file = given_path(path, "robot: exclude")
+    if _root_of(file) != "robot":
+        raise InvalidArgument(f"'{file}': must be an SRDF file, or give pairs of links")
+    known, pairs = set(links), []
+    for element in ElementTree.parse(file).getroot().iter("disable_collisions"):
+        pair = element.get("link1", ""), element.get("link2", "")
+        if not all(pair):
+            raise InvalidArgument(f"'{file}': <disable_collisions>: link1 and link2 must be given; add them")
+        if known.issuperset(pair):
+            pairs.append(pair)
+    return tuple(pairs)
 
 
 def _root_of(file: Path) -> str:

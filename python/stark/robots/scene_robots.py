@@ -38,7 +38,7 @@ class SceneRobots(SceneLink):
         q: ArrayLike | Mapping[str, float] | None = None,
         contact: bool = True,
         self_contact: bool = True,
-        exclude: Iterable[tuple[str, str]] = (),
+        exclude: Iterable[tuple[str, str]] | str | os.PathLike[str] = (),
         shapes: str = "collision",
         merge_fixed: bool = True,
         inertias: Mapping[str, tuple[float, Vec3Like, ArrayLike]] | None = None,
@@ -53,7 +53,7 @@ class SceneRobots(SceneLink):
         left out; ``position`` [m] and ``rotation`` place it. ``q``: where joints start, (n,) [rad, m] or
         numbers by joint; others at 0, or at the limit next to it. Links touch by their collision shapes,
         or those that ``shapes`` names ("visual"); with ``contact=False`` they touch nothing. Links that a
-        joint connects do not touch each other, nor the pairs of ``exclude``, nor any with
+        joint connects do not touch each other, nor the pairs of ``exclude`` (or an SRDF file), nor any with
         ``self_contact=False``. Links that are fixed to each other are one body, or with
         ``merge_fixed=False`` joined by fixed joints where both have mass. ``inertias``: (mass [kg], centre of
         mass (3,) [m], tensor about it (3, 3) [kg m^2]) by link, instead of those of the file. ``packages``:
@@ -81,7 +81,7 @@ class SceneRobots(SceneLink):
             q,
             given_flag(contact, f"{owner}: contact"),
             given_flag(self_contact, f"{owner}: self_contact"),
-            tuple((str(a), str(b)) for a, b in exclude),
+            _exclusions(description, owner, exclude),
             given_choice(shapes, ("collision", "visual"), f"{owner}: shapes"),
             given_flag(merge_fixed, f"{owner}: merge_fixed"),
             _inertias(description, owner, inertias or {}),
@@ -117,6 +117,19 @@ class SceneRobots(SceneLink):
             for part, count in zip(parts, counts, strict=True):
                 del part[count:]
             raise
+
+
+def _exclusions(description: RobotDescription, owner: str, given: Any) -> tuple[tuple[str, str], ...]:
+    from stark.robots.reading import read_exclusions
+
+    if isinstance(given, (str, os.PathLike)):
+        return read_exclusions(given, description.links)
+    try:
+        return tuple((str(a), str(b)) for a, b in given)
+    except (TypeError, ValueError):
+        raise InvalidArgument(
+            f"{owner}: exclude = {given!r}: must be pairs of links, as [('wrist', 'base')], or an SRDF file"
+        ) from None
 
 
 def _inertias(

@@ -152,6 +152,17 @@ def test_what_touches() -> None:
     assert apart.name == "chain_2" and ghost.bodies[0].name == "chain_3.link_0"
 
 
+def test_exclusions_of_an_srdf_file(tmp_path: Path) -> None:
+    file = tmp_path / "chain.srdf"
+    pair = '<disable_collisions link1="link_{}" link2="link_{}" reason="Never"/>'
+    file.write_text(f'<robot name="chain">{pair.format(0, 2)}{pair.format(0, 9)}</robot>')
+    scene = stark.Scene()
+    robot = scene.add_robot(chain(4), exclude=file)
+    bodies = {name: link.body for name, link in robot.links.items()}
+    assert not scene.contact_enabled(bodies["link_0"], bodies["link_2"])
+    assert scene.contact_enabled(bodies["link_1"], bodies["link_3"])
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -160,6 +171,8 @@ def test_what_touches() -> None:
             r"joint 'joint_1': starts at q = 8 rad: must be in its limits, \[-7, 7\] rad",
         ),
         ({"base": "wheels"}, "base = 'wheels': must be 'fixed' or 'floating' or 'scripted'"),
+        ({"exclude": ["link_0"]}, "must be pairs of links"),
+        ({"exclude": "no.srdf"}, "'no.srdf': No such file"),
         ({"exclude": [("link_0", "leg")]}, "exclude: link 'leg': must be one of link_0, link_1"),
         ({"inertias": {"leg": (1, (0, 0, 0), np.eye(3))}}, r"inertias\['leg'\]: must be one of link_0"),
         ({"inertias": {"link_1": 1.0}}, r"inertias\['link_1'\] = 1.0: must be \(mass, centre of mass"),
