@@ -126,7 +126,7 @@ class _Builder:
         """From the base outwards."""
         groups = {self.robot.root: Group(self.robot.root, {self.robot.root: WORLD})}
         member = {self.robot.root: groups[self.robot.root]}
-        for joint in self._outwards():
+        for joint in self.robot.outwards:
             parent = member[joint.parent]
             if joint.kind == "fixed" and self._is_merged(joint):
                 frame = parent.frames[joint.parent].at(joint.position, joint.rotation)
@@ -135,9 +135,6 @@ class _Builder:
             else:
                 member[joint.child] = groups[joint.child] = Group(joint.child, {joint.child: WORLD})
         return list(groups.values())
-
-    def _outwards(self) -> list[RobotJoint]:
-        return list(self.robot.joints.values())
 
     def _is_merged(self, joint: RobotJoint) -> bool:
         if self.options.merge_fixed:

@@ -157,7 +157,10 @@ class RobotDescription:
         by_name = _by_name("joint", joints, self.report.source)
         self.root: str = self._root(by_name)
         self.joints: dict[str, RobotJoint] = self._sorted(by_name)
-        """By name, from the root outwards."""
+        """By name, each after the one that carries its parent."""
+        self.outwards: tuple[RobotJoint, ...] = tuple(self.joints.values())
+        """The same, from the root to the tips."""
+        self._coordinates = tuple(j.name for j in self.outwards if j.is_moving and j.mimic is None)
         self.excluded: tuple[tuple[str, str], ...] = tuple(excluded)
         """Pairs of links that do not touch, beside those that a joint connects."""
         self._check()
@@ -165,7 +168,7 @@ class RobotDescription:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the joints that have a coordinate and mimic no other one: the order of q (n,)."""
-        return tuple(j.name for j in self.joints.values() if j.is_moving and j.mimic is None)
+        return self._coordinates
 
     @property
     def source(self) -> str:

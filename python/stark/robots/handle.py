@@ -265,7 +265,7 @@ class Robot:
         """Frames of all links in the world for a q (n,) or numbers by joint (others as they are), by name:
         ``position`` (3,) [m], ``rotation`` (3, 3). The base and what floats are where they are now."""
         numbers = self._given("q", q, self.q)
-        frames = {name: Placement(*self.links[name].pose) for name in self._loose()}
+        frames = {name: self._frame(name) for name in self._loose()}
         free = {
             joint.name: frames[joint.child]
             for joint in self.description.joints.values()
@@ -303,6 +303,14 @@ class Robot:
     def _axes(self) -> list[Axis]:
         """In the order of q."""
         return [Axis(self._joints[name], self._shifts[name]) for name in self.coordinates]
+
+    def _frame(self, name: str) -> Placement:
+        """Of a link, now."""
+        link = self._links[name]
+        if link.body is None:
+            return link.offset
+        body = link.body if self._of is None else link.body._bound_to(self._of)
+        return Placement(*body.pose).at(*link.offset)
 
     def _loose(self) -> list[str]:
         """Links that no coordinate places: the base and children of floating joints."""
