@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 
@@ -21,6 +24,8 @@ def mesh_of(shape: Geometry, source: str, title: str, report: Report | None = No
         raise InvalidArgument(
             f"{source}: {title}: shape {shape.kind}: {error}; correct it, or leave it out with contact=False"
         ) from None
+    if report is not None and shape.file is not None and (unit := unit_of(shape.file)) != 1.0:
+        report.add("kept", title, f"mesh '{shape.file.name}' is in units of {unit:g} m, as it says")
     surface = _without_flat(surface, title, report)
     turned = surface.vertices @ shape.rotation.T + shape.position
     return TriangleMesh(turned, surface.triangles)
@@ -52,9 +57,25 @@ def _surface(shape: Geometry) -> TriangleMesh:
     loaded = meshes.load(shape.file)
     if not isinstance(loaded, TriangleMesh):
         raise InvalidArgument(f"'{shape.file}' is no surface")
-    scaled = TriangleMesh(loaded.vertices * shape.scale, loaded.triangles)
+    scaled = TriangleMesh(loaded.vertices * (unit_of(shape.file) * shape.scale), loaded.triangles)
     # A mirror turns the triangles over.
     return scaled.flipped() if np.prod(shape.scale) < 0.0 else scaled
+
+
+def unit_of(file: Path) -> float:
+    """Metres in the unit of a mesh file. Collada files name theirs, which trimesh does not apply; all others
+    are taken as metres."""
+    if file.suffix.lower() != ".dae":
+        return 1.0
+    with file.open("rb") as stream:
+        found = re.search(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']+)[\"']", stream.read(1 << 16))
+    try:
+        unit = 1.0 if found is None else float(found[1])
+    except ValueError:
+        unit = math.nan
+    if not 0.0 < unit < math.inf:
+        raise InvalidArgument(f"'{file}': <unit>: must be a positive number of metres")
+    return unit
 
 
 def _without_flat(surface: TriangleMesh, title: str, report: Report | None) -> TriangleMesh:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -130,6 +131,23 @@ def test_what_is_left_out_is_reported(tmp_path: Path) -> None:
         "joint 'hinge': limit of effort 0: taken as none; drives need a cap"
     ]
     assert f"robot from '{file}'" in str(report) and "  dropped (3):" in str(report)
+
+
+def test_collada_meshes_have_the_unit_that_they_name(tmp_path: Path) -> None:
+    pytest.importorskip("collada")
+    trimesh = pytest.importorskip("trimesh")
+    file = tmp_path / "box.dae"
+    trimesh.creation.box((100.0, 200.0, 300.0)).export(file)
+    text, unit = file.read_text(), '<unit name="millimeter" meter="0.001"/>'
+    file.write_text(re.sub(r"<up_axis|</asset>", lambda found: unit + found[0], text, count=1))
+    shape = '<collision><geometry><mesh filename="box.dae"/></geometry></collision>'
+    urdf = tmp_path / "pair.urdf"
+    urdf.write_text(pair(link=INERTIAL.format('<mass value="1"/>', 0.01) + shape))
+    robot = stark.Scene().add_robot(urdf)
+    mesh = robot.links["arm"].collision
+    assert mesh is not None
+    np.testing.assert_allclose(mesh.bounds[1], [0.05, 0.1, 0.15], atol=1e-6)
+    assert "mesh 'box.dae' is in units of 0.001 m" in str(robot.report)
 
 
 def test_meshes_are_found_by_package_and_scaled(tmp_path: Path) -> None:
