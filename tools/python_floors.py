@@ -18,6 +18,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("courses", "selections"),
     ("bodies", "formulas"),
     ("joints", "actuators", "attachments", "loads"),
+    ("robots",),
     ("scene",),
     ("steps",),
     ("checkpoint", "reproducer.errors", "reproducer.parts", "reproducer.rebuilding"),

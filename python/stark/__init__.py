@@ -70,6 +70,7 @@ _MODULES = (
     "render",
     "replay",
     "reproducer",
+    "robots",
     "scenes",
     "study",
     "symbolic",

@@ -13,6 +13,7 @@ from stark import (
     render as render,
     replay as replay,
     reproducer as reproducer,
+    robots as robots,
     scenes as scenes,
     study as study,
     surfaces as surfaces,

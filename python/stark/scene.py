@@ -20,6 +20,7 @@ from stark.bodies.restitution import RestitutionTable
 from stark.bodies.scene_bodies import SceneBodies
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
+from stark.robots.scene_robots import SceneRobots
 from stark.scene_record import RecordedScene
 
 if TYPE_CHECKING:
@@ -34,7 +35,9 @@ def _is_group(bodies: Any) -> TypeGuard[Sequence[Body | str]]:
     return isinstance(bodies, (list, tuple, set, frozenset))
 
 
-class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoads, KnownAttributes):
+class Scene(
+    SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoads, SceneRobots, KnownAttributes
+):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     name: str
@@ -43,10 +46,12 @@ class Scene(SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoa
         self.name = name
         self._core = RecordedScene()
         self._bodies = []
+        self._ghosts = []
         self._energies: list[Energy] = []
         self._joints = []
         self._actuators = []
         self._attachments = []
+        self._robots = []
         self._layers = []
         self._followers = {}
         self._courses = {}

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from stark.attachments import Attachment
     from stark.formulas.handle import Energy
     from stark.joints.handle import Actuator, Joint
+    from stark.robots.handle import Robot
 
 AnyBody = TypeVar("AnyBody", bound=Body)
 
@@ -328,6 +329,11 @@ class Simulation(Pictures, Stepping, KnownAttributes):
     def actuators(self) -> list[Actuator]:
         """Handles of the actuators of the scene; their values and efforts are those of this simulation."""
         return [a._bound_to(self) for a in self._scene.actuators[: self._core.actuator_count]]
+
+    @property
+    def robots(self) -> list[Robot]:
+        """Handles of the robots of the scene; their coordinates and efforts are those of this simulation."""
+        return [robot._bound_to(self) for robot in self._scene.robots if robot._is_in(self)]
 
     @property
     def attachments(self) -> list[Attachment]:

@@ -27,6 +27,7 @@ class SceneBodies(SceneLink):
     """What ``stark.Scene`` knows about adding bodies."""
 
     _bodies: list[Body]
+    _ghosts: list[Body]  # touch nothing, whatever is added
 
     # --- deformable bodies ---
 
@@ -354,7 +355,15 @@ class SceneBodies(SceneLink):
 
     def _append(self, body: Body) -> None:
         self._bodies.append(body)
+        if self._ghosts:
+            self._core.disable_contacts([body._index], [ghost._index for ghost in self._ghosts])
         self._warn(stacklevel=4)
+
+    def _touches_nothing(self, body: Body) -> None:
+        """Neither the bodies that there are nor those that are added later."""
+        self._ghosts.append(body)
+        if others := [other._index for other in self._bodies if other is not body]:
+            self._core.disable_contacts([body._index], others)
 
 
 def _title(kind: str, name: str | None) -> str:

@@ -1,0 +1,76 @@
+"""Inertias of a robot file that cannot be, and those that are hardly meant."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+
+import numpy as np
+
+from stark._core import InvalidArgument
+from stark.robots.description import Inertia, Link
+from stark.robots.report import Report
+
+#: Radii of gyration beyond these [m] are suspicious in a robot.
+SMALLEST_RADIUS, LARGEST_RADIUS = 1e-4, 2.0
+
+
+def check_inertias(links: Iterable[Link], report: Report) -> None:
+    """Reports links without mass, repeated and unlikely inertias. Those that cannot be are refused where
+    the body of the link is made, unless another one is given there."""
+    same: dict[tuple[float, ...], list[str]] = defaultdict(list)
+    for link in links:
+        title = f"link '{link.name}'"
+        if link.inertia is None or is_nothing(link.inertia):
+            report.add("assumed", title, "no inertia: has no mass, must be fixed to a link that has")
+            continue
+        moments = np.linalg.eigvalsh(link.inertia.tensor)
+        same[(round(float(moments[0]), 12), round(float(moments[-1]), 12))].append(link.name)
+        if link.inertia.mass > 0.0 and moments[0] > 0.0:
+            radius = np.sqrt(moments / link.inertia.mass)
+            if radius[-1] > LARGEST_RADIUS or radius[0] < SMALLEST_RADIUS:
+                report.add(
+                    "suspicious",
+                    title,
+                    f"mass {link.inertia.mass:g} kg with moments {_moments(moments)} kg m^2: radii of "
+                    f"gyration from {radius[0]:.2g} to {radius[-1]:.2g} m",
+                )
+        if (problem := impossible(link.inertia)) is not None:
+            report.add("suspicious", title, problem)
+    for names in same.values():
+        if len(names) > 2:
+            report.add("suspicious", "links", f"{', '.join(names)} have the same inertia: a placeholder?")
+
+
+def is_nothing(inertia: Inertia) -> bool:
+    """Whether an inertia has neither mass nor moments, as files give it to frames."""
+    return inertia.mass == 0.0 and not inertia.tensor.any()
+
+
+def impossible(inertia: Inertia) -> str | None:
+    """What is wrong with an inertia that no body can have; None for others."""
+    if not inertia.mass > 0.0 or not np.isfinite(inertia.mass):
+        return f"mass = {inertia.mass:g} kg: must be > 0"
+    moments = np.linalg.eigvalsh(inertia.tensor)
+    if not moments[0] > 0.0:
+        return f"principal moments {_moments(moments)} kg m^2: must be positive"
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + 1e-9):
+        return (
+            f"principal moments {_moments(moments)} kg m^2: none may exceed the sum of the other two (the "
+            f"triangle inequality)"
+        )
+    return None
+
+
+def refuse_impossible(source: str, names: Iterable[str], inertia: Inertia) -> None:
+    """Raises InvalidArgument for an inertia of links that no body can have."""
+    if (problem := impossible(inertia)) is not None:
+        links = ", ".join(f"'{name}'" for name in names)
+        raise InvalidArgument(
+            f"{source}: link {links}: {problem}; correct <inertial>, or give "
+            f"inertias={{link: (mass, centre of mass, tensor about it)}}"
+        )
+
+
+def _moments(moments: np.ndarray) -> str:
+    return f"({', '.join(f'{moment:.4g}' for moment in moments)})"

@@ -1,0 +1,287 @@
+"""What a robot is, whatever file it comes from: links with inertia and shapes, joints in a tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NoReturn, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark._core import InvalidArgument
+from stark.robots.report import Report
+
+Floats = NDArray[np.float64]
+
+#: Kinds of joints; those of MOVING have one coordinate.
+KINDS = ("fixed", "revolute", "continuous", "prismatic", "floating")
+MOVING = ("revolute", "continuous", "prismatic")
+SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
+
+
+def _origin() -> Floats:
+    return np.zeros(3)
+
+
+def _unturned() -> Floats:
+    return np.eye(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """A shape of a link. ``size`` [m]: edges of a box, radius of a sphere, (radius, length) of a cylinder or
+    of a capsule (between the centres of its half spheres), both about z. A mesh has a ``file`` and a
+    ``scale`` (3,), or ``vertices`` (n, 3) [m] and ``triangles`` (m, 3)."""
+
+    kind: str
+    size: tuple[float, ...] = ()
+    position: Floats = field(default_factory=_origin)  # [m] in the frame of the link
+    rotation: Floats = field(default_factory=_unturned)
+    file: Path | None = None
+    scale: Floats = field(default_factory=lambda: np.ones(3))
+    vertices: Floats | None = None
+    triangles: NDArray[np.int32] | None = None
+    color: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Inertia:
+    """``mass`` [kg], ``center`` of mass (3,) [m] in the frame of the link, ``tensor`` (3, 3) [kg m^2] about
+    the centre of mass in the axes of the link."""
+
+    mass: float
+    center: Floats
+    tensor: Floats
+
+    def moved(self, position: Floats, rotation: Floats) -> Inertia:
+        """The same in a frame in which the link stands at ``position`` (3,) [m] with ``rotation``."""
+        return Inertia(self.mass, position + rotation @ self.center, rotation @ self.tensor @ rotation.T)
+
+    @staticmethod
+    def sum(parts: Iterable[Inertia]) -> Inertia:
+        """Of several parts in one frame that move as one."""
+        rows = list(parts)
+        mass = sum(row.mass for row in rows)
+        center = sum((row.mass * row.center for row in rows), np.zeros(3)) / mass
+        tensor = np.zeros((3, 3))
+        for row in rows:
+            d = row.center - center
+            tensor += row.tensor + row.mass * (d @ d * np.eye(3) - np.outer(d, d))
+        return Inertia(mass, center, 0.5 * (tensor + tensor.T))
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A rigid part. Links without ``inertia`` have no mass."""
+
+    name: str
+    inertia: Inertia | None = None
+    visuals: tuple[Geometry, ...] = ()
+    collisions: tuple[Geometry, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint follows another one: q = ``ratio`` times that of ``joint`` + ``offset`` [rad, m]."""
+
+    joint: str
+    ratio: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class RobotJoint:
+    """A joint of a description. ``position`` (3,) [m] and ``rotation`` (3, 3) place the frame of the child in
+    that of the parent at q = ``reference``; the ``axis`` goes through ``anchor`` [m], both in the frame of
+    the child. Limits in rad and m, ``effort`` in N m and N, rates per second; None where there is none."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    position: Floats = field(default_factory=_origin)
+    rotation: Floats = field(default_factory=_unturned)
+    axis: Floats = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
+    anchor: Floats = field(default_factory=_origin)
+    reference: float = 0.0
+    lower: float | None = None
+    upper: float | None = None
+    effort: float | None = None
+    velocity: float | None = None
+    damping: float = 0.0
+    friction: float = 0.0
+    armature: float = 0.0
+    stiffness: float = 0.0  # of a spring
+    rest: float = 0.0  # of that spring
+    mimic: Mimic | None = None
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether it has a coordinate."""
+        return self.kind in MOVING
+
+    @property
+    def unit(self) -> str:
+        """Of its coordinate."""
+        return "m" if self.kind == "prismatic" else "rad"
+
+
+_Part = TypeVar("_Part", Link, RobotJoint)
+
+
+class RobotDescription:
+    """Links and joints of a robot, checked: names are unique, joints make one tree.
+
+    Raises InvalidArgument, which names the source, the part, the rule and the remedy."""
+
+    def __init__(
+        self,
+        name: str,
+        links: Iterable[Link],
+        joints: Iterable[RobotJoint],
+        *,
+        excluded: Iterable[tuple[str, str]] = (),
+        base: str = "fixed",
+        placement: tuple[Floats, Floats] | None = None,
+        report: Report | None = None,
+    ) -> None:
+        self.name: str = name
+        self.report: Report = Report(f"description '{name}'") if report is None else report
+        self.base: str = base
+        """What the file says of its base: "fixed" or "floating"."""
+        self.placement: tuple[Floats, Floats] = (_origin(), _unturned()) if placement is None else placement
+        """Where the file places the base: position (3,) [m] and rotation (3, 3)."""
+        self.links: dict[str, Link] = _by_name("link", links, self.report.source)
+        by_name = _by_name("joint", joints, self.report.source)
+        self.root: str = self._root(by_name)
+        self.joints: dict[str, RobotJoint] = self._sorted(by_name)
+        """By name, each after the one that carries its parent."""
+        self.outwards: tuple[RobotJoint, ...] = tuple(self.joints.values())
+        """The same, from the root to the tips."""
+        self._coordinates = tuple(j.name for j in self.outwards if j.is_moving and j.mimic is None)
+        self.excluded: tuple[tuple[str, str], ...] = tuple(excluded)
+        """Pairs of links that do not touch, beside those that a joint connects."""
+        self._check()
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the joints that have a coordinate and mimic no other one: the order of q (n,)."""
+        return self._coordinates
+
+    @property
+    def source(self) -> str:
+        """The file, as messages call it."""
+        return self.report.source
+
+    def drive_of(self, joint: RobotJoint) -> tuple[str, float, float]:
+        """The joint whose coordinate moves this one, with ratio and offset; through several mimics."""
+        ratio, offset = 1.0, 0.0
+        while joint.mimic is not None:
+            offset += ratio * joint.mimic.offset
+            ratio *= joint.mimic.ratio
+            joint = self.joints[joint.mimic.joint]
+        return joint.name, ratio, offset
+
+    def __repr__(self) -> str:
+        return (
+            f"<RobotDescription '{self.name}': {len(self.links)} links, {len(self.coordinates)} coordinates>"
+        )
+
+    # --- checks ---
+
+    def _root(self, joints: dict[str, RobotJoint]) -> str:
+        parents: dict[str, str] = {}
+        for joint in joints.values():
+            for what, link in (("parent", joint.parent), ("child", joint.child)):
+                if link not in self.links:
+                    self._refuse(
+                        f"joint '{joint.name}'",
+                        f"{what} = '{link}': must be one of the links; add the link or correct the name",
+                    )
+            if joint.child in parents:
+                self._refuse(
+                    f"link '{joint.child}'",
+                    f"is the child of the joints '{parents[joint.child]}' and '{joint.name}': must be that "
+                    f"of one; close loops with scene.add_joint after the robot is added",
+                )
+            parents[joint.child] = joint.name
+        roots = [name for name in self.links if name not in parents]
+        if len(roots) != 1:
+            found = ", ".join(f"'{name}'" for name in roots[:4]) or "none"
+            self._refuse(
+                "links", f"without a parent: {found}: must be exactly one, the base; join them by joints"
+            )
+        return roots[0]
+
+    def _sorted(self, joints: dict[str, RobotJoint]) -> dict[str, RobotJoint]:
+        found: dict[str, RobotJoint] = {}
+        stack = [self.root]
+        while stack:
+            link = stack.pop()
+            outwards = [joint for joint in joints.values() if joint.parent == link]
+            found |= {joint.name: joint for joint in outwards}
+            stack += [joint.child for joint in reversed(outwards)]
+        if len(found) < len(joints):
+            inside = ", ".join(f"'{name}'" for name in joints if name not in found)
+            self._refuse("joints", f"{inside} make a circle: must make a tree from '{self.root}' outwards")
+        order = {name: k for k, name in enumerate(joints)}
+        parent_of = {joint.child: joint.name for joint in joints.values()}
+        # As in the file where it goes from the root outwards, so that q is in the order of the file.
+        if all(order.get(parent_of.get(j.parent, ""), -1) < order[j.name] for j in joints.values()):
+            return joints
+        return found
+
+    def _check(self) -> None:
+        for joint in self.joints.values():
+            part = f"joint '{joint.name}'"
+            if joint.kind not in KINDS:
+                self._refuse(part, f"kind = '{joint.kind}': must be one of {', '.join(KINDS)}")
+            length = float(np.linalg.norm(joint.axis))
+            if joint.is_moving and not abs(length - 1.0) < 1e-6:
+                self._refuse(part, f"axis has the length {length:.6g}: must be 1; normalise it")
+            if joint.lower is not None and joint.upper is not None and not joint.lower < joint.upper:
+                self._refuse(
+                    part,
+                    f"lower = {joint.lower:g}, upper = {joint.upper:g} {joint.unit}: lower must be below "
+                    f"upper; make a joint that does not move a fixed one",
+                )
+            for what in ("effort", "velocity", "damping", "friction", "armature", "stiffness"):
+                value = getattr(joint, what)
+                if value is not None and not value >= 0.0:
+                    self._refuse(part, f"{what} = {value:g}: must be >= 0")
+            self._check_mimic(part, joint)
+        for a, b in self.excluded:
+            for link in (a, b):
+                if link not in self.links:
+                    self._refuse("excluded pair", f"'{link}': must be the name of a link")
+
+    def _check_mimic(self, part: str, joint: RobotJoint) -> None:
+        seen = [joint.name]
+        while joint.mimic is not None:
+            other = self.joints.get(joint.mimic.joint)
+            if other is None or not other.is_moving or not joint.is_moving:
+                self._refuse(
+                    part, f"mimics '{joint.mimic.joint}': both must be joints that turn or slide; correct it"
+                )
+            if other.name in seen:
+                self._refuse(part, f"mimics itself, by way of {', '.join(seen)}: one of them must not mimic")
+            seen.append(other.name)
+            joint = other
+
+    def _refuse(self, part: str, text: str) -> NoReturn:
+        raise InvalidArgument(f"{self.source}: {part}: {text}")
+
+
+def _by_name(what: str, rows: Iterable[_Part], source: str) -> dict[str, _Part]:
+    found: dict[str, _Part] = {}
+    for row in rows:
+        if not row.name:
+            raise InvalidArgument(f"{source}: a {what} has no name: must have one; name it")
+        if row.name in found:
+            raise InvalidArgument(
+                f"{source}: {what} '{row.name}': is there twice: names must be unique; rename one"
+            )
+        found[row.name] = row
+    return found

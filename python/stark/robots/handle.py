@@ -1,0 +1,381 @@
+"""``stark.Scene.add_robot`` returns it: coordinates, links, joints and drives of a robot."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.arguments import added_later, needs_simulation
+from stark.bodies import RigidBody
+from stark.handle import SceneLink, SimulationLink
+from stark.joints.handle import Joint
+from stark.mesh import TriangleMesh
+from stark.robots import kinematics
+from stark.robots.description import Link, RobotDescription
+from stark.robots.drives import Drives, add_drives
+from stark.robots.kinematics import Placement, Values
+from stark.robots.meshes import joined, mesh_of
+from stark.robots.report import Report
+from stark.rotations import vector
+from stark.settings import Settings
+
+Floats = NDArray[np.float64]
+Choice: TypeAlias = str | Sequence[str] | None
+"""Some joints: names or patterns such as "finger_*"; None for all that have a coordinate of their own."""
+
+
+class Axis(NamedTuple):
+    """A joint with a coordinate in the scene: that of the robot is the one in the scene + ``shift``."""
+
+    joint: Joint
+    shift: float
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLink:
+    """A link in the scene: a part of ``body``, or of the world where ``body`` is None."""
+
+    name: str
+    description: Link
+    body: RigidBody | None
+    """What moves with it, and maybe with others that are fixed to it."""
+    offset: Placement
+    """Of its frame in that of the body."""
+    source: str
+
+    @property
+    def pose(self) -> tuple[Floats, Floats]:
+        """Origin (3,) [m] and rotation (3, 3) of its frame in the world, as they are now."""
+        if self.body is None:
+            return self.offset.position, self.offset.rotation
+        return tuple(Placement(*self.body.pose).at(*self.offset))  # type: ignore[return-value]
+
+    @property
+    def position(self) -> Floats:
+        """Origin of its frame in the world (3,) [m]."""
+        return self.pose[0]
+
+    @property
+    def rotation(self) -> Floats:
+        """Axes of its frame in the world, as columns (3, 3)."""
+        return self.pose[1]
+
+    @cached_property
+    def visual(self) -> TriangleMesh | None:
+        """The surface that the file shows, in the frame of the link [m]; None where there is none."""
+        return self._mesh(self.description.visuals)
+
+    @cached_property
+    def collision(self) -> TriangleMesh | None:
+        """The surface that the file lets touch, in the frame of the link [m]; None where there is none."""
+        return self._mesh(self.description.collisions)
+
+    def _mesh(self, shapes: Sequence[Any]) -> TriangleMesh | None:
+        parts = [mesh_of(shape, self.source, f"link '{self.name}'") for shape in shapes]
+        return joined(parts) if parts else None
+
+    def __repr__(self) -> str:
+        return f"<stark.robots.RobotLink '{self.name}'>"
+
+
+class Robot:
+    """A robot in a scene. q, qd and tau are arrays (n,) in the order of ``coordinates``: joints that turn or
+    slide and mimic no other one. It reads the newest simulation of the scene that is alive; those of
+    ``sim.robots`` read that one."""
+
+    def __init__(
+        self,
+        scene: SceneLink,
+        name: str,
+        description: RobotDescription,
+        report: Report,
+        links: Mapping[str, RobotLink],
+        joints: Mapping[str, Joint],
+        shifts: Mapping[str, float],
+        start: Floats,
+    ) -> None:
+        self._scene, self._of = scene, None
+        self._links, self._joints, self._shifts, self._start = links, joints, dict(shifts), start
+        self._drives: list[Drives] = []
+        self.name: str = name
+        self.description: RobotDescription = description
+        """What the file says, with the inertias that the bodies have."""
+        self.report: Report = report
+        """What was kept, assumed, dropped, and what is suspicious; ``print(robot.report)``."""
+
+    _of: SimulationLink | None
+
+    # --- parts ---
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the joints that q, qd and tau are of."""
+        return self.description.coordinates
+
+    @property
+    def links(self) -> Mapping[str, RobotLink]:
+        """All links by name: frames, bodies, meshes."""
+        if self._of is None:
+            return MappingProxyType(dict(self._links))
+        of = self._of
+        bound = {
+            name: link if link.body is None else replace(link, body=link.body._bound_to(of))
+            for name, link in self._links.items()
+        }
+        return MappingProxyType(bound)
+
+    @property
+    def joints(self) -> Mapping[str, Joint]:
+        """Joints of the scene by the names of the file; those that merged links have none."""
+        if self._of is None:
+            return MappingProxyType(dict(self._joints))
+        of = self._of
+        return MappingProxyType({name: joint._bound_to(of) for name, joint in self._joints.items()})
+
+    @property
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """Its bodies, each once, from the base outwards."""
+        found = {link.body._index: link.body for link in self.links.values() if link.body is not None}
+        return tuple(found.values())
+
+    @property
+    def drives(self) -> tuple[Drives, ...]:
+        """Groups of drives, in the order of adding."""
+        of = self._of
+        return (
+            tuple(self._drives)
+            if of is None
+            else tuple(drives._bound_to(self, of) for drives in self._drives)
+        )
+
+    # --- coordinates ---
+
+    @property
+    def q(self) -> Floats:
+        """Coordinates (n,) [rad, m], those of the start before there is a simulation. Assign (n,) numbers or
+        some by joint to place the robot in its simulation, mimicking joints included; rates stay."""
+        simulation = self._simulation()
+        if simulation is None:
+            return self._start.copy()
+        return np.array(
+            [simulation._core.joint_coordinate(joint._index, 0) + shift for joint, shift in self._axes()]
+        )
+
+    @q.setter
+    def q(self, values: Values) -> None:
+        numbers = self._given("q", values, self.q)
+        core = self._require("q = ...")._to_place("q")
+        nested = core.is_placing
+        if not nested:
+            core.begin_placing()
+        try:
+            for name, value in kinematics.joint_values(self.description, numbers).items():
+                core.place_joint(self._joints[name]._index, np.array([value - self._shifts[name]]))
+        except BaseException:
+            if not nested:
+                core.cancel_placing()
+            raise
+        if not nested:
+            core.end_placing()
+
+    @property
+    def qd(self) -> Floats:
+        """Rates (n,) [rad/s, m/s] in the last step. Assign (n,) numbers or some by joint to give the robot
+        other velocities."""
+        core = self._require("qd")._core
+        return np.array([core.joint_rates(joint._index)[0] for joint, _ in self._axes()])
+
+    @qd.setter
+    def qd(self, values: Values) -> None:
+        numbers = self._given("qd", values, self.qd)
+        core = self._require("qd = ...")._to_place("qd")
+        rates = dict(zip(self.coordinates, numbers, strict=True))
+        for joint in self.description.joints.values():
+            if joint.is_moving:
+                driver, ratio, _ = self.description.drive_of(joint)
+                core.push_joint(self._joints[joint.name]._index, np.array([ratio * rates[driver]]))
+
+    @property
+    def tau(self) -> Floats:
+        """Efforts (n,) [N m, N] of all its drives in the last step; not those of damping, friction, stops."""
+        self._require("tau")
+        total = np.zeros(len(self.coordinates))
+        for drives in self.drives:
+            total[drives.rows] += drives.effort
+        return total
+
+    @property
+    def limits(self) -> tuple[Floats, Floats]:
+        """Lower and upper limits of q, (n,) each [rad, m]; infinite where there are none. Those of joints
+        that mimic others are among them."""
+        return _limits(self.description)
+
+    # --- drives ---
+
+    def add_servos(
+        self,
+        joints: Choice = None,
+        *,
+        stiffness: ArrayLike,
+        damping: ArrayLike,
+        cap: ArrayLike | None = None,
+        target: ArrayLike | None = None,
+        gravity_compensation: bool = False,
+    ) -> Drives:
+        """Servos that hold some joints at targets of q: ``stiffness`` [N m/rad, N/m], ``damping`` [N m s/rad,
+        N s/m], ``cap`` [N m, N], each a number or one for each joint. ``cap`` is the effort limit of the file
+        and ``target`` where the joints start if left out. ``gravity_compensation``: each step has what
+        carries the weight of the robot where it starts as feedforward. ``joints``: names or patterns
+        ("finger_*"); all if left out. Raises InvalidArgument for unknown joints and those without a limit
+        of effort and ``cap``."""
+        values = {"stiffness": stiffness, "damping": damping, "cap": cap}
+        drives = add_drives(self, "servos", self._rows(joints), values, target)
+        if gravity_compensation:
+            drives.gravity_compensation = True
+        return drives
+
+    def add_motors(
+        self,
+        joints: Choice = None,
+        *,
+        delta: ArrayLike = 0.01,
+        cap: ArrayLike | None = None,
+        target: ArrayLike | None = None,
+    ) -> Drives:
+        """Motors that drive some joints at target rates [rad/s, m/s], 0 at first; closer than ``delta``
+        [rad/s, m/s] the effort is in proportion to the difference. Other arguments as in ``add_servos``."""
+        return add_drives(self, "motors", self._rows(joints), {"delta": delta, "cap": cap}, target)
+
+    def add_efforts(self, joints: Choice = None, *, target: ArrayLike | None = None) -> Drives:
+        """Given efforts [N m, N] on some joints, 0 at first, cut at the effort limits of the file where there
+        are some. ``joints`` as in ``add_servos``."""
+        return add_drives(self, "efforts", self._rows(joints), {}, target)
+
+    # --- kinematics ---
+
+    def forward_kinematics(self, q: Values) -> dict[str, Placement]:
+        """Frames of all links in the world for a q (n,) or numbers by joint (others as they are), by name:
+        ``position`` (3,) [m], ``rotation`` (3, 3). The base and what floats are where they are now."""
+        numbers = self._given("q", q, self.q)
+        frames = {name: self._frame(name) for name in self._loose()}
+        free = {
+            joint.name: frames[joint.child]
+            for joint in self.description.joints.values()
+            if joint.kind == "floating"
+        }
+        return kinematics.placements(self.description, numbers, frames[self.description.root], free)
+
+    def jacobian(self, link: str, point: ArrayLike = (0.0, 0.0, 0.0), q: Values | None = None) -> Floats:
+        """(6, n): velocity [m/s] (rows 0 to 2) of a ``point`` [m] in the frame of a link and angular velocity
+        [rad/s] (rows 3 to 5), in world axes, for each rate of q, while the base rests. At the present q if
+        left out. Raises InvalidArgument for unknown links."""
+        if link not in self._links:
+            raise InvalidArgument(
+                f"robot '{self.name}': link '{link}': must be one of {', '.join(self._links)}"
+            )
+        frames = self.forward_kinematics(self.q if q is None else q)
+        place = frames[link].at(vector(point, f"robot '{self.name}': point"), np.eye(3)).position
+        return kinematics.jacobian(self.description, frames, link, place)
+
+    def gravity_efforts(self, q: Values | None = None, gravity: ArrayLike | None = None) -> Floats:
+        """Efforts (n,) [N m, N] that hold the robot at rest against its weight, the base held; at the present
+        q and in the gravity [m/s^2] of the simulation if left out, or that of default settings."""
+        if gravity is None:
+            simulation = self._simulation()
+            gravity = (Settings() if simulation is None else simulation.settings).gravity
+        frames = self.forward_kinematics(self.q if q is None else q)
+        acceleration = vector(gravity, f"robot '{self.name}': gravity")
+        return kinematics.gravity_efforts(self.description, frames, acceleration)
+
+    def __repr__(self) -> str:
+        return f"<stark.Robot '{self.name}': {len(self._links)} links, {len(self.coordinates)} coordinates>"
+
+    # --- details ---
+
+    def _axes(self) -> list[Axis]:
+        """In the order of q."""
+        return [Axis(self._joints[name], self._shifts[name]) for name in self.coordinates]
+
+    def _frame(self, name: str) -> Placement:
+        """Of a link, now."""
+        link = self._links[name]
+        if link.body is None:
+            return link.offset
+        body = link.body if self._of is None else link.body._bound_to(self._of)
+        return Placement(*body.pose).at(*link.offset)
+
+    def _loose(self) -> list[str]:
+        """Links that no coordinate places: the base and children of floating joints."""
+        floating = [j.child for j in self.description.joints.values() if j.kind == "floating"]
+        return [self.description.root, *floating]
+
+    def _given(self, what: str, values: Values, present: Floats) -> Floats:
+        if isinstance(values, Mapping):
+            kinematics.numbers_of(self.description, values, what)
+            values = {**dict(zip(self.coordinates, present, strict=True)), **values}
+        return kinematics.numbers_of(self.description, values, what)
+
+    def _rows(self, joints: Choice) -> list[int]:
+        """Places in q of some joints."""
+        names = self.coordinates
+        if joints is None:
+            return list(range(len(names)))
+        rows: list[int] = []
+        for pattern in [joints] if isinstance(joints, str) else joints:
+            found = [k for k, name in enumerate(names) if fnmatch.fnmatchcase(name, str(pattern))]
+            if not found:
+                raise InvalidArgument(
+                    f"robot '{self.name}': joints = '{pattern}': must be the name or pattern of a joint with "
+                    f"a coordinate of its own: {', '.join(names)}"
+                )
+            rows += [k for k in found if k not in rows]
+        return rows
+
+    def _simulation(self) -> SimulationLink | None:
+        simulation = self._scene._latest_simulation() if self._of is None else self._of
+        return simulation if simulation is not None and self._is_in(simulation) else None
+
+    def _is_in(self, simulation: SimulationLink) -> bool:
+        bodies = [link.body._index for link in self._links.values() if link.body is not None]
+        return max(bodies, default=-1) < simulation._core.body_count
+
+    def _require(self, what: str) -> SimulationLink:
+        simulation = self._simulation()
+        if simulation is None:
+            late = self._scene._latest_simulation() is not None
+            raise (added_later if late else needs_simulation)(f"robot '{self.name}'", what)
+        return simulation
+
+    def _bound_to(self, simulation: SimulationLink) -> Robot:
+        robot: Robot = object.__new__(type(self))
+        robot.__dict__.update(self.__dict__, _of=simulation)
+        return robot
+
+
+def _limits(description: RobotDescription) -> tuple[Floats, Floats]:
+    names = description.coordinates
+    lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
+    for joint in description.joints.values():
+        if not joint.is_moving:
+            continue
+        driver, ratio, offset = description.drive_of(joint)
+        k = names.index(driver)
+        if ratio == 0.0:
+            continue
+        bounds = sorted(
+            (bound - offset) / ratio
+            for bound in (
+                -np.inf if joint.lower is None else joint.lower,
+                np.inf if joint.upper is None else joint.upper,
+            )
+        )
+        lower[k], upper[k] = max(lower[k], bounds[0]), min(upper[k], bounds[1])
+    return lower, upper

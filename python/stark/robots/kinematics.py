@@ -1,0 +1,173 @@
+"""Where the links of a description are, how they move with q, and what carries their weight.
+
+Recursive kinematics of a tree; Siciliano et al., Robotics (2009), 3.1 for the Jacobian."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.arguments import real_array, real_number
+from stark.robots.description import RobotDescription, RobotJoint
+
+Floats = NDArray[np.float64]
+Values: TypeAlias = ArrayLike | Mapping[str, float]
+
+
+class Placement(NamedTuple):
+    """Of a frame in the world, or in another one: origin (3,) [m] and axes as columns (3, 3)."""
+
+    position: Floats
+    rotation: Floats
+
+    def at(self, position: Floats, rotation: Floats) -> Placement:
+        """A frame that is given in this one, in the world."""
+        return Placement(self.position + self.rotation @ position, self.rotation @ rotation)
+
+    def seen_from(self, other: Placement) -> Placement:
+        """This frame in another one."""
+        axes = other.rotation.T
+        return Placement(axes @ (self.position - other.position), axes @ self.rotation)
+
+
+WORLD = Placement(np.zeros(3), np.eye(3))
+
+
+def numbers_of(robot: RobotDescription, q: Values, what: str = "q") -> Floats:
+    """q as an array (n,) in the order of ``robot.coordinates`` [rad, m], from an array or numbers by joint;
+    what is left out of them is 0. InvalidArgument names what is wrong."""
+    names = robot.coordinates
+    owner = f"robot '{robot.name}': {what}"
+    if not isinstance(q, Mapping):
+        values = real_array(q, owner)
+        if values.shape != (len(names),):
+            raise InvalidArgument(
+                f"{owner} has the shape {values.shape}: must be ({len(names)},), for {', '.join(names)}"
+            )
+    else:
+        values = np.zeros(len(names))
+        for name, value in q.items():
+            if name not in names:
+                raise InvalidArgument(
+                    f"{owner}['{name}']: must be a joint with a coordinate of its own: {', '.join(names)}"
+                )
+            values[names.index(name)] = real_number(value, f"{owner}['{name}']")
+    if not np.isfinite(values).all():
+        raise InvalidArgument(f"{owner} = {values.tolist()}: must be finite; check where it is computed")
+    return values
+
+
+def joint_values(robot: RobotDescription, q: Floats) -> dict[str, float]:
+    """Coordinates of all joints that have one, mimicking ones included, by name."""
+    place = {name: k for k, name in enumerate(robot.coordinates)}
+    found = {}
+    for joint in robot.joints.values():
+        if joint.is_moving:
+            driver, ratio, offset = robot.drive_of(joint)
+            found[joint.name] = ratio * float(q[place[driver]]) + offset
+    return found
+
+
+def motion_of(joint: RobotJoint, value: float) -> Placement:
+    """Of the child in its frame at the reference."""
+    moved = value - joint.reference
+    if joint.kind == "prismatic":
+        return Placement(moved * joint.axis, np.eye(3))
+    if not joint.is_moving or moved == 0.0:
+        return WORLD
+    turn = _turned(joint.axis, moved)
+    return Placement(joint.anchor - turn @ joint.anchor, turn)
+
+
+def placements(
+    robot: RobotDescription,
+    q: Floats,
+    base: Placement = WORLD,
+    free: Mapping[str, Placement] | None = None,
+) -> dict[str, Placement]:
+    """Frames of all links in the world, by name. ``free``: frames of the children of floating joints in the
+    world, by joint; where they are at the start if left out."""
+    values = joint_values(robot, q)
+    found = {robot.root: base}
+    for joint in robot.outwards:
+        if free is not None and joint.name in free:
+            found[joint.child] = free[joint.name]
+            continue
+        at_reference = found[joint.parent].at(joint.position, joint.rotation)
+        found[joint.child] = at_reference.at(*motion_of(joint, values.get(joint.name, 0.0)))
+    return found
+
+
+def jacobian(robot: RobotDescription, links: Mapping[str, Placement], link: str, point: Floats) -> Floats:
+    """Velocity (rows 0 to 2) [m/s] of a ``point`` of a link, in the world, and angular velocity (rows 3 to 5)
+    [rad/s] of the link for each rate of q: (6, n). The base and floating joints rest."""
+    names = robot.coordinates
+    columns = np.zeros((6, len(names)))
+    parent_joint = {joint.child: joint for joint in robot.outwards}
+    while link in parent_joint:
+        joint = parent_joint[link]
+        if joint.is_moving:
+            driver, ratio, _ = robot.drive_of(joint)
+            frame = links[link]
+            axis = frame.rotation @ joint.axis
+            column = columns[:, names.index(driver)]
+            if joint.kind == "prismatic":
+                column[:3] += ratio * axis
+            else:
+                column[:3] += ratio * _cross(axis, point - frame.position - frame.rotation @ joint.anchor)
+                column[3:] += ratio * axis
+        link = joint.parent
+    return columns
+
+
+def gravity_efforts(robot: RobotDescription, links: Mapping[str, Placement], gravity: Floats) -> Floats:
+    """Efforts (n,) [N m, N] along q that hold the weight of all links at rest under ``gravity`` (3,)
+    [m/s^2]."""
+    # From the tips inwards: mass and first moment of all that hangs on a link.
+    mass = dict.fromkeys(robot.links, 0.0)
+    moment = dict.fromkeys(robot.links, np.zeros(3))
+    for name, link in robot.links.items():
+        if link.inertia is not None:
+            frame = links[name]
+            mass[name] = link.inertia.mass
+            moment[name] = mass[name] * (frame.position + frame.rotation @ link.inertia.center)
+    rows = {name: k for k, name in enumerate(robot.coordinates)}
+    efforts = np.zeros(len(rows))
+    for joint in reversed(robot.outwards):
+        if joint.is_moving:
+            driver, ratio, _ = robot.drive_of(joint)
+            frame = links[joint.child]
+            axis = frame.rotation @ joint.axis
+            if joint.kind == "prismatic":
+                along = mass[joint.child] * (axis @ gravity)
+            else:
+                origin = frame.position + frame.rotation @ joint.anchor
+                arm = moment[joint.child] - mass[joint.child] * origin
+                along = axis @ _cross(arm, gravity)
+            efforts[rows[driver]] -= ratio * along
+        mass[joint.parent] += mass[joint.child]
+        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+    return efforts
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """As np.cross, faster."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _turned(axis: Floats, angle: float) -> Floats:
+    """As stark.rotation, for a unit axis, without its checks."""
+    x, y, z = axis
+    s, c = math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2
+    return np.array(
+        [
+            [1.0 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y],
+            [c * x * y + s * z, 1.0 - c * (x * x + z * z), c * y * z - s * x],
+            [c * x * z - s * y, c * y * z + s * x, 1.0 - c * (x * x + y * y)],
+        ]
+    )

@@ -1,0 +1,273 @@
+"""MJCF files, compiled by mujoco, which applies defaults, units and orientations; read from its model."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark import mesh as meshes
+from stark._core import InvalidArgument
+from stark.robots.checks import check_inertias
+from stark.robots.description import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
+from stark.robots.kinematics import WORLD, Placement
+from stark.robots.report import Report
+from stark.rotations import as_matrix
+
+Floats = NDArray[np.float64]
+
+# Numbers of mujoco's enumerations, which are part of its interface.
+_FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
+_PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
+_EQUAL_JOINTS = 2
+_ON_JOINT = 0
+_FIXED_GAIN, _NO_BIAS = 0, 0
+#: Parts that are not read: counts in the model.
+_DROPPED = {
+    "ntendon": "tendons",
+    "nsensor": "sensors",
+    "nflex": "flexes",
+    "nkey": "keyframes",
+    "npair": "contact pairs",
+}
+
+
+def read_mjcf(file: Path) -> RobotDescription:
+    """Reads an MJCF file; errors as in ``stark.robots.read``."""
+    try:
+        import mujoco
+    except ImportError as error:
+        raise ImportError(f"'{file}': MJCF files need mujoco: pip install 'stark-sim[robots]'") from error
+    report = Report(f"'{file}'")
+    try:
+        spec = mujoco.MjSpec.from_file(os.fspath(file))
+        model = spec.compile()
+    except Exception as error:  # of the parser, the compiler, the files of meshes
+        raise InvalidArgument(f"{report.source}: mujoco cannot read it: {error}; correct it") from None
+    return _Reader(model, report).read(str(spec.modelname) or file.stem)
+
+
+class _Reader:
+    def __init__(self, model: Any, report: Report) -> None:
+        self.model, self.report = model, report
+        self.bodies = [self._name("body", model.body(k).name, k) for k in range(model.nbody)]
+        self.joint_names = [self._name("joint", model.joint(k).name, k) for k in range(model.njnt)]
+        self.efforts = self._efforts()
+        self.mimics = self._mimics()
+
+    def read(self, name: str) -> RobotDescription:
+        model = self.model
+        if model.nbody < 2:
+            self._refuse("<worldbody>", "has no body: must have one; add it")
+        children = [k for k in range(1, model.nbody) if model.body_parentid[k] == 0]
+        root, base, placement = 0, "fixed", WORLD
+        if len(children) == 1 and self._kind_of_root(children[0]) in ("none", "free"):
+            root = children[0]
+            base = "floating" if self._kind_of_root(root) == "free" else "fixed"
+            placement = Placement(np.array(model.body_pos[root]), as_matrix(model.body_quat[root], "quat"))
+        used = [k for k in range(model.nbody) if k != 0 or root == 0]
+        links = [self._link(k) for k in used]
+        joints = [self._joint(k) for k in used if k != root]
+        self._report_dropped()
+        check_inertias(links if root else links[1:], self.report)
+        excluded = [(int(pair) >> 16, int(pair) & 0xFFFF) for pair in np.ravel(model.exclude_signature)]
+        return RobotDescription(
+            name,
+            links,
+            joints,
+            excluded=[(self.bodies[a], self.bodies[b]) for a, b in excluded if min(a, b) > 0],
+            base=base,
+            placement=placement,
+            report=self.report,
+        )
+
+    # --- links ---
+
+    def _link(self, body: int) -> Link:
+        model, name = self.model, self.bodies[body]
+        inertia = None
+        if body > 0 and model.body_mass[body] > 0.0:
+            axes = as_matrix(model.body_iquat[body], name)
+            tensor = axes @ np.diag(model.body_inertia[body]) @ axes.T
+            center = np.array(model.body_ipos[body])
+            inertia = Inertia(float(model.body_mass[body]), center, 0.5 * (tensor + tensor.T))
+        if body > 0 and np.any(getattr(model, "body_gravcomp", np.zeros(model.nbody))[body]):
+            self.report.add("dropped", f"body '{name}'", "gravcomp")
+        shown: list[Geometry] = []
+        touching: list[Geometry] = []
+        first, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
+        for geom in range(first, first + count):
+            shape = self._geometry(geom, name)
+            if shape is not None:
+                collides = model.geom_contype[geom] or model.geom_conaffinity[geom]
+                (touching if collides else shown).append(shape)
+        return Link(name, inertia, tuple(shown or touching), tuple(touching))
+
+    def _geometry(self, geom: int, body: str) -> Geometry | None:
+        model, kind = self.model, int(self.model.geom_type[geom])
+        size = [float(value) for value in model.geom_size[geom]]
+        r, g, b = (float(value) for value in model.geom_rgba[geom][:3])
+        placed: dict[str, Any] = {
+            "position": np.array(model.geom_pos[geom]),
+            "rotation": as_matrix(model.geom_quat[geom], body),
+            "color": (r, g, b),
+        }
+        if kind == _BOX:
+            return Geometry("box", tuple(2.0 * edge for edge in size), **placed)
+        if kind == _SPHERE:
+            return Geometry("sphere", (size[0],), **placed)
+        if kind in (_CYLINDER, _CAPSULE):
+            shape = "cylinder" if kind == _CYLINDER else "capsule"
+            return Geometry(shape, (size[0], 2.0 * size[1]), **placed)
+        if kind == _ELLIPSOID:
+            ball = meshes.sphere(1.0)
+            scaled = ball.vertices * np.array(size)
+            return Geometry("mesh", vertices=scaled, triangles=ball.triangles, **placed)
+        if kind == _MESH:
+            mesh = int(model.geom_dataid[geom])
+            vertices, faces = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+            return Geometry(
+                "mesh",
+                vertices=np.array(
+                    model.mesh_vert[vertices : vertices + model.mesh_vertnum[mesh]], dtype=np.float64
+                ),
+                triangles=np.array(model.mesh_face[faces : faces + model.mesh_facenum[mesh]], dtype=np.int32),
+                **placed,
+            )
+        what = {_PLANE: "plane", _HFIELD: "height field"}.get(kind, f"geom of type {kind}")
+        self.report.add("dropped", f"body '{body}'", f"a {what}: add a floor or a mesh to the scene")
+        return None
+
+    # --- joints ---
+
+    def _kind_of_root(self, body: int) -> str:
+        count, first = int(self.model.body_jntnum[body]), int(self.model.body_jntadr[body])
+        if count == 0:
+            return "none"
+        return "free" if count == 1 and self.model.jnt_type[first] == _FREE else "other"
+
+    def _joint(self, body: int) -> RobotJoint:
+        model, child = self.model, self.bodies[body]
+        parent = self.bodies[int(model.body_parentid[body])]
+        place = np.array(model.body_pos[body]), as_matrix(model.body_quat[body], child)
+        count, joint = int(model.body_jntnum[body]), int(model.body_jntadr[body])
+        if count == 0:
+            return RobotJoint(f"{child}_fixed", "fixed", parent, child, *place)
+        names = ", ".join(f"'{name}'" for name in self.joint_names[joint : joint + count])
+        if count > 1:
+            self._refuse(
+                f"body '{child}'",
+                f"has the joints {names}: must have one at most; give each a body with a mass of its own",
+            )
+        kind = int(model.jnt_type[joint])
+        if kind == _BALL:
+            self._refuse(
+                f"joint {names}",
+                "is a ball joint: must be a hinge, slide or free joint; use three hinges, or join the parts "
+                "by scene.add_ball after they are added",
+            )
+        if kind == _FREE:
+            return RobotJoint(self.joint_names[joint], "floating", parent, child, *place)
+        return self._moving(joint, parent, child, place)
+
+    def _moving(self, joint: int, parent: str, child: str, place: tuple[Floats, Floats]) -> RobotJoint:
+        model, name = self.model, self.joint_names[joint]
+        dof, row = int(model.jnt_dofadr[joint]), int(model.jnt_qposadr[joint])
+        limited = bool(model.jnt_limited[joint])
+        lower, upper = (float(bound) for bound in model.jnt_range[joint])
+        slides = int(model.jnt_type[joint]) == _SLIDE
+        effort = self.efforts.get(joint)
+        if effort is None:
+            self.report.add("assumed", f"joint '{name}'", "no limit of effort: none")
+        for what in ("jnt_stiffnesspoly", "dof_dampingpoly"):
+            values = getattr(model, what, None)
+            if values is not None and np.any(np.asarray(values)[joint if "jnt" in what else dof]):
+                self.report.add("dropped", f"joint '{name}'", f"{what[4:]}: only linear ones are kept")
+        return RobotJoint(
+            name,
+            "prismatic" if slides else ("revolute" if limited else "continuous"),
+            parent,
+            child,
+            *place,
+            axis=np.array(model.jnt_axis[joint]),
+            anchor=np.array(model.jnt_pos[joint]),
+            reference=float(model.qpos0[row]),
+            lower=lower if limited else None,
+            upper=upper if limited else None,
+            effort=effort,
+            damping=float(model.dof_damping[dof]),
+            friction=float(model.dof_frictionloss[dof]),
+            armature=float(model.dof_armature[dof]),
+            stiffness=float(model.jnt_stiffness[joint]),
+            rest=float(model.qpos_spring[row]),
+            mimic=self.mimics.get(joint),
+        )
+
+    def _efforts(self) -> dict[int, float]:
+        """Limits of effort by joint: of the joint itself and of its actuators, which are not kept."""
+        model = self.model
+        found: dict[int, float] = {}
+        for joint in range(model.njnt):
+            if model.jnt_actfrclimited[joint]:
+                found[joint] = float(np.abs(model.jnt_actfrcrange[joint]).max())
+        for k in range(model.nu):
+            title = f"actuator '{self._name('actuator', model.actuator(k).name, k)}'"
+            self.report.add("dropped", title, "is not built: use robot.add_servos, add_motors, add_efforts")
+            if model.actuator_trntype[k] != _ON_JOINT:
+                continue
+            limit = None
+            if model.actuator_forcelimited[k]:
+                limit = np.abs(model.actuator_forcerange[k]).max()
+            elif (
+                model.actuator_ctrllimited[k]
+                and model.actuator_gaintype[k] == _FIXED_GAIN
+                and model.actuator_biastype[k] == _NO_BIAS
+            ):
+                limit = np.abs(model.actuator_ctrlrange[k]).max() * abs(model.actuator_gainprm[k][0])
+            if limit is None:
+                continue
+            joint = int(model.actuator_trnid[k][0])
+            value = float(limit * abs(model.actuator_gear[k][0]))
+            found[joint] = min(value, found.get(joint, np.inf))
+            self.report.add("kept", title, f"limit of effort {value:g} of joint '{self.joint_names[joint]}'")
+        return found
+
+    def _mimics(self) -> dict[int, Mimic]:
+        model = self.model
+        found: dict[int, Mimic] = {}
+        for k in range(model.neq):
+            title = f"equality '{self._name('equality', model.equality(k).name, k)}'"
+            a, b = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
+            shape = [float(value) for value in model.eq_data[k][:5]]
+            linear = int(model.eq_type[k]) == _EQUAL_JOINTS and b >= 0 and not any(shape[2:])
+            if not linear or not model.eq_active0[k] or a in found:
+                self.report.add("dropped", title, "only active linear ones of two joints are kept")
+                continue
+            at_rest = [float(model.qpos0[int(model.jnt_qposadr[joint])]) for joint in (a, b)]
+            offset = shape[0] + at_rest[0] - shape[1] * at_rest[1]
+            found[a] = Mimic(self.joint_names[b], shape[1], offset)
+        return found
+
+    # --- the rest ---
+
+    def _report_dropped(self) -> None:
+        for attribute, what in _DROPPED.items():
+            if count := int(getattr(self.model, attribute, 0)):
+                self.report.add("dropped", "file", f"{count} {what}")
+        self.report.add(
+            "dropped", "file", "friction, softness and margins of contact: those of the scene hold"
+        )
+        if (self.model.geom_type == _MESH).any():
+            self.report.add("kept", "file", "meshes touch as they are, not by their convex hulls")
+
+    def _name(self, what: str, name: str, number: int) -> str:
+        if name:
+            return str(name)
+        self.report.add("assumed", what, f"number {number} has no name: '{what}_{number}'")
+        return f"{what}_{number}"
+
+    def _refuse(self, part: str, text: str) -> NoReturn:
+        raise InvalidArgument(f"{self.report.source}: {part}: {text}")

@@ -1,0 +1,80 @@
+"""Descriptions are checked, whoever made them; inertias of parts add up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stark
+from stark.robots import Inertia, Link, Mimic, RobotDescription, RobotJoint
+
+
+def described(*joints: RobotJoint, **options: object) -> RobotDescription:
+    names = ["base", *(f"link_{k}" for k in range(len(joints)))]
+    return RobotDescription("odd", [Link(name) for name in names], joints, **options)  # type: ignore[arg-type]
+
+
+def hinge(k: int, parent: str = "base", **values: object) -> RobotJoint:
+    return RobotJoint(f"joint_{k}", "revolute", parent, f"link_{k}", **values)  # type: ignore[arg-type]
+
+
+def test_an_inertia_of_points_is_the_sum_of_its_parts() -> None:
+    random = np.random.default_rng(0)
+    points, masses = random.normal(size=(6, 3)), random.uniform(0.5, 2.0, 6)
+
+    def of(rows: slice) -> Inertia:
+        mass = masses[rows].sum()
+        center = masses[rows] @ points[rows] / mass
+        away = points[rows] - center
+        tensor = sum(
+            m * (d @ d * np.eye(3) - np.outer(d, d)) for m, d in zip(masses[rows], away, strict=True)
+        )
+        return Inertia(float(mass), center, np.asarray(tensor))
+
+    whole, total = of(slice(0, 6)), Inertia.sum([of(slice(0, 2)), of(slice(2, 6))])
+    assert abs(whole.mass - total.mass) < 1e-12
+    np.testing.assert_allclose(total.center, whole.center, atol=1e-12)
+    np.testing.assert_allclose(total.tensor, whole.tensor, atol=1e-12)
+    turn = stark.rotation(axis=(1, 2, 3), angle=0.7)
+    moved = whole.moved(np.ones(3), turn)
+    np.testing.assert_allclose(moved.center, 1.0 + turn @ whole.center, atol=1e-12)
+    np.testing.assert_allclose(moved.tensor, turn @ whole.tensor @ turn.T, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        (
+            [hinge(0, "link_1"), hinge(1, "link_0")],
+            "joints: 'joint_0', 'joint_1' make a circle: must make a tree",
+        ),
+        ([hinge(0, axis=np.array([0.0, 2.0, 0.0]))], "joint 'joint_0': axis has the length 2: must be 1"),
+        ([hinge(0, lower=1.0, upper=1.0)], "lower = 1, upper = 1 rad: lower must be below upper"),
+        ([hinge(0, damping=-1.0)], "joint 'joint_0': damping = -1: must be >= 0"),
+        ([RobotJoint("j", "screw", "base", "link_0")], "joint 'j': kind = 'screw': must be one of fixed"),
+        (
+            [hinge(0, mimic=Mimic("joint_1")), hinge(1, mimic=Mimic("joint_0"))],
+            "joint 'joint_0': mimics itself",
+        ),
+        ([RobotJoint("", "fixed", "base", "link_0")], "a joint has no name"),
+    ],
+)
+def test_what_is_wrong_is_named(joints: list[RobotJoint], message: str) -> None:
+    with pytest.raises(stark.InvalidArgument, match=f"description 'odd': .*{message}"):
+        described(*joints)
+    with pytest.raises(stark.InvalidArgument, match="excluded pair: 'leg': must be the name of a link"):
+        described(hinge(0), excluded=[("base", "leg")])
+
+
+def test_mimics_of_mimics_follow_the_first_one() -> None:
+    robot = described(
+        hinge(0), hinge(1, mimic=Mimic("joint_0", 2.0, 0.1)), hinge(2, mimic=Mimic("joint_1", -1.0, 0.3))
+    )
+    assert robot.coordinates == ("joint_0",)
+    name, ratio, offset = robot.drive_of(robot.joints["joint_2"])
+    assert name == "joint_0" and ratio == -2.0 and abs(offset - 0.2) < 1e-15
+
+
+def test_joints_are_in_the_order_of_the_file_or_from_the_root_outwards() -> None:
+    assert described(hinge(0), hinge(1, "link_0")).coordinates == ("joint_0", "joint_1")
+    assert described(hinge(0, "link_1"), hinge(1)).coordinates == ("joint_1", "joint_0")

@@ -1,0 +1,104 @@
+"""Servos, motors and efforts of robots: they hold against gravity, and stay within their caps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from robots._robots import ARM
+
+import stark
+
+pytest.importorskip("yourdfpy")
+START = {"shoulder": 0.7, "elbow": 1.0, "pitch": 0.3, "left_slide": 0.02}
+GAINS = {"stiffness": 20.0, "damping": 5.0}
+
+
+def arm() -> tuple[stark.Scene, stark.robots.Robot]:
+    scene = stark.Scene()
+    return scene, scene.add_robot(ARM, q=START)
+
+
+def run(sim: stark.Simulation, steps: int) -> None:
+    for _ in range(steps):
+        report = sim.step()
+        assert not report.failed, report.message
+
+
+def test_gravity_compensation_holds_where_soft_servos_sag() -> None:
+    moved = {}
+    for compensated in (False, True):
+        scene, robot = arm()
+        servos = robot.add_servos(**GAINS, gravity_compensation=compensated)
+        sim = stark.Simulation(scene, time_step=0.01)
+        start = robot.q
+        run(sim, 50)
+        moved[compensated] = np.abs(robot.q - start).max()
+        assert servos.gravity_compensation is compensated
+        if compensated:
+            np.testing.assert_allclose(servos.feedforward, robot.gravity_efforts(), atol=1e-6)
+            np.testing.assert_allclose(robot.tau, robot.gravity_efforts(), atol=1e-3)
+            with pytest.raises(stark.InvalidArgument, match="set gravity_compensation = False first"):
+                servos.feedforward = 1.0
+            servos.gravity_compensation = False
+            assert not servos.feedforward.any()
+    assert moved[True] < 1e-4 and moved[False] > 0.05  # [rad]
+
+
+def test_servos_reach_their_targets_within_their_caps() -> None:
+    scene, robot = arm()
+    servos = robot.add_servos(stiffness=[900, 900, 600, 400, 300, 3000], damping=[60, 60, 40, 20, 10, 80])
+    sim = stark.Simulation(scene, time_step=0.01)
+    goal = np.array([0.4, 0.5, 1.1, 0.2, 0.5, 0.03])
+    servos.target = goal
+    largest = np.zeros(6)
+    for _ in range(150):
+        run(sim, 1)
+        largest = np.maximum(largest, np.abs(servos.effort))
+    assert np.abs(robot.q - goal).max() < 0.03
+    assert (largest <= np.array([20, 30, 20, 10, 6, 20]) * (1 + 1e-9)).all() and largest[0] > 19.0
+    np.testing.assert_allclose(servos.target, goal, atol=1e-15)
+
+
+def test_motors_and_efforts_act_on_groups() -> None:
+    scene, robot = arm()
+    holding = robot.add_servos(["shoulder", "elbow", "pitch"], stiffness=900.0, damping=60.0)
+    spinning = robot.add_motors(["turn", "roll"], delta=0.01)
+    closing = robot.add_efforts("left_*", target=50.0)
+    sim = stark.Simulation(scene, time_step=0.01)
+    spinning.target = [0.5, -1.0]
+    run(sim, 30)
+    np.testing.assert_allclose(robot.qd[[0, 4]], [0.5, -1.0], atol=0.02)
+    assert closing.effort == 20.0 == robot.tau[5]  # cut at its limit
+    assert holding.joints == ("shoulder", "elbow", "pitch") and len(robot.drives) == 3
+    assert sim.robots[0].drives[1].joints == ("turn", "roll")
+    closing.enabled = False
+    run(sim, 1)
+    assert closing.effort == 0.0 and not closing.enabled
+
+
+def test_wrong_values_are_named() -> None:
+    _, robot = arm()
+    with pytest.raises(
+        stark.InvalidArgument, match=r"servos: stiffness has the shape \(2,\): must be a number or \(6,"
+    ):
+        robot.add_servos(stiffness=[1.0, 2.0], damping=1.0)
+    with pytest.raises(stark.InvalidArgument, match="motors: target = nan: must be finite"):
+        robot.add_motors(target=np.nan)
+    with pytest.raises(stark.InvalidArgument, match="joints = 'right_slide': must be the name"):
+        robot.add_efforts("right_slide")
+    assert not robot.drives
+    efforts = robot.add_efforts()
+    with pytest.raises(stark.InvalidArgument, match="only servos have it; add robot"):
+        efforts.gravity_compensation = True
+
+
+def test_a_joint_without_limit_of_effort_needs_a_cap() -> None:
+    body = stark.robots.Inertia(1.0, np.zeros(3), 0.01 * np.eye(3))
+    links = [stark.robots.Link("base", body), stark.robots.Link("arm", body)]
+    joint = stark.robots.RobotJoint("hinge", "continuous", "base", "arm")
+    robot = stark.Scene().add_robot(stark.robots.RobotDescription("free", links, [joint]))
+    with pytest.raises(
+        stark.InvalidArgument, match="joint 'hinge' has no limit of effort in description 'free'"
+    ):
+        robot.add_motors()
+    assert robot.add_motors(cap=1.0).joints == ("hinge",)

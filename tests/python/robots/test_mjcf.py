@@ -1,0 +1,110 @@
+"""MJCF files: what mujoco compiles is kept, dropped or refused by name."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots._robots import random_mjcf
+
+import stark.robots
+
+mujoco = pytest.importorskip("mujoco")
+
+BODY = '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/>'
+
+
+def written(folder: Path, body: str, more: str = "") -> Path:
+    file = folder / "robot.xml"
+    file.write_text(f'<mujoco model="m"><worldbody>{body}</worldbody>{more}</mujoco>')
+    return file
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_masses_and_tensors_are_those_of_mujoco(seed: int, tmp_path: Path) -> None:
+    file = tmp_path / "tree.xml"
+    file.write_text(random_mjcf(seed))
+    robot = stark.robots.read(file)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    for name, link in robot.links.items():
+        body, inertia = model.body(name), link.inertia
+        assert inertia is not None and abs(inertia.mass - body.mass[0]) < 1e-12
+        np.testing.assert_allclose(inertia.center, body.ipos, atol=1e-12)
+        moments = np.sort(np.linalg.eigvalsh(inertia.tensor))
+        np.testing.assert_allclose(moments, np.sort(body.inertia), atol=1e-12)
+    joint = robot.joints["j1"]
+    assert joint.effort == 20.0 and joint.damping == 0.1 and joint.armature == 0.01
+    assert abs(joint.reference - np.deg2rad(10)) < 1e-12
+
+
+def test_shapes_are_those_of_the_geoms(tmp_path: Path) -> None:
+    geoms = (
+        '<geom type="box" size=".1 .2 .3" pos="1 0 0"/><geom type="sphere" size=".1"/>'
+        '<geom type="capsule" size=".1 .2"/><geom type="cylinder" size=".1 .2"/>'
+        '<geom type="ellipsoid" size=".1 .2 .3"/>'
+        '<geom type="box" size=".5 .5 .5" contype="0" conaffinity="0" rgba="1 0 0 1"/>'
+    )
+    robot = stark.robots.read(written(tmp_path, f'<body name="a"><freejoint/>{BODY}{geoms}</body>'))
+    plane = written(tmp_path, f'<body name="a">{BODY}<geom type="plane" size="1 1 1"/></body>')
+    link = robot.links["a"]
+    kinds = [(shape.kind, shape.size) for shape in link.collisions]
+    assert kinds[:4] == [
+        ("box", (0.2, 0.4, 0.6)), ("sphere", (0.1,)), ("capsule", (0.1, 0.4)), ("cylinder", (0.1, 0.4))
+    ]  # fmt: skip
+    assert [shape.size for shape in link.visuals] == [(1.0, 1.0, 1.0)]
+    assert link.visuals[0].color == (1.0, 0.0, 0.0) and robot.base == "floating"
+    assert "body 'a': a plane: add a floor or a mesh to the scene" in str(stark.robots.read(plane).report)
+    scene = stark.Scene()
+    placed = scene.add_robot(robot).links["a"].collision
+    assert placed is not None and abs(placed.bounds[1, 0] - 1.1) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (
+            f'<body name="a">{BODY}<joint name="j"/><joint name="k"/></body>',
+            "body 'a': has the joints 'j', 'k'",
+        ),
+        (f'<body name="a">{BODY}<joint name="j" type="ball"/></body>', "joint 'j': is a ball joint: must be"),
+        ("", "<worldbody>: has no body"),
+        ('<body name="a"><joint name="j" axis="0 0 x"/></body>', "mujoco cannot read it: "),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:Inertia matrix is too close to singular")
+def test_what_is_wrong_with_a_file_is_named(body: str, message: str, tmp_path: Path) -> None:
+    file = written(tmp_path, body)
+    with pytest.raises(stark.InvalidArgument, match=message) as caught:
+        stark.robots.read(file)
+    assert str(caught.value).startswith(f"'{file}': ")
+
+
+def test_what_is_dropped_and_kept_is_reported(tmp_path: Path) -> None:
+    body = f'<body name="a">{BODY}<joint name="j"/><body name="b">{BODY}<joint name="k"/></body></body>'
+    more = (
+        '<contact><exclude body1="a" body2="b"/></contact>'
+        '<equality><joint joint1="j" joint2="k" polycoef="0 1 1 0 0"/></equality>'
+        '<sensor><jointpos joint="j"/></sensor><actuator>'
+        '<position name="p" joint="j" kp="1" forcerange="-3 3"/></actuator>'
+    )
+    robot = stark.robots.read(written(tmp_path, body, more))
+    report = str(robot.report)
+    for line in (
+        "equality 'equality_0': only active linear ones of two joints are kept",
+        "file: 1 sensors",
+        "actuator 'p': is not built",
+        "actuator 'p': limit of effort 3 of joint 'j'",
+        "joint 'k': no limit of effort: none",
+    ):
+        assert line in report
+    assert robot.excluded == (("a", "b"),) and robot.joints["j"].effort == 3.0
+    assert robot.root == "world" and robot.coordinates == ("j", "k")
+
+
+def test_a_missing_reader_is_named_with_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = written(tmp_path, f'<body name="a">{BODY}</body>')
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ImportError, match=r"need mujoco: pip install 'stark-sim\[robots\]'"):
+        stark.robots.read(file)

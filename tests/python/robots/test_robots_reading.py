@@ -1,0 +1,34 @@
+"""The reader of a robot file is found by what is in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import stark.robots
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<sdf version='1'/>", "begins with <sdf>: must be a URDF file .* or an MJCF file"),
+        ("", "must be XML"),
+        ("robot: {}", "must be XML; xacro files have to be expanded first"),
+    ],
+)
+def test_other_files_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "robot.xml"
+    file.write_text(text)
+    with pytest.raises(stark.InvalidArgument, match=message):
+        stark.robots.read(file)
+
+
+def test_files_that_are_not_there_are_named(tmp_path: Path) -> None:
+    for file in (tmp_path / "no.urdf", tmp_path):
+        with pytest.raises(
+            stark.InvalidArgument, match=f"'{file}': .* must be a URDF or MJCF file; check the path"
+        ):
+            stark.robots.read(file)
+    with pytest.raises(stark.InvalidArgument, match="robot: path = 3: must be a path"):
+        stark.robots.read(3)  # type: ignore[arg-type]
