@@ -1,0 +1,62 @@
+"""The experiments of the paper, made small: a hand with a cup and two balls, a robot and a coarse towel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stark import scenes
+from stark.recording import Recording
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+def run(example: str, folder: Path, until: float, **options: Any) -> tuple[Any, Recording]:
+    """The module of an example and a recording of its run."""
+    scene = scenes.load(EXAMPLES / f"{example}.py", options)
+    result = scenes.run(scene, out=folder, until=until, replay=False, picture=False, fps=20)
+    assert result.status == "complete", result.message
+    return scene.module, Recording(folder)
+
+
+@pytest.mark.slow
+def test_the_hand_holds_a_cup_with_two_balls(tmp_path: Path) -> None:
+    cup, recording = run("cup", tmp_path / "run", 3.75, balls=2, cells=8)
+    cup.check(recording)  # grip, balance, weight that the pads carry, balls inside, no creep
+    assert cup.plot(recording, tmp_path / "curves.svg").read_text().count("<polyline") == 5
+    assert cup.draw(recording, tmp_path / "cup.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_the_robot_meets_a_towel(tmp_path: Path) -> None:
+    robot_towel, recording = run("robot_towel", tmp_path / "run", 2.1, cells=26)
+    series = {name.removeprefix("measured."): recording.telemetry[name] for name in recording.telemetry.names}
+    met = int(np.argmax(np.abs(series["push"]) > 0.01))
+    # Until then it has reached the speed of its motors; the front caster is the first to touch the edge.
+    robot = robot_towel.robot
+    assert series["speed"][met - 1] == pytest.approx(robot.SPEED * robot.WHEEL_RADIUS, rel=0.01)
+    reach = robot.CASTER_Y["front"] + robot.CASTER_RADIUS
+    assert robot_towel.FRONT - reach - 0.01 < series["y"][met] < robot_towel.FRONT - robot.CASTER_Y["front"]
+    # Carpet holds the towel: 4.75 N of friction against 3.8 N of the motors.
+    assert abs(series["towel_y"][-1] - series["towel_y"][0]) < 1e-3
+    assert robot_towel.results(recording)["torque"] <= robot.TORQUE * (1.0 + 1e-9)
+    assert robot_towel.plot(recording, tmp_path / "curves.svg").read_text().count("<polyline") == 8
+
+
+@pytest.mark.parametrize(
+    ("configuration", "cells"),
+    [
+        *((name, cells) for name in ("flat", "one_fold", "two_folds") for cells in (52, 100)),
+        *((name, 100) for name in ("roll_rolled", "roll_open", "roll_side")),
+    ],
+)
+def test_folding_keeps_lengths(configuration: str, cells: int) -> None:
+    towel = scenes.load(EXAMPLES / "robot_towel.py").module.towel
+    mesh, points = towel.mesh(cells), towel.placed(cells, configuration)
+    edges = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    lengths = [np.linalg.norm(np.diff(x[edges], axis=1)[:, 0], axis=1) for x in (mesh.vertices, points)]
+    assert lengths[1] == pytest.approx(lengths[0], rel=1e-6)
+    assert points[:, 1:].min(axis=0) == pytest.approx(0.0)
