@@ -14,6 +14,7 @@ slides before there are 22; the pads carry the weight of all; no ball leaves thr
 """
 
 import sys
+from typing import Any
 
 import curves
 import gripper
@@ -25,7 +26,11 @@ import stark.scenes
 from stark.recording import Recording
 
 until = 11.0  # [s]
-options = {"force": 5.0, "balls": 24, "cells": 12}  # of both fingers [N]; balls; cells across the bottom
+options: dict[str, Any] = {
+    "force": 5.0,
+    "balls": 24,
+    "cells": 12,
+}  # of both fingers [N]; balls; cells across the bottom
 HEIGHT, BOTTOM, RIM, LIP_WIDTH = 0.100, 0.027, 0.036, 0.0025  # height, radii, lip [m]
 # The sheet of the authors' program: E t = 1e6 N/m, E t^3 / (12 (1 - nu^2)) = 3e-4 N m, 0.2 kg/m^2.
 PLASTIC = stark.ShellMaterial(

@@ -82,9 +82,8 @@ def measure(sim):
     [rad]; of the towel its mean place [m] and the force of the robot on it [N]."""
     series = robot.measure(sim)
     cloth = sim["towel"].positions
-    push = sum(
-        sim.contacts.of("towel", part).forces.sum(axis=0) for part in ("body", *robot.WHEELS, *robot.CASTERS)
-    )
+    parts = ("body", *robot.WHEELS, *robot.CASTERS)
+    push = np.sum([sim.contacts.of("towel", part).forces.sum(axis=0) for part in parts], axis=0)
     series |= {
         "y": sim["body"].position[1],
         "x": sim["body"].position[0],

@@ -79,7 +79,7 @@ def _roll(cells: int) -> tuple[np.ndarray, np.ndarray]:
     angle, radius, points = 0.0, ROLL_RADIUS, []
     for _ in range(rolled + 1):  # from the outside inwards, by chords of the length of an edge
         points.append((radius * np.sin(angle), -radius * np.cos(angle)))
-        low, high = 0.0, np.pi
+        low, high, turn = 0.0, np.pi, 0.0
         for _ in range(60):
             turn = 0.5 * (low + high)
             inner = radius - ROLL_PITCH * turn / (2.0 * np.pi)

@@ -220,7 +220,7 @@ def _load_by_trimesh(file: Path) -> TriangleMesh:
     except ImportError as error:
         raise ImportError(f"'{file}': this format needs trimesh: pip install 'stark-sim[mesh]'") from error
     try:
-        loaded = trimesh.load(file, force="mesh")
+        loaded: Any = trimesh.load(file, force="mesh")
     except Exception as error:  # readers of many formats raise what they like
         raise InvalidMesh(f"'{file}' cannot be read: {error}") from None
     return TriangleMesh(np.asarray(loaded.vertices), np.asarray(loaded.faces))
