@@ -58,6 +58,7 @@ RETURNED = (
     "stark._core.SolidLaw",
     "stark._core.ShellLaw",
     "stark._core.RodLaw",
+    "stark.robots.kinematics.Placement",
 )
 #: Names of types in annotations, and what they stand for.
 ALIASES = {
@@ -67,6 +68,7 @@ ALIASES = {
     "Floats": "array of 64-bit floating-point numbers",
     "Indices": "array of 32-bit integers",
     "Integers": "array of 32-bit integers",
+    "PathLike": "``pathlib.Path`` or another path",
     "Side": "body, frame, name of a body, or None for the world",
     "TimeValue": "number, or function of the time [s]",
     "Vec3Like": "three numbers, a sequence or an array",
@@ -89,6 +91,7 @@ INTERNAL = frozenset(
         "stark.joints.definition.Held",
         "stark.recording.lock.FolderLock",
         "stark.render.camera.Bounds",
+        "stark.robots.drives.DrivenRobot",
         "stark.steps.LastStep",
         "stark.steps.Stepping",
         "stark.symbolic.signature.Argument",
@@ -201,7 +204,10 @@ def _entry(module: str, name: str, value: Any) -> str:
     """The directive of one name."""
     full = f"{module}.{name}"
     if inspect.isclass(value):
-        inherited = "" if issubclass(value, BaseException) else "   :inherited-members:\n"
+        is_foreign = issubclass(value, BaseException) or any(
+            base.__module__ == "numpy" for base in value.__mro__
+        )
+        inherited = "" if is_foreign else "   :inherited-members:\n"
         return f".. autoclass:: {full}\n{inherited}"
     if _is_alias(value):
         return f".. py:type:: {name}\n\n   {ALIASES.get(name, _plain(value))}\n"

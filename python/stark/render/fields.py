@@ -33,13 +33,11 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
     ``positions``, by name of body. Bodies that do not have it are left out; ``bodies`` are the only ones to
     look at, by handle, name or pattern.
 
-    | name | unit | value | of |
-    |---|---|---|---|
-    | speed | m/s | length of the velocity | all |
-    | contact_force | N | length of the sum of contact forces on the vertex, friction included | all |
-    | pressure | Pa | normal contact force over area, ``body.contact_pressure()`` | all but rods |
-    | strain | 1 | largest change of a principal stretch, max \\|s_i - 1\\| | cloth, solids, rods |
-    | stress | Pa | von Mises stress (Cauchy); of rods axial force over area | cloth, solids, rods |
+    - "speed" [m/s]: length of the velocity; all bodies.
+    - "contact_force" [N]: length of the sum of contact forces on the vertex, friction included; all bodies.
+    - "pressure" [Pa]: normal contact force over area, ``body.contact_pressure()``; all but rods.
+    - "strain" [1]: largest change of a principal stretch, max abs(s_i - 1); cloth, solids, rods.
+    - "stress" [Pa]: von Mises stress (Cauchy), of rods axial force over area; cloth, solids, rods.
 
     Strains and stresses are means over the elements at a vertex. Stresses are those of the constitutive law
     and of limits of Green strain, without damping; cloth has them in its middle surface (its bending is left
