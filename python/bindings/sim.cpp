@@ -147,8 +147,9 @@ StepReport run_step(Simulation& sim, std::optional<double> max_time_step, nb::ob
                  [&]() -> StepReport { return max_time_step ? sim.step(*max_time_step) : sim.step(); });
 }
 
-bool resume(Simulation& sim, const State& before, std::optional<double> max_time_step, const State& state) {
-  return watched(sim, {}, [&] { return sim.resume(before, max_time_step.value_or(1e300), state); });
+bool resume(Simulation& sim, const State& before, std::optional<double> max_time_step, const State& state,
+            double placed) {
+  return watched(sim, {}, [&] { return sim.resume(before, max_time_step.value_or(1e300), state, placed); });
 }
 
 /// A field as an array of its own.
@@ -414,7 +415,7 @@ void bind_simulation(nb::module_& m) {
             return pairs;
           },
           "Pairs of bodies that started within their contact distance, and the one that they have now [m].")
-      .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a,
+      .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a, "placed"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
       .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
       .def_prop_ro("thread_count", &Simulation::thread_count)

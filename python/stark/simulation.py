@@ -149,7 +149,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         self._taken = TakenStep(before, limit, report)
         if not report.failed:
             pushed = [values.pushed() for values in self._live_values]
-            self._last_step = LastStep(before, limit, pushed)
+            self._last_step = LastStep(before, limit, pushed, report.energy["placed"])
         return report
 
     @contextmanager

@@ -28,6 +28,7 @@ class LastStep(NamedTuple):
     before: State
     limit: float | None  #: [s], of a step that was cut short
     values: list[dict[str, Any]]  #: live values of the energies, arrays by name
+    placed: float  #: [J], given to what is stored between the step before and this one
 
 
 class TakenStep(NamedTuple):

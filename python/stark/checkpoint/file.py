@@ -9,6 +9,7 @@ memory/<k>             arrays of what a controller remembers"""
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,7 @@ from .differences import Part
 from .errors import CheckpointError
 
 FORMAT_NAME = "stark-checkpoint"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -72,6 +73,7 @@ def write(checkpoint: Content, path: Path) -> None:
         "state_hash": checkpoint.state.hash,
         "before_hash": last.before.hash if last else None,
         "limit": last.limit if last else None,
+        "placed": last.placed if last else None,
         "settings": checkpoint.settings,
         "energies": checkpoint.energies,
         "parts": checkpoint.parts,
@@ -130,8 +132,11 @@ def _checkpoint(header: dict[str, Any], arrays: Arrays) -> Content:
         limit = header["limit"]
         if limit is not None and not (isinstance(limit, float) and limit > 0.0):
             raise ValueError(f"limit = {limit!r} s: must be > 0")
+        placed = header["placed"]
+        if not (isinstance(placed, float) and math.isfinite(placed)):
+            raise ValueError(f"placed = {placed!r} J: must be finite")
         before = _state(arrays, "before", header["before_hash"])
-        last = LastStep(before, limit, _values(arrays, "last_values", len(energies)))
+        last = LastStep(before, limit, _values(arrays, "last_values", len(energies)), placed)
     for name in ("settings", "memory"):
         if not isinstance(header[name], dict):
             raise TypeError(f"{name} must be an object")

@@ -119,7 +119,7 @@ class Checkpoint(Content):
         _assign(sim, self.last.values)
         for live in sim._live_values:
             live.push(sim._core)
-        same = sim._core.resume(self.last.before, self.last.limit, self.state)
+        same = sim._core.resume(self.last.before, self.last.limit, self.state, self.last.placed)
         _assign(sim, self.values)
         sim._last_step = self.last if same else None
         if not same:

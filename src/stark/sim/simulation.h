@@ -49,8 +49,8 @@ class Simulation {
   /// Goes on where another simulation of the same scene was, sensors included: takes the step of at most
   /// `max_time_step` [s] that led from `before` to `state` again, so that contacts, reactions and the report
   /// are those of that step. Returns false when it does not come to the same places bit for bit; the state is
-  /// then set as by set_state().
-  bool resume(const State& before, double max_time_step, const State& state);
+  /// then set as by set_state(). `placed` [J] is that of the report of the step.
+  bool resume(const State& before, double max_time_step, const State& state, double placed = 0.0);
   const Model& model() const { return *model_; }
   const Energies& energies() const { return energies_; }
   const Scene& scene() const { return scene_; }

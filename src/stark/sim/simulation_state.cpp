@@ -86,9 +86,11 @@ void Simulation::forget_last_step() {
   for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
 }
 
-bool Simulation::resume(const State& before, double max_time_step, const State& state) {
+bool Simulation::resume(const State& before, double max_time_step, const State& state, double placed) {
   set_state(state);  // refuses it before anything else happens
   set_state(before);
+  parts_->placing.forget();
+  parts_->placing.add_energy(placed);
   step(max_time_step);
   if (report().failed() || !same_places(state_, state)) {
     set_state(state);

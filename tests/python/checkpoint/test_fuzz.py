@@ -199,8 +199,8 @@ def test_files_that_are_no_checkpoints(content: bytes | None, message: str, tmp_
 
 def test_other_formats_and_versions(good: Path, tmp_path: Path) -> None:
     header, arrays = arrays_of(good)
-    later = {**header, "version": 3, "stark_version": "9.9"}
-    with pytest.raises(CheckpointError, match=r"format version 3; this Stark reads 2: use .*'9.9'"):
+    later = {**header, "version": 4, "stark_version": "9.9"}
+    with pytest.raises(CheckpointError, match=r"format version 4; this Stark reads 3: use .*'9.9'"):
         Checkpoint.read(rewrite(tmp_path / "a.stark", later, arrays))
     with pytest.raises(CheckpointError, match="is no checkpoint of Stark"):
         Checkpoint.read(rewrite(tmp_path / "a.stark", {**header, "format": "x"}, arrays))

@@ -218,7 +218,7 @@ def test_equal_states_make_equal_files_that_numpy_reads(tmp_path: Path) -> None:
     assert (tmp_path / "a.stark").read_bytes() == (tmp_path / "b.stark").read_bytes()
     with np.load(tmp_path / "a.stark") as arrays:
         header = json.loads(arrays["header"].tobytes())
-        assert (header["format"], header["version"]) == ("stark-checkpoint", 2)
+        assert (header["format"], header["version"]) == ("stark-checkpoint", 3)
         np.testing.assert_array_equal(arrays["state/point_position"], sim.state.point_positions)
         names = {f["name"] for f in stark._core.State.fields()}
         assert {n.partition("/")[2] for n in arrays.files if n.startswith("state/")} == names
