@@ -14,17 +14,22 @@ Floats = NDArray[np.float64]
 
 
 def point_masses(body: Any) -> Floats | None:
-    """Masses of the vertices of a cloth, of a solid of linear tetrahedra or of the nodes of a rod (n,) [kg];
-    None for bodies whose masses are lumped in another way (quadratic and hexahedral elements, rigid
-    bodies)."""
+    """Masses of the vertices of a cloth or of a solid of linear tetrahedra with their layers, or of the nodes
+    of a rod (n,) [kg]; None for bodies whose masses are lumped in another way (quadratic and hexahedral
+    elements, rigid bodies), and for those with fibres that bend, whose frames turn with moments of their
+    own."""
     material = body._shared.get("material")
-    if material is None:
+    layers = getattr(body, "layers", [])
+    if material is None or any(layer.kind == "fibres" and layer.bending for layer in layers):
         return None
     density = np.asarray(material.density, dtype=np.float64)
     if body.kind == "cloth":
-        return _lumped(body.mesh.vertices, body.mesh.triangles, density * _areas(body.mesh), 3)
+        areas = _areas(body.mesh.vertices, body.mesh.triangles)
+        own = _lumped(body.mesh.vertices, body.mesh.triangles, density * areas, 3)
+        return own + _of_layers(body.mesh.vertices, layers)
     if body.kind == "solid" and isinstance(body.mesh, TetMesh):
-        return _lumped(body.mesh.vertices, body.mesh.tets, density * np.abs(body.mesh.volumes), 4)
+        own = _lumped(body.mesh.vertices, body.mesh.tets, density * np.abs(body.mesh.volumes), 4)
+        return own + _of_layers(body.mesh.vertices, layers)
     if body.kind == "rod":
         return _of_nodes(body, material.section["mass"] * density / material._core.get("density"))
     return None
@@ -52,8 +57,24 @@ def _lumped(vertices: Floats, elements: NDArray[np.int32], masses: Floats, corne
     return np.asarray(sums, dtype=np.float64)
 
 
-def _areas(mesh: Any) -> Floats:
-    a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
+def _of_layers(vertices: Floats, layers: Any) -> Floats:
+    """Masses that skins and fibres add to the vertices (n,) [kg]."""
+    total = np.zeros(len(vertices))
+    for layer in layers:
+        density = np.asarray(layer.material.density, dtype=np.float64)
+        if layer.kind == "skin":
+            elements = np.asarray(layer.triangles, dtype=np.int32)
+            sizes = density * _areas(vertices, elements)
+        else:
+            elements = np.asarray(layer.edges, dtype=np.int32)
+            per_length = layer.material.section["mass"] * density / layer.material._core.get("density")
+            sizes = per_length * np.linalg.norm(np.diff(vertices[elements], axis=1)[:, 0], axis=1)
+        total += _lumped(vertices, elements, sizes, elements.shape[1])
+    return total
+
+
+def _areas(vertices: Floats, triangles: NDArray[np.int32]) -> Floats:
+    a, b, c = (vertices[triangles[:, i]] for i in range(3))
     return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
 
