@@ -69,7 +69,34 @@ void bind_step_progress(nb::module_& m) {
           "Largest M^-1 residual [m/s^2].")
       .def_prop_ro(
           "last_motion", [](const P& p) { return p.step.solve.last_motion; },
-          "Largest motion of a vertex in the last Newton step, taken in full [m].");
+          "Largest motion of a vertex in the last Newton step, taken in full [m].")
+      .def_prop_ro(
+          "step_length", [](const P& p) { return p.step.solve.last_step_length; },
+          "Share of it that was taken.")
+      .def_prop_ro(
+          "bound", [](const P& p) { return p.step.solve.last_bound; },
+          "Largest share of it that collision detection and the limit of rotations allowed.")
+      .def_prop_ro(
+          "slope", [](const P& p) { return p.step.solve.last_slope; },
+          "Of the energy along it [J]: a quadratic energy falls by half of that.")
+      .def_prop_ro(
+          "difference", [](const P& p) { return p.step.solve.last_difference; },
+          "Change of the energy by what was taken of it [J].")
+      .def_prop_ro(
+          "backtracks", [](const P& p) { return p.step.solve.backtracks; },
+          "Times that steps were halved in this attempt.")
+      .def_prop_ro(
+          "projected_iterations", [](const P& p) { return p.step.solve.projected_iterations; },
+          "Iterations of this attempt whose Hessians were projected.")
+      .def_prop_ro(
+          "factorizations", [](const P& p) { return p.step.solve.factorizations; },
+          "Of matrices, in this attempt.")
+      .def_prop_ro(
+          "linear_iterations", [](const P& p) { return p.step.solve.linear_iterations; },
+          "Of conjugate gradients, in this attempt.")
+      .def_prop_ro(
+          "contacts", [](const P& p) { return p.step.contact_count; },
+          "Pairs within their contact distance.");
 }
 
 }  // namespace stark::bindings

@@ -26,6 +26,18 @@ TEST_CASE("packed pairs have the order of their keys") {
   CHECK(memory.find({PointEdge, 3, 4}) == -1);
 }
 
+TEST_CASE("pairs of the same first primitive are found together") {
+  using enum PairKind;
+  FrictionMemory memory;
+  for (const PairKey key :
+       {PairKey{PointTriangle, 1, 9}, {PointTriangle, 2, 3}, {PointTriangle, 2, 8}, {EdgeEdge, 2, 4}})
+    memory.append(key, {}, 1.0);
+  CHECK(memory.of_first({PointTriangle, 2, 5}) == std::pair<int64_t, int64_t>{1, 3});
+  CHECK(memory.of_first({PointTriangle, 0, 5}) == std::pair<int64_t, int64_t>{0, 0});
+  CHECK(memory.of_first({EdgeEdge, 2, 0}) == std::pair<int64_t, int64_t>{3, 4});
+  CHECK(memory.of_first({PointEdge, 2, 0}) == std::pair<int64_t, int64_t>{4, 4});
+}
+
 TEST_CASE("spin is the angle by which triangles and edges turn about the normal") {
   RandomPoints random(3);
   const SurfaceMesh mesh{.vertex_count = 5, .edges = {{1, 2}, {3, 4}}, .triangles = {{1, 2, 3}}};

@@ -385,3 +385,26 @@ TEST_CASE("friction is settled between each two bodies, not only where limits ar
   CHECK(set.reset(contacts, forces(10.21, 0.1), mu, start) == 0.0);
   CHECK(set.reset(contacts, forces(10.21, 0.5), mu, start) == 0.0);
 }
+
+TEST_CASE(
+    "a point that slides to the next triangle takes its bristles along, unless it goes round a corner") {
+  for (const bool is_corner : {false, true}) {
+    CAPTURE(is_corner);
+    const SurfaceMesh surface{.vertex_count = 5, .triangles = {{1, 2, 3}, {2, 1, 4}}};
+    const std::vector<Vec3> start{
+        {0.5, 0, 0.01}, {0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, is_corner ? Vec3{0.5, 0, 1} : Vec3{0.5, -1, 0}};
+    Contact contact = contact_of(4);
+    contact.key = {PairKind::PointTriangle, 0, 1};
+    contact.sites = {0, 2, 1, 4};
+    FrictionMemory memory;
+    const Vec3 bent{0.5 * kStick, 0, 0};
+    memory.append({PairKind::PointTriangle, 0, 0}, bent, 1.0);
+    FrictionSet set = make_set();
+    set.begin_step(surface, memory, start, {start, 1.0});
+    set.reset({contact}, std::vector<Vec3>{{0, 0, 2.0}}, coefficient, start);
+    const FrictionMemory after = set.end_step(start);
+    CHECK(after.pair == std::vector<int64_t>{pack(contact.key)});
+    CHECK(norm(after.deflection[0] - (is_corner ? Vec3{} : bent)) < 1e-15);
+    CHECK(after.force[0] == 2.0);
+  }
+}

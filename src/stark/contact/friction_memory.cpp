@@ -49,6 +49,13 @@ int64_t FrictionMemory::find(const PairKey& key) const {
   return found != pair.end() && *found == code ? found - pair.begin() : -1;
 }
 
+std::pair<int64_t, int64_t> FrictionMemory::of_first(const PairKey& key) const {
+  const auto at = [&](int32_t first) {
+    return std::ranges::lower_bound(pair, pack({key.kind, first, 0})) - pair.begin();
+  };
+  return {at(key.first), at(key.first + 1)};
+}
+
 double spin(const SurfaceMesh& mesh, const PairKey& key, const Vec3& normal, std::span<const Vec3> x0,
             std::span<const Vec3> x1) {
   const auto tangential = [&](const Vec3& v) { return v - normal * dot(normal, v); };

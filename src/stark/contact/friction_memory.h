@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <stark/collision/candidates.h>
@@ -20,6 +21,8 @@ struct FrictionMemory {
   void append(const PairKey& key, const Vec3& pair_deflection, double normal_force);
   /// Index of a pair, -1 when nothing is known of it.
   int64_t find(const PairKey& key) const;
+  /// Indices of the pairs of the same kind and first primitive, from one to before the other.
+  std::pair<int64_t, int64_t> of_first(const PairKey& key) const;
 };
 
 /// Order-preserving number of a pair: two bits for the list and thirty for each primitive.

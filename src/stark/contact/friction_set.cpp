@@ -14,13 +14,6 @@ using symbolic::Order;
 
 namespace {
 
-/// Change of the limits below which friction counts as up to date, over the largest one of all.
-constexpr double kLimitTolerance = 1e-3;
-
-/// The same for two bodies, over the largest limit between them: a press must not hide how a box slides
-/// beside it. Bodies that hardly graze each other are left out: part of the largest limit of all.
-constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
-
 /// Resets of a step after which pairs keep their tangent planes and closest points.
 constexpr int kGeometryResets = 2;
 
@@ -29,6 +22,9 @@ constexpr int kPlainResets = 3;
 
 /// Part of the stick displacement from which a remembered pair counts as sliding.
 constexpr double kSliding = 1.0 - 1e-6;
+
+/// Cosine of the angle between two triangles above which a point that goes from one to the other slides on.
+constexpr double kSameSide = 0.9;
 
 /// A vector laid into the plane of a unit normal without changing its length.
 Vec3 turned(const Vec3& v, const Vec3& normal) {
@@ -85,11 +81,11 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
-  const int64_t known = memory_.find(contact.key);
+  const int64_t known = find_bristles(contact, x);
   const Pair* before = find(contact.key);
   if (known >= 0) {
     pair.deflection = turned(memory_.deflection[known], pair.normal) * orientation(*mesh_, contact);
-    if (resets_ == 0) pair.force = memory_.force[known];
+    if (resets_ == 0 && memory_.pair[known] == pack(contact.key)) pair.force = memory_.force[known];
     const double bent =
         pair.is_anisotropic ? measure(pair, pair.deflection) : norm(memory_.deflection[known]);
     pair.slides = bent >= kSliding * stick_displacement_;
@@ -104,6 +100,23 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
   }
   if (resets_ > 0) pair.slides = measure(pair, deflection(pair, x)) >= stick_displacement_;
   return pair;
+}
+
+int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3> x) const {
+  const int64_t own = memory_.find(contact.key);
+  if (own >= 0 || contact.key.kind != PairKind::PointTriangle) return own;
+  const auto normal = [&](const Index3& t) {
+    return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
+  };
+  const Index3& triangle = mesh_->triangles[contact.key.second];
+  const auto [first, last] = memory_.of_first(contact.key);
+  for (int64_t k = first; k < last; ++k) {
+    const Index3& other = mesh_->triangles[unpack(memory_.pair[k]).second];
+    if (std::ranges::find_first_of(triangle, other) != triangle.end() &&
+        dot(normal(triangle), normal(other)) > kSameSide)
+      return k;
+  }
+  return -1;
 }
 
 void FrictionSet::set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const {
@@ -169,14 +182,13 @@ void FrictionSet::damp(std::vector<Pair>& next) const {
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                           const FrictionTable& coefficient, std::span<const Vec3> x) {
   std::vector<Pair> next = make_pairs(contacts, forces, coefficient, x);
-  const Change change = compare(next);
-  const bool settled = is_settled(next, change);
+  const LimitComparison comparison(limits(pairs_), limits(next));
   if (resets_ == 0) {
     touching_.clear();
     for (const Pair& pair : next) touching_.insert(bodies_of(pair));
   }
   ++resets_;
-  if (settled && resets_ > 1) {
+  if (comparison.is_settled() && resets_ > 1) {
     // The solution is one with the friction that it was found with; where the next step starts from is new.
     next_start_ = std::move(next);
     return 0.0;
@@ -185,7 +197,7 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
   previous_ = std::exchange(pairs_, std::move(next));
   next_start_.reset();
   sort_by_point_count();
-  return change.largest_change;
+  return comparison.total().largest_change;
 }
 
 void FrictionSet::restore() {
@@ -214,56 +226,24 @@ Vec3 FrictionSet::deflection(const Pair& pair, std::span<const Vec3> x) const {
 
 double FrictionSet::residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                              const FrictionTable& coefficient) const {
-  std::vector<Pair> now;
+  std::vector<FrictionLimit> now;
   for (size_t c = 0; c < contacts.size(); ++c) {
+    if (!(norm(forces[c]) > 0.0)) continue;
     const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
     const Pair* frozen = find(contacts[c].key);
     const bool slides = frozen != nullptr && frozen->slides;
-    now.push_back({.contact = contacts[c], .limit = (slides ? mu.sliding : mu.sticking) * norm(forces[c])});
+    now.push_back({contacts[c].key, contacts[c].group_a, contacts[c].group_b, normalized(forces[c]),
+                   (slides ? mu.sliding : mu.sticking) * norm(forces[c])});
   }
-  return compare(now).largest_change;
+  return LimitComparison(limits(pairs_), now).total().largest_change;
 }
 
-template <typename Visit>
-void FrictionSet::for_each_limit(const std::vector<Pair>& next, const Visit& visit) const {
-  size_t i = 0, j = 0;
-  while (i < pairs_.size() || j < next.size()) {
-    const bool has_old =
-        i < pairs_.size() && (j == next.size() || pairs_[i].contact.key <= next[j].contact.key);
-    const bool has_new =
-        j < next.size() && (i == pairs_.size() || next[j].contact.key <= pairs_[i].contact.key);
-    const Pair *before = has_old ? &pairs_[i++] : nullptr, *now = has_new ? &next[j++] : nullptr;
-    visit(before, now, std::fabs((now ? now->limit : 0.0) - (before ? before->limit : 0.0)));
-  }
-}
-
-FrictionSet::Change FrictionSet::compare(const std::vector<Pair>& next) const {
-  Change total;
-  for_each_limit(next, [&](const Pair*, const Pair* now, double change) {
-    total.largest_limit = std::max(total.largest_limit, now ? now->limit : 0.0);
-    total.largest_change = std::max(total.largest_change, change);
-  });
-  return total;
-}
-
-bool FrictionSet::is_settled(const std::vector<Pair>& next, const Change& total) const {
-  if (!(total.largest_change <= kLimitTolerance * total.largest_limit)) return false;
-  std::map<std::pair<int32_t, int32_t>, Change> between;  // bodies
-  const auto of = [&](const Pair& pair) -> Change& {
-    Change& c = between[{pair.contact.group_a, pair.contact.group_b}];
-    c.largest_limit = std::max(c.largest_limit, pair.limit);
-    return c;
-  };
-  for_each_limit(next, [&](const Pair* before, const Pair* now, double change) {
-    if (before) of(*before);
-    Change& c = of(now ? *now : *before);
-    c.largest_change = std::max(c.largest_change, change);
-  });
-  return std::ranges::all_of(between, [&](const auto& entry) {
-    const Change& c = entry.second;
-    return c.largest_limit <= kGrazing * total.largest_limit ||
-           c.largest_change <= kPairTolerance * c.largest_limit;
-  });
+std::vector<FrictionLimit> FrictionSet::limits(const std::vector<Pair>& pairs) {
+  std::vector<FrictionLimit> limits;
+  limits.reserve(pairs.size());
+  for (const Pair& pair : pairs)
+    limits.push_back({pair.contact.key, pair.contact.group_a, pair.contact.group_b, pair.normal, pair.limit});
+  return limits;
 }
 
 void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {

@@ -13,6 +13,7 @@
 
 #include <stark/contact/contact_set.h>
 #include <stark/contact/friction_coefficient.h>
+#include <stark/contact/friction_limits.h>
 #include <stark/contact/friction_memory.h>
 #include <stark/contact/friction_stencil.h>
 #include <stark/contact/surface_directions.h>
@@ -113,6 +114,10 @@ class FrictionSet {
   std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                                const FrictionTable& coefficient, std::span<const Vec3> x) const;
   static int64_t bodies_of(const Pair& pair);
+  /// Entry of the memory whose bristles a pair goes on with, -1 if there is none: its own, or that of the
+  /// same point on a triangle beside, where the point has slid across an edge or a valley has split its
+  /// contact.
+  int64_t find_bristles(const Contact& contact, std::span<const Vec3> x) const;
   /// Takes the mean of the limits that are frozen and those of the next pairs.
   void damp(std::vector<Pair>& next) const;
   void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
@@ -123,16 +128,8 @@ class FrictionSet {
   Vec3 deflection(const Pair& pair, std::span<const Vec3> x) const;
   /// f0'(y) / y of a deflection of measure y [1/m].
   double slope_at(double y) const;
-  struct Change {
-    double largest_change = 0.0, largest_limit = 0.0;  ///< [N]
-  };
-  /// Visits each pair that is frozen or next: both, either of which may be missing, and the change of the
-  /// limit.
-  template <typename Visit>
-  void for_each_limit(const std::vector<Pair>& next, const Visit& visit) const;
-  Change compare(const std::vector<Pair>& next) const;
-  /// Whether limits have settled, of all (`total`, as compared) and between each two bodies.
-  bool is_settled(const std::vector<Pair>& next, const Change& total) const;
+  /// What LimitComparison sees of pairs.
+  static std::vector<FrictionLimit> limits(const std::vector<Pair>& pairs);
   void sort_by_point_count();
   static std::vector<const PotentialBatch*> non_empty(const std::vector<PotentialBatch>& batches);
   void fill(std::vector<PotentialBatch>& batches) const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <stark/base/error.h>
+#include <stark/contact/pushing_forces.h>
 
 namespace stark {
 
@@ -136,7 +137,8 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
   RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, velocities);
-  friction_residual_ = friction_.residual(contacts(), pushing(std::move(all)), friction_coefficient_);
+  friction_residual_ =
+      friction_.residual(contacts(), pushing_forces(contacts(), std::move(all)), friction_coefficient_);
   ContactMemory memory{friction_.end_step(x), std::move(load)};
   memory.close = parted(x);
   memory.restitution = std::move(restitution);
@@ -157,12 +159,6 @@ bool ContactPipeline::is_name(const PairKey& key) const {
 std::vector<Vec3> ContactPipeline::forces(std::span<const Vec3> x) const {
   std::vector<Vec3> forces;
   active_.evaluate_forces(x, forces);
-  return forces;
-}
-
-std::vector<Vec3> ContactPipeline::pushing(std::vector<Vec3> forces) const {
-  for (size_t c = 0; c < forces.size(); ++c)
-    if (contacts()[c].multiplicity < 0) forces[c] = {};
   return forces;
 }
 
@@ -322,14 +318,15 @@ void ContactPipeline::refresh_early(std::span<const Vec3> x) {
   if (!settings_.friction) return;
   update(x);
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  friction_.renew(contacts(), pushing(forces(x)), friction_coefficient_, x);
+  friction_.renew(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x);
   friction_.remember(x);
   keep_names();
 }
 
 double ContactPipeline::freeze_friction(std::span<const Vec3> x) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
-  const double change = friction_.reset(contacts(), pushing(forces(x)), friction_coefficient_, x);
+  const double change =
+      friction_.reset(contacts(), pushing_forces(contacts(), forces(x)), friction_coefficient_, x);
   friction_.remember(x);
   keep_names();
   return change;

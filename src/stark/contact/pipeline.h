@@ -169,8 +169,6 @@ class ContactPipeline final : public ActiveSet {
   void keep_names();
   /// Forces on sides A of the active contacts [N].
   std::vector<Vec3> forces(std::span<const Vec3> x) const;
-  /// The same, zero for contacts of negative multiplicity: they have no friction.
-  std::vector<Vec3> pushing(std::vector<Vec3> forces) const;
   /// Whether it is the key of a contact of a point with a cell.
   bool is_name(const PairKey& key) const;
   std::map<int64_t, double> smallest_gaps(std::span<const Vec3> x);

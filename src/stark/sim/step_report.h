@@ -94,10 +94,11 @@ struct StepReport {
 
 /// A step that is under way, seen between two Newton iterations.
 struct StepProgress {
-  int64_t step = 0;    ///< number of the step, from 1
-  int attempt = 1;     ///< from 1; what fails is tried again with a shorter time step
-  int iterations = 0;  ///< Newton iterations, those of earlier attempts included
-  SolveReport solve;   ///< of this attempt so far
+  int64_t step = 0;           ///< number of the step, from 1
+  int attempt = 1;            ///< from 1; what fails is tried again with a shorter time step
+  int iterations = 0;         ///< Newton iterations, those of earlier attempts included
+  SolveReport solve;          ///< of this attempt so far
+  int64_t contact_count = 0;  ///< pairs within their contact distance, where the energy was evaluated last
 };
 
 }  // namespace stark

@@ -123,6 +123,7 @@ StepProgress StepRunner::progress() const {
   progress.attempt = static_cast<int>(attempts_.size()) + 1;
   progress.solve = newton_.progress();
   progress.iterations = report_.solve.iterations + progress.solve.iterations;
+  if (contact_) progress.contact_count = static_cast<int64_t>(contact_->contacts().size());
   return progress;
 }
 

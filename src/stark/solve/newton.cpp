@@ -26,6 +26,8 @@ constexpr double kTinyStep = 1e-6;                         ///< step lengths bel
 constexpr int kTinyStepLimit = 12;                         ///< ... and so many in a row end the minimisation
 constexpr int kLagUpdateLimit = 100;    ///< updates of lagged quantities; joints need a few
 constexpr int kEarlyRefreshLimit = 12;  ///< updates of friction before the first solution
+constexpr double kModelled =
+    0.35;  ///< relative error of the decrease of a full step, below which the next is short
 constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
 constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
@@ -116,12 +118,25 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
 // is minimised with those of the end; near a solution they stay as they are, so that there is one.
 void NewtonSolver::refresh_early(Objective& objective) {
   if (report_.lag_updates > 0 || progress_.early_refreshes >= kEarlyRefreshLimit) return;
-  if (meets_tolerances(report_, kFrozen)) {
+  if (meets_tolerances(report_, kFrozen) || leads_nowhere()) {
     progress_.early_refreshes = kEarlyRefreshLimit;
     return;
   }
   ++progress_.early_refreshes;
   objective.refresh_early();
+}
+
+// A full step that gains what its model promises ends near the minimum. If the next step is as long all the
+// same, the refresh has moved the minimum, and the next refresh would move it back: friction at the limit of
+// sticking would go to and fro until kEarlyRefreshLimit.
+bool NewtonSolver::leads_nowhere() {
+  const double promised = 0.5 * report_.last_slope;
+  const bool is_modelled = report_.last_step_length == 1.0 && progress_.is_hessian_exact &&
+                           std::fabs(report_.last_difference - promised) <= kModelled * std::fabs(promised);
+  const bool is_as_long = report_.last_motion > kContraction * progress_.modelled_motion;
+  const bool was_modelled = progress_.modelled_motion > 0.0;
+  progress_.modelled_motion = is_modelled ? report_.last_motion : 0.0;
+  return is_modelled && was_modelled && is_as_long;
 }
 
 std::optional<SolveStatus> NewtonSolver::refresh_lagged(Objective& objective, SolveStatus reached) {
@@ -340,6 +355,8 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
   }
   const PhaseTimer::Scope scope(timer_, Phase::LineSearch);
   const double decrease = slope();
+  report_.last_bound = alpha;
+  report_.last_slope = decrease;
   for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
     if (is_interrupted_meanwhile()) return SolveStatus::Interrupted;
     const TrialEnergy trial = objective.try_step(direction_, alpha);
@@ -350,6 +367,7 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
     const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
     if (trial.feasible && (pending || trial.difference <= allowed)) {
       report_.last_step_length = alpha;
+      report_.last_difference = trial.difference;
       if (!pending && !is_below_noise && alpha == 1.0) lengthen_step(objective, trial);
       objective.accept_trial();
       return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
@@ -379,6 +397,7 @@ void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
     const bool keeps_falling = trial.difference - best <= kStillFalling * (alpha - longest) * slope();
     best = trial.difference;
     longest = alpha;
+    report_.last_difference = best;
     if (alpha < wish || !keeps_falling) {
       report_.last_step_length = longest;
       return;  // the trial point is the best one
@@ -396,6 +415,7 @@ bool NewtonSolver::take_unsure_step(Objective& objective) {
   if (alpha < 1.0 || !trial.feasible || !(trial.difference <= kUnsureRise * trial.magnitude)) return false;
   objective.accept_trial();
   report_.last_step_length = alpha;
+  report_.last_difference = trial.difference;
   return true;
 }
 

@@ -46,6 +46,7 @@ class NewtonSolver {
     int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
     bool is_hessian_exact = false;  ///< neither projected nor shifted
     double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
+    double modelled_motion = 0.0;   ///< of the iteration before, if its model was right; else 0 [m]
     /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
     double simplified_limit = 0.0;
   };
@@ -85,6 +86,8 @@ class NewtonSolver {
   void trust_hessian(SolveStatus searched, bool pending);
   /// Brings lagged quantities up to date on the way to the first solution with them.
   void refresh_early(Objective& objective);
+  /// Whether refreshes keep moving the minimum to and fro.
+  bool leads_nowhere();
   std::optional<SolveStatus> refresh_lagged(Objective& objective, SolveStatus reached);
   /// What follows from steps that fail or lead nowhere.
   std::optional<SolveStatus> handle_no_progress(Objective& objective, SolveStatus searched, bool pending);

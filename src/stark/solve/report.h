@@ -50,7 +50,10 @@ struct SolveReport {
   double lag_residual = 0.0;  ///< change of the lagged forces at their last update [N]
   double last_motion = 0.0;   ///< of the last full Newton step [m]
   double last_step_length = 1.0;
-  bool is_at_rounding = false;  ///< converged: tolerances ask for less than what doubles resolve
+  double last_bound = 1.0;       ///< largest step length that collision detection and rotations allowed
+  double last_slope = 0.0;       ///< of the energy along the last full Newton step, before it [J]
+  double last_difference = 0.0;  ///< change of the energy by the last step that was taken [J]
+  bool is_at_rounding = false;   ///< converged: tolerances ask for less than what doubles resolve
   bool is_settled = false;  ///< the last refresh of lagged quantities did not converge; the one before counts
 };
 
