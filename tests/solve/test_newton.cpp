@@ -328,6 +328,35 @@ TEST_CASE("lagged quantities are refreshed on the way to the first solution, and
   CHECK(near.refreshed_early == 0);
 }
 
+TEST_CASE("refreshes that move the minimum to and fro end soon") {
+  const Analytic* of = nullptr;
+  const auto flipping = [&](const Vec3& p) {
+    return quadratic(p - (of->refreshed_early % 2 == 0 ? Vec3{} : Vec3{0.1, 0, 0}));
+  };
+  Analytic objective(flipping, {5, -7, 11});
+  of = &objective;
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(objective.refreshed_early >= 2);
+  CHECK(objective.refreshed_early <= 3);
+  CHECK(report.iterations <= 4);
+}
+
+TEST_CASE("where the way is not clear, nothing is refreshed any more") {
+  Analytic objective(quadratic, {5, -7, 11});
+  objective.lag_change = 2.0;
+  objective.lag_rounds = 3;
+  Solver solver(tight());
+  int asked = 0;
+  bool is_clear = false;
+  solver.newton.set_way_check([&] { return ++asked, is_clear; });
+  CHECK(solver.minimize(objective).status == SolveStatus::Detour);
+  CHECK(objective.refreshed == 0);
+  is_clear = true;
+  CHECK(solver.minimize(objective).status == SolveStatus::Converged);
+  CHECK(asked == 2);  // once for each minimisation, however many refreshes there are
+}
+
 TEST_CASE("every way to end has a name") {
   CHECK(to_string(SolveStatus::Converged) == "converged");
   CHECK(to_string(SolveStatus::Detour) == "detour");

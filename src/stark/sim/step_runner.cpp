@@ -289,7 +289,10 @@ bool StepRunner::attempt(double h, SolveReport& total) {
                           motion_.restitution_memory()});
     energies_before_.contact = contact_->energy();
   }
+  // Friction is not worth refreshing in a motion that will be thrown away.
+  newton_.set_way_check([&] { return !way_.leads_through_something(start); });
   SolveReport solved = newton_.minimize(potential_, h);
+  newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
   attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);

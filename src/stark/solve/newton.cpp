@@ -140,6 +140,7 @@ bool NewtonSolver::leads_nowhere() {
 }
 
 std::optional<SolveStatus> NewtonSolver::refresh_lagged(Objective& objective, SolveStatus reached) {
+  if (report_.lag_updates == 0 && is_way_clear_ && !is_way_clear_()) return SolveStatus::Detour;
   report_.lag_residual = objective.refresh_lagged(report_.lag_updates);
   if (report_.lag_residual == 0.0) return reached;
   if (++report_.lag_updates >= kLagUpdateLimit || std::isinf(report_.lag_residual))

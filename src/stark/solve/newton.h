@@ -24,6 +24,10 @@ class NewtonSolver {
   /// status Interrupted.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
+  /// Asked of the first iterate that has converged, before lagged quantities are refreshed; returning false
+  /// ends the minimisation with status Detour.
+  void set_way_check(std::function<bool()> is_way_clear) { is_way_clear_ = std::move(is_way_clear); }
+
   /// From this time on, looked at between iterations, minimisations end with status TimeBudget.
   void set_deadline(std::optional<std::chrono::steady_clock::time_point> deadline) { deadline_ = deadline; }
 
@@ -99,7 +103,7 @@ class NewtonSolver {
   NewtonSettings settings_;
   LinearSolver& linear_solver_;
   PhaseTimer& timer_;
-  std::function<bool()> interrupted_;
+  std::function<bool()> interrupted_, is_way_clear_;
   std::chrono::steady_clock::time_point asked_;  ///< when interrupted_ was
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   double time_step_ = 0.0;  ///< [s] of the minimisation under way
