@@ -1,7 +1,6 @@
 """Every Newton iteration of a scene: how far it went, what held it back, what it gained.
 
-    PYTHONPATH=python python -m benchmarks.trace soft_column_6 [--until T] [--steps FROM TO] [--set NAME=VALUE]
-                                                 [--csv FILE]
+    PYTHONPATH=python python -m benchmarks.trace soft_column_6 [--steps FROM TO] [--until T] [--csv FILE]
 
 One line for each iteration of the steps asked for:
 
@@ -9,11 +8,11 @@ One line for each iteration of the steps asked for:
              conjugate gradients
   bound      largest share of the full step that collision detection and the limit of rotations allow
   length     share that was taken; below the bound after backtracking, above 1 where the matrix was too stiff
-  gain       decrease of the energy over that of the quadratic model along the share that was taken: 1 where the
-             model is right
+  gain       decrease of the energy over that of the quadratic model along the share that was taken: 1 where
+             the model is right
   motion     of the full step, its fastest vertex [m];  residual [N];  contacts: pairs within contact distance
   cause      what kept the iteration from being the last: `bound`, `backtracked`, `projected`, `friction` (the
-             limits were refreshed after it), `slow` (a full step that gained less than half of what it should)
+             limits were refreshed after it), `slow` (a full step that gained less than half of the model's)
 
 The summary counts iterations by cause. Tolerances are those of the table of scenes: residual only."""
 

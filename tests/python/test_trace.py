@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 import sys
 from pathlib import Path
@@ -25,7 +26,7 @@ def test_every_iteration_has_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert all(0.0 < row["bound"] <= 1.0 or row["length"] > 1.0 for row in rows)
     assert all(math.isfinite(row["motion"]) and row["residual"] >= 0.0 for row in rows)
     # Where a full step ends a minimisation, the quadratic model was right.
-    ends = [a for a, b in zip(rows, rows[1:], strict=False) if a["step"] != b["step"] and a["motion"] > 1e-6]
+    ends = [a for a, b in itertools.pairwise(rows) if a["step"] != b["step"] and a["motion"] > 1e-6]
     assert all(row["gain"] == pytest.approx(1.0, abs=0.05) for row in ends if row["length"] == 1.0)
 
     path = tmp_path / "rows.csv"
