@@ -16,6 +16,7 @@ namespace nb = nanobind;
 
 void bind_geometry(nb::module_& m);
 void bind_laws(nb::module_& m);
+void bind_settings(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_solid_mesh(nb::module_& m);
 void bind_simulation(nb::module_& m);
@@ -118,6 +119,7 @@ NB_MODULE(_core, m) {
   nb::set_leak_warnings(std::getenv("STARK_LEAK_WARNINGS") != nullptr);
   bind_geometry(m);
   bind_laws(m);
+  bind_settings(m);
   bind_scene(m);
   bind_solid_mesh(m);
   bind_simulation(m);

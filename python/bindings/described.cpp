@@ -1,0 +1,64 @@
+#include "described.h"
+
+#include "arrays.h"
+
+namespace stark::bindings {
+
+nb::object to_python(const FieldValue& value) {
+  if (const auto* v = std::get_if<Vec3>(&value)) return nb::make_tuple(v->x, v->y, v->z);
+  if (const auto* flag = std::get_if<bool>(&value)) return nb::bool_(*flag);
+  if (const auto* integer = std::get_if<int64_t>(&value)) return nb::int_(*integer);
+  if (const auto* real = std::get_if<double>(&value)) return nb::float_(*real);
+  return nb::str(std::get<std::string>(value).c_str());
+}
+
+FieldValue to_field_value(nb::handle object) {
+  if (nb::isinstance<nb::str>(object)) return nb::cast<std::string>(object);
+  if (nb::isinstance<nb::bool_>(object)) return nb::cast<bool>(object);
+  if (PyIndex_Check(object.ptr()) && !nb::hasattr(object, "__len__")) {
+    int64_t integer = 0;
+    if (nb::try_cast<int64_t>(nb::int_(object), integer)) return integer;
+  }
+  try {
+    if (nb::hasattr(object, "__len__")) {
+      if (nb::len(object) == 3) {
+        Vec3 v;
+        for (int i = 0; i < 3; ++i) v[i] = nb::cast<double>(nb::float_(object[i]));
+        return v;
+      }
+    } else if (nb::hasattr(object, "__float__")) {
+      return nb::cast<double>(nb::float_(object));
+    }
+  } catch (const std::exception&) {
+  }
+  return text(object);
+}
+
+FieldMap to_field_map(const nb::dict& values) {
+  FieldMap map;
+  for (auto [name, value] : values) map.emplace_back(text(name), to_field_value(value));
+  return map;
+}
+
+nb::dict to_dict(const FieldMap& map) {
+  nb::dict dict;
+  for (const auto& [name, value] : map) dict[name.c_str()] = to_python(value);
+  return dict;
+}
+
+nb::list describe(const FieldTable& table) {
+  nb::list rows;
+  for (const Field& f : table.fields()) {
+    nb::dict row;
+    row["name"] = f.name;
+    row["unit"] = f.unit;
+    row["default"] = to_python(f.default_value);
+    row["rule"] = f.rule_text();
+    row["choices"] = f.choices ? f.choices() : std::vector<std::string>();
+    row["doc"] = f.doc;
+    rows.append(row);
+  }
+  return rows;
+}
+
+}  // namespace stark::bindings

@@ -1,0 +1,69 @@
+// Bindings of settings and materials, through their descriptor tables. The Python front ends are
+// stark/settings.py and stark/materials.py.
+#include <stark/sim/materials.h>
+#include <stark/sim/settings.h>
+
+#include "described.h"
+
+namespace {
+
+using namespace stark;
+using namespace stark::bindings;
+
+void bind_settings_class(nb::module_& m) {
+  bind_described<Settings>(m, "Settings", "All settings of a simulation by dotted name.")
+      .def(
+          "set_text",
+          [](Settings& s, const std::string& name, const std::string& value) {
+            set_from_text(s, name, value);
+          },
+          "name"_a, "text"_a)
+      .def(
+          "assign",
+          [](Settings& s, const std::string& name, nb::handle value) { set(s, name, to_field_value(value)); },
+          "name"_a, "value"_a.none(), "As set(), and knows time_step, contact_distance and threads.")
+      .def(
+          "read", [](const Settings& s, const std::string& name) { return to_python(get(s, name)); },
+          "name"_a, "As get(), and knows the short names.")
+      .def(
+          "validate", [](const Settings& s) { validate(s); }, "Ranges, and the rules between settings.")
+      .def("brief", [](const Settings& s) { return changed_from_default(s); });
+}
+
+template <typename Material>
+nb::list bind_presets(const std::vector<materials::Preset<Material>>& presets) {
+  nb::list rows;
+  for (const auto& preset : presets) rows.append(nb::make_tuple(preset.name, preset.source, preset.material));
+  return rows;
+}
+
+nb::dict section_to_dict(const RodMaterial& material) {
+  const RodSection section = section_of(material);
+  nb::dict dict;
+  dict["mass"] = section.mass;
+  dict["axial_stiffness"] = section.axial_stiffness;
+  dict["shear_stiffness"] = section.shear_stiffness;
+  dict["bending_stiffness_1"] = section.bending_stiffness[0];
+  dict["bending_stiffness_2"] = section.bending_stiffness[1];
+  dict["torsional_stiffness"] = section.torsional_stiffness;
+  return dict;
+}
+
+}  // namespace
+
+void bind_settings(nb::module_& m) {
+  bind_settings_class(m);
+  bind_described<ShellMaterial>(m, "ShellMaterial", "Parameters of cloth and thin shells.");
+  bind_described<SolidMaterial>(m, "SolidMaterial", "Parameters of soft solids.");
+  bind_described<RodMaterial>(m, "RodMaterial", "Parameters of rods.");
+  m.def("rod_section", &section_to_dict, "material"_a, "What the cross-section gives a rod.");
+  m.def(
+      "rod_presets", [] { return bind_presets(materials::rod_presets()); },
+      "(name, source, material) of each.");
+  m.def(
+      "shell_presets", [] { return bind_presets(materials::shell_presets()); },
+      "(name, source, material) of each.");
+  m.def(
+      "solid_presets", [] { return bind_presets(materials::solid_presets()); },
+      "(name, source, material) of each.");
+}
