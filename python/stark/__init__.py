@@ -76,6 +76,7 @@ _MODULES = (
     "symbolic",
     "telemetry",
     "verify",
+    "view",
 )
 _PLACES = {
     "stark.formulas": (

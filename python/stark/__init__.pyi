@@ -20,6 +20,7 @@ from stark import (
     symbolic as symbolic,
     telemetry as telemetry,
     verify as verify,
+    view as view,
 )
 from stark._core import (
     Error as Error,
