@@ -63,6 +63,7 @@ _MODULES = (
     "actuators",
     "attachments",
     "checkpoint",
+    "exports",
     "formulas",
     "joints",
     "motion",

@@ -4,6 +4,7 @@ from stark import (
     actuators as actuators,
     attachments as attachments,
     checkpoint as checkpoint,
+    exports as exports,
     formulas as formulas,
     joints as joints,
     materials as materials,

@@ -49,9 +49,7 @@ def draw_contacts(
     _draw_key(overlay, camera, bounds, largest, scale, thick)
 
 
-def forces_of(
-    sim: Any, which: Any, shown: Collection[str] | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+def forces_of(sim: Any, which: Any, shown: Collection[str] | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Places (n, 3) [m] and forces (n, 3) [N] of the contacts of the last step, as ``draw_contacts`` has
     them."""
     if not hasattr(sim, "contacts"):

@@ -42,7 +42,9 @@ def _add_robot(gui: Any, robot: Any, later: Later) -> int:
             for k, (row, joint) in enumerate(zip(drives.rows, drives.joints, strict=True)):
                 low, high = _range(drives, k, float(lower[row]), float(upper[row]))
                 value = min(max(float(drives.target[k]), low), high)
-                slider = gui.add_slider(joint, min=low, max=high, step=(high - low) / 1000.0, initial_value=value)
+                slider = gui.add_slider(
+                    joint, min=low, max=high, step=(high - low) / 1000.0, initial_value=value
+                )
                 slider.on_update(_sets_target(slider, drives, k, later))
                 count += 1
     return count

@@ -35,11 +35,14 @@ class Actions(NamedTuple):
 class Panel:
     """The panel beside the bodies. Its methods are called by the thread that takes the steps."""
 
-    def __init__(self, gui: Any, actions: Actions, *, can_pull: bool, field: str | None, contacts: bool) -> None:
+    def __init__(
+        self, gui: Any, actions: Actions, *, can_pull: bool, field: str | None, contacts: bool
+    ) -> None:
         self._gui, self._rows = gui, []
         self._drawn = -_PERIOD
         self._plots: dict[str, Any] = {}
-        gui.configure_theme(control_layout="collapsible", show_logo=False, show_share_button=False)
+        gui.configure_theme(show_logo=False, show_share_button=False)
+        gui.main_panel.dock_right()
         self._status = gui.add_markdown("")
         self._pause = gui.add_button("Pause")
         self._pause.on_click(lambda event: actions.pause())
@@ -73,12 +76,12 @@ class Panel:
     def _add_pull(self, actions: Actions, can_pull: bool) -> None:
         with self._gui.add_folder("Pull", expand_by_default=can_pull):
             if not can_pull:
-                self._gui.add_markdown("`stark.view.add_pulls(scene)` before the simulation lets you pull bodies.")
+                self._gui.add_markdown("To pull bodies: `stark.view.add_pulls(scene)` before the simulation.")
                 return
             self._gui.add_markdown("Drag a body.")
             self._factor = self._gui.add_slider(
                 "Strength", min=0.1, max=10.0, step=0.1, initial_value=1.0,
-                hint="times the stiffness of a spring that carries the body, stretched by a tenth of its size",
+                hint="1: the weight of the body stretches the spring by a tenth of its size",
             )  # fmt: skip
             self._factor.on_update(lambda event: actions.stiffness(float(self._factor.value)))
 
@@ -94,7 +97,12 @@ class Panel:
         series += [{"label": name, "stroke": stroke} for name, stroke in zip(names, strokes, strict=False)]
         none = tuple(np.zeros(1) for _ in series)
         self._plots[title] = self._gui.add_uplot(
-            none, tuple(series), title=title, height=170, scales={"x": {"time": False}}, axes=({}, {"size": 70})
+            none,
+            tuple(series),
+            title=title,
+            height=170,
+            scales={"x": {"time": False}},
+            axes=({}, {"size": 70}),
         )
 
     # --- what is told ---
@@ -105,8 +113,8 @@ class Panel:
         lines = [f"**{sim.time:.3f} s**, {state}"]
         if report is not None:
             lines.append(
-                f"step {report.step}: {report.newton_iterations} iterations, {report.contact_count} contacts, "
-                f"{1000.0 * wall:.0f} ms"
+                f"step {report.step}: {report.newton_iterations} iterations, "
+                f"{report.contact_count} contacts, {1000.0 * wall:.0f} ms"
             )
         if message:
             lines.append(f"*{message}*")

@@ -119,7 +119,9 @@ class Pulls:
         at ``point`` until ``move``. ``stiffness`` [N/m] is that of ``default_stiffness`` if left out. Raises
         InvalidArgument for bodies that cannot be pulled."""
         name, at = self._name(body), vector(point, "pull: point")
-        given = self.default_stiffness(name) if stiffness is None else real_number(stiffness, "pull: stiffness")
+        given = (
+            self.default_stiffness(name) if stiffness is None else real_number(stiffness, "pull: stiffness")
+        )
         if not 0.0 < given < np.inf:
             raise InvalidArgument(f"pull of '{name}': stiffness = {given:g} N/m: must be > 0 and finite")
         self.let_go()

@@ -29,7 +29,9 @@ def open_server(host: Any, port: Any, title: str) -> Any:
         with contextlib.redirect_stdout(io.StringIO()):  # it greets
             return viser.ViserServer(host=host, port=port, label=title, verbose=False)
     except OSError as error:
-        raise Error(f"view: no server can be opened at {host}:{port}: {error}; choose another port") from error
+        raise Error(
+            f"view: no server can be opened at {host}:{port}: {error}; choose another port"
+        ) from error
 
 
 def close_server(server: Any) -> None:

@@ -162,7 +162,9 @@ class Stage:
         if self._pulls is not None and point is not None and self._pulls.target is not None:
             line = np.array([[point, self._pulls.target]], dtype=np.float32)
             scene = self._server.scene
-            self._marks.append(scene.add_line_segments("/pull", line, (20, 20, 20), line_width=3.0))
+            self._marks.append(
+                scene.add_line_segments("/pull", line, (20, 20, 20), thickness=3.0, thickness_units="screen")
+            )
             ends = line.reshape(2, 3)
             size = 0.012 * self._bounds.radius
             dots = scene.add_point_cloud(

@@ -71,7 +71,11 @@ class View:
             self._stage = Stage(self._server, sim, self._pulls, self._dragged)
             self._stage.field, self._stage.contacts = field, contacts
             self._panel = Panel(
-                self._server.gui, self._actions(), can_pull=self._pulls is not None, field=field, contacts=contacts
+                self._server.gui,
+                self._actions(),
+                can_pull=self._pulls is not None,
+                field=field,
+                contacts=contacts,
             )
             hidden = set() if self._pulls is None else {e._index for e in self._pulls.energies}
             with self._server.gui.add_folder("Live values", expand_by_default=bool(sim.robots)):

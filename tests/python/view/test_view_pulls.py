@@ -50,7 +50,7 @@ def test_a_vertex_of_a_solid_follows_and_the_formulas_pass_their_check() -> None
     pulls.hold(sim["jelly"], (0.1, 0.1, 0.15))
     assert pulls.held is not None and pulls.held.vertex is not None
     start = np.asarray(pulls.point)
-    pulls.move(start + [0.0, 0.0, 0.1])
+    pulls.move(start + np.array([0.0, 0.0, 0.1]))
     sim.run_until(0.3)
     assert np.asarray(pulls.point)[2] > start[2] + 0.02
     for spring in pulls.energies:
