@@ -1,7 +1,8 @@
-"""Results for other programs (docs/export.md): USD with time samples, VTKHDF, VTU with fields, glTF, and series
-as Parquet and MCAP. Packages that a format needs are those of the extra 'export'."""
+"""Results for other programs (docs/export.md): USD with time samples, VTKHDF, VTU with fields, glTF, and
+series as Parquet and MCAP. Packages that a format needs are those of the extra 'export'."""
 
 from .exporter import FORMATS, Exporter, export_recording
+from .series import write_series
 from .shots import Shot
 
-__all__ = ["FORMATS", "Exporter", "Shot", "export_recording"]
+__all__ = ["FORMATS", "Exporter", "Shot", "export_recording", "write_series"]

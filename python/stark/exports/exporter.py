@@ -13,16 +13,27 @@ from stark._core import InvalidArgument
 from stark.arguments import given_path, real_number
 from stark.array_file import naming
 from stark.files import plain_name, resolved
-from stark.recording.export import FORMATS as FILES_OF_FRAMES
 from stark.recording.export import export
 from stark.recording.format import RecordingError
 
+from .series import write_series
 from .shots import MOTION, Camera, Shot, check_fields, frames_of
 
 #: What ``export_recording`` and ``stark export`` write.
-FORMATS = (*FILES_OF_FRAMES, "usd")
-_BY_SUFFIX = {".usd": "usd", ".usda": "usd", ".usdc": "usd"}
-_SUFFIX = {"usd": ".usdc"}
+FORMATS = ("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "parquet", "mcap")
+#: Without fields, and of one frame each.
+_PLAIN = ("ply", "obj")
+#: The numbers of every step.
+_SERIES = ("parquet", "mcap")
+_BY_SUFFIX = {
+    ".usd": "usd",
+    ".usda": "usd",
+    ".usdc": "usd",
+    ".vtkhdf": "vtkhdf",
+    ".pvd": "vtu",
+    ".glb": "glb",
+}
+_SUFFIX = {"usd": ".usdc", "vtkhdf": ".vtkhdf", "vtu": ".pvd", "glb": ".glb"}
 
 OnProgress = Callable[[int, int], object]
 
@@ -48,11 +59,13 @@ class Exporter:
             for step in sim.run(until=1.0):
                 export.record(sim)
 
-    The suffix says the format: .usd, .usda, .usdc (USD). ``fields`` are ``displacement`` (since the first
-    record), ``velocity`` (mean since the record before), and those of ``sim.picture``: stress, strain,
-    pressure, contact_force, speed. ``fps``: time codes a second of USD. The file is there after ``close()``;
-    if what is in the ``with`` block raises, there is none. Raises InvalidArgument for other suffixes and
-    fields, and ImportError that names the extra of a package that is missing."""
+    The suffix says the format: .usd, .usda, .usdc (USD), .vtkhdf (one file for ParaView), .pvd (an index for
+    ParaView, with a .vtu file beside it for each record), .glb (glTF, the last record). ``fields`` are
+    ``displacement`` (since the first record), ``velocity`` (mean since the record before), and those of
+    ``sim.picture``: stress, strain, pressure, contact_force, speed. ``fps``: time codes a second of USD. The
+    file is there after ``close()``; if what is in the ``with`` block raises, there is none. Raises
+    InvalidArgument for other suffixes and fields, and ImportError that names the extra of a package that is
+    missing."""
 
     def __init__(
         self, path: str | PathLike[str], sim: Any, *, fields: Sequence[str] = (), fps: float = 60.0
@@ -73,7 +86,7 @@ class Exporter:
                 f"export '{self.path}': record at {time:g} s after one at {self._last:g} s: must be later; "
                 f"begin another export after a reset"
             )
-        self._writer.add(self._camera.take(sim, time))
+        self._writer.add(self._camera.take(sim, time, self._count))
         self._count, self._last = self._count + 1, time
 
     def close(self) -> list[Path]:
@@ -111,20 +124,24 @@ def export_recording(
     progress: OnProgress | None = None,
 ) -> list[Path]:
     """Writes frames of a recording (all if left out) into ``folder`` and returns the files. ``fields`` are
-    those that positions give: displacement, velocity. ``progress(done, total)`` is called after each frame.
-    Raises RecordingError for unknown formats and empty recordings."""
+    those that positions give: displacement, velocity; PLY and OBJ have none. "parquet" and "mcap" are the
+    numbers of every step. ``progress(done, total)`` is called after each frame. Raises RecordingError for
+    unknown formats and empty recordings."""
     if format not in FORMATS:
         raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")
     chosen = list(range(len(recording)) if frames is None else frames)
-    if format in FILES_OF_FRAMES:
+    if format in _PLAIN:
         return export(recording, folder, format, frames=chosen)
     if not chosen:
         raise RecordingError(f"'{recording.folder}' has no frames; there is nothing to export")
     place = resolved(given_path(folder, "export: folder"))
     with naming(place):
         place.mkdir(parents=True, exist_ok=True)
-    path = place / f"{plain_name(recording.scene, 'run')}{_SUFFIX[format]}"
-    writer = _writer(path, format, 60.0)
+    stem = plain_name(recording.scene, "run")
+    if format in _SERIES:
+        return [write_series(recording.telemetry, place / f"{stem}.{format}")]
+    path = place / f"{stem}{_SUFFIX[format]}"
+    writer = _writer(path, format, 60.0, each=True)
     try:
         for done, shot in enumerate(frames_of(recording, chosen, check_fields(fields, live=False)), start=1):
             writer.add(shot)
@@ -136,10 +153,23 @@ def export_recording(
     return writer.finish()
 
 
-def _writer(path: Path, format: str, fps: float) -> Writer:
-    from .usd import UsdWriter
+def _writer(path: Path, format: str, fps: float, *, each: bool = False) -> Writer:
+    """``each``: a still of each time, not of the last one."""
+    if format == "usd":
+        from .usd import UsdWriter
 
-    return UsdWriter(path, fps)
+        return UsdWriter(path, fps)
+    if format == "vtkhdf":
+        from .vtkhdf import VtkHdfWriter
+
+        return VtkHdfWriter(path)
+    if format == "vtu":
+        from .vtu import VtuWriter
+
+        return VtuWriter(path)
+    from .gltf import GltfWriter
+
+    return GltfWriter(path, each=each)
 
 
 def _format_of(path: Path) -> str:

@@ -37,6 +37,19 @@ class Shot:
     bodies: tuple[FrameBody, ...]
     colors: tuple[Color, ...]
     fields: Mapping[str, Mapping[str, Array]]
+    index: int = 0
+    """Number of the frame, or of the record."""
+
+    @property
+    def point_data(self) -> dict[str, Array]:
+        """Fields of all bodies in a row, (n,) or (n, 3) float32; NaN where a body has none."""
+        merged = {}
+        for name, values in self.fields.items():
+            width = (3,) if name in MOTION else ()
+            missing = {b.name: np.full((len(b.positions), *width), np.nan) for b in self.bodies}
+            rows = [values.get(b.name, missing[b.name]) for b in self.bodies]
+            merged[name] = np.concatenate(rows).astype(np.float32)
+        return merged
 
 
 def check_fields(names: Sequence[str], *, live: bool) -> tuple[str, ...]:
@@ -46,8 +59,8 @@ def check_fields(names: Sequence[str], *, live: bool) -> tuple[str, ...]:
     for name in names:
         if name in FIELDS and not live:
             raise InvalidArgument(
-                f"export: field '{name}': needs a simulation; a recording has positions only: {_words(MOTION)}; "
-                f"export with stark.exports.Exporter while the simulation runs"
+                f"export: field '{name}': needs a simulation; a recording has positions only: "
+                f"{_words(MOTION)}; export with stark.exports.Exporter while the simulation runs"
             )
         if name not in FIELDS and name not in MOTION:
             raise InvalidArgument(f"export: field '{name}': must be one of {_words([*MOTION, *FIELDS])}")
@@ -62,14 +75,14 @@ class Camera:
         self._first: Shot | None = None
         self._before: Shot | None = None
 
-    def take(self, source: Any, time: float) -> Shot:
+    def take(self, source: Any, time: float, index: int) -> Shot:
         """Of ``source`` as it is now, at a ``time`` [s]."""
         parts = drawn(source)
         shot = Shot(time, tuple(map(_body, parts)), tuple(body_colors(parts)), {})
         fields: dict[str, dict[str, Array]] = {}
         for name in self._names:
             fields[name] = self._moved(name, shot) if name in MOTION else _computed(source, parts, name)
-        shot = replace(shot, fields=fields)
+        shot = replace(shot, fields=fields, index=index)
         self._first = shot if self._first is None else self._first
         self._before = shot
         return shot
@@ -91,7 +104,7 @@ def frames_of(recording: Any, indices: Sequence[int], fields: Sequence[str]) -> 
     camera = Camera(fields)
     for index in indices:
         frame: Frame = recording.frame(index)
-        yield camera.take(frame, frame.time)
+        yield camera.take(frame, frame.time, index)
 
 
 def pose_between(start: Array, now: Array) -> Pose:

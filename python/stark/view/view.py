@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from stark._core import Error, InvalidArgument
+from stark._core import Error, InvalidArgument, __version__
 from stark.arguments import given_flag, given_path, real_number
 from stark.files import plain_name
 from stark.recording import Recorder
@@ -326,12 +326,8 @@ class View:
             self._end_recording()
             self._message = f"recorded in {folder}"
             return
-        import stark
-
         folder = _free(self._record_to, "")
-        self._recorder = Recorder(
-            folder, self._sim, scene=self._sim.scene.name, stark_version=stark.__version__
-        )
+        self._recorder = Recorder(folder, self._sim, scene=self._sim.scene.name, stark_version=__version__)
         self._recorder.record(self._sim)
         self._panel.show_recording(True)
         self._message = f"recording to {folder}"

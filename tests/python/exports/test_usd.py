@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from _falls import falling
 from fake_simulation import record
 
 import stark
@@ -15,15 +15,6 @@ from stark.render.colormaps import linear
 
 pxr = pytest.importorskip("pxr", reason="needs the extra 'usd'")
 from pxr import Usd, UsdGeom  # noqa: E402
-
-
-def falling() -> Any:
-    """A block of jelly and a turning box above a floor."""
-    scene = stark.Scene("fall")
-    scene.add_floor(1.0)
-    scene.add_solid(stark.mesh.tet_box(0.1, 2), name="soft/jelly", position=(0, 0, 0.06))
-    scene.add_box(0.05, name="box", mass=0.1, position=(0.0, 0.0, 0.2), angular_velocity=(1.0, 2.0, 3.0))
-    return stark.Simulation(scene, time_step=0.01)
 
 
 def test_a_simulation_is_read_again_as_it_was(tmp_path: Path) -> None:
