@@ -126,11 +126,14 @@ def _computed(source: Any, parts: Sequence[Any], name: str) -> dict[str, Array]:
 
 def _body(part: Any) -> FrameBody:
     positions, triangles = surface(part)
-    word = lambda value: str(getattr(value, "name", value)).lower()  # noqa: E731
-    motion = word(getattr(part, "motion", None) or "dynamic")
+    motion = _word(getattr(part, "motion", None) or "dynamic")
     return FrameBody(
-        str(part.name), word(part.kind), motion, positions.astype(np.float32), triangles.astype(np.int32)
+        str(part.name), _word(part.kind), motion, positions.astype(np.float32), triangles.astype(np.int32)
     )
+
+
+def _word(value: Any) -> str:
+    return str(getattr(value, "name", value)).lower()
 
 
 def _words(names: Any) -> str:

@@ -25,7 +25,7 @@ Array = NDArray[Any]
 OnDrag = Callable[[str, str, Any, Any], None]
 """Name of a body, "start", "update" or "end", the point that was taken and where the pointer is (3,) [m]."""
 
-_BAR_SIZE = (330, 720)  # in which the scale of colours is drawn [px]
+_BAR_SIZE = (360, 560)  # in which the scale of colours is drawn [px]
 
 
 def bytes_of(color: Any) -> tuple[int, int, int]:
@@ -44,7 +44,7 @@ class Stage:
         self._colors = body_colors(self._bodies)
         self._bounds = bounds_of([self._bodies])
         self._nodes: dict[str, Any] = {}
-        self._shows_values: dict[str, bool] = {}
+        self._colored: dict[str, Any] = {}
         self._marks: list[Any] = []
         self._limits: tuple[float, float] | None = None
         self.field: str | None = None
@@ -93,23 +93,30 @@ class Stage:
         self._limits = low, high
 
     def _draw_body(self, body: Any, color: Any, values: Array | None) -> None:
+        """A mesh of one colour; over it, where there are values, one with colours at its vertices, which the
+        browser makes anew each time. The first one is there to be dragged, even when it is not seen."""
         name = str(body.name)
-        if self._shows_values.get(name, values is not None) != (values is not None):
-            self._nodes.pop(name).remove()
-        self._shows_values[name] = values is not None
         positions, triangles = surface(body)
-        if values is not None:
-            data = self._colored(positions, triangles, values)
-            if name not in self._nodes:
-                self._nodes[name] = self._take_drags(self._server.scene.add_glb(_path(name), data), body)
-            else:
-                self._nodes[name].glb_data = data
-        elif name not in self._nodes:
+        if name not in self._nodes:
             self._nodes[name] = self._take_drags(self._plain(body, positions, triangles, color), body)
-        else:
-            self._move(body, self._nodes[name], positions)
-            if self._nodes[name].color != bytes_of(color):
-                self._nodes[name].color = bytes_of(color)
+        node = self._nodes[name]
+        self._move(body, node, positions)
+        opacity = None if values is None else 0.0
+        if node.opacity != opacity:
+            node.opacity = opacity
+        if node.color != bytes_of(color):
+            node.color = bytes_of(color)
+        if values is None:
+            if name in self._colored:
+                self._colored.pop(name).remove()
+            return
+        data = self._glb(positions, triangles, values)
+        if name not in self._colored:
+            self._colored[name] = self._server.scene.add_glb(
+                f"{_path(name)} in colours", data, cast_shadow=False, receive_shadow=False
+            )
+        elif self._colored[name].glb_data != data:
+            self._colored[name].glb_data = data
 
     def _plain(self, body: Any, positions: Array, triangles: Array, color: Any) -> Any:
         """A mesh of one colour; of rigid bodies in their own frame, which moves."""
@@ -132,7 +139,7 @@ class Stage:
         else:
             node.vertices = positions.astype(np.float32)
 
-    def _colored(self, positions: Array, triangles: Array, values: Array) -> bytes:
+    def _glb(self, positions: Array, triangles: Array, values: Array) -> bytes:
         """A mesh with colours at its vertices as a binary glTF, whose colours are linear light."""
         import trimesh
 
@@ -140,7 +147,7 @@ class Stage:
         low, high = self._limits
         shade = linear(self._colormap((values - low) / (high - low)))
         colors = np.column_stack([255.0 * shade, np.full(len(shade), 255.0)]).astype(np.uint8)
-        mesh = trimesh.Trimesh(positions, triangles, vertex_colors=colors, process=False)
+        mesh: Any = trimesh.Trimesh(positions, triangles, vertex_colors=colors, process=False)
         return bytes(mesh.export(file_type="glb", include_normals=True))
 
     def _bar(self, field: Field) -> Array:
@@ -206,7 +213,7 @@ class Stage:
 def _trimmed(picture: Array) -> Array:
     """Without the paper around what is drawn, but for a margin [px]; as wide as the panel, or a small picture
     would be stretched."""
-    inked = (picture < 250).any(axis=2)
+    inked = np.any(np.less(picture, 250), axis=2)
     rows, columns = np.flatnonzero(inked.any(axis=1)), np.flatnonzero(inked.any(axis=0))
     part = picture[rows[0] - 8 : rows[-1] + 9, columns[0] - 8 : columns[-1] + 9]
     padded = np.full((part.shape[0], max(_BAR_SIZE[0], part.shape[1]), 3), 255, dtype=np.uint8)

@@ -30,8 +30,10 @@ from .pulls import pulls_of
 from .server import address, close_server, open_server
 from .stage import Stage
 
-#: From one drawing to the next, while it runs and while it waits [s].
-_PERIOD, _IDLE = 1.0 / 20.0, 0.05
+#: From one drawing to the next, and with a field, whose meshes browsers make anew [s].
+_PERIOD, _PERIOD_OF_FIELDS = 1.0 / 20.0, 1.0 / 8.0
+#: For which a paused view waits at a time [s].
+_IDLE = 0.05
 
 Drive = Callable[[Any], object]
 
@@ -252,7 +254,8 @@ class View:
 
     def _draw_sometimes(self) -> None:
         """Nobody looks, nothing is drawn: a browser that comes asks for it."""
-        due = clock.perf_counter() - self._drawn >= _PERIOD
+        period = _PERIOD if self._stage.field is None else _PERIOD_OF_FIELDS
+        due = clock.perf_counter() - self._drawn >= period
         if due and self.is_open and self._server.get_clients():
             self.draw()
 
