@@ -3,6 +3,5 @@ series as Parquet and MCAP. Packages that a format needs are those of the extra 
 
 from .exporter import FORMATS, Exporter, export_recording
 from .series import write_series
-from .shots import Shot
 
-__all__ = ["FORMATS", "Exporter", "Shot", "export_recording", "write_series"]
+__all__ = ["FORMATS", "Exporter", "export_recording", "write_series"]

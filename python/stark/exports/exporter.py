@@ -35,8 +35,6 @@ _BY_SUFFIX = {
 }
 _SUFFIX = {"usd": ".usdc", "vtkhdf": ".vtkhdf", "vtu": ".pvd", "glb": ".glb"}
 
-OnProgress = Callable[[int, int], object]
-
 
 class Writer(Protocol):
     """Writes one format."""
@@ -121,7 +119,7 @@ def export_recording(
     *,
     frames: Iterable[int] | None = None,
     fields: Sequence[str] = tuple(MOTION),
-    progress: OnProgress | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> list[Path]:
     """Writes frames of a recording (all if left out) into ``folder`` and returns the files. ``fields`` are
     those that positions give: displacement, velocity; PLY and OBJ have none. "parquet" and "mcap" are the

@@ -35,8 +35,6 @@ _PERIOD, _PERIOD_OF_FIELDS = 1.0 / 20.0, 1.0 / 8.0
 #: For which a paused view waits at a time [s].
 _IDLE = 0.05
 
-Drive = Callable[[Any], object]
-
 
 class View:
     """A page that shows a simulation. ``sim.view()`` opens it, ``close()`` or the end of a ``with`` block
@@ -52,7 +50,7 @@ class View:
         field: str | None = None,
         contacts: bool = False,
         record_to: str | PathLike[str] = "out/view",
-        drive: Drive | None = None,
+        drive: Callable[[Any], object] | None = None,
     ) -> None:
         if field is not None and field not in FIELDS:
             raise InvalidArgument(f"view: field = {field!r}: must be one of {', '.join(FIELDS)}, or None")
