@@ -148,7 +148,7 @@ class Stage:
         shade = linear(self._colormap((values - low) / (high - low)))
         colors = np.column_stack([255.0 * shade, np.full(len(shade), 255.0)]).astype(np.uint8)
         mesh: Any = trimesh.Trimesh(positions, triangles, vertex_colors=colors, process=False)
-        return bytes(mesh.export(file_type="glb", include_normals=True))
+        return bytes(mesh.export(file_type="glb", include_normals=True, tree_postprocessor=_make_matt))
 
     def _bar(self, field: Field) -> Array:
         assert self._limits is not None
@@ -208,6 +208,15 @@ class Stage:
 
         node.on_drag("left")(dragged)
         return node
+
+
+def _make_matt(tree: Any) -> None:
+    """Without a material, glTF has bare metal, which is too dark to be compared with a scale of colours."""
+    matt = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
+    tree["materials"] = [{"pbrMetallicRoughness": matt, "doubleSided": True}]
+    for mesh in tree["meshes"]:
+        for primitive in mesh["primitives"]:
+            primitive["material"] = 0
 
 
 def _trimmed(picture: Array) -> Array:
