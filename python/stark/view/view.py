@@ -81,7 +81,7 @@ class View:
             with self._server.gui.add_folder("Live values", expand_by_default=bool(sim.robots)):
                 if add_live_controls(self._server.gui, sim, self._later, hidden) == 0:
                     self._server.gui.add_markdown("The scene has none.")
-            self._server.on_client_connect(lambda client: self._later(partial(self.draw)))
+            self._server.on_client_connect(lambda client: self._later(self.draw))
             self.draw()
         except BaseException:
             self.close()
@@ -222,7 +222,6 @@ class View:
     def _do(self, command: Callable[[], object]) -> None:
         """What the page asks for may be refused; the page says why."""
         try:
-            self._message = ""
             command()
         except (Error, ImportError, OSError) as error:
             self._message = str(error)
@@ -266,7 +265,7 @@ class View:
 
     def _actions(self) -> Actions:
         def later(method: Callable[..., object]) -> Callable[..., None]:
-            return lambda *values: self._later(partial(method, *values))
+            return lambda *values: self._later(partial(self._answer, method, *values))
 
         return Actions(
             pause=later(self._toggle), step=later(self._one), reset=later(self._reset),
@@ -274,6 +273,11 @@ class View:
             field=later(self._show_field), contacts=later(self._show_contacts),
             pace=later(self._set_pace), stiffness=later(self._set_strength),
         )  # fmt: skip
+
+    def _answer(self, method: Callable[..., object], *values: object) -> None:
+        """What the page was told before is over when somebody asks for something."""
+        self._message = ""
+        method(*values)
 
     def _toggle(self) -> None:
         self.paused = not self._paused

@@ -38,7 +38,7 @@ def picture(page: Any, path: Path) -> np.ndarray:
     """What is seen beside the panel (h, w, 3) uint8."""
     import imageio.v3 as imageio
 
-    page.screenshot(path=path)
+    page.screenshot(path=path, timeout=2000.0 * PATIENCE)
     return np.asarray(imageio.imread(path))[200:, :440, :3].astype(int)
 
 
