@@ -22,7 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("scene",),
     ("steps",),
     ("checkpoint", "reproducer.errors", "reproducer.parts", "reproducer.rebuilding"),
-    ("recording", "render", "replay", "pictures"),
+    ("recording", "render", "replay", "view", "exports", "pictures"),
     ("reproducer.reduction", "reproducer.writing", "simulation"),
     ("reproducer",),
     ("__init__",),

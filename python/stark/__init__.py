@@ -63,6 +63,7 @@ _MODULES = (
     "actuators",
     "attachments",
     "checkpoint",
+    "exports",
     "formulas",
     "joints",
     "motion",
@@ -76,6 +77,7 @@ _MODULES = (
     "symbolic",
     "telemetry",
     "verify",
+    "view",
 )
 _PLACES = {
     "stark.formulas": (

@@ -4,6 +4,7 @@ from stark import (
     actuators as actuators,
     attachments as attachments,
     checkpoint as checkpoint,
+    exports as exports,
     formulas as formulas,
     joints as joints,
     materials as materials,
@@ -20,6 +21,7 @@ from stark import (
     symbolic as symbolic,
     telemetry as telemetry,
     verify as verify,
+    view as view,
 )
 from stark._core import (
     Error as Error,

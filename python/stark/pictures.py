@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from stark.handle import SimulationLink
 if TYPE_CHECKING:
     from stark.render import Picture
     from stark.replay import InlinePage
+    from stark.view import View
 
 
 class Pictures(SimulationLink):
@@ -84,6 +85,34 @@ class Pictures(SimulationLink):
         if recording is None:
             return self.picture(size=(16 * height // 9, height))
         return show(recording, height=height, max_megabytes=max_megabytes)
+
+    def view(
+        self,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        paused: bool = False,
+        field: str | None = None,
+        contacts: bool = False,
+        record_to: str | PathLike[str] = "out/view",
+        drive: Callable[[Any], object] | None = None,
+    ) -> View:
+        """Opens a page that shows the simulation in a browser and takes commands between steps
+        (docs/view.md): ``with sim.view() as view: view.run()``. The simulation computes the same bits with
+        and without it.
+
+        ``host``, ``port``: where the page is, ``view.url``; other machines see it only where ``host`` says
+        so; the next port that is free is taken. ``paused``: waits at the start. ``field`` colours bodies as
+        in ``picture``, ``contacts`` shows forces. ``record_to``: folder of recordings that the page asks for;
+        where it exists a number is appended. ``drive(sim)`` is called before each step of ``view.run()``.
+
+        Raises ImportError that names the extra when viser is missing, InvalidArgument for bad arguments."""
+        from stark.view import View
+
+        return View(
+            self, host=host, port=port, paused=paused, field=field, contacts=contacts, record_to=record_to,
+            drive=drive,
+        )  # fmt: skip
 
     def _repr_png_(self) -> bytes | None:
         """A small picture in place of the name, where notebooks show values."""

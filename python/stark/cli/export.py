@@ -6,11 +6,17 @@ import argparse
 
 from .output import say
 from .paths import path_argument
+from .progress import Progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", type=path_argument, metavar="RUN", help="folder of a run")
-    parser.add_argument("--format", default="vtu", choices=("vtu", "ply", "obj"), help="vtu is for ParaView")
+    parser.add_argument(
+        "--format",
+        default="vtu",
+        choices=("vtu", "ply", "obj", "vtkhdf", "usd", "glb", "parquet", "mcap"),
+        help="vtu, vtkhdf: ParaView; usd: Blender, Omniverse; parquet, mcap: the numbers of every step",
+    )
     parser.add_argument(
         "--out", type=path_argument, metavar="DIR", help="folder of the files; default: RUN/FORMAT"
     )
@@ -20,14 +26,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from ..array_file import refuse_link
-    from ..recording import Recording, export
+    from ..exports import export_recording
+    from ..recording import Recording
 
     recording = Recording(args.run)
     folder = args.out or args.run / args.format
     if args.out is None:
         refuse_link(folder)
     frames = None if args.time is None else [recording.nearest(args.time)]
-    written = export(recording, folder, args.format, frames=frames)
+    bar = Progress(1.0)
+    try:
+        written = export_recording(
+            recording,
+            folder,
+            args.format,
+            frames=frames,
+            progress=lambda done, total: bar.update(done / total, f"frame {done} of {total}"),
+        )
+    finally:
+        bar.close()
     if args.csv:
         path = folder / "telemetry.csv"
         recording.telemetry.to_csv(path)

@@ -8,10 +8,10 @@ import sys
 from ..files import printable
 
 
-def say(text: object = "", *, error: bool = False) -> None:
-    """Prints a line, to the standard error output with ``error``."""
+def say(text: object = "", *, error: bool = False, flush: bool = False) -> None:
+    """Prints a line, to the standard error output with ``error``; at once with ``flush``."""
     line = "\\n".join(printable(str(text)).split("\n"))
-    print(line, file=sys.stderr if error else sys.stdout)
+    print(line, file=sys.stderr if error else sys.stdout, flush=flush)
 
 
 def complain(message: object) -> None:

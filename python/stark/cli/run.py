@@ -53,6 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--certify", action="store_true", help="record every step in double precision, for stark verify"
     )
+    parser.add_argument(
+        "--view", action="store_true", help="watch and handle it in a browser; records when the page asks"
+    )
+    parser.add_argument("--host", help="address of the page of --view (127.0.0.1: this machine only)")
+    parser.add_argument("--port", type=int, help="port of the page of --view (8080)")
     parser.add_argument("--no-replay", action="store_true", help="write no replay page")
     parser.add_argument("--no-picture", action="store_true", help="write no picture")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -68,6 +73,8 @@ def _option(text: str) -> tuple[str, str]:
 
 def _check(args: argparse.Namespace) -> None:
     """Which arguments go together."""
+    if not args.view and (args.host is not None or args.port is not None):
+        raise InvalidArgument("run: --host and --port are of the page: give --view, too")
     if args.resume is None:
         if args.scene is None:
             raise InvalidArgument("run: give a scene, or --resume DIR to go on with a run")
@@ -145,6 +152,10 @@ class Shown:
 
 def run(args: argparse.Namespace) -> int:
     _check(args)
+    if args.view:
+        from .run_view import run_view
+
+        return run_view(args, dict(_option(text) for text in args.option))
     with RaisedOnce(signal.SIGINT, signal.SIGTERM):
         bar = Progress(_end(args), quiet=args.quiet)
         try:

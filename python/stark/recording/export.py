@@ -4,7 +4,7 @@ dependencies."""
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -22,7 +22,7 @@ from .reader import Recording
 FORMATS = ("vtu", "ply", "obj")
 
 
-def _merged(frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def merged(frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All bodies as one mesh: vertices (n, 3) float32, triangles (m, 3) int32, body of each triangle (m,)
     int32."""
     vertices, triangles, owners, start = [], [], [], 0
@@ -38,7 +38,7 @@ def _merged(frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def ply_bytes(frame: Frame) -> bytes:
     """One frame as binary little-endian PLY; the face property ``body`` is the index of its body."""
-    vertices, triangles, owners = _merged(frame)
+    vertices, triangles, owners = merged(frame)
     header = "\n".join(
         [
             "ply",
@@ -80,9 +80,10 @@ def _data_array(array: np.ndarray, kind: str, name: str, components: int = 1) ->
     return f"<DataArray {attributes}>{text}</DataArray>"
 
 
-def vtu_bytes(frame: Frame) -> bytes:
-    """One frame as VTU (VTK XML UnstructuredGrid); cell data ``body`` is the index of the body."""
-    vertices, triangles, owners = _merged(frame)
+def vtu_bytes(frame: Frame, point_data: Mapping[str, np.ndarray] | None = None) -> bytes:
+    """One frame as VTU (VTK XML UnstructuredGrid); cell data ``body`` is the index of the body,
+    ``point_data`` are numbers (n,) or vectors (n, 3) at all vertices, by name."""
+    vertices, triangles, owners = merged(frame)
     count = len(triangles)
     parts = [
         '<?xml version="1.0"?>',
@@ -96,6 +97,12 @@ def vtu_bytes(frame: Frame) -> bytes:
         _data_array(np.full(count, 5, dtype="u1"), "UInt8", "types"),
         "</Cells>",
         f'<CellData Scalars="body">{_data_array(owners.astype("<i4"), "Int32", "body")}</CellData>',
+        "<PointData>",
+        *(
+            _data_array(np.asarray(v, dtype="<f4"), "Float32", name, 1 if np.ndim(v) == 1 else 3)
+            for name, v in (point_data or {}).items()
+        ),
+        "</PointData>",
         "</Piece></UnstructuredGrid></VTKFile>\n",
     ]
     return "\n".join(parts).encode()

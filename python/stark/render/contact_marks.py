@@ -16,7 +16,7 @@ from .overlay import PAPER, Color, Overlay, rectangle
 
 FORCE: Color = (0.80, 0.09, 0.13)
 #: Length of the longest arrow over the radius of the scene.
-_LONGEST = 0.35
+LONGEST = 0.35
 
 
 def draw_contacts(
@@ -32,24 +32,12 @@ def draw_contacts(
     moves freely, of two such on the first one of the scene. Forces below a thousandth of the largest have a
     dot only. Contacts between bodies none of which is ``shown`` are left out. Raises InvalidArgument where
     there are no contacts to tell of: in recordings."""
-    if not hasattr(sim, "contacts"):
-        raise InvalidArgument("contacts: need a simulation; a recording has positions only")
-    contacts = sim.contacts if which is True else sim.contacts.of(which)
-    drawn = np.array([shown is None or name in shown for name in contacts.names], dtype=bool)
-    contacts = contacts._take(drawn[contacts.bodies].any(axis=1))
-    if not len(contacts):
-        return
-    forces = contacts.forces
-    if which is True:
-        moves = np.array([body.motion == "dynamic" for body in sim.bodies])
-        turned = ~moves[contacts.bodies[:, 0]] & moves[contacts.bodies[:, 1]]
-        forces = np.where(turned[:, None], -forces, forces)
-    places = 0.5 * (contacts.points_a + contacts.points_b)
+    places, forces = forces_of(sim, which, shown)
     sizes = np.linalg.norm(forces, axis=1)
-    largest = float(sizes.max())
+    largest = float(sizes.max(initial=0.0))
     if largest == 0.0:
         return
-    scale = _LONGEST * bounds.radius / largest  # [m/N]
+    scale = LONGEST * bounds.radius / largest  # [m/N]
     starts, start_depths = camera.project(places, overlay.size)
     ends, end_depths = camera.project(places + scale * forces, overlay.size)
     thick = max(1.5, 0.0032 * overlay.size[1])
@@ -59,6 +47,22 @@ def draw_contacts(
     for k in np.flatnonzero(seen & (sizes > 1e-3 * largest)):
         draw_arrow(overlay, starts[k], ends[k], thick)
     _draw_key(overlay, camera, bounds, largest, scale, thick)
+
+
+def forces_of(sim: Any, which: Any, shown: Collection[str] | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Places (n, 3) [m] and forces (n, 3) [N] of the contacts of the last step, as ``draw_contacts`` has
+    them."""
+    if not hasattr(sim, "contacts"):
+        raise InvalidArgument("contacts: need a simulation; a recording has positions only")
+    contacts = sim.contacts if which is True else sim.contacts.of(which)
+    drawn = np.array([shown is None or name in shown for name in contacts.names], dtype=bool)
+    contacts = contacts._take(drawn[contacts.bodies].any(axis=1))
+    forces = contacts.forces
+    if which is True and len(contacts):
+        moves = np.array([body.motion == "dynamic" for body in sim.bodies])
+        turned = ~moves[contacts.bodies[:, 0]] & moves[contacts.bodies[:, 1]]
+        forces = np.where(turned[:, None], -forces, forces)
+    return 0.5 * (contacts.points_a + contacts.points_b), forces
 
 
 def draw_arrow(overlay: Overlay, start: np.ndarray, end: np.ndarray, thick: float) -> None:

@@ -1,0 +1,102 @@
+"""VTKHDF: all times in one file, for ParaView 5.12 and newer. Triangles are stored once.
+[https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format, temporal PolyData, version 2.0]"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stark.array_file import naming, refuse_special
+from stark.files import printable
+from stark.recording.export import merged
+from stark.recording.format import Frame
+
+from .shots import Shot
+
+_MISSING = "VTKHDF needs the package h5py of the extra 'export': pip install 'stark-sim[export]'"
+_CELLS = ("Vertices", "Lines", "Polygons", "Strips")
+
+
+class VtkHdfWriter:
+    """Appends times to a file."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            import h5py
+        except ImportError as error:
+            raise ImportError(_MISSING) from error
+        self._h5py, self._path = h5py, path
+        self._temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+        with naming(path):
+            refuse_special(path)
+            self._temporary.unlink(missing_ok=True)
+            self._file: Any = h5py.File(self._temporary, "w")
+        self._root: Any = self._file.create_group("VTKHDF")
+        self._count = 0
+
+    def add(self, shot: Shot) -> None:
+        """Appends points and fields."""
+        points, triangles, owners = merged(Frame(shot.index, shot.time, shot.bodies))
+        with naming(self._path):
+            if self._count == 0:
+                self._begin(shot, triangles, owners)
+            first = self._count * len(points)
+            self._append("NumberOfPoints", len(points))
+            self._append("Points", points)
+            for kind in _CELLS:
+                corners = triangles.size if kind == "Polygons" else 0
+                self._append(f"{kind}/NumberOfCells", corners // 3)
+                self._append(f"{kind}/NumberOfConnectivityIds", corners)
+            for name, values in shot.point_data.items():
+                self._append(f"PointData/{name}", values)
+                self._append(f"Steps/PointDataOffsets/{name}", first)
+            for name, value in (
+                ("Values", shot.time),
+                ("PartOffsets", self._count),
+                ("NumberOfParts", 1),
+                ("PointOffsets", first),
+                ("CellOffsets", np.zeros((1, 4), dtype=np.int64)),
+                ("ConnectivityIdOffsets", np.zeros((1, 4), dtype=np.int64)),
+                ("CellDataOffsets/body", 0),
+            ):
+                self._append(f"Steps/{name}", value)
+            self._count += 1
+            self._root["Steps"].attrs["NSteps"] = self._count
+
+    def finish(self) -> list[Path]:
+        """Moves the file into place."""
+        with naming(self._path):
+            self._file.close()
+            os.replace(self._temporary, self._path)
+        return [self._path]
+
+    def abandon(self) -> None:
+        """Leaves nothing behind."""
+        self._file.close()
+        self._temporary.unlink(missing_ok=True)
+
+    def _begin(self, shot: Shot, triangles: Any, owners: Any) -> None:
+        """What does not change: triangles, and the body of each."""
+        self._root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
+        kind = self._h5py.string_dtype("ascii", len("PolyData"))
+        self._root.attrs.create("Type", np.bytes_("PolyData"), dtype=kind)
+        for group in _CELLS:
+            cells = triangles if group == "Polygons" else triangles[:0]
+            self._root[f"{group}/Offsets"] = 3 * np.arange(len(cells) + 1, dtype=np.int64)
+            self._root[f"{group}/Connectivity"] = cells.ravel().astype(np.int64)
+        self._root["CellData/body"] = owners
+        names = [printable(body.name).encode() for body in shot.bodies]
+        self._root.create_group("FieldData").attrs["stark_bodies"] = names
+
+    def _append(self, name: str, value: Any) -> None:
+        """Adds rows to a dataset that grows; a number is a row."""
+        rows = np.atleast_1d(np.asarray(value))
+        if name not in self._root:
+            self._root.create_dataset(name, data=rows, maxshape=(None, *rows.shape[1:]), chunks=True)
+            return
+        data = self._root[name]
+        data.resize(len(data) + len(rows), axis=0)
+        data[-len(rows) :] = rows

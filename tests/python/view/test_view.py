@@ -1,0 +1,187 @@
+"""The page of a simulation: the commands that it gives, and that the simulation does not notice it."""
+
+from __future__ import annotations
+
+import threading
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from _views import falling, free_port
+
+import stark
+from stark.render.fields import FIELDS
+
+pytest.importorskip("viser", reason="needs the extra 'view'")
+
+
+@pytest.fixture
+def sim() -> Any:
+    scene = falling()
+    stark.view.add_pulls(scene)
+    return stark.Simulation(scene, time_step=0.01)
+
+
+@pytest.fixture
+def view(sim: Any, tmp_path: Path) -> Any:
+    with sim.view(port=free_port(), paused=True, record_to=tmp_path / "run") as view:
+        view._set_pace(False)
+        yield view
+
+
+def during(view: Any, *steps: Any) -> None:
+    """Runs the view, and meanwhile does what a page would, each once what was asked before is done."""
+    done: list[BaseException] = []
+
+    def act() -> None:
+        try:
+            for step in steps:
+                step()
+                passed = threading.Event()
+                view._later(passed.set)
+                assert passed.wait(20.0)
+        except BaseException as error:
+            done.append(error)
+        finally:
+            view._later(view.close)
+
+    thread = threading.Thread(target=act)
+    thread.start()
+    view.run()
+    thread.join()
+    if done:
+        raise done[0]
+
+
+def test_the_states_are_the_same_with_and_without_a_page(sim: Any) -> None:
+    alone = stark.Simulation(falling(), time_step=0.01)
+    alone.run_until(0.08)
+    with sim.view(port=free_port(), field="stress", contacts=True) as view:
+        view._set_pace(False)
+        for report in sim.run(until=0.04):
+            view.update(report)
+            view.draw()
+        view.run(0.08, stay=False)
+    assert sim.state.hash == alone.state.hash
+
+
+def test_pause_step_and_reset(view: Any, sim: Any) -> None:
+    start = sim.state.hash
+    actions, times = view._actions(), []
+    note = lambda: times.append(sim.time)  # noqa: E731
+    during(
+        view,
+        lambda: view._later(note),
+        actions.step,
+        lambda: view._later(lambda: None),
+        lambda: view._later(note),
+        actions.pause,
+        lambda: threading.Event().wait(0.3),
+        actions.pause,
+        lambda: view._later(note),
+        actions.reset,
+        lambda: view._later(note),
+    )
+    assert times[0] == 0.0 and times[1] == 0.01 and times[2] > 0.02 and times[3] == 0.0
+    assert sim.state.hash == start and not view.is_open
+
+
+def test_dragging_pulls_and_letting_go_ends_it(view: Any, sim: Any) -> None:
+    pulls = view._pulls
+    view._dragged("ball", "start", (0.0, 0.0, 0.256), (0.0, 0.0, 0.256))
+    view._dragged("ball", "update", (0.0, 0.0, 0.256), (0.0, 0.0, 0.5))
+    view._take_commands()
+    assert pulls.held.body == "ball"
+    np.testing.assert_allclose(pulls.target, (0.0, 0.0, 0.5))
+    view.paused = False
+    view.run(0.3, stay=False)
+    assert sim["ball"].position[2] > 0.3
+    view._dragged("ball", "end", (0.0, 0.0, 0.4), (0.0, 0.0, 0.5))
+    view._take_commands()
+    assert pulls.held is None
+
+
+def test_every_field_has_colours_and_a_scale(view: Any, sim: Any) -> None:
+    for field in FIELDS:
+        view._show_field(field)
+        assert view._panel._bar.visible
+        image = view._panel._bar.image
+        assert image.dtype == np.uint8 and (image < 100).any()
+    view._show_field(None)
+    assert not view._panel._bar.visible
+
+
+def test_colours_are_those_of_the_house(view: Any) -> None:
+    from stark.palette import body_colors
+
+    for body, color in zip(view._stage._bodies, body_colors(view._stage._bodies), strict=True):
+        assert view._stage._nodes[body.name].color == tuple(round(255 * c) for c in color)
+
+
+def test_rigid_bodies_move_by_their_pose_and_solids_by_their_vertices(view: Any, sim: Any) -> None:
+    view.paused = False
+    view.run(0.1, stay=False)
+    nodes = view._stage._nodes
+    np.testing.assert_allclose(nodes["ball"].position, sim["ball"].position, atol=1e-12)
+    np.testing.assert_allclose(nodes["jelly"].vertices, sim["jelly"].surface_positions, atol=1e-6)
+    position, rotation = sim["ball"].pose
+    placed = nodes["ball"].vertices @ rotation.T + position
+    np.testing.assert_allclose(placed, sim["ball"].positions, atol=1e-6)
+
+
+def test_a_recording_is_a_run_folder_and_names_are_not_taken_twice(view: Any, tmp_path: Path) -> None:
+    view.paused = False
+    for end in (0.03, 0.06):
+        view._toggle_recording()
+        view.run(end, stay=False)
+        view._toggle_recording()
+    for folder, count in (("run", 4), ("run-2", 4)):
+        recording = stark.recording.Recording(tmp_path / folder)
+        assert len(recording) == count and recording.status == "complete"
+    view._picture()
+    assert (tmp_path / "jelly.png").stat().st_size > 1000
+
+
+def test_the_page_is_served_to_this_machine_only(view: Any) -> None:
+    assert view.url.startswith("http://127.0.0.1:")
+    with urllib.request.urlopen(view.url, timeout=10.0) as answer:
+        assert b"<html" in answer.read().lower()
+
+
+def test_a_failed_step_pauses_and_says_why(view: Any, sim: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Failed:
+        failed, message, step, newton_iterations, contact_count, time = True, "no way", 1, 3, 0, 0.0
+        energy = dict.fromkeys(("kinetic", "elastic", "gravity", "contact"), 0.0)
+
+    view.paused = False
+    monkeypatch.setattr(sim, "step", lambda **_: Failed())
+    view._step(None)
+    view.draw()
+    assert view.paused and "no way" in view._panel._status.content
+
+
+def test_threads_end_with_the_page(sim: Any) -> None:
+    before = set(threading.enumerate())
+    sim.view(port=free_port()).close()
+    for thread in set(threading.enumerate()) - before:
+        thread.join(5.0)
+        assert not thread.is_alive(), thread
+
+
+def test_bad_arguments_and_closed_pages_are_refused(sim: Any) -> None:
+    for bad, told in (
+        ({"port": 0}, r"port = 0: must be a whole number from 1 to 65535"),
+        ({"host": ""}, r"host = ''"),
+        ({"field": "charm"}, r"field = 'charm': must be one of stress"),
+        ({"drive": 3}, r"drive = 3: must be a function"),
+    ):
+        with pytest.raises(stark.InvalidArgument, match=told):
+            sim.view(**bad)
+    view = sim.view(port=free_port())
+    view.close()
+    with pytest.raises(stark.InvalidArgument, match=r"run\(\) after close\(\)"):
+        view.run()
+    with sim.view(port=free_port()) as view, pytest.raises(stark.InvalidArgument, match=r"until = -1"):
+        view.run(-1)
