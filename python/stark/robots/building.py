@@ -19,8 +19,9 @@ from stark.mesh import TriangleMesh
 from stark.robots import kinematics
 from stark.robots.checks import is_nothing, refuse_impossible
 from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
-from stark.robots.handle import Robot, RobotLink, _limits
+from stark.robots.handle import Robot, _limits
 from stark.robots.kinematics import WORLD, Placement
+from stark.robots.link import RobotLink
 from stark.robots.meshes import joined, mesh_of
 from stark.robots.report import Report
 from stark.selections import FrameHandle, rigid_frame, world_frame
@@ -72,6 +73,7 @@ class _Builder:
         self.body_of: dict[str, RigidBody | None] = {}  # by root of the group
         self.joints: dict[str, Joint] = {}
         self.shifts: dict[str, float] = {}
+        self.vertices: dict[str, tuple[int, int]] = {}  # of links in the meshes of their bodies
 
     def build(self) -> Robot:
         for group in self.groups:
@@ -219,11 +221,11 @@ class _Builder:
         if not self.options.contact:
             choices = [("visual", False), ("collision", False)]
         for shapes, touches in choices:
-            parts = [
-                self._part(shape, name, frame)
-                for name, frame in group.frames.items()
-                for shape in _shapes(self.robot.links[name], shapes)
-            ]
+            parts: list[TriangleMesh] = []
+            for name, frame in group.frames.items():
+                start = sum(len(part.vertices) for part in parts)
+                parts += [self._part(shape, name, frame) for shape in _shapes(self.robot.links[name], shapes)]
+                self.vertices[name] = start, sum(len(part.vertices) for part in parts)
             if parts:
                 if self.options.contact and not touches:
                     self.report.add(
@@ -332,7 +334,9 @@ class _Builder:
         group = self.group_of[name]
         body, frame = self.body_of[group.root], group.frames[name]
         offset = frame if body is not None else self.frames[group.root].at(*frame)
-        return RobotLink(name, self.robot.links[name], body, offset, self.robot.source)
+        return RobotLink(
+            name, self.robot.links[name], body, offset, self.robot.source, self.vertices.get(name, (0, 0))
+        )
 
     def _with_inertias(self) -> RobotDescription:
         """The description with the inertias that the bodies have."""
