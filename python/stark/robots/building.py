@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 
 BASES = ("fixed", "floating", "scripted")
 _TURN = 2.0 * math.pi
+#: Of the mass and largest moment of a link with several joints, for the links between these.
+_SMALL = 1e-4
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ class _Builder:
         names = self.robot.coordinates
         given = {} if self.options.q is None else self.options.q
         q = kinematics.numbers_of(self.robot, given)
-        lower, upper = _limits(self.robot)
+        lower, upper = _limits(self.robot, self.report)
         for k, name in enumerate(names):
             unit = self.robot.joints[name].unit
             is_given = not isinstance(given, Mapping) or name in given
@@ -199,6 +201,8 @@ class _Builder:
             )
         if not needed:
             return None
+        if not parts and (between := self.robot.links[group.root].between) is not None:
+            return self._small_inertia(group.root, between)
         if not parts:
             raise InvalidArgument(
                 f"{self.robot.source}: link {_listed(group.frames)}: has no mass: a link that moves must "
@@ -213,6 +217,23 @@ class _Builder:
         total = Inertia.sum(parts) if len(parts) > 1 else parts[0]
         refuse_impossible(self.robot.source, group.frames, total)
         return total
+
+    def _small_inertia(self, name: str, between: str) -> Inertia:
+        """Of a link between joints of another one: a body must have some. It is where the next joint is."""
+        other = self._inertia_of(between)
+        if other is None:
+            raise InvalidArgument(
+                f"{self.robot.source}: link '{between}': has no mass, but several joints: must have an "
+                f"<inertial>; add it, or give inertias={{'{name}': ..., '{between}': ...}}"
+            )
+        anchor = next(joint.anchor for joint in self.robot.outwards if joint.parent == name)
+        moment = _SMALL * float(np.linalg.eigvalsh(other.tensor)[-1])
+        self.report.add(
+            "assumed",
+            f"link '{name}'",
+            f"has {_SMALL:g} of the mass and of the largest moment of '{between}'",
+        )
+        return Inertia(_SMALL * other.mass, anchor, moment * np.eye(3))
 
     def _mesh(self, group: Group, inertia: Inertia | None) -> tuple[TriangleMesh | None, bool]:
         """The surface of a body, and whether it touches others."""
@@ -234,6 +255,8 @@ class _Builder:
                 return joined(parts), touches
         if inertia is None:
             return None, False
+        if self.robot.links[group.root].between is not None:
+            return meshes.box(2e-3).translated(inertia.center), False  # hidden in what the joints connect
         self.report.add(
             "assumed", f"link '{group.root}'", "no shape: drawn as a box of its inertia, touches nothing"
         )
@@ -342,10 +365,7 @@ class _Builder:
         """The description with the inertias that the bodies have."""
         if not self.options.inertias:
             return self.robot
-        links = [
-            Link(link.name, self._inertia_of(link.name), link.visuals, link.collisions)
-            for link in self.robot.links.values()
-        ]
+        links = [replace(link, inertia=self._inertia_of(link.name)) for link in self.robot.links.values()]
         return RobotDescription(
             self.robot.name,
             links,

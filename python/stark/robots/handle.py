@@ -390,7 +390,7 @@ class Robot:
         return robot
 
 
-def _limits(description: RobotDescription) -> tuple[Floats, Floats]:
+def _limits(description: RobotDescription, report: Report | None = None) -> tuple[Floats, Floats]:
     names = description.coordinates
     lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     for joint in description.joints.values():
@@ -408,4 +408,15 @@ def _limits(description: RobotDescription) -> tuple[Floats, Floats]:
             )
         )
         lower[k], upper[k] = max(lower[k], bounds[0]), min(upper[k], bounds[1])
+    for k in np.flatnonzero(~(lower < upper)):
+        # Nobody checks the limits of mimicking joints; ratio -1 with those of the driver is common.
+        own = description.joints[names[k]]
+        lower[k] = -np.inf if own.lower is None else own.lower
+        upper[k] = np.inf if own.upper is None else own.upper
+        if report is not None:
+            report.add(
+                "suspicious",
+                f"joint '{names[k]}'",
+                "limits of joints that mimic it leave it no way: those are not kept, its own are",
+            )
     return lower, upper
