@@ -28,7 +28,7 @@ def arm(in_a_row: bool) -> str:
         place = f"{0.02 * (k % 2)} 0 {0.17 if k else 0.1}"
         text = (
             f'<body name="link_{k}" pos="{place}" euler="{5 * k} 0 {-7 * k}">'
-            f'<joint name="joint_{k}" axis="{_AXES[k]}"/>{more}<inertial pos="0.02 {-0.015 * (-1) ** k} 0.09" '
+            f'<joint name="joint_{k}" axis="{_AXES[k]}"/>{more}<inertial pos="0.02 {0.015 * (-1) ** k} 0.09" '
             f'mass="{_MASSES[k]}" fullinertia="{moments} 0.0005 0 0.0004"/>'
             f"{text}</body>"
         )
