@@ -15,14 +15,14 @@ from stark._core import InvalidArgument
 from stark.bodies import RigidBody
 from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
-from stark.mesh import TriangleMesh
+from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
 from stark.robots.checks import is_nothing, refuse_impossible
 from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.handle import Robot, _limits
 from stark.robots.kinematics import WORLD, Placement
 from stark.robots.link import RobotLink
-from stark.robots.meshes import joined, mesh_of
+from stark.robots.meshes import mesh_of
 from stark.robots.report import Report
 from stark.selections import FrameHandle, rigid_frame, world_frame
 

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from stark.bodies import RigidBody
 from stark.handle import BodyHandle
 from stark.joints.handle import Wrench
-from stark.mesh import TriangleMesh
+from stark.mesh import TriangleMesh, joined
 from stark.robots.description import Link
 from stark.robots.kinematics import Placement
-from stark.robots.meshes import joined, mesh_of
+from stark.robots.meshes import mesh_of
 
 Floats = NDArray[np.float64]
 
