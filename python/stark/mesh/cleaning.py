@@ -101,7 +101,7 @@ def _without_bad_triangles(mesh: TriangleMesh, report: MeshReport) -> TriangleMe
     keep[np.flatnonzero(keep)[crowded]] = False
     if not keep.any():
         raise InvalidMesh("cleaned: each edge has three triangles or more: must have two; it is no surface")
-    return compact(TriangleMesh(mesh.vertices, mesh.triangles[keep]))  # type: ignore[no-any-return]
+    return compact(TriangleMesh(mesh.vertices, mesh.triangles[keep]))
 
 
 def _edges(triangles: Indices) -> tuple[Ints, Ints]:
@@ -138,7 +138,7 @@ def _without_small_pieces(mesh: TriangleMesh, share: float, report: MeshReport) 
         int(small.sum()),
         f"{int(small.sum())} loose pieces of less than {share:g} of the largest, dropped",
     )
-    return compact(TriangleMesh(mesh.vertices, mesh.triangles[~small[label]]))  # type: ignore[no-any-return]
+    return compact(TriangleMesh(mesh.vertices, mesh.triangles[~small[label]]))
 
 
 def _turned(mesh: TriangleMesh, report: MeshReport) -> TriangleMesh:

@@ -33,4 +33,5 @@ class MeshReport:
         return sum(change.count for change in self.changes if change.what == what)
 
     def __str__(self) -> str:
-        return "\n".join(["mesh", *(f"  {change}" for change in self.changes or ["nothing was changed"])])
+        lines = [str(change) for change in self.changes] or ["nothing was changed"]
+        return "\n".join(["mesh", *(f"  {line}" for line in lines)])

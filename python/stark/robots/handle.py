@@ -408,7 +408,7 @@ def _limits(description: RobotDescription, report: Report | None = None) -> tupl
             )
         )
         lower[k], upper[k] = max(lower[k], bounds[0]), min(upper[k], bounds[1])
-    for k in np.flatnonzero(~(lower < upper)):
+    for k in np.flatnonzero(~(lower < upper)).tolist():
         # Nobody checks the limits of mimicking joints; ratio -1 with those of the driver is common.
         own = description.joints[names[k]]
         lower[k] = -np.inf if own.lower is None else own.lower
