@@ -3,14 +3,12 @@
 Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra have positive volume;
 ``oriented`` repairs both."""
 
+from typing import TYPE_CHECKING
+
 from stark.mesh.arguments import Indices, Points
-from stark.mesh.cleaning import cleaned, joined
 from stark.mesh.conversion import as_polyline, as_solid_mesh, as_tet_mesh, as_triangle_mesh, to_quadratic
 from stark.mesh.files import load, tetrahedralise
-from stark.mesh.reduction import convex_hull, convex_parts, simplified
 from stark.mesh.repair import merged, oriented
-from stark.mesh.report import MeshChange, MeshReport
-from stark.mesh.scans import SolidFromScan, edge_lengths, solid_from_scan
 from stark.mesh.shapes import (
     box,
     box_hexahedra,
@@ -24,6 +22,25 @@ from stark.mesh.shapes import (
     torus,
 )
 from stark.mesh.types import Mesh, Polyline, SolidMesh, TetMesh, TriangleMesh, compact
+
+if TYPE_CHECKING:
+    from stark.mesh.cleaning import cleaned, joined
+    from stark.mesh.reduction import convex_hull, convex_parts, simplified
+    from stark.mesh.report import MeshChange, MeshReport
+    from stark.mesh.scans import SolidFromScan, edge_lengths, solid_from_scan
+else:
+    from stark.on_demand import attach
+
+    # Imported when first used, to keep `import stark` fast.
+    __getattr__, __dir__ = attach(
+        __name__,
+        {
+            "stark.mesh.cleaning": "cleaned joined",
+            "stark.mesh.reduction": "convex_hull convex_parts simplified",
+            "stark.mesh.report": "MeshChange MeshReport",
+            "stark.mesh.scans": "SolidFromScan edge_lengths solid_from_scan",
+        },
+    )
 
 __all__ = [
     "Indices",
@@ -66,5 +83,5 @@ __all__ = [
 ]
 
 # Messages and pickles name the public place.
-for _type in (MeshChange, MeshReport, Polyline, SolidFromScan, SolidMesh, TetMesh, TriangleMesh):
+for _type in (Polyline, SolidMesh, TetMesh, TriangleMesh):
     _type.__module__ = "stark.mesh"
