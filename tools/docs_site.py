@@ -32,6 +32,7 @@ ELSEWHERE = {
     "benchmarks/README.md": "benchmarks/index.md",
     "benchmarks/kernels/README.md": "benchmarks/kernels.md",
     "benchmarks/symbolic/README.md": "benchmarks/symbolic.md",
+    "benchmarks/results/robots.md": "benchmarks/robots.md",
     "benchmarks/results/scenes.md": "benchmarks/scenes.md",
     "benchmarks/results/torture.md": "benchmarks/torture.md",
     "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",

@@ -22,7 +22,12 @@ GUIDES = sorted(str(path.relative_to(ROOT)) for path in guides.guides(ROOT))
 #: Reads the recording of an example.
 NEEDS_A_RUN = {"docs/systems.md"}
 #: Packages that guides need beside those of Stark.
-NEEDS = {"docs/robots.md": "yourdfpy", "docs/view.md": "viser", "docs/export.md": "h5py"}
+NEEDS = {
+    "docs/meshes.md": ("pytetwild", "fast_simplification", "manifold3d", "coacd"),
+    "docs/robots.md": ("yourdfpy",),
+    "docs/view.md": ("viser",),
+    "docs/export.md": ("h5py",),
+}
 
 
 def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
@@ -45,8 +50,8 @@ def test_there_are_guides() -> None:
 def test_the_programs_of_a_guide_run_in_the_order_of_reading(
     guide: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    if guide in NEEDS:
-        pytest.importorskip(NEEDS[guide])
+    for package in NEEDS.get(guide, ()):
+        pytest.importorskip(package)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     with warnings.catch_warnings():

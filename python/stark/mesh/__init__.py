@@ -3,6 +3,8 @@
 Lengths in metres. Triangles are counter-clockwise seen from outside, tetrahedra have positive volume;
 ``oriented`` repairs both."""
 
+from typing import TYPE_CHECKING
+
 from stark.mesh.arguments import Indices, Points
 from stark.mesh.conversion import as_polyline, as_solid_mesh, as_tet_mesh, as_triangle_mesh, to_quadratic
 from stark.mesh.files import load, tetrahedralise
@@ -21,11 +23,33 @@ from stark.mesh.shapes import (
 )
 from stark.mesh.types import Mesh, Polyline, SolidMesh, TetMesh, TriangleMesh, compact
 
+if TYPE_CHECKING:
+    from stark.mesh.cleaning import cleaned, joined
+    from stark.mesh.reduction import convex_hull, convex_parts, simplified
+    from stark.mesh.report import MeshChange, MeshReport
+    from stark.mesh.scans import SolidFromScan, edge_lengths, solid_from_scan
+else:
+    from stark.on_demand import attach
+
+    # Imported when first used, to keep `import stark` fast.
+    __getattr__, __dir__ = attach(
+        __name__,
+        {
+            "stark.mesh.cleaning": "cleaned joined",
+            "stark.mesh.reduction": "convex_hull convex_parts simplified",
+            "stark.mesh.report": "MeshChange MeshReport",
+            "stark.mesh.scans": "SolidFromScan edge_lengths solid_from_scan",
+        },
+    )
+
 __all__ = [
     "Indices",
     "Mesh",
+    "MeshChange",
+    "MeshReport",
     "Points",
     "Polyline",
+    "SolidFromScan",
     "SolidMesh",
     "TetMesh",
     "TriangleMesh",
@@ -36,14 +60,21 @@ __all__ = [
     "box",
     "box_hexahedra",
     "capsule",
+    "cleaned",
     "compact",
+    "convex_hull",
+    "convex_parts",
     "cylinder",
+    "edge_lengths",
     "grid",
     "helix",
+    "joined",
     "load",
     "merged",
     "oriented",
     "polyline",
+    "simplified",
+    "solid_from_scan",
     "sphere",
     "tet_box",
     "tetrahedralise",

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from stark.robots.description import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
     from stark.robots.drives import Drives
-    from stark.robots.handle import Robot, RobotLink
+    from stark.robots.handle import Robot
+    from stark.robots.inverse import Reach
+    from stark.robots.link import RobotLink
     from stark.robots.reading import read
     from stark.robots.report import Finding, Report
 else:
@@ -15,7 +17,9 @@ else:
     __getattr__, __dir__ = attach(
         __name__,
         {
-            "stark.robots.handle": "Robot RobotLink",
+            "stark.robots.handle": "Robot",
+            "stark.robots.inverse": "Reach",
+            "stark.robots.link": "RobotLink",
             "stark.robots.description": "Geometry Inertia Link Mimic RobotDescription RobotJoint",
             "stark.robots.drives": "Drives",
             "stark.robots.reading": "read",
@@ -30,6 +34,7 @@ __all__ = [
     "Inertia",
     "Link",
     "Mimic",
+    "Reach",
     "Report",
     "Robot",
     "RobotDescription",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,14 @@ from stark._core import InvalidArgument
 from stark.bodies import RigidBody
 from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
-from stark.mesh import TriangleMesh
+from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
 from stark.robots.checks import is_nothing, refuse_impossible
 from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
-from stark.robots.handle import Robot, RobotLink, _limits
+from stark.robots.handle import Robot, _limits
 from stark.robots.kinematics import WORLD, Placement
-from stark.robots.meshes import joined, mesh_of
+from stark.robots.link import RobotLink
+from stark.robots.meshes import mesh_of
 from stark.robots.report import Report
 from stark.selections import FrameHandle, rigid_frame, world_frame
 
@@ -29,6 +30,8 @@ Floats = NDArray[np.float64]
 
 BASES = ("fixed", "floating", "scripted")
 _TURN = 2.0 * math.pi
+#: Of the mass and largest moment of a link with several joints, for the links between these.
+_SMALL = 1e-4
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ class _Builder:
         self.body_of: dict[str, RigidBody | None] = {}  # by root of the group
         self.joints: dict[str, Joint] = {}
         self.shifts: dict[str, float] = {}
+        self.vertices: dict[str, tuple[int, int]] = {}  # of links in the meshes of their bodies
 
     def build(self) -> Robot:
         for group in self.groups:
@@ -105,7 +109,7 @@ class _Builder:
         names = self.robot.coordinates
         given = {} if self.options.q is None else self.options.q
         q = kinematics.numbers_of(self.robot, given)
-        lower, upper = _limits(self.robot)
+        lower, upper = _limits(self.robot, self.report)
         for k, name in enumerate(names):
             unit = self.robot.joints[name].unit
             is_given = not isinstance(given, Mapping) or name in given
@@ -197,6 +201,8 @@ class _Builder:
             )
         if not needed:
             return None
+        if not parts and (between := self.robot.links[group.root].between) is not None:
+            return self._small_inertia(group.root, between)
         if not parts:
             raise InvalidArgument(
                 f"{self.robot.source}: link {_listed(group.frames)}: has no mass: a link that moves must "
@@ -212,6 +218,23 @@ class _Builder:
         refuse_impossible(self.robot.source, group.frames, total)
         return total
 
+    def _small_inertia(self, name: str, between: str) -> Inertia:
+        """Of a link between joints of another one: a body must have some. It is where the next joint is."""
+        other = self._inertia_of(between)
+        if other is None:
+            raise InvalidArgument(
+                f"{self.robot.source}: link '{between}': has no mass, but several joints: must have an "
+                f"<inertial>; add it, or give inertias={{'{name}': ..., '{between}': ...}}"
+            )
+        anchor = next(joint.anchor for joint in self.robot.outwards if joint.parent == name)
+        moment = _SMALL * float(np.linalg.eigvalsh(other.tensor)[-1])
+        self.report.add(
+            "assumed",
+            f"link '{name}'",
+            f"has {_SMALL:g} of the mass and of the largest moment of '{between}'",
+        )
+        return Inertia(_SMALL * other.mass, anchor, moment * np.eye(3))
+
     def _mesh(self, group: Group, inertia: Inertia | None) -> tuple[TriangleMesh | None, bool]:
         """The surface of a body, and whether it touches others."""
         choices: list[tuple[str, bool]] = [(self.options.shapes, self.options.contact)]
@@ -219,11 +242,11 @@ class _Builder:
         if not self.options.contact:
             choices = [("visual", False), ("collision", False)]
         for shapes, touches in choices:
-            parts = [
-                self._part(shape, name, frame)
-                for name, frame in group.frames.items()
-                for shape in _shapes(self.robot.links[name], shapes)
-            ]
+            parts: list[TriangleMesh] = []
+            for name, frame in group.frames.items():
+                start = sum(len(part.vertices) for part in parts)
+                parts += [self._part(shape, name, frame) for shape in _shapes(self.robot.links[name], shapes)]
+                self.vertices[name] = start, sum(len(part.vertices) for part in parts)
             if parts:
                 if self.options.contact and not touches:
                     self.report.add(
@@ -232,6 +255,8 @@ class _Builder:
                 return joined(parts), touches
         if inertia is None:
             return None, False
+        if self.robot.links[group.root].between is not None:
+            return meshes.box(2e-3).translated(inertia.center), False  # hidden in what the joints connect
         self.report.add(
             "assumed", f"link '{group.root}'", "no shape: drawn as a box of its inertia, touches nothing"
         )
@@ -332,16 +357,15 @@ class _Builder:
         group = self.group_of[name]
         body, frame = self.body_of[group.root], group.frames[name]
         offset = frame if body is not None else self.frames[group.root].at(*frame)
-        return RobotLink(name, self.robot.links[name], body, offset, self.robot.source)
+        return RobotLink(
+            name, self.robot.links[name], body, offset, self.robot.source, self.vertices.get(name, (0, 0))
+        )
 
     def _with_inertias(self) -> RobotDescription:
         """The description with the inertias that the bodies have."""
         if not self.options.inertias:
             return self.robot
-        links = [
-            Link(link.name, self._inertia_of(link.name), link.visuals, link.collisions)
-            for link in self.robot.links.values()
-        ]
+        links = [replace(link, inertia=self._inertia_of(link.name)) for link in self.robot.links.values()]
         return RobotDescription(
             self.robot.name,
             links,

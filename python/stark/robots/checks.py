@@ -21,6 +21,8 @@ def check_inertias(links: Iterable[Link], report: Report) -> None:
     same: dict[tuple[float, ...], list[str]] = defaultdict(list)
     for link in links:
         title = f"link '{link.name}'"
+        if link.between is not None:
+            continue
         if link.inertia is None or is_nothing(link.inertia):
             report.add("assumed", title, "no inertia: has no mass, must be fixed to a link that has")
             continue

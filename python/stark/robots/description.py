@@ -74,12 +74,14 @@ class Inertia:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A rigid part. Links without ``inertia`` have no mass."""
+    """A rigid part. Links without ``inertia`` have no mass. One ``between`` several joints of another link,
+    which is named there, needs none: a scene gives it 10^-4 of that of the other link."""
 
     name: str
     inertia: Inertia | None = None
     visuals: tuple[Geometry, ...] = ()
     collisions: tuple[Geometry, ...] = ()
+    between: str | None = None
 
 
 @dataclass(frozen=True)

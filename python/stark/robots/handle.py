@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,19 +16,20 @@ from stark.arguments import added_later, needs_simulation
 from stark.bodies import RigidBody
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
-from stark.mesh import TriangleMesh
 from stark.robots import kinematics
-from stark.robots.description import Link, RobotDescription
+from stark.robots.description import RobotDescription
 from stark.robots.drives import Drives, add_drives
+from stark.robots.inverse import Goal, Reach, Search, count_of, positive
 from stark.robots.kinematics import Placement, Values
-from stark.robots.meshes import joined, mesh_of
+from stark.robots.link import RobotLink
 from stark.robots.report import Report
-from stark.rotations import vector
+from stark.rotations import as_matrix, vector
 from stark.settings import Settings
 
 Floats = NDArray[np.float64]
 Choice: TypeAlias = str | Sequence[str] | None
-"""Some joints: names or patterns such as "finger_*"; None for all that have a coordinate of their own."""
+"""Some joints: names, patterns such as "finger_*", names of groups; None for all that have a coordinate of
+their own."""
 
 
 class Axis(NamedTuple):
@@ -37,53 +37,6 @@ class Axis(NamedTuple):
 
     joint: Joint
     shift: float
-
-
-@dataclass(frozen=True, eq=False)
-class RobotLink:
-    """A link in the scene: a part of ``body``, or of the world where ``body`` is None."""
-
-    name: str
-    description: Link
-    body: RigidBody | None
-    """What moves with it, and maybe with others that are fixed to it."""
-    offset: Placement
-    """Of its frame in that of the body."""
-    source: str
-
-    @property
-    def pose(self) -> tuple[Floats, Floats]:
-        """Origin (3,) [m] and rotation (3, 3) of its frame in the world, as they are now."""
-        if self.body is None:
-            return self.offset.position, self.offset.rotation
-        return tuple(Placement(*self.body.pose).at(*self.offset))  # type: ignore[return-value]
-
-    @property
-    def position(self) -> Floats:
-        """Origin of its frame in the world (3,) [m]."""
-        return self.pose[0]
-
-    @property
-    def rotation(self) -> Floats:
-        """Axes of its frame in the world, as columns (3, 3)."""
-        return self.pose[1]
-
-    @cached_property
-    def visual(self) -> TriangleMesh | None:
-        """The surface that the file shows, in the frame of the link [m]; None where there is none."""
-        return self._mesh(self.description.visuals)
-
-    @cached_property
-    def collision(self) -> TriangleMesh | None:
-        """The surface that the file lets touch, in the frame of the link [m]; None where there is none."""
-        return self._mesh(self.description.collisions)
-
-    def _mesh(self, shapes: Sequence[Any]) -> TriangleMesh | None:
-        parts = [mesh_of(shape, self.source, f"link '{self.name}'") for shape in shapes]
-        return joined(parts) if parts else None
-
-    def __repr__(self) -> str:
-        return f"<stark.robots.RobotLink '{self.name}'>"
 
 
 class Robot:
@@ -105,6 +58,7 @@ class Robot:
         self._scene, self._of = scene, None
         self._links, self._joints, self._shifts, self._start = links, joints, dict(shifts), start
         self._drives: list[Drives] = []
+        self._named: dict[str, tuple[str, ...]] = {}
         self.name: str = name
         self.description: RobotDescription = description
         """What the file says, with the inertias that the bodies have."""
@@ -155,6 +109,24 @@ class Robot:
             if of is None
             else tuple(drives._bound_to(self, of) for drives in self._drives)
         )
+
+    @property
+    def groups(self) -> Mapping[str, tuple[str, ...]]:
+        """Joints by the names of ``add_group``."""
+        return MappingProxyType(self._named)
+
+    def add_group(self, name: str, joints: Choice) -> tuple[str, ...]:
+        """Gives joints a name in common: ``robot.add_group("arm", "panda_joint*")``, then
+        ``robot.add_servos("arm", ...)``, ``robot.inverse_kinematics(..., joints="arm")``. Returns the joints,
+        in the order of q. Raises InvalidArgument for names of joints and of other groups, and for unknown
+        joints."""
+        owner = f"robot '{self.name}': group"
+        if not isinstance(name, str) or not name or name in self._named or name in self.coordinates:
+            raise InvalidArgument(
+                f"{owner} = {name!r}: must be a text that no joint or other group is called; choose another"
+            )
+        self._named[name] = tuple(self.coordinates[row] for row in sorted(self._rows(joints)))
+        return self._named[name]
 
     # --- coordinates ---
 
@@ -265,25 +237,76 @@ class Robot:
         """Frames of all links in the world for a q (n,) or numbers by joint (others as they are), by name:
         ``position`` (3,) [m], ``rotation`` (3, 3). The base and what floats are where they are now."""
         numbers = self._given("q", q, self.q)
-        frames = {name: self._frame(name) for name in self._loose()}
-        free = {
-            joint.name: frames[joint.child]
-            for joint in self.description.joints.values()
-            if joint.kind == "floating"
-        }
-        return kinematics.placements(self.description, numbers, frames[self.description.root], free)
+        return kinematics.placements(self.description, numbers, *self._rests())
 
     def jacobian(self, link: str, point: ArrayLike = (0.0, 0.0, 0.0), q: Values | None = None) -> Floats:
         """(6, n): velocity [m/s] (rows 0 to 2) of a ``point`` [m] in the frame of a link and angular velocity
         [rad/s] (rows 3 to 5), in world axes, for each rate of q, while the base rests. At the present q if
         left out. Raises InvalidArgument for unknown links."""
-        if link not in self._links:
-            raise InvalidArgument(
-                f"robot '{self.name}': link '{link}': must be one of {', '.join(self._links)}"
-            )
+        self._require_link(link)
         frames = self.forward_kinematics(self.q if q is None else q)
         place = frames[link].at(vector(point, f"robot '{self.name}': point"), np.eye(3)).position
         return kinematics.jacobian(self.description, frames, link, place)
+
+    def inverse_kinematics(
+        self,
+        link: str,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        *,
+        point: ArrayLike = (0.0, 0.0, 0.0),
+        joints: Choice = None,
+        start: Values | None = None,
+        nearest: bool = False,
+        position_tolerance: float = 1e-6,
+        rotation_tolerance: float = 1e-6,
+        length: float = 0.3,
+        attempts: int = 16,
+        iterations: int = 200,
+    ) -> Reach:
+        """q within the limits that brings a ``point`` [m] of a link to ``position`` (3,) [m], the link to
+        ``rotation`` (matrix or quaternion), or both; the base and floating joints are where they are now.
+        ``joints``: names, patterns or groups of those that may move; others keep ``start``, which is the
+        present q if left out. The q next to the start is looked for first, then from random ones,
+        ``attempts`` in all, the same at every call, of at most ``iterations`` each. Damped least squares
+        (Siciliano et al. 2009, 3.7); ``length`` [m] is what an error of one radian counts as. ``.q`` can be
+        assigned to ``robot.q`` or be the target of servos; ``.position_error`` [m] and ``.rotation_error``
+        [rad] are what is left.
+
+        Raises InvalidArgument where more than the tolerances [m], [rad] are left, with what is left and the
+        joints at their limits; with ``nearest=True`` the best is returned instead."""
+        owner = f"robot '{self.name}': inverse_kinematics of '{link}'"
+        self._require_link(link)
+        if position is None and rotation is None:
+            raise InvalidArgument(f"{owner}: position and rotation are left out: must be given, one at least")
+        search = Search(
+            Goal(
+                None if position is None else vector(position, f"{owner}: position"),
+                None if rotation is None else as_matrix(rotation, f"{owner}: rotation"),
+                positive(length, f"{owner}: length", "m"),
+            ),
+            positive(position_tolerance, f"{owner}: position_tolerance", "m"),
+            positive(rotation_tolerance, f"{owner}: rotation_tolerance", "rad"),
+            count_of(attempts, f"{owner}: attempts"),
+            count_of(iterations, f"{owner}: iterations"),
+        )
+        place = vector(point, f"{owner}: point")
+        begin = self._given("start", self.q if start is None else start, self.q)
+        lower, upper = self.limits
+        begin = np.clip(begin, lower, upper)
+        held = np.setdiff1d(np.arange(len(begin)), self._rows(joints))
+        lower[held] = upper[held] = begin[held]
+        base, free = self._rests()
+
+        def frame_and_jacobian(q: Floats) -> tuple[Placement, Floats]:
+            frames = kinematics.placements(self.description, q, base, free)
+            tip = frames[link].at(place, np.eye(3))
+            return tip, kinematics.jacobian(self.description, frames, link, tip.position)
+
+        found = search.run(frame_and_jacobian, begin, (lower, upper), self.coordinates)
+        if not nearest and not search.is_met(found):
+            raise InvalidArgument(search.refusal(owner, found))
+        return found
 
     def gravity_efforts(self, q: Values | None = None, gravity: ArrayLike | None = None) -> Floats:
         """Efforts (n,) [N m, N] that hold the robot at rest against its weight, the base held; at the present
@@ -312,10 +335,10 @@ class Robot:
         body = link.body if self._of is None else link.body._bound_to(self._of)
         return Placement(*body.pose).at(*link.offset)
 
-    def _loose(self) -> list[str]:
-        """Links that no coordinate places: the base and children of floating joints."""
-        floating = [j.child for j in self.description.joints.values() if j.kind == "floating"]
-        return [self.description.root, *floating]
+    def _rests(self) -> tuple[Placement, dict[str, Placement]]:
+        """Frames that no coordinate places, now: that of the base, those of children of floating joints."""
+        floating = [joint for joint in self.description.joints.values() if joint.kind == "floating"]
+        return self._frame(self.description.root), {j.name: self._frame(j.child) for j in floating}
 
     def _given(self, what: str, values: Values, present: Floats) -> Floats:
         if isinstance(values, Mapping):
@@ -329,7 +352,8 @@ class Robot:
         if joints is None:
             return list(range(len(names)))
         rows: list[int] = []
-        for pattern in [joints] if isinstance(joints, str) else joints:
+        given = [joints] if isinstance(joints, str) else joints
+        for pattern in [name for part in given for name in self._named.get(str(part), (part,))]:
             found = [k for k, name in enumerate(names) if fnmatch.fnmatchcase(name, str(pattern))]
             if not found:
                 raise InvalidArgument(
@@ -338,6 +362,12 @@ class Robot:
                 )
             rows += [k for k in found if k not in rows]
         return rows
+
+    def _require_link(self, link: str) -> None:
+        if link not in self._links:
+            raise InvalidArgument(
+                f"robot '{self.name}': link '{link}': must be one of {', '.join(self._links)}"
+            )
 
     def _simulation(self) -> SimulationLink | None:
         simulation = self._scene._latest_simulation() if self._of is None else self._of
@@ -360,7 +390,7 @@ class Robot:
         return robot
 
 
-def _limits(description: RobotDescription) -> tuple[Floats, Floats]:
+def _limits(description: RobotDescription, report: Report | None = None) -> tuple[Floats, Floats]:
     names = description.coordinates
     lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     for joint in description.joints.values():
@@ -378,4 +408,15 @@ def _limits(description: RobotDescription) -> tuple[Floats, Floats]:
             )
         )
         lower[k], upper[k] = max(lower[k], bounds[0]), min(upper[k], bounds[1])
+    for k in np.flatnonzero(~(lower < upper)).tolist():
+        # Nobody checks the limits of mimicking joints; ratio -1 with those of the driver is common.
+        own = description.joints[names[k]]
+        lower[k] = -np.inf if own.lower is None else own.lower
+        upper[k] = np.inf if own.upper is None else own.upper
+        if report is not None:
+            report.add(
+                "suspicious",
+                f"joint '{names[k]}'",
+                "limits of joints that mimic it leave it no way: those are not kept, its own are",
+            )
     return lower, upper

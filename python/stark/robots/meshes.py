@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -29,16 +28,6 @@ def mesh_of(shape: Geometry, source: str, title: str, report: Report | None = No
     surface = _without_flat(surface, title, report)
     turned = surface.vertices @ shape.rotation.T + shape.position
     return TriangleMesh(turned, surface.triangles)
-
-
-def joined(surfaces: Iterable[TriangleMesh]) -> TriangleMesh:
-    """Several surfaces as one mesh."""
-    rows = list(surfaces)
-    starts = np.cumsum([0, *(len(row.vertices) for row in rows)])
-    return TriangleMesh(
-        np.concatenate([row.vertices for row in rows]),
-        np.concatenate([row.triangles + start for row, start in zip(rows, starts, strict=False)]),
-    )
 
 
 def _surface(shape: Geometry) -> TriangleMesh:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -25,6 +26,7 @@ _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8
 _EQUAL_JOINTS = 2
 _ON_JOINT = 0
 _FIXED_GAIN, _NO_BIAS = 0, 0
+_NO_GRAVITY, _GRAVITY = 1 << 7, (0.0, 0.0, -9.81)  # a flag; what MJCF has if left out [m/s^2]
 #: Parts that are not read: counts in the model.
 _DROPPED = {
     "ntendon": "tendons",
@@ -42,11 +44,15 @@ def read_mjcf(file: Path) -> RobotDescription:
     except ImportError as error:
         raise ImportError(f"'{file}': MJCF files need mujoco: pip install 'stark-sim[robots]'") from error
     report = Report(f"'{file}'")
-    try:
-        spec = mujoco.MjSpec.from_file(os.fspath(file))
-        model = spec.compile()
-    except Exception as error:  # of the parser, the compiler, the files of meshes
-        raise InvalidArgument(f"{report.source}: mujoco cannot read it: {error}; correct it") from None
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        try:
+            spec = mujoco.MjSpec.from_file(os.fspath(file))
+            model = spec.compile()
+        except Exception as error:  # of the parser, the compiler, the files of meshes
+            raise InvalidArgument(f"{report.source}: mujoco cannot read it: {error}; correct it") from None
+    for warning in warned:
+        report.add("suspicious", "file", f"mujoco warns: {warning.message}")
     return _Reader(model, report).read(str(spec.modelname) or file.stem)
 
 
@@ -69,22 +75,42 @@ class _Reader:
             base = "floating" if self._kind_of_root(root) == "free" else "fixed"
             placement = Placement(np.array(model.body_pos[root]), as_matrix(model.body_quat[root], "quat"))
         used = [k for k in range(model.nbody) if k != 0 or root == 0]
-        links = [self._link(k) for k in used]
-        joints = [self._joint(k) for k in used if k != root]
+        links = [link for k in used for link in self._links(k)]
+        joints = [joint for k in used if k != root for joint in self._joints(k)]
         self._report_dropped()
-        check_inertias(links if root else links[1:], self.report)
+        check_inertias([link for link in links if link.name != self.bodies[0]], self.report)
         excluded = [(int(pair) >> 16, int(pair) & 0xFFFF) for pair in np.ravel(model.exclude_signature)]
         return RobotDescription(
             name,
             links,
             joints,
-            excluded=[(self.bodies[a], self.bodies[b]) for a, b in excluded if min(a, b) > 0],
+            excluded=[
+                (self.bodies[a], self.bodies[b]) for a, b in (*excluded, *self._apart()) if min(a, b) > 0
+            ],
             base=base,
             placement=placement,
             report=self.report,
         )
 
     # --- links ---
+
+    def _links(self, body: int) -> list[Link]:
+        """Of a body, and those between its joints, from the parent outwards."""
+        name = self.bodies[body]
+        return [*(Link(between, between=name) for between in self._between(body)), self._link(body)]
+
+    def _between(self, body: int) -> list[str]:
+        """Names of links between several joints of a body."""
+        first, count = int(self.model.body_jntadr[body]), int(self.model.body_jntnum[body])
+        return [f"{self.bodies[body]}_after_{self.joint_names[first + k]}" for k in range(count - 1)]
+
+    def _apart(self) -> list[tuple[int, int]]:
+        """Bodies and their parents that several joints connect: they do not touch, as those of one."""
+        return [
+            (int(self.model.body_parentid[k]), k)
+            for k in range(self.model.nbody)
+            if len(self._between(k)) > 0
+        ]
 
     def _link(self, body: int) -> Link:
         model, name = self.model, self.bodies[body]
@@ -149,28 +175,32 @@ class _Reader:
             return "none"
         return "free" if count == 1 and self.model.jnt_type[first] == _FREE else "other"
 
-    def _joint(self, body: int) -> RobotJoint:
+    def _joints(self, body: int) -> list[RobotJoint]:
+        """That of a body, or several in a row."""
         model, child = self.model, self.bodies[body]
         parent = self.bodies[int(model.body_parentid[body])]
         place = np.array(model.body_pos[body]), as_matrix(model.body_quat[body], child)
-        count, joint = int(model.body_jntnum[body]), int(model.body_jntadr[body])
+        count, first = int(model.body_jntnum[body]), int(model.body_jntadr[body])
         if count == 0:
-            return RobotJoint(f"{child}_fixed", "fixed", parent, child, *place)
-        names = ", ".join(f"'{name}'" for name in self.joint_names[joint : joint + count])
+            return [RobotJoint(f"{child}_fixed", "fixed", parent, child, *place)]
         if count > 1:
-            self._refuse(
-                f"body '{child}'",
-                f"has the joints {names}: must have one at most; give each a body with a mass of its own",
+            names = ", ".join(f"'{name}'" for name in self.joint_names[first : first + count])
+            self.report.add(
+                "kept", f"body '{child}'", f"{names} in a row, with links without mass between them"
             )
-        kind = int(model.jnt_type[joint])
+        chain = [parent, *self._between(body), child]
+        return [self._joint(first + k, chain[k], chain[k + 1], WORLD if k else place) for k in range(count)]
+
+    def _joint(self, joint: int, parent: str, child: str, place: tuple[Floats, Floats]) -> RobotJoint:
+        kind, name = int(self.model.jnt_type[joint]), self.joint_names[joint]
         if kind == _BALL:
             self._refuse(
-                f"joint {names}",
+                f"joint '{name}'",
                 "is a ball joint: must be a hinge, slide or free joint; use three hinges, or join the parts "
                 "by scene.add_ball after they are added",
             )
         if kind == _FREE:
-            return RobotJoint(self.joint_names[joint], "floating", parent, child, *place)
+            return RobotJoint(name, "floating", parent, child, *place)
         return self._moving(joint, parent, child, place)
 
     def _moving(self, joint: int, parent: str, child: str, place: tuple[Floats, Floats]) -> RobotJoint:
@@ -257,6 +287,12 @@ class _Reader:
         for attribute, what in _DROPPED.items():
             if count := int(getattr(self.model, attribute, 0)):
                 self.report.add("dropped", "file", f"{count} {what}")
+        option = self.model.opt
+        gravity = [0.0, 0.0, 0.0] if option.disableflags & _NO_GRAVITY else option.gravity.tolist()
+        if not np.allclose(gravity, _GRAVITY, atol=1e-2):
+            self.report.add("dropped", "file", f"gravity {gravity} m/s^2: that of the simulation holds")
+        if option.density or option.viscosity or option.wind.any():
+            self.report.add("dropped", "file", "a medium: density, viscosity, wind")
         self.report.add(
             "dropped", "file", "friction, softness and margins of contact: those of the scene hold"
         )

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Element = ElementTree.Element
 
 #: Attributes that are numbers, and how many.
-_NUMBERS = {
+_NUMBERS: dict[str, dict[str, int | tuple[int, ...]]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
     "mass": {"value": 1},
@@ -34,6 +34,7 @@ _NUMBERS = {
     "cylinder": {"radius": 1, "length": 1},
     "capsule": {"radius": 1, "length": 1},
     "color": {"rgba": 4},
+    "mesh": {"scale": (3, 1)},
 }
 _REQUIRED = {
     "mass": ("value",),
@@ -104,8 +105,9 @@ def _check_numbers(part: Element, title: str, report: Report) -> None:
             values = [float(word) for word in text.split()]
         except ValueError:
             values = []
-        if len(values) != count or not all(map(math.isfinite, values)):
-            wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+        counts = count if isinstance(count, tuple) else (count,)
+        if len(values) not in counts or not all(map(math.isfinite, values)):
+            wanted = "a finite number" if counts == (1,) else f"{counts[0]} finite numbers"
             _refuse(report, title, f"<{part.tag} {attribute}='{text}'>: must be {wanted}; correct it")
     for attribute in _REQUIRED.get(part.tag, ()):
         if part.get(attribute) is None:
@@ -130,7 +132,9 @@ def _check_joint(element: Element, title: str, report: Report) -> None:
     if kind in ("revolute", "continuous", "prismatic") and element.find("axis") is None:
         report.add("assumed", title, "no <axis>: x, as URDF has it")
     mimic = element.find("mimic")
-    if mimic is not None:
+    if mimic is not None and kind == "fixed":
+        report.add("dropped", title, "<mimic>: fixed joints follow nothing")
+    elif mimic is not None:
         for attribute, value in (("multiplier", 1), ("offset", 0)):
             if mimic.get(attribute) is None:
                 report.add("assumed", title, f"<mimic> without {attribute}: {value}, as URDF has it")
@@ -145,6 +149,9 @@ def _check_link(element: Element, title: str, report: Report) -> None:
     for shape in (*element.findall("visual"), *element.findall("collision")):
         geometry = shape.find("geometry")
         kinds = [] if geometry is None else [part.tag for part in geometry]
+        if "material" in kinds[1:]:
+            kinds.remove("material")
+            report.add("dropped", title, f"<material> inside of the <geometry> of <{shape.tag}>")
         if len(kinds) != 1 or kinds[0] not in ("box", "sphere", "cylinder", "mesh"):
             _refuse(
                 report,
@@ -241,7 +248,7 @@ def _joint(joint: Any, report: Report) -> RobotJoint:
             "friction": float(joint.dynamics.friction or 0.0),
         }
     mimic = None
-    if joint.mimic is not None:
+    if joint.mimic is not None and joint.type != "fixed":
         mimic = Mimic(joint.mimic.joint, float(joint.mimic.multiplier), float(joint.mimic.offset))
     return RobotJoint(
         joint.name,
@@ -279,6 +286,10 @@ def _limits(joint: Any, title: str, report: Report) -> dict[str, Any]:
     if joint.type == "continuous":
         if limit.lower or limit.upper:
             report.add("dropped", title, "lower and upper limits: continuous joints have none")
+        return found
+    if not limit.lower and not limit.upper:
+        # URDF takes 0 where they are missing. Nobody means a joint that cannot move.
+        report.add("suspicious", title, "lower and upper limits 0, or none: taken as without limits")
         return found
     for what in ("lower", "upper"):
         value = getattr(limit, what)

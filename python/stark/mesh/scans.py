@@ -1,0 +1,101 @@
+"""From a dirty scan to a soft body: cleaned, simplified to the wanted edge length, filled with tetrahedra."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark._core import InvalidMesh
+from stark.mesh.arguments import positive
+from stark.mesh.cleaning import cleaned
+from stark.mesh.conversion import as_triangle_mesh
+from stark.mesh.files import load, tetrahedralise
+from stark.mesh.reduction import simplified
+from stark.mesh.report import MeshReport
+from stark.mesh.types import TetMesh, TriangleMesh
+
+Progress: TypeAlias = Callable[[str, float], object]
+"""Called with what is done now and the share of all that is done before it, in [0, 1]."""
+
+#: Triangles of the simplified surface for each of those that edges of the wanted length would make.
+_FINER = 2.0
+
+
+class SolidFromScan(NamedTuple):
+    """What became of a scan."""
+
+    mesh: TetMesh
+    surface: TriangleMesh  #: closed, as it was given to the mesher
+    report: MeshReport
+
+
+def solid_from_scan(
+    scan: Any,
+    *,
+    edge_length: float,
+    smallest_piece: float = 0.01,
+    progress: Progress | None = None,
+) -> SolidFromScan:
+    """Tetrahedra of ``edge_length`` [m] that fill a dirty surface: a file, a TriangleMesh, a pair of arrays,
+    a mesh of trimesh. It is ``cleaned``, which fills its holes, ``simplified`` to what that edge length can
+    show, and ``tetrahedralised`` within a tenth of it; ``smallest_piece`` as in ``cleaned``. ``progress(what,
+    share)`` is called before each part. Needs ``pip install 'stark-sim[mesh]'``. fTetWild is randomised: keep
+    the mesh to repeat a simulation bit by bit.
+
+    Raises InvalidMesh, InvalidArgument and ImportError as these do."""
+    length = positive(edge_length, "solid_from_scan: edge_length")
+    report, tell = MeshReport(), progress or (lambda what, share: None)
+    tell("reading", 0.0)
+    surface = _surface(scan)
+    tell(f"cleaning {len(surface.triangles)} triangles", 0.02)
+    surface = cleaned(surface, smallest_piece=smallest_piece, report=report)
+    tell(f"simplifying {len(surface.triangles)} triangles", 0.12)
+    surface = _simplified(surface, length, report)
+    tell(f"filling {len(surface.triangles)} triangles with tetrahedra", 0.15)
+    solid = tetrahedralise(surface, edge_length=length)
+    lengths = edge_lengths(solid)
+    report.add(
+        "filled with tetrahedra",
+        len(solid.tets),
+        f"{len(solid.tets)} tetrahedra, mean edge {lengths.mean():.3g} m of {length:g} m asked for, volume "
+        f"{solid.volume:.4g} m^3 of {surface.volume:.4g} m^3 inside of the surface",
+    )
+    tell("done", 1.0)
+    return SolidFromScan(solid, surface, report)
+
+
+def edge_lengths(mesh: TetMesh | TriangleMesh) -> NDArray[np.float64]:
+    """Length of each edge of a mesh [m], each edge once (n,)."""
+    if isinstance(mesh, TetMesh):
+        pairs = mesh.tets[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]]
+    elif isinstance(mesh, TriangleMesh):
+        pairs = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]
+    else:
+        raise InvalidMesh(f"edge_lengths: got {type(mesh).__name__}, need a TetMesh or a TriangleMesh")
+    edges = np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0)
+    ends = mesh.vertices[edges]
+    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+
+def _surface(scan: Any) -> TriangleMesh:
+    if isinstance(scan, (str, os.PathLike)):
+        loaded = load(scan)
+        if not isinstance(loaded, TriangleMesh):
+            raise InvalidMesh(f"solid_from_scan: '{scan}' has {type(loaded).__name__}: must be a surface")
+        return loaded
+    return as_triangle_mesh(scan, "solid_from_scan")
+
+
+def _simplified(surface: TriangleMesh, length: float, report: MeshReport) -> TriangleMesh:
+    wanted = math.ceil(_FINER * surface.area / (math.sqrt(3.0) / 4.0 * length**2))
+    before = len(surface.triangles)
+    if before <= max(wanted, 100):
+        return surface
+    found = cleaned(simplified(surface, max(wanted, 100)), smallest_piece=0.0, report=report)
+    report.add("simplified", before - len(found.triangles), f"{len(found.triangles)} triangles of {before}")
+    return found

@@ -1,0 +1,83 @@
+"""A link of a robot in a scene: where it is, what touches it, how it looks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark.bodies import RigidBody
+from stark.handle import BodyHandle
+from stark.joints.handle import Wrench
+from stark.mesh import TriangleMesh, joined
+from stark.robots.description import Link
+from stark.robots.kinematics import Placement
+from stark.robots.meshes import mesh_of
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLink:
+    """A link in the scene: a part of ``body``, or of the world where ``body`` is None."""
+
+    name: str
+    description: Link
+    body: RigidBody | None
+    """What moves with it, and maybe with others that are fixed to it."""
+    offset: Placement
+    """Of its frame in that of the body."""
+    source: str
+    vertices: tuple[int, int] = (0, 0)
+    """First vertex of its shapes in the mesh of the body, and the one after the last."""
+
+    @property
+    def pose(self) -> tuple[Floats, Floats]:
+        """Origin (3,) [m] and rotation (3, 3) of its frame in the world, as they are now."""
+        if self.body is None:
+            return self.offset.position, self.offset.rotation
+        return tuple(Placement(*self.body.pose).at(*self.offset))  # type: ignore[return-value]
+
+    @property
+    def position(self) -> Floats:
+        """Origin of its frame in the world (3,) [m]."""
+        return self.pose[0]
+
+    @property
+    def rotation(self) -> Floats:
+        """Axes of its frame in the world, as columns (3, 3)."""
+        return self.pose[1]
+
+    @cached_property
+    def visual(self) -> TriangleMesh | None:
+        """The surface that the file shows, in the frame of the link [m]; None where there is none."""
+        return self._mesh(self.description.visuals)
+
+    @cached_property
+    def collision(self) -> TriangleMesh | None:
+        """The surface that the file lets touch, in the frame of the link [m]; None where there is none."""
+        return self._mesh(self.description.collisions)
+
+    def contact_wrench(self, other: BodyHandle | str | None = None) -> Wrench:
+        """Contact forces on the shapes of this link in the last step, of everything or of another body: their
+        sum (3,) [N], friction included, and their moment about the origin of the frame of the link (3,) [N
+        m], in world axes. Links that are fixed to it have their own. Links without shapes have none."""
+        if self.body is None:
+            return Wrench(np.zeros(3), np.zeros(3))
+        contacts = self.body.contacts(other)
+        first, end = self.vertices
+        mine = (contacts.vertices[:, 0] >= first) & (contacts.vertices[:, 0] < end)
+        forces = contacts.forces[mine]
+        arms = contacts.points_a[mine] - self.position
+        return Wrench(forces.sum(axis=0), np.cross(arms, forces).sum(axis=0))
+
+    def _mesh(self, shapes: Sequence[Any]) -> TriangleMesh | None:
+        parts = [mesh_of(shape, self.source, f"link '{self.name}'") for shape in shapes]
+        return joined(parts) if parts else None
+
+    def __repr__(self) -> str:
+        return f"<stark.robots.RobotLink '{self.name}'>"
