@@ -67,7 +67,7 @@ def build():
     floor = (0.0, 0.0, -0.5 * HEIGHT - 0.01 - 1.5 * CONTACT_DISTANCE)
     scene.add_box(
         (0.12, 0.12, 0.02), name="floor", motion="scripted", position=floor, color=gripper.TABLE
-    ).follow(position=lambda t: (0.0, max(t - SLIDE, 0.0) * SLIDE_SPEED, floor[2]))
+    ).follow(position=_slide(floor))
     gripper.add_hand(scene, options["force"])
     cup = scene.add_cloth(
         cup_mesh(options["cells"]), PLASTIC, name="cup", rest_angles="mesh", self_contact=False, color=CUP
@@ -102,6 +102,12 @@ def cup_mesh(cells):
         ]
         below, first = above, first + len(border)
     return stark.mesh.TriangleMesh(np.concatenate(points), np.concatenate(faces))
+
+
+def _slide(floor):
+    """The floor rests, then moves away."""
+    start, far = (0.0, 0.0, floor[2]), (0.0, 100.0, floor[2])
+    return stark.motion.linear([0.0, SLIDE, SLIDE + far[1] / SLIDE_SPEED], [start, start, far])
 
 
 def _rim():

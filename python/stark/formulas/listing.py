@@ -82,19 +82,22 @@ def replayed(
     have operands before them; raises TraceError for operations on what they are not for, and KeyError or
     IndexError for inputs that there are not."""
     builder = FormulaBuilder(points)
+    # Made where they first occur: the bits of the formula depend on the order of its inputs.
+    waiting = {row[0]: row for row in inputs}
     known: dict[str, Any] = {}
-    for name, width, unit, doc, limits, is_data in inputs:
-        known[name] = (
-            builder.data(name, width, unit, doc)
-            if is_data
-            else builder.parameter(name, width, unit, doc, limits)
-        )
     sources: dict[int, tuple[str, int, int]] = {}
     values: list[Any] = []
     for operation, *operands in nodes:
         if operation == "constant":
             values.append(_core.symbolic.constant(float(operands[0])))
         elif operation == "input":
+            if operands[0] in waiting:
+                name, width, unit, doc, limits, is_data = waiting.pop(operands[0])
+                known[name] = (
+                    builder.data(name, width, unit, doc)
+                    if is_data
+                    else builder.parameter(name, width, unit, doc, limits)
+                )
             value = _input(builder, points, known, *operands)
             sources[value.id] = (operands[0], operands[1], operands[2])
             values.append(value)
