@@ -127,12 +127,10 @@ def _add_ball(scene, ball):
         position=(0.013 * x, 0.010 * y, 0.062 + 0.018 * level),
     )  # fmt: skip
     weight, start = BALL_MASS * GRAVITY, let_go(ball)
-
-    def carried(t):
-        fades = min(max((t - start - LOWERED) / FADED, 0.0), 1.0)
-        return (0.0, 0.0, weight * ((1.0 - SINKING) if t > start else 1.0) * (1.0 - fades))
-
-    scene.add_force(body, carried)
+    sinks = start + LOWERED
+    times = [start, np.nextafter(start, np.inf), sinks, sinks + FADED]
+    shares = [1.0, 1.0 - SINKING, 1.0 - SINKING, 0.0]  # of the weight that is carried
+    scene.add_force(body, stark.motion.linear(times, [(0.0, 0.0, weight * share) for share in shares]))
 
 
 def let_go(ball):
