@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
+import numpy as np
+
 from stark._core import Error
 from stark.arguments import given_name, given_path
 from stark.files import printable
@@ -37,7 +39,8 @@ def read(path: str | PathLike[str]) -> SceneDocument:
     owner = f"scene document '{printable(str(place))}'"
     try:
         scene = Scene(given_name(document["name"]))
-        Rebuilding(document, scene).run()
+        with np.errstate(all="ignore"):  # numbers out of all range are refused in words
+            Rebuilding(document, scene).run()
         settings = settings_of(document)
     except DocumentError as error:
         raise DocumentError(f"{owner}: {printable(str(error))}") from None

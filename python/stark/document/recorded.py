@@ -118,6 +118,8 @@ def _number(value: Any) -> Any:
 class ReadFormula(EnergyFormula):
     """An energy of a document: as what ``@stark.energy`` makes, without a function."""
 
+    is_read = True
+
     def __init__(self, row: Mapping[str, Any], trace: Trace, parameters: Sequence[Parameter]) -> None:
         # Not that of the base, which reads a function.
         self.name, self.doc = row["name"], row["doc"]

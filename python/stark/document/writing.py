@@ -52,13 +52,13 @@ def write(
     document["arrays"] = None
     if arrays:
         document["arrays"] = {"file": beside.name, "sha256": hashlib.sha256(packed).hexdigest()}
-    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False).encode()
+    text = (_lines(document) + "\n").encode()
     for file in (place, beside):
         with naming(file):
             refuse_special(file)
     if arrays:
         write_atomically(beside, lambda file: file.write(packed))
-    write_atomically(place, lambda file: file.write(_compact(text)))
+    write_atomically(place, lambda file: file.write(text))
     return place
 
 
@@ -88,17 +88,16 @@ def _packed(arrays: Arrays) -> bytes:
     return file.getvalue()
 
 
-def _compact(text: bytes) -> bytes:
-    """Rows of numbers on one line: json.dumps with an indent has a line for each."""
-    lines: list[bytes] = []
-    joining = False
-    for line in text.split(b"\n"):
-        bare = line.strip()
-        is_number = bare[:1] in b"-0123456789" and bare != b""
-        if joining and (is_number or bare[:1] == b"]"):
-            lines[-1] += (b" " if is_number and not lines[-1].endswith(b"[") else b"") + bare
-            joining = is_number
-            continue
-        joining = bare.endswith(b"[")
-        lines.append(line)
-    return b"\n".join(lines) + b"\n"
+def _lines(value: Any, indent: str = "") -> str:
+    """JSON with a line for each field and each row of numbers."""
+    if isinstance(value, (dict, list)) and any(isinstance(item, (dict, list)) for item in _items(value)):
+        deeper = indent + " "
+        names = [f"{json.dumps(name)}: " for name in value] if isinstance(value, dict) else [""] * len(value)
+        rows = [deeper + n + _lines(item, deeper) for n, item in zip(names, _items(value), strict=True)]
+        opening, closing = "{}" if isinstance(value, dict) else "[]"
+        return f"{opening}\n" + ",\n".join(rows) + f"\n{indent}{closing}"
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+
+def _items(value: Any) -> list[Any]:
+    return list(value.values()) if isinstance(value, dict) else value
