@@ -20,7 +20,7 @@ STUB = ROOT / "python" / "stark" / "__init__.pyi"
 
 #: Names of `stark` by page and heading. Those of formulas and symbolic follow by themselves, see _groups().
 GROUPS: dict[str, tuple[str, str]] = {
-    "scene": ("Scenes", "Scene Anisotropic"),
+    "scene": ("Scenes", "Scene Anisotropic load_scene"),
     "simulation": ("Simulations", "Simulation Settings StepReport StepProgress Checkpoint"),
     "bodies": (
         "Bodies and layers",
@@ -38,7 +38,7 @@ GROUPS: dict[str, tuple[str, str]] = {
     "errors": (
         "Errors and warnings",
         "Error InvalidArgument InvalidSetting InvalidMesh InitialIntersection TraceError InternalError "
-        "StepFailed CheckpointError ReproducerError StarkWarning",
+        "StepFailed CheckpointError DocumentError ReproducerError StarkWarning",
     ),
 }
 #: Classes that public calls give or take, which have no public name of their own.

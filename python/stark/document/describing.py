@@ -75,9 +75,7 @@ def described(scene: Any, settings: Any, until: float | None, description: str) 
         "energies": [_energy(energy, formulas) for energy in scene.energies],
         "joints": [_joint(scene, joint, formulas) for joint in scene.joints],
         "actuators": [_actuator(scene, actuator, formulas) for actuator in scene.actuators],
-        "attachments": [
-            {**attachment._given, "name": attachment.name} for attachment in scene.attachments
-        ],
+        "attachments": [{**attachment._given, "name": attachment.name} for attachment in scene.attachments],
         "pairs": _pairs(scene),
         "untouchable": [ghost._index for ghost in scene._ghosts],
         "motions": _followers(scene),
@@ -225,7 +223,7 @@ def _followers(scene: Any) -> list[dict[str, Any]]:
         owner = f"'{scene.bodies[body].name}'"
         for follower in followers:
             if isinstance(follower, PoseFollower):
-                parts = ("position", "rotation")
+                parts: tuple[str, ...] = ("position", "rotation")
                 row: dict[str, Any] = {"kind": "pose", "body": body}
             elif isinstance(follower, PinFollower):
                 parts = ("targets", "displacement", "rotation")
@@ -233,8 +231,8 @@ def _followers(scene: Any) -> list[dict[str, Any]]:
             else:
                 raise DocumentError(
                     f"{owner}: {type(follower).__name__} is computed by code before each step, and cannot be "
-                    f"saved: switch it off (drives.gravity_compensation = False) before the scene is saved, and "
-                    f"on again where it is used"
+                    f"saved: switch it off (drives.gravity_compensation = False) before the scene is saved, "
+                    f"and on again where it is used; nothing was written"
                 )
             for part in parts:
                 motion = getattr(follower, part)

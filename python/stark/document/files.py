@@ -67,8 +67,9 @@ def _check_version(given: dict[str, Any], owner: str) -> None:
     version = given.get("version")
     if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT_VERSION:
         raise DocumentError(
-            f"{owner} has version {str(version)[:20]} of the format; this Stark reads up to {FORMAT_VERSION}: use a newer "
-            f"Stark (it was written by {printable(str(given.get('stark_version'))[:40])})"
+            f"{owner} has version {str(version)[:20]} of the format; this Stark reads up to "
+            f"{FORMAT_VERSION}: use a newer Stark (it was written by "
+            f"{printable(str(given.get('stark_version'))[:40])})"
         )
 
 
@@ -85,7 +86,9 @@ def _arrays(path: Path, given: Any) -> Arrays:
             )
         return read_arrays(file)
     except FileNotFoundError:
-        raise DocumentError(f"the file of arrays '{row['file']}' is missing: must be beside the document") from None
+        raise DocumentError(
+            f"the file of arrays '{row['file']}' is missing: must be beside the document"
+        ) from None
     except (OSError, DamageError) as error:
         raise DocumentError(f"the file of arrays '{row['file']}' cannot be read: {error}") from None
 
@@ -101,5 +104,7 @@ def inside(folder: Path, name: str, where: str) -> Path:
     except (OSError, ValueError) as error:
         raise DocumentError(f"{where} = {name[:80]!r}: {error}") from None
     if os.path.commonpath([root, file]) != root:
-        raise DocumentError(f"{where} = {name[:80]!r}: is a link that leads out of the folder of the document")
+        raise DocumentError(
+            f"{where} = {name[:80]!r}: is a link that leads out of the folder of the document"
+        )
     return Path(file)

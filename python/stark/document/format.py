@@ -5,6 +5,7 @@ Bodies, joints and what else is numbered are named by their number in the list o
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from .kinds import (
@@ -59,7 +60,12 @@ MATERIAL = Record(
         "values": Field(
             Named(
                 Either(
-                    {"number": Number(infinite=True), "string": Text(), "list": AnyArray(), "object": AnyArray()}
+                    {
+                        "number": Number(infinite=True),
+                        "string": Text(),
+                        "list": AnyArray(),
+                        "object": AnyArray(),
+                    }
                 )
             ),
             {},
@@ -306,9 +312,7 @@ ENERGY = Record(
         "name": _NAME,
         "formula": Field(Whole(), doc="number of the formula"),
         "points": Field(Listing(POINTS, 32), doc="for each point of the formula, equally many or one"),
-        "values": Field(
-            Named(Record({"value": Field(AnyArray()), "per_element": Field(Flag(), False)})), {}
-        ),
+        "values": Field(Named(Record({"value": Field(AnyArray()), "per_element": Field(Flag(), False)})), {}),
     }
 )
 JOINT = Record(
@@ -387,4 +391,35 @@ def schema() -> dict[str, Any]:
     """The JSON Schema of a document, draft 2020-12. It says what a document looks like; ranges of values and
     what fits together are checked when it is loaded."""
     head: Schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID}
-    return {**head, "title": "Scene document of Stark", **DOCUMENT.schema()}
+    shared = {name: kind.schema() for name, kind in _SHARED.items()}
+    body = _with_references(DOCUMENT.schema(), shared, "")
+    definitions = {name: _with_references(rule, shared, name) for name, rule in shared.items()}
+    return {**head, "title": "Scene document of Stark", **body, "$defs": definitions}
+
+
+#: Kinds that occur in several places.
+_SHARED: dict[str, Kind] = {
+    "material": MATERIAL,
+    "points": POINTS,
+    "frame": FRAME,
+    "motion": MOTION,
+    "formula": FORMULA,
+    "body": BODY,
+    "layer": LAYER,
+    "vector": Array((3,), "m"),
+    "rows": Array((None, 3), "m"),
+    "indices": Array((None,), integers=True),
+    "values": AnyArray(),
+}
+
+
+def _with_references(rule: Any, shared: Mapping[str, Schema], name: str) -> Any:
+    """A schema in which those that are shared are named; ``name`` is its own."""
+    for known, other in shared.items():
+        if known != name and rule == other:
+            return {"$ref": f"#/$defs/{known}"}
+    if isinstance(rule, dict):
+        return {key: _with_references(item, shared, "") for key, item in rule.items()}
+    if isinstance(rule, list):
+        return [_with_references(item, shared, "") for item in rule]
+    return rule

@@ -13,7 +13,7 @@ from stark import motion
 from stark.actuators.definition import built_in as built_in_actuator
 from stark.arguments import given_name
 from stark.attachments.handle import Attachment
-from stark.bodies.following import PinFollower, PoseFollower
+from stark.bodies.following import PinFollower
 from stark.errors import StarkWarning
 from stark.formulas.adding import add_energy
 from stark.formulas.binding import BoundEnergy
@@ -48,9 +48,7 @@ class Rebuilding:
 
     def __init__(self, document: Mapping[str, Any], scene: Any) -> None:
         self.document, self.scene = document, scene
-        self.formulas = [
-            recorded.made(row, f"formulas[{k}]") for k, row in enumerate(document["formulas"])
-        ]
+        self.formulas = [recorded.made(row, f"formulas[{k}]") for k, row in enumerate(document["formulas"])]
 
     def run(self) -> None:
         """Adds everything. Warnings were given when the scene was made."""
@@ -110,7 +108,9 @@ class Rebuilding:
                 raise DocumentError(f"{where}.material: the formula is none of a {row['kind']}")
         elif law is not None:
             if law not in kind._laws:
-                raise DocumentError(f"{where}.material: unknown law '{law[:80]}': must be of {list(kind._laws)}")
+                raise DocumentError(
+                    f"{where}.material: unknown law '{law[:80]}': must be of {list(kind._laws)}"
+                )
             law = kind._laws[law]
         values = {name: _plain(value) for name, value in row["values"].items()}
         if reserved := {"name", "source", "law"} & values.keys():
@@ -134,7 +134,7 @@ class Rebuilding:
         trace = formula.trace()
         if len(columns) != trace.formula.point_count:
             raise DocumentError(
-                f"{where}: has {len(columns)} points: must be {trace.formula.point_count}, as many as its formula"
+                f"{where}: has {len(columns)} points: must be {trace.formula.point_count}, as its formula"
             )
         binding = object.__new__(Binding)
         binding.__dict__.update(energy=formula, frames=(), columns=columns, trace=trace)
@@ -161,7 +161,9 @@ class Rebuilding:
                 values[name] = read_value(owner, parameters[name], array, count)
                 # Of one element, both shapes may be meant.
                 if values[name].per_element != per_element:
-                    raise DocumentError(f"{owner}: {name}: has the shape {array.shape}: does not fit per_element")
+                    raise DocumentError(
+                        f"{owner}: {name}: has the shape {array.shape}: does not fit per_element"
+                    )
             elif array.size != width or per_element:
                 raise DocumentError(f"{owner}: {name}: must be {width} numbers")
             else:
@@ -175,13 +177,17 @@ class Rebuilding:
             return world_points(row["local"])
         body = self._body(row["body"], where)
         of_kind = {"point": "rigid", "direction": "rigid", "node_point": "rod", "node_direction": "rod"}
-        if body.kind != of_kind.get(kind, body.kind) or (body.kind == "rigid") != (kind in ("point", "direction")):
+        if body.kind != of_kind.get(kind, body.kind) or (body.kind == "rigid") != (
+            kind in ("point", "direction")
+        ):
             raise DocumentError(f"{where}: '{body.name}' is a {body.kind} body, which has no points '{kind}'")
         count = len(body.mesh.vertices)
         for name in ("vertices", "supports", "node"):
             numbers = np.asarray(row.get(name, 0))
             if numbers.size and not 0 <= numbers.min() <= numbers.max() < count:
-                raise DocumentError(f"{where}.{name}: has a vertex that '{body.name}' has not: must be in [0, {count})")
+                raise DocumentError(
+                    f"{where}.{name}: has a vertex that '{body.name}' has not: must be in [0, {count})"
+                )
         if kind == "vertices":
             return vertex_points(body, row["vertices"])
         if kind == "embedded":
@@ -220,11 +226,15 @@ class Rebuilding:
             body = self._body(row["body"], where)
             fits = {"body": body.kind == "rigid", "node": body.kind == "rod"}
             if not fits.get(row["carrier"], body.kind in ("cloth", "solid")):
-                raise DocumentError(f"{where}: '{body.name}' is a {body.kind} body: has no '{row['carrier']}'")
+                raise DocumentError(
+                    f"{where}: '{body.name}' is a {body.kind} body: has no '{row['carrier']}'"
+                )
             numbers = np.asarray(row.get("vertices", row.get("node", 0)))
             count = len(body.mesh.vertices)
             if not 0 <= numbers.min() <= numbers.max() < count:
-                raise DocumentError(f"{where}: has a vertex that '{body.name}' has not: must be in [0, {count})")
+                raise DocumentError(
+                    f"{where}: has a vertex that '{body.name}' has not: must be in [0, {count})"
+                )
         return row
 
     def _add_actuators(self, row: dict[str, Any], where: str) -> None:
@@ -232,9 +242,13 @@ class Rebuilding:
         on = []
         for entry in row["on"]:
             if entry["joint"] >= len(self.scene._joints):
-                raise DocumentError(f"{where}.on: joint {entry['joint']}: must be below {len(self.scene._joints)}")
+                raise DocumentError(
+                    f"{where}.on: joint {entry['joint']}: must be below {len(self.scene._joints)}"
+                )
             on.append((self.scene._joints[entry["joint"]], entry["coordinate"]))
-        self.scene.add_actuator(formula, on, name=_named(row, where), enabled=row["enabled"], **_keywords(row, where))
+        self.scene.add_actuator(
+            formula, on, name=_named(row, where), enabled=row["enabled"], **_keywords(row, where)
+        )
 
     def _add_attachments(self, row: dict[str, Any], where: str) -> None:
         a = self._points(row["a"], f"{where}.a")
@@ -252,7 +266,9 @@ class Rebuilding:
         if row["patches"] is not None:
             body = self._body(row["patch_body"], where)
             given |= {"patch_body": body._index, "patches": row["patches"]}
-            self._points({"kind": "vertices", "body": body._index, "vertices": row["patches"].reshape(-1)}, where)
+            self._points(
+                {"kind": "vertices", "body": body._index, "vertices": row["patches"].reshape(-1)}, where
+            )
         index = self.scene._core.add_attachment(given)
         self.scene._attachments.append(Attachment(self.scene, index, a, given))
 
@@ -365,4 +381,3 @@ def settings_of(document: Mapping[str, Any]) -> dict[str, Any]:
     checked.update(given)
     checked.validate()
     return given
-

@@ -1,5 +1,5 @@
 """Formulas of users as data, and back: what ``@stark.energy``, ``@stark.material``, ``@stark.joint`` and
-``@stark.actuator`` recorded. Nothing of the Python functions is kept, and nothing is executed to read them."""
+``@stark.actuator`` recorded. Nothing of the Python functions is kept; to read them executes nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from stark.formulas.listing import OPERATIONS, Input, listed, replayed
 from stark.formulas.parameters import UNBOUNDED, Declaration, Parameter
 from stark.formulas.tracing import Trace, is_translation_invariant
 from stark.joints.definition import JointFormula
-from stark.symbolic.errors import TraceError
 from stark.symbolic.graph import ExpressionGraph
 
 from .errors import DocumentError
@@ -201,7 +200,7 @@ def _ends(entry: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def _width(entry: Mapping[str, Any]) -> int:
-    width = math.prod(entry["shape"])
+    width = int(math.prod(entry["shape"]))
     if width > 1000:
         raise DocumentError(f"input '{entry['name'][:80]}' has {width} numbers: must be at most 1000")
     return width
@@ -228,7 +227,9 @@ def _energy(
     count = row["points"]
     unknowns = {key: component for key, (source, _, component) in sources.items() if source == "x"}
     if len(graph.outputs) != 1 or not unknowns or not 1 <= count <= 8:
-        raise DocumentError(f"'{row['name'][:80]}': must have one output, and 1 to 8 points that it depends on")
+        raise DocumentError(
+            f"'{row['name'][:80]}': must have one output, and 1 to 8 points that it depends on"
+        )
     if graph.outputs[0].is_condition:
         raise DocumentError(f"'{row['name'][:80]}': its output is a condition: must be a number")
     trace = Trace(
@@ -296,7 +297,7 @@ def _actuator(
     rows, memories = list(row["one_sided"]), list(row["memories"])
     if row["points"] != 1 or len(graph.outputs) != 1 + len(rows) + len(memories):
         raise DocumentError(
-            f"'{row['name'][:80]}': must have one point, and an output for the energy, each residual and memory"
+            f"'{row['name'][:80]}': must have one point, and outputs: energy, residuals, memories"
         )
     doc = row["doc"] or row["name"]
     defaults = {parameter.name: parameter.declaration.default for parameter in given}
@@ -316,4 +317,4 @@ _MAKERS: dict[str, Callable[..., Any]] = {
     "actuator": _actuator,
 }
 
-__all__ = ["ReadFormula", "TraceError", "made", "of_actuator", "of_energy", "of_joint", "of_law"]
+__all__ = ["ReadFormula", "ReadLaw", "made", "of_actuator", "of_energy", "of_joint", "of_law"]

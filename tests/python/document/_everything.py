@@ -8,7 +8,9 @@ import stark
 
 
 @stark.energy
-def tether(p: stark.Point, f: stark.Frame, h: stark.TimeStep, stiffness: float = stark.parameter(unit="N/m", min=0.0)):
+def tether(
+    p: stark.Point, f: stark.Frame, h: stark.TimeStep, stiffness: float = stark.parameter(unit="N/m", min=0.0)
+):
     """A spring from a point to the origin of a frame, with a little damping."""
     d = p.x - f.origin
     return 0.5 * stiffness * stark.dot(d, d) + 1e-4 * h * stark.dot(p.v, p.v)
@@ -27,13 +29,21 @@ def saint_venant(F: stark.DeformationGradient, mu: float = stark.parameter(unit=
 
 
 @stark.material
-def membrane(C: stark.CauchyGreen, C_prev: stark.CauchyGreen, h: stark.TimeStep, mu: float = stark.parameter(unit="Pa")):
+def membrane(
+    C: stark.CauchyGreen, C_prev: stark.CauchyGreen, h: stark.TimeStep, mu: float = stark.parameter(unit="Pa")
+):
     E, D = 0.5 * (C - stark.identity(2)), C - C_prev
     return mu * (stark.trace(E @ E) + 1e-6 / h * stark.trace(D @ D))
 
 
 @stark.material
-def kirchhoff(stretch, curvature, twist, EA: float = stark.parameter(unit="N"), EI: float = stark.parameter(unit="N m^2")):
+def kirchhoff(
+    stretch,
+    curvature,
+    twist,
+    EA: float = stark.parameter(unit="N"),
+    EI: float = stark.parameter(unit="N m^2"),
+):
     bending = curvature[0] ** 2 + curvature[1] ** 2 + twist**2
     return 0.5 * (EA * (stretch - 1) ** 2 + EI * bending)
 
@@ -68,23 +78,31 @@ def _add_soft(scene: stark.Scene) -> None:
     )  # fmt: skip
     cloth.surface_direction = (1.0, 0.0, 0.0)
     own = membrane(mu=2e3, density=0.2, thickness=1e-3)
-    scene.add_cloth(sheet, own, name="own cloth", position=(0, 0, 1), velocity=(0.1, 0, 0), angular_velocity=(0, 0, 1))
+    scene.add_cloth(
+        sheet, own, name="own cloth", position=(0, 0, 1), velocity=(0.1, 0, 0), angular_velocity=(0, 0, 1)
+    )
     box = stark.mesh.box_hexahedra(0.1, 1)
     solid = scene.add_solid(
         box, stark.materials.soft_rubber.replace(youngs_modulus=np.linspace(1e5, 2e5, 1)), name="solid",
         position=(1, 0, 0), rotation=stark.rotation(axis="z", angle=0.3),
     )  # fmt: skip
     tets = stark.mesh.tet_box(0.1, 1)
-    scene.add_solid(tets, saint_venant(mu=np.full(len(tets.tets), 1e5), density=1e3), name="own solid", position=(1, 0, 1))
+    scene.add_solid(
+        tets, saint_venant(mu=np.full(len(tets.tets), 1e5), density=1e3), name="own solid", position=(1, 0, 1)
+    )
     scene.add_solid(stark.mesh.to_quadratic(tets), name="quadratic", position=(1, 0, 2), pins=[0])
     line = stark.mesh.polyline((0, 0, 0), (0.3, 0, 0), 4)
     rod = scene.add_rod(line, name="rod", position=(0, 1, 0), pins=[0], clamps=[0], rest_shape="straight")
-    scene.add_rod(line, kirchhoff(EA=10.0, EI=1e-4, density=1e3, radius=1e-3), name="own rod", position=(0, 1, 1))
+    scene.add_rod(
+        line, kirchhoff(EA=10.0, EI=1e-4, density=1e3, radius=1e-3), name="own rod", position=(0, 1, 1)
+    )
     cloth.add_skin(stark.materials.cotton, name="patch", color=(0, 1, 0))
     cloth.add_fibres(stark.materials.steel_wire, [[0, 1], [1, 2], [5, 6]], name="wires")
     solid.add_fibres(stark.materials.rubber_cord, paths=[[0, 1], [0, 2]], bending=False, name="cords")
     cloth.follow(displacement=stark.motion.spline([0, 1], [(0, 0, 0), (0, 0, 0.1)]), vertices=[0])
-    cloth.follow(targets=stark.motion.linear([0, 1], [sheet.vertices[[3]] * 1.01, sheet.vertices[[3]]]), vertices=[3])
+    cloth.follow(
+        targets=stark.motion.linear([0, 1], [sheet.vertices[[3]] * 1.01, sheet.vertices[[3]]]), vertices=[3]
+    )
     rod.follow(rotation=stark.motion.rotations([0, 1], [np.eye(3), stark.rotation(axis="x", angle=0.2)]))
     scene.attach(cloth.vertices[[5]], solid.vertices[[0]], name="thread", break_force=5.0)
     scene.attach(cloth.vertices[[9, 10]], None, name="nailed")
@@ -118,10 +136,14 @@ def _add_rigid(scene: stark.Scene) -> None:
 def _add_energies(scene: stark.Scene) -> None:
     cloth, arm, solid = scene["cloth"], scene["arm"], scene["solid"]
     scene.add(tether(cloth.vertices[[5, 6]], arm, stiffness=[1.0, 2.0]), name="tethers")
-    scene.add(tether(solid.vertices[1], scene["own cloth"].frame((0, 1, 5)), stiffness=1.0), name="patch tether")
+    scene.add(
+        tether(solid.vertices[1], scene["own cloth"].frame((0, 1, 5)), stiffness=1.0), name="patch tether"
+    )
     scene.add(tether(scene["rod"].vertices[3], scene["own rod"].frame(1), stiffness=0.5), name="node tether")
     scene.add(push(cloth.embedded([0, 1], (0.2, 0.3, 0.5)), force=(0.0, 0.0, 1e-3)), name="push")
-    scene.add_force(arm.points([(0.1, 0, 0)]), stark.motion.linear([0, 1], [(0, 0, 0), (0, 0, 1)]), name="pull")
+    scene.add_force(
+        arm.points([(0.1, 0, 0)]), stark.motion.linear([0, 1], [(0, 0, 0), (0, 0, 1)]), name="pull"
+    )
     scene.add_torque(arm, (0.0, 0.0, 1e-3), name="twist")
     scene.add_pressure(solid, 100.0, name="pressure")
 

@@ -31,8 +31,8 @@ _ODD: tuple[Any, ...] = (
 )  # fmt: skip
 _TYPES = ("f8", "f4", "i4", "i8", "u1", "?", "c16", "U4", "f2", "M8[s]", "S2", ">f8", "O")
 _PATHS = (
-    "../outside.npz", "/etc/passwd", "./x.npz", "sub/../../outside.npz", "link.npz", "pipe.npz", "", ".", "..",
-    "C:\\x.npz", "\\\\host\\x", "a\0b", "x" * 5000, "folder", "hard.npz", "way/outside.npz", "scene.json",
+    "../outside.npz", "/etc/passwd", "./x.npz", "sub/../../outside.npz", "link.npz", "pipe.npz", "", ".",
+    "C:\\x.npz", "a\0b", "x" * 5000, "folder", "hard.npz", "way/outside.npz", "scene.json",
 )  # fmt: skip
 
 #: Longest time of a document [s of this process].
@@ -45,9 +45,19 @@ _watching: list[str] = []  # the folder that files may be of
 def _watch(event: str, arguments: tuple[Any, ...]) -> None:
     if not _watching:
         return
-    if event in ("compile", "exec", "pickle.find_class", "os.system", "subprocess.Popen", "import", "ctypes.dlopen"):
-        _seen.append(f"{event} {arguments[:1]}")
-    elif event == "open" and not isinstance(arguments[0], int) and not os.path.realpath(str(arguments[0])).startswith(_watching[0]):
+    if event in (
+        "compile",
+        "exec",
+        "pickle.find_class",
+        "os.system",
+        "subprocess.Popen",
+        "import",
+        "ctypes.dlopen",
+    ) or (
+        event == "open"
+        and not isinstance(arguments[0], int)
+        and not os.path.realpath(str(arguments[0])).startswith(_watching[0])
+    ):
         _seen.append(f"{event} {arguments[:1]}")
 
 
@@ -78,7 +88,9 @@ def scene_documents(draw: Draw) -> None:
         damages = [_DAMAGES[draw.integer(len(_DAMAGES))] for _ in range(draw.pick((1, 1, 1, 2, 3)))]
         for damage in damages:
             draw.trace.append(damage.__name__)
-            with contextlib.suppress(KeyError, IndexError, TypeError, ValueError, AttributeError):  # nothing left
+            with contextlib.suppress(
+                KeyError, IndexError, TypeError, ValueError, AttributeError
+            ):  # nothing left
                 damage(draw, given, arrays)
         _write(draw, folder, given, arrays)
         _read(draw, folder, whole=damages == [_nothing] * len(damages))
@@ -178,13 +190,20 @@ def _node(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
 
 def _number(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     """A number that names a part names another one."""
-    kind = draw.pick(("layers", "energies", "joints", "actuators", "attachments", "pairs", "motions", "courses"))
+    kind = draw.pick(
+        ("layers", "energies", "joints", "actuators", "attachments", "pairs", "motions", "courses")
+    )
     text = json.dumps(given[kind])
     for word in ('"body": ', '"joint": ', '"formula": ', '"number": ', '"a": ', '"b": ', '"node": '):
         if word in text and draw.byte() % 2:
             head, _, tail = text.partition(word)
             if tail[0].isdigit():
-                text = head + word + str(draw.pick((0, 1, 3, 5, 9, 12, 1000, -1, 2**31))) + tail.lstrip("0123456789")
+                text = (
+                    head
+                    + word
+                    + str(draw.pick((0, 1, 3, 5, 9, 12, 1000, -1, 2**31)))
+                    + tail.lstrip("0123456789")
+                )
     given[kind] = json.loads(text)
 
 
@@ -195,9 +214,13 @@ def _formula(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     node = row["nodes"][k]
     action = draw.integer(6)
     if action == 0:
-        node[0] = draw.pick(("+", "sqrt", "log", "select", "<", "&&", "not", "pow", "exec", "", "input", "constant"))
+        node[0] = draw.pick(
+            ("+", "sqrt", "log", "select", "<", "&&", "not", "pow", "exec", "", "input", "constant")
+        )
     elif action == 1:
-        node[draw.integer(len(node))] = draw.pick((0, k, k - 1, -1, 10**9, 0.5, "x", "X", "time", None, "inf"))
+        node[draw.integer(len(node))] = draw.pick(
+            (0, k, k - 1, -1, 10**9, 0.5, "x", "X", "time", None, "inf")
+        )
     elif action == 2:
         row["outputs"] = draw.pick(([], [0], [k], [k, k], [10**6], [-1]))
     elif action == 3:
@@ -205,7 +228,9 @@ def _formula(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     elif action == 4:
         row["nodes"] = row["nodes"] * draw.pick((2, 10, 200))
     else:
-        row[draw.pick(("points", "kind", "coordinates", "inputs", "memories"))] = copy.deepcopy(draw.pick(_ODD))
+        row[draw.pick(("points", "kind", "coordinates", "inputs", "memories"))] = copy.deepcopy(
+            draw.pick(_ODD)
+        )
 
 
 def _array(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
@@ -224,7 +249,11 @@ def _array(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     elif action == 4:
         arrays[name] = np.concatenate([array] * draw.pick((2, 3, 50)))
     else:
-        odd = (0, -1, 7, 2**31 - 1, -(2**31), 1) if array.dtype.kind == "i" else (np.nan, np.inf, 1e308, 1e160, 0, -1e-300)
+        odd = (
+            (0, -1, 7, 2**31 - 1, -(2**31), 1)
+            if array.dtype.kind == "i"
+            else (np.nan, np.inf, 1e308, 1e160, 0, -1e-300)
+        )
         array.reshape(-1)[draw.integer(array.size)] = draw.pick(odd)
         arrays[name] = array
 
@@ -236,7 +265,9 @@ def _path(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
 def _head(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     """Another format, version or system of units."""
     key = draw.pick(("format", "version", "units", "settings", "until", "name"))
-    given[key] = draw.pick((*_ODD, 2, 10**30, "CGS", "mm", {"time.step": -1.0}, {"nope": 1}, {"gravity": [1, 2]}))
+    given[key] = draw.pick(
+        (*_ODD, 2, 10**30, "CGS", "mm", {"time.step": -1.0}, {"nope": 1}, {"gravity": [1, 2]})
+    )
 
 
 _DAMAGES = (_nothing, _node, _node, _node, _number, _formula, _array, _array, _path, _head)
