@@ -38,7 +38,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("reproducer",),
     ("__init__",),
     ("scenes",),
-    ("study",),
+    ("study", "gym"),
     ("cli", "__main__"),
 )
 

@@ -65,6 +65,7 @@ _MODULES = (
     "checkpoint",
     "document",
     "formulas",
+    "gym",
     "joints",
     "motion",
     "recording",

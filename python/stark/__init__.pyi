@@ -6,6 +6,7 @@ from stark import (
     checkpoint as checkpoint,
     document as document,
     formulas as formulas,
+    gym as gym,
     joints as joints,
     materials as materials,
     mesh as mesh,

@@ -8,21 +8,52 @@
 their own. ``gymnasium.make("stark/DragCloth-v0")`` finds those that come with Stark once ``stark.gym`` is
 imported. ``docs/learning.md`` has the contract."""
 
-try:
-    import gymnasium as _gymnasium
-except ImportError as error:
-    raise ImportError(
-        "stark.gym needs the package gymnasium: pip install 'stark-sim[rl]' (the extra 'rl')"
-    ) from error
+from typing import TYPE_CHECKING
 
-from .drag_cloth import DragCloth
-from .env import SceneEnv
-from .grasp_ball import GraspBall
-from .task import Task, TaskError
-from .vectors import vector
+from stark.on_demand import attach
 
-for _name in ("DragCloth", "GraspBall"):
-    if f"stark/{_name}-v0" not in _gymnasium.registry:
-        _gymnasium.register(id=f"stark/{_name}-v0", entry_point=f"stark.gym:{_name}")
+if TYPE_CHECKING:
+    from .drag_cloth import DragCloth as DragCloth
+    from .env import SceneEnv as SceneEnv
+    from .grasp_ball import GraspBall as GraspBall
+    from .task import Task as Task
+    from .task import TaskError as TaskError
+    from .vectors import vector as vector
+
+_get, __dir__ = attach(
+    "stark.gym",
+    {
+        "stark.gym.drag_cloth": "DragCloth",
+        "stark.gym.env": "SceneEnv",
+        "stark.gym.grasp_ball": "GraspBall",
+        "stark.gym.task": "Task TaskError",
+        "stark.gym.vectors": "vector",
+    },
+)
+
+
+def __getattr__(name: str) -> object:
+    try:
+        return _get(name)
+    except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] != "gymnasium":
+            raise
+        raise ImportError(
+            f"stark.gym.{name} needs the package gymnasium, of the extra 'rl': pip install 'stark-sim[rl]'"
+        ) from error
+
+
+def _register() -> None:
+    """Makes the environments known to ``gymnasium.make``, where that is installed."""
+    try:
+        import gymnasium
+    except ImportError:
+        return
+    for name in ("DragCloth", "GraspBall"):
+        if f"stark/{name}-v0" not in gymnasium.registry:
+            gymnasium.register(id=f"stark/{name}-v0", entry_point=f"stark.gym:{name}")
+
+
+_register()
 
 __all__ = ["DragCloth", "GraspBall", "SceneEnv", "Task", "TaskError", "vector"]

@@ -117,7 +117,5 @@ class DragCloth(SceneEnv):
         render_mode: str | None = None,
         size: tuple[int, int] = (480, 360),
     ) -> None:
-        view = {"camera": (0.55, -0.75, 0.6), "target": (0.0, 0.0, 0.0)}
-        super().__init__(
-            DragClothTask(), settings=settings, render_mode=render_mode, size=size, picture=view
-        )
+        view = {"camera": (0.35, -0.55, 0.5), "target": (0.0, 0.0, 0.0), "opacity": {"cloth": 0.75}}
+        super().__init__(DragClothTask(), settings=settings, render_mode=render_mode, size=size, picture=view)

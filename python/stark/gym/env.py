@@ -78,9 +78,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._count = 0
         return self._observation(), self.task.info(self.sim)
 
-    def step(
-        self, action: NDArray[Any]
-    ) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
         """One control step. Actions beyond their space are cut to it; raises TaskError for those that are not
         finite or of another shape, and where no episode is under way."""
         if self._count is None:

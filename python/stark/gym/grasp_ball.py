@@ -53,7 +53,7 @@ class GraspBallTask(Task):
     name = "grasp_ball"
     action_space = Box(-1.0, 1.0, (4,), np.float32)
     observation_space = Box(-10.0, 10.0, (18,), np.float32)
-    control_step, until, settle = 0.05, 5.0, 0.2
+    control_step, until, settle = 0.05, 5.0, 1.5
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         scene = stark.Scene("grasp_ball")
@@ -108,8 +108,8 @@ class GraspBallTask(Task):
         return np.concatenate([hand, x, v, x - hand, slides, rates, grips])
 
     def reward(self, sim: Any, action: Floats) -> float:
-        """Height of the ball over 6 cm, minus the distance [m] of the middle between the fingers to that of the
-        ball, 1 more at the goal."""
+        """Height of the ball over 6 cm, minus the distance [m] of the middle of the fingers to the ball, 1
+        more at the goal."""
         lifted, distance = self._measures(sim)
         return min(lifted, LIFT) / LIFT - distance + float(lifted >= LIFT)
 
@@ -150,6 +150,4 @@ class GraspBall(SceneEnv):
         size: tuple[int, int] = (480, 360),
     ) -> None:
         view = {"camera": (0.25, -0.45, 0.28), "target": (0.0, 0.0, 0.07)}
-        super().__init__(
-            GraspBallTask(), settings=settings, render_mode=render_mode, size=size, picture=view
-        )
+        super().__init__(GraspBallTask(), settings=settings, render_mode=render_mode, size=size, picture=view)

@@ -136,9 +136,7 @@ class SceneTask(Task):
         return self._file.build()
 
 
-def task_of(
-    scene: str | PathLike[str] | Task, options: Mapping[str, Any] | None, task: Task | None
-) -> Task:
+def task_of(scene: str | PathLike[str] | Task, options: Mapping[str, Any] | None, task: Task | None) -> Task:
     """The task of what ``SceneEnv`` was given."""
     if isinstance(scene, Task):
         if task is not None or options:

@@ -79,5 +79,5 @@ def test_arrays_of_another_document_are_refused(path: Path) -> None:
     with pytest.raises(DocumentError, match="not what the document was written with"):
         stark.load_scene(path)
     (path.parent / "scene.npz").unlink()
-    with pytest.raises(DocumentError, match="'scene.npz' is missing"):
+    with pytest.raises(DocumentError, match=r"'scene\.npz' is missing"):
         stark.load_scene(path)

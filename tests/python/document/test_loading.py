@@ -44,7 +44,7 @@ def test_formulas_can_be_looked_into(path: Path) -> None:
     assert "sqrt" not in str(tethers.formula.graph()) and tethers.check().ok
     with pytest.raises(document.DocumentError, match="no function to call"):
         tethers.formula(scene["cloth"].vertices)
-    with pytest.raises(stark.InvalidArgument, match="not finite|must be finite"):
+    with pytest.raises(stark.InvalidArgument, match=r"not finite|must be finite"):
         tethers.stiffness = np.nan
 
 
@@ -52,7 +52,10 @@ def test_a_document_runs(tmp_path: Path) -> None:
     scene = stark.Scene()
     scene.add_sphere(0.1, subdivisions=1, mass=1.0)
     path = scene.save(tmp_path / "ball.json", settings={"time_step": 0.01}, until=0.02)
-    assert main(["run", str(path), "--out", str(tmp_path / "out"), "--quiet", "--no-replay", "--no-picture"]) == 0
+    assert (
+        main(["run", str(path), "--out", str(tmp_path / "out"), "--quiet", "--no-replay", "--no-picture"])
+        == 0
+    )
     recording = stark.recording.Recording(tmp_path / "out")
     assert recording.times[-1] == pytest.approx(0.02)
     assert scenes.load(path).until == 0.02

@@ -52,7 +52,7 @@ def same_steps(scene: Any, settings: Any, steps: int, folder: Path) -> None:
 
 
 def scene_of(name: str) -> tuple[Any, Any]:
-    """Scene and settings of an example, a scene file or a program, which is run up to its first simulation."""
+    """Scene and settings of an example: a scene file, or a program, run up to its first simulation."""
     if hasattr(importlib.import_module(name), "settings"):
         return scenes.load(EXAMPLES / f"{name}.py").build()
     found: list[Any] = []
