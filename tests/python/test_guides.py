@@ -22,7 +22,7 @@ GUIDES = sorted(str(path.relative_to(ROOT)) for path in guides.guides(ROOT))
 #: Reads the recording of an example.
 NEEDS_A_RUN = {"docs/systems.md"}
 #: Packages that guides need beside those of Stark.
-NEEDS = {"docs/robots.md": "yourdfpy"}
+NEEDS = {"docs/robots.md": "yourdfpy", "docs/learning.md": "gymnasium"}
 
 
 def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
