@@ -1,7 +1,7 @@
 """Steps per second of the environments for learning, on one core: `python benchmarks/learning.py`.
 
-Random actions, new episodes where one ends; time of the process, the best of three rounds, because other programs on
-the machine only take away."""
+Random actions, new episodes where one ends; time of the process, the best of three rounds, because other
+programs on the machine only take away."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def build():
     floor = (0.0, 0.0, -0.5 * HEIGHT - 0.01 - 1.5 * CONTACT_DISTANCE)
     scene.add_box(
         (0.12, 0.12, 0.02), name="floor", motion="scripted", position=floor, color=gripper.TABLE
-    ).follow(position=_slide(floor))
+    ).follow(position=lambda t: (0.0, max(t - SLIDE, 0.0) * SLIDE_SPEED, floor[2]))
     gripper.add_hand(scene, options["force"])
     cup = scene.add_cloth(
         cup_mesh(options["cells"]), PLASTIC, name="cup", rest_angles="mesh", self_contact=False, color=CUP
@@ -104,12 +104,6 @@ def cup_mesh(cells):
     return stark.mesh.TriangleMesh(np.concatenate(points), np.concatenate(faces))
 
 
-def _slide(floor):
-    """The floor rests, then moves away."""
-    start, far = (0.0, 0.0, floor[2]), (0.0, 100.0, floor[2])
-    return stark.motion.linear([0.0, SLIDE, SLIDE + far[1] / SLIDE_SPEED], [start, start, far])
-
-
 def _rim():
     """Vertices where the wall ends and the lip begins, in order."""
     count = 4 * options["cells"]
@@ -127,10 +121,12 @@ def _add_ball(scene, ball):
         position=(0.013 * x, 0.010 * y, 0.062 + 0.018 * level),
     )  # fmt: skip
     weight, start = BALL_MASS * GRAVITY, let_go(ball)
-    sinks = start + LOWERED
-    times = [start, np.nextafter(start, np.inf), sinks, sinks + FADED]
-    shares = [1.0, 1.0 - SINKING, 1.0 - SINKING, 0.0]  # of the weight that is carried
-    scene.add_force(body, stark.motion.linear(times, [(0.0, 0.0, weight * share) for share in shares]))
+
+    def carried(t):
+        fades = min(max((t - start - LOWERED) / FADED, 0.0), 1.0)
+        return (0.0, 0.0, weight * ((1.0 - SINKING) if t > start else 1.0) * (1.0 - fades))
+
+    scene.add_force(body, carried)
 
 
 def let_go(ball):

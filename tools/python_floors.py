@@ -24,6 +24,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "document.kinds",
         "document.format",
         "document.recorded",
+        "document.robots",
         "document.describing",
         "document.rebuilding",
         "document.writing",

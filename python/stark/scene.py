@@ -149,18 +149,23 @@ class Scene(
         settings: Settings | Mapping[str, Any] | None = None,
         until: float | None = None,
         description: str = "",
+        sample_functions: bool = False,
     ) -> Path:
         """Writes the scene as a document, ``name.json`` beside ``name.npz``, to be loaded anywhere by
         ``stark.load_scene(path)`` and run by ``stark run name.json``; returns the path. ``settings`` of the
         simulation, ``until`` [s], the end of a run, and ``description`` go with it.
 
         It holds what was added to the scene, with the present values of energies and actuators; formulas of
-        your own are recorded as formulas. What is a Python function of the time cannot be saved: use
-        ``stark.motion`` through knots. Raises ``stark.DocumentError`` for that before anything is written,
-        and a ``stark.Error`` that is an ``OSError`` where files cannot be."""
+        your own are recorded as formulas. A Python function of the time cannot be saved: use ``stark.motion``
+        through knots, or give ``sample_functions=True``, which saves its values at the ends of all steps up
+        to ``until``. Raises ``stark.DocumentError`` for what cannot be saved before anything is written, and
+        a ``stark.Error`` that is an ``OSError`` where files cannot be."""
         from stark.document.writing import write
 
-        return write(self, path, settings=settings, until=until, description=description)
+        return write(
+            self, path, settings=settings, until=until, description=description,
+            sample_functions=sample_functions,
+        )  # fmt: skip
 
     # --- bodies ---
 

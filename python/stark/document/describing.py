@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from stark import _core
 from stark.bodies.following import PinFollower, PoseFollower
 from stark.bodies.layers import Fibres
 from stark.motion import Motion
+from stark.robots.drives import GravityFollower
 from stark.settings import Settings
 
-from . import recorded
+from . import recorded, robots
 from .errors import DocumentError
 from .format import FORMAT_NAME, FORMAT_VERSION
 
@@ -34,6 +36,8 @@ _ELSEWHERE = {
     *("pin", "clamp", "set_surface_directions", "set_actuator_value", "set_actuator_enabled"),
     *("add_energy", "add_joint", "add_actuator", "add_attachment"),
 }
+#: Of functions of the time.
+_MOST_SAMPLES = 1_000_000
 #: Settings of a machine, not of a scene.
 _OF_MACHINE = ("execution.threads", "execution.oversubscribe", "execution.backend")
 
@@ -56,9 +60,50 @@ class Formulas:
         return self._known[ids]
 
 
-def described(scene: Any, settings: Any, until: float | None, description: str) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Motions:
+    """Motions as data; ``times`` [s] are where Python functions are sampled, None for not at all."""
+
+    times: np.ndarray | None
+
+    def described(self, motion: Motion, owner: str) -> dict[str, Any]:
+        knots = motion._knots if motion._knots is not None else self._sampled(motion, owner)
+        values = knots["values"]
+        shape = values.shape[1:]
+        return {**knots, "values": values.reshape(len(values), math.prod(shape)), "shape": list(shape)}
+
+    def _sampled(self, motion: Motion, owner: str) -> dict[str, Any]:
+        if self.times is None:
+            raise DocumentError(
+                f"{owner} is {motion!r}, a Python function of the time, which a document cannot hold: must "
+                f"be stark.motion.linear, spline or rotations through knots; or give sample_functions=True and "
+                f"until= to save its values at the ends of the steps; nothing was written"
+            )
+        values = np.array([motion(time) for time in self.times])
+        if values.shape[1:] == (3, 3):
+            return {"kind": "rotations", "times": self.times, "values": values, "smooth": False, "rest": True}
+        return {"kind": "linear", "times": self.times, "values": values}
+
+
+def _times(settings: Settings, until: float | None, wanted: bool) -> np.ndarray | None:
+    """Ends of the steps up to the end of a run [s]."""
+    if not wanted:
+        return None
+    step = settings["time.step"]
+    if until is None or until / step > _MOST_SAMPLES:
+        raise DocumentError(
+            f"scene.save: sample_functions with until = {until} s and steps of {step:g} s: must have an end, "
+            f"after at most {_MOST_SAMPLES} steps"
+        )
+    return np.arange(math.ceil(until / step) + 1) * step
+
+
+def described(
+    scene: Any, given: Any, until: float | None, description: str, sample_functions: bool
+) -> dict[str, Any]:
     """The document; arrays are NumPy arrays in it. Raises DocumentError for what cannot be data."""
-    formulas = Formulas()
+    settings = _chosen(given)
+    formulas, motions = Formulas(), Motions(_times(settings, until, sample_functions))
     return {
         "format": FORMAT_NAME,
         "version": FORMAT_VERSION,
@@ -76,10 +121,11 @@ def described(scene: Any, settings: Any, until: float | None, description: str) 
         "joints": [_joint(scene, joint, formulas) for joint in scene.joints],
         "actuators": [_actuator(scene, actuator, formulas) for actuator in scene.actuators],
         "attachments": [{**attachment._given, "name": attachment.name} for attachment in scene.attachments],
+        "robots": [robots.described(robot) for robot in scene.robots],
         "pairs": _pairs(scene),
         "untouchable": [ghost._index for ghost in scene._ghosts],
-        "motions": _followers(scene),
-        "courses": _courses(scene),
+        "motions": _followers(scene, motions),
+        "courses": _courses(scene, motions),
     }
 
 
@@ -217,11 +263,13 @@ def _pairs(scene: Any) -> list[dict[str, Any]]:
 # --- over time ---
 
 
-def _followers(scene: Any) -> list[dict[str, Any]]:
+def _followers(scene: Any, motions: Motions) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for body, followers in scene._followers.items():
         owner = f"'{scene.bodies[body].name}'"
         for follower in followers:
+            if isinstance(follower, GravityFollower):  # of the drives of a robot
+                continue
             if isinstance(follower, PoseFollower):
                 parts: tuple[str, ...] = ("position", "rotation")
                 row: dict[str, Any] = {"kind": "pose", "body": body}
@@ -231,49 +279,38 @@ def _followers(scene: Any) -> list[dict[str, Any]]:
             else:
                 raise DocumentError(
                     f"{owner}: {type(follower).__name__} is computed by code before each step, and cannot be "
-                    f"saved: switch it off (drives.gravity_compensation = False) before the scene is saved, "
-                    f"and on again where it is used; nothing was written"
+                    f"saved: must be a motion; nothing was written"
                 )
             for part in parts:
                 motion = getattr(follower, part)
-                row[part] = None if motion is None else _motion(motion, f"{owner}: {part}")
+                row[part] = None if motion is None else motions.described(motion, f"{owner}: {part}")
             rows.append(row)
     return rows
 
 
-def _courses(scene: Any) -> list[dict[str, Any]]:
+def _courses(scene: Any, motions: Motions) -> list[dict[str, Any]]:
     rows = []
     for (kind, number, value), course in scene._courses.items():
         owner = f"{kind} '{course._handle.name}': {value}"
-        rows.append({"of": kind, "number": number, "value": value, "motion": _motion(course._value, owner)})
+        motion = motions.described(course._value, owner)
+        rows.append({"of": kind, "number": number, "value": value, "motion": motion})
     return rows
 
 
-def _motion(motion: Motion, owner: str) -> dict[str, Any]:
-    knots = motion._knots
-    if knots is None:
-        raise DocumentError(
-            f"{owner} is {motion!r}, a Python function of the time, which a document cannot hold: must be "
-            f"stark.motion.linear, spline or rotations through knots; nothing was written"
-        )
-    values = knots["values"]
-    shape = values.shape[1:]
-    row = {**knots, "values": values.reshape(len(values), math.prod(shape)), "shape": list(shape)}
-    return row
-
-
-def _settings(settings: Any) -> dict[str, Any]:
-    """Those that differ from the defaults, by dotted name."""
+def _chosen(given: Any) -> Settings:
     chosen = Settings()
-    if isinstance(settings, Settings):
-        chosen = settings
-    elif settings is not None:
-        if not isinstance(settings, Mapping):
-            raise DocumentError(
-                f"settings = {settings!r}: must be a stark.Settings, or values by dotted name"
-            )
-        chosen.update(dict(settings))
+    if isinstance(given, Settings):
+        chosen = given
+    elif given is not None:
+        if not isinstance(given, Mapping):
+            raise DocumentError(f"settings = {given!r}: must be a stark.Settings, or values by dotted name")
+        chosen.update(dict(given))
     chosen.validate()
+    return chosen
+
+
+def _settings(chosen: Settings) -> dict[str, Any]:
+    """Those that differ from the defaults, by dotted name."""
     defaults = Settings().to_dict()
     return {
         name: value

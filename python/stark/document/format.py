@@ -355,6 +355,94 @@ COURSE = Record(
         "motion": Field(MOTION),
     }
 )
+_NULLABLE = Field(Maybe(Number(infinite=True)), None)
+ROBOT = Record(
+    {
+        "name": _NAME,
+        "source": Field(Text(), "", "the file that it came from, for messages"),
+        "base": Field(Text(), "fixed"),
+        "position": Field(_vector("m"), _ZERO, "of the base in the file"),
+        "rotation": Field(Array((3, 3)), _IDENTITY),
+        "links": Field(
+            Listing(
+                Record(
+                    {
+                        "name": Field(Text()),
+                        "inertia": Field(Maybe(_INERTIA), None),
+                        "body": Field(Maybe(Whole()), None, "null: the world"),
+                        "position": Field(_vector("m"), _ZERO, "of its frame in that of the body"),
+                        "rotation": Field(Array((3, 3)), _IDENTITY),
+                    }
+                ),
+                10_000,
+            )
+        ),
+        "joints": Field(
+            Listing(
+                Record(
+                    {
+                        **{name: Field(Text()) for name in ("name", "kind", "parent", "child")},
+                        "position": Field(_vector("m"), _ZERO),
+                        "rotation": Field(Array((3, 3)), _IDENTITY),
+                        "axis": Field(_vector("1"), [1.0, 0.0, 0.0]),
+                        "anchor": Field(_vector("m"), _ZERO),
+                        "reference": Field(Number(), 0.0),
+                        **dict.fromkeys(("lower", "upper", "effort", "velocity"), _NULLABLE),
+                        **dict.fromkeys(
+                            ("damping", "friction", "armature", "stiffness", "rest", "shift"),
+                            Field(Number(), 0.0),
+                        ),
+                        "mimic": Field(
+                            Maybe(
+                                Record(
+                                    {
+                                        "joint": Field(Text()),
+                                        "ratio": Field(Number(), 1.0),
+                                        "offset": Field(Number(), 0.0),
+                                    }
+                                )
+                            ),
+                            None,
+                        ),
+                        "number": Field(Maybe(Whole()), None, "of the joint of the scene"),
+                    }
+                ),
+                10_000,
+            ),
+            [],
+        ),
+        "excluded": Field(Listing(Listing(Text(), 2), 100_000), [], "pairs of links that do not touch"),
+        "start": Field(Array((None,)), doc="coordinates at time 0 [rad, m]"),
+        "report": Field(
+            Listing(
+                Record(
+                    {
+                        "kind": Field(Text(("kept", "assumed", "dropped", "suspicious"))),
+                        "part": Field(Text()),
+                        "text": Field(Text()),
+                    }
+                ),
+                100_000,
+            ),
+            [],
+        ),
+        "drives": Field(
+            Listing(
+                Record(
+                    {
+                        "kind": Field(Text(("servos", "motors", "efforts"))),
+                        "rows": Field(Array((None,), integers=True), doc="among the coordinates"),
+                        "actuators": Field(Array((None,), integers=True)),
+                        "shifts": Field(Array((None,))),
+                        "gravity_compensation": Field(Flag(), False),
+                    }
+                ),
+                1000,
+            ),
+            [],
+        ),
+    }
+)
 DOCUMENT = Record(
     {
         "format": Field(Text((FORMAT_NAME,))),
@@ -378,6 +466,7 @@ DOCUMENT = Record(
         "joints": Field(Listing(JOINT), []),
         "actuators": Field(Listing(ACTUATOR), []),
         "attachments": Field(Listing(ATTACHMENT), []),
+        "robots": Field(Listing(ROBOT, 1000), [], "handles of what was added with add_robot"),
         "pairs": Field(Listing(PAIR), [], "in the order in which they were set: the last one counts"),
         "untouchable": Field(Listing(Whole()), [], "bodies that touch none, added later ones included"),
         "motions": Field(Listing(FOLLOWER), [], "of scripted bodies and pins"),

@@ -37,6 +37,7 @@ from stark.settings import Settings
 
 from . import recorded
 from .errors import DocumentError
+from .robots import add_robot
 
 _MATERIALS: dict[str, Any] = {kind.__name__: kind for kind in (ShellMaterial, SolidMaterial, RodMaterial)}
 _INFINITE = {"inf": math.inf, "-inf": -math.inf}
@@ -59,6 +60,8 @@ class Rebuilding:
                 add = getattr(self, f"_add_{part}")
                 for k, row in enumerate(self.document[part]):
                     add(row, f"{part}[{k}]")
+            for k, row in enumerate(self.document["robots"]):
+                add_robot(self.scene, row, f"robots[{k}]")
             for k, row in enumerate(self.document["pairs"]):
                 self._set_pair(row, f"pairs[{k}]")
             self.scene._ghosts = [self._body(k, "untouchable") for k in self.document["untouchable"]]

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stark.arguments import given_path, real_number
+from stark.arguments import given_flag, given_path, real_number
 from stark.array_file import naming, refuse_special, write_atomically
 
 from .describing import described
@@ -30,6 +30,7 @@ def write(
     settings: Any = None,
     until: float | None = None,
     description: str = "",
+    sample_functions: bool = False,
 ) -> Path:
     """``Scene.save``. Everything is described and checked before anything is written."""
     place = given_path(path, "scene.save: path")
@@ -41,9 +42,10 @@ def write(
             raise DocumentError(f"scene.save: until = {until} s: must be > 0 and finite")
     if not isinstance(description, str):
         raise DocumentError(f"scene.save: description = {description!r}: must be a text")
+    sampled = given_flag(sample_functions, "scene.save: sample_functions")
     if not scene.bodies:
         raise DocumentError(f"scene '{scene.name}' has no bodies: must have at least one; add one first")
-    document = described(scene, settings, until, description)
+    document = described(scene, settings, until, description, sampled)
     arrays: dict[str, Any] = {}
     document = _plain(document, "", arrays)
     DOCUMENT.read(document, "scene", arrays)  # what is written can be read

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import stark
+from stark.robots import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
 
 
 @stark.energy
@@ -65,6 +66,7 @@ def everything() -> stark.Scene:
     scene.default_friction = 0.4
     _add_soft(scene)
     _add_rigid(scene)
+    _add_robot(scene)
     _add_energies(scene)
     _add_pairs(scene)
     return scene
@@ -131,6 +133,26 @@ def _add_rigid(scene: stark.Scene) -> None:
     hinge.add_gear(slider, 2.0, name="gear", enabled=False)
     scene.friction[arm, floor] = 0.3, 0.2
     scene.restitution[tip, floor] = 0.5
+
+
+def _add_robot(scene: stark.Scene) -> None:
+    """Two links on a turning base, the second one turns twice as far as the first."""
+    inertia = Inertia(0.2, np.array([0.0, 0.0, 0.05]), 1e-3 * np.eye(3))
+    shape = Geometry("box", (0.02, 0.02, 0.1), position=np.array([0.0, 0.0, 0.05]))
+    links = [Link("base"), *(Link(name, inertia, collisions=(shape,)) for name in ("lower", "upper", "tool"))]
+    y, up = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 0.11])
+    joints = [
+        RobotJoint(
+            "lift", "revolute", "base", "lower", axis=y, lower=-1.0, upper=1.0, effort=5.0, damping=0.01
+        ),
+        RobotJoint("bend", "revolute", "lower", "upper", position=up, axis=y, mimic=Mimic("lift", 2.0, 0.1)),
+        RobotJoint("slide", "prismatic", "upper", "tool", position=up, axis=up / 0.11, effort=3.0),
+    ]
+    robot = scene.add_robot(
+        RobotDescription("arm", links, joints), name="robot", position=(5, 0, 0), q={"lift": 0.2}
+    )
+    robot.add_servos("lift", stiffness=20.0, damping=1.0, gravity_compensation=True)
+    robot.add_efforts("slide")
 
 
 def _add_energies(scene: stark.Scene) -> None:

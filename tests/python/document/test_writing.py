@@ -110,6 +110,23 @@ def test_what_cannot_be_saved_is_refused(
     assert not list(tmp_path.iterdir())
 
 
+def test_functions_can_be_sampled(tmp_path: Path) -> None:
+    """At the ends of steps they have the bits of the function."""
+    scene = _function_of_time()
+    scene["box"].follow(
+        position=lambda t: (0.0, np.sin(3.0 * t), t * t), rotation=lambda t: (1.0, 0.0, 0.0, t)
+    )
+    scene.add_force(scene.add_box(0.1, mass=1.0, position=(1, 0, 0)), lambda t: (np.exp(-t), 0, 0))
+    scene.save(tmp_path / "a.json", settings={"time_step": 0.03}, until=0.3, sample_functions=True)
+    read = document.read(tmp_path / "a.json")
+    sims = [stark.Simulation(each, time_step=0.03) for each in (scene, read.scene)]
+    for _ in range(10):
+        assert not any([sim.step().failed for sim in sims])
+        assert sims[0].state.hash == sims[1].state.hash
+    with pytest.raises(document.DocumentError, match="must have an end"):
+        scene.save(tmp_path / "b.json", sample_functions=True)
+
+
 def test_places_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
     with pytest.raises(document.DocumentError, match=r"must end in \.json"):
         small().save(tmp_path / "a.toml")
