@@ -75,8 +75,8 @@ class Motions:
     def _sampled(self, motion: Motion, owner: str) -> dict[str, Any]:
         if self.times is None:
             raise DocumentError(
-                f"{owner} is {motion!r}, a Python function of the time, which a document cannot hold: must "
-                f"be stark.motion.linear, spline or rotations through knots; or give sample_functions=True and "
+                f"{owner} is {motion!r}, a Python function of the time, which a document cannot hold: use "
+                f"stark.motion.linear, spline or rotations through knots; or give sample_functions=True and "
                 f"until= to save its values at the ends of the steps; nothing was written"
             )
         values = np.array([motion(time) for time in self.times])

@@ -191,7 +191,7 @@ def _node(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
 def _number(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     """A number that names a part names another one."""
     kind = draw.pick(
-        ("layers", "energies", "joints", "actuators", "attachments", "pairs", "motions", "courses")
+        ("layers", "energies", "joints", "actuators", "attachments", "pairs", "motions", "courses", "robots")
     )
     text = json.dumps(given[kind])
     for word in ('"body": ', '"joint": ', '"formula": ', '"number": ', '"a": ', '"b": ', '"node": '):
