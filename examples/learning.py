@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from gymnasium import Env
@@ -46,14 +47,14 @@ def episode(
     """Whether the goal was reached, control steps, pictures if the environment draws."""
     observation, _ = env.reset(seed=seed)
     frames: list[Floats] = []
-    for count in range(1, 1000):
+    count, ended, terminated, info = 0, False, False, dict[str, Any]()
+    while not ended:
         observation, _, terminated, truncated, info = env.step(policy(observation))
+        count, ended = count + 1, terminated or truncated
         if env.render_mode is not None:
             frames.append(np.asarray(env.render()))
-        if terminated or truncated:
-            print(f"  seed {seed}: {'goal' if terminated else info['reason']} after {count} actions")
-            return terminated, count, frames
-    return False, count, frames
+    print(f"  seed {seed}: {'goal' if terminated else info['reason']} after {count} actions")
+    return terminated, count, frames
 
 
 def draw(frames: list[Floats], name: str) -> None:
@@ -71,6 +72,7 @@ def main() -> None:
         print(make.__name__)
         env = make(render_mode="rgb_array" if pictures else None, size=(400, 300))
         begin, steps = time.process_time(), 0
+        frames: list[Floats] = []
         for seed in range(first, first + (1 if pictures else 5)):
             reached, count, frames = episode(env, policy, seed)
             steps += count

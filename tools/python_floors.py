@@ -23,6 +23,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "document.errors",
         "document.kinds",
         "document.format",
+        "document.format_robot",
         "document.recorded",
         "document.robots",
         "document.describing",

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from .format_robot import IDENTITY, INERTIA, ROBOT, ZERO, vector
 from .kinds import (
     AnyArray,
     Array,
@@ -30,13 +31,7 @@ FORMAT_NAME = "stark-scene"
 FORMAT_VERSION = 1
 SCHEMA_ID = "stark-scene-1.schema.json"
 
-_ZERO = [0.0, 0.0, 0.0]
-_IDENTITY = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 _NUMBER_OR_WORD = Either({"number": Number(), "string": Text(), "boolean": Flag(), "list": AnyArray()})
-
-
-def _vector(unit: str) -> Kind:
-    return Array((3,), unit)
 
 
 def _points() -> Kind:
@@ -76,14 +71,14 @@ MATERIAL = Record(
 
 _PLACE = {
     "name": _NAME,
-    "position": Field(_vector("m"), _ZERO, "origin of the mesh in the world"),
-    "rotation": Field(Array((3, 3)), _IDENTITY, "axes of the mesh in the world as columns"),
-    "velocity": Field(_vector("m/s"), _ZERO),
-    "angular_velocity": Field(_vector("rad/s"), _ZERO),
+    "position": Field(vector("m"), ZERO, "origin of the mesh in the world"),
+    "rotation": Field(Array((3, 3)), IDENTITY, "axes of the mesh in the world as columns"),
+    "velocity": Field(vector("m/s"), ZERO),
+    "angular_velocity": Field(vector("rad/s"), ZERO),
     "contact_distance": Field(Maybe(Number("m")), None),
     "contact_stiffness": Field(Maybe(Number("Pa")), None),
     "friction": Field(Maybe(Number()), None),
-    "color": Field(Maybe(_vector("1")), None, "red, green, blue in [0, 1]"),
+    "color": Field(Maybe(vector("1")), None, "red, green, blue in [0, 1]"),
     "surface_direction": Field(Maybe(_points()), None, "nap: one vector, or one for each triangle"),
 }
 _DEFORMABLE = {
@@ -93,13 +88,6 @@ _DEFORMABLE = {
     "self_contact": Field(Flag(), True),
     "pins": Field(Array((None,), integers=True), [], "vertices with prescribed positions"),
 }
-_INERTIA = Record(
-    {
-        "mass": Field(Number("kg")),
-        "center_of_mass": Field(_vector("m")),
-        "tensor": Field(Array((3, 3), "kg m^2")),
-    }
-)
 BODY = Tagged(
     "kind",
     {
@@ -123,7 +111,7 @@ BODY = Tagged(
                 "vertices": Field(_points()),
                 **_DEFORMABLE,
                 "rest_shape": Field(Text(("mesh", "straight")), "mesh"),
-                "normal": Field(Maybe(_vector("1")), None),
+                "normal": Field(Maybe(vector("1")), None),
                 "clamps": Field(Array((None,), integers=True), []),
             }
         ),
@@ -135,7 +123,7 @@ BODY = Tagged(
                 "motion": Field(Text(("dynamic", "fixed", "scripted")), "dynamic"),
                 "mass": Field(Maybe(Number("kg")), None),
                 "density": Field(Maybe(Number("kg/m^3")), None),
-                "inertia": Field(Maybe(_INERTIA), None),
+                "inertia": Field(Maybe(INERTIA), None),
                 "hollow": Field(Flag(), False),
                 "linear_damping": Field(Number("1/s"), 0.0),
                 "angular_damping": Field(Number("1/s"), 0.0),
@@ -147,7 +135,7 @@ _LAYER = {
     "name": _NAME,
     "body": _BODY,
     "material": Field(MATERIAL),
-    "color": Field(Maybe(_vector("1")), None),
+    "color": Field(Maybe(vector("1")), None),
 }
 LAYER = Tagged(
     "kind",
@@ -166,7 +154,7 @@ LAYER = Tagged(
                 "paths": Field(Maybe(Listing(Array((None,), integers=True))), None),
                 "bending": Field(Flag(), True),
                 "rest_shape": Field(Text(("mesh", "straight")), "mesh"),
-                "normal": Field(Maybe(_vector("1")), None),
+                "normal": Field(Maybe(vector("1")), None),
             }
         ),
     },
@@ -188,7 +176,7 @@ POINTS = Tagged(
     },
 )
 _AXES = {
-    "position": Field(_vector("m")),
+    "position": Field(vector("m")),
     "rotation": Field(Array((9,)), doc="rows of the matrix, one after another"),
 }
 #: Sides of joints.
@@ -302,7 +290,7 @@ FOLLOWER = Tagged(
                 "targets": Field(Maybe(MOTION), None),
                 "displacement": Field(Maybe(MOTION), None),
                 "rotation": Field(Maybe(MOTION), None),
-                "center": Field(_vector("m")),
+                "center": Field(vector("m")),
             }
         ),
     },
@@ -353,94 +341,6 @@ COURSE = Record(
         "number": Field(Whole()),
         "value": Field(Text(), doc="its name"),
         "motion": Field(MOTION),
-    }
-)
-_NULLABLE = Field(Maybe(Number(infinite=True)), None)
-ROBOT = Record(
-    {
-        "name": _NAME,
-        "source": Field(Text(), "", "the file that it came from, for messages"),
-        "base": Field(Text(), "fixed"),
-        "position": Field(_vector("m"), _ZERO, "of the base in the file"),
-        "rotation": Field(Array((3, 3)), _IDENTITY),
-        "links": Field(
-            Listing(
-                Record(
-                    {
-                        "name": Field(Text()),
-                        "inertia": Field(Maybe(_INERTIA), None),
-                        "body": Field(Maybe(Whole()), None, "null: the world"),
-                        "position": Field(_vector("m"), _ZERO, "of its frame in that of the body"),
-                        "rotation": Field(Array((3, 3)), _IDENTITY),
-                    }
-                ),
-                10_000,
-            )
-        ),
-        "joints": Field(
-            Listing(
-                Record(
-                    {
-                        **{name: Field(Text()) for name in ("name", "kind", "parent", "child")},
-                        "position": Field(_vector("m"), _ZERO),
-                        "rotation": Field(Array((3, 3)), _IDENTITY),
-                        "axis": Field(_vector("1"), [1.0, 0.0, 0.0]),
-                        "anchor": Field(_vector("m"), _ZERO),
-                        "reference": Field(Number(), 0.0),
-                        **dict.fromkeys(("lower", "upper", "effort", "velocity"), _NULLABLE),
-                        **dict.fromkeys(
-                            ("damping", "friction", "armature", "stiffness", "rest", "shift"),
-                            Field(Number(), 0.0),
-                        ),
-                        "mimic": Field(
-                            Maybe(
-                                Record(
-                                    {
-                                        "joint": Field(Text()),
-                                        "ratio": Field(Number(), 1.0),
-                                        "offset": Field(Number(), 0.0),
-                                    }
-                                )
-                            ),
-                            None,
-                        ),
-                        "number": Field(Maybe(Whole()), None, "of the joint of the scene"),
-                    }
-                ),
-                10_000,
-            ),
-            [],
-        ),
-        "excluded": Field(Listing(Listing(Text(), 2), 100_000), [], "pairs of links that do not touch"),
-        "start": Field(Array((None,)), doc="coordinates at time 0 [rad, m]"),
-        "report": Field(
-            Listing(
-                Record(
-                    {
-                        "kind": Field(Text(("kept", "assumed", "dropped", "suspicious"))),
-                        "part": Field(Text()),
-                        "text": Field(Text()),
-                    }
-                ),
-                100_000,
-            ),
-            [],
-        ),
-        "drives": Field(
-            Listing(
-                Record(
-                    {
-                        "kind": Field(Text(("servos", "motors", "efforts"))),
-                        "rows": Field(Array((None,), integers=True), doc="among the coordinates"),
-                        "actuators": Field(Array((None,), integers=True)),
-                        "shifts": Field(Array((None,))),
-                        "gravity_compensation": Field(Flag(), False),
-                    }
-                ),
-                1000,
-            ),
-            [],
-        ),
     }
 )
 DOCUMENT = Record(
