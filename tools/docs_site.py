@@ -33,6 +33,7 @@ ELSEWHERE = {
     "benchmarks/kernels/README.md": "benchmarks/kernels.md",
     "benchmarks/symbolic/README.md": "benchmarks/symbolic.md",
     "benchmarks/results/scenes.md": "benchmarks/scenes.md",
+    "benchmarks/results/scene_documents.md": "benchmarks/scene_documents.md",
     "benchmarks/results/torture.md": "benchmarks/torture.md",
     "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",
 }
