@@ -99,7 +99,9 @@ INTERNAL = frozenset(
 )
 #: Types in signatures that other projects document.
 FOREIGN_TYPES = [
-    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect)(\..*)?"),
+    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect|gymnasium)(\..*)?"),
+    # Of what environments inherit from Gymnasium.
+    (r"py:.*", r"_np_random(_seed)?|set_np_random_through_seed"),
 ]
 
 
