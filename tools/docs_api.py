@@ -20,7 +20,7 @@ STUB = ROOT / "python" / "stark" / "__init__.pyi"
 
 #: Names of `stark` by page and heading. Those of formulas and symbolic follow by themselves, see _groups().
 GROUPS: dict[str, tuple[str, str]] = {
-    "scene": ("Scenes", "Scene Anisotropic"),
+    "scene": ("Scenes", "Scene Anisotropic load_scene"),
     "simulation": ("Simulations", "Simulation Settings StepReport StepProgress Checkpoint"),
     "bodies": (
         "Bodies and layers",
@@ -38,7 +38,7 @@ GROUPS: dict[str, tuple[str, str]] = {
     "errors": (
         "Errors and warnings",
         "Error InvalidArgument InvalidSetting InvalidMesh InitialIntersection TraceError InternalError "
-        "StepFailed CheckpointError ReproducerError StarkWarning",
+        "StepFailed CheckpointError DocumentError ReproducerError StarkWarning",
     ),
 }
 #: Classes that public calls give or take, which have no public name of their own.
@@ -99,7 +99,9 @@ INTERNAL = frozenset(
 )
 #: Types in signatures that other projects document.
 FOREIGN_TYPES = [
-    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect)(\..*)?"),
+    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect|gymnasium)(\..*)?"),
+    # Of what environments inherit from Gymnasium.
+    (r"py:.*", r"_np_random(_seed)?|set_np_random_through_seed"),
 ]
 
 

@@ -63,8 +63,10 @@ _MODULES = (
     "actuators",
     "attachments",
     "checkpoint",
+    "document",
     "exports",
     "formulas",
+    "gym",
     "joints",
     "motion",
     "recording",
@@ -89,6 +91,7 @@ _PLACES = {
     "stark.attachments": "Attachment",
     "stark.checkpoint": "Checkpoint CheckpointError",
     "stark.reproducer": "ReproducerError",
+    "stark.document": "DocumentError load_scene",
     "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross "

@@ -4,8 +4,10 @@ from stark import (
     actuators as actuators,
     attachments as attachments,
     checkpoint as checkpoint,
+    document as document,
     exports as exports,
     formulas as formulas,
+    gym as gym,
     joints as joints,
     materials as materials,
     mesh as mesh,
@@ -56,6 +58,7 @@ from stark.bodies import (
 from stark.bodies.friction import Anisotropic as Anisotropic
 from stark.bodies.sensors import ClosestPoints as ClosestPoints, Contacts as Contacts, Imu as Imu
 from stark.checkpoint import Checkpoint as Checkpoint, CheckpointError as CheckpointError
+from stark.document import DocumentError as DocumentError, load_scene as load_scene
 from stark.errors import StarkWarning as StarkWarning
 from stark.formulas import (
     CauchyGreen as CauchyGreen,

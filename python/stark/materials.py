@@ -31,11 +31,12 @@ _Fields: TypeAlias = dict[str, NDArray[np.float64]]
 class _Material(Generic[_CoreMaterial]):
     """Immutable front of a parameter struct of the core, a law and the values that only the law needs."""
 
-    __slots__ = ("_core", "_fields", "law", "name", "source")
+    __slots__ = ("_core", "_fields", "_recorded", "law", "name", "source")
     _core_type: type[Any]
     _laws: ClassVar[dict[str, Any]]
     _core: _CoreMaterial
     _fields: _Fields
+    _recorded: Any  # (recorded law, whether it is isotropic), None for laws of the core
     law: Any
     """The constitutive law, None for that of the class."""
     name: str
@@ -49,8 +50,14 @@ class _Material(Generic[_CoreMaterial]):
         self._assign(core, name, source, law, fields)
 
     def _assign(self, core: _CoreMaterial, name: str, source: str, law: Any, fields: _Fields) -> None:
-        for slot, value in zip(_Material.__slots__, (core, fields, law, name, source), strict=True):
+        values = (core, fields, None, law, name, source)
+        for slot, value in zip(_Material.__slots__, values, strict=True):
             object.__setattr__(self, slot, value)
+
+    def _recorded_as(self, recorded: Any) -> Self:
+        """This material, whose law was recorded."""
+        object.__setattr__(self, "_recorded", recorded)
+        return self
 
     @classmethod
     def _of(
@@ -107,7 +114,8 @@ class _Material(Generic[_CoreMaterial]):
         are checked."""
         new_name = self.name if name is None else name
         core, fields = self._changed(parameters, new_name)
-        return self._of(core, new_name, self.source if not parameters else "", self.law, fields)
+        source = self.source if not parameters else ""
+        return self._of(core, new_name, source, self.law, fields)._recorded_as(self._recorded)
 
     def _with_mass(self, mass: float, size: float, owner: str) -> Self:
         """Copy whose density gives a body of this area [m^2] or volume [m^3] the mass [kg].

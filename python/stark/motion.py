@@ -25,9 +25,16 @@ Floats = NDArray[np.float64]
 class Motion:
     """A value as a function of time: ``motion(0.5)`` [s]. Made by the functions of this module."""
 
-    def __init__(self, value: Callable[[float], Any], duration: float | None, text: str) -> None:
+    def __init__(
+        self,
+        value: Callable[[float], Any],
+        duration: float | None,
+        text: str,
+        knots: dict[str, Any] | None = None,
+    ) -> None:
         self._value = value
         self._text = text
+        self._knots = knots  # kind, times, values and options of what made it; None for functions
         self.duration = duration
         """Time of the last knot [s], None for functions of time."""
 
@@ -46,7 +53,8 @@ def linear(times: ArrayLike, values: ArrayLike) -> Motion:
         k, s, _ = _interval(t, time)
         return v[k] if s == 0.0 else (1.0 - s) * v[k] + s * v[k + 1]
 
-    return Motion(value, float(t[-1]), f"linear through {len(t)} knots")
+    knots = {"kind": "linear", "times": t, "values": v}
+    return Motion(value, float(t[-1]), f"linear through {len(t)} knots", knots)
 
 
 def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
@@ -65,7 +73,8 @@ def spline(times: ArrayLike, values: ArrayLike, *, rest: bool = True) -> Motion:
         ends = (1.0 + 2.0 * s) * r * r * v[k] + (1.0 + 2.0 * r) * s * s * v[k + 1]
         return ends + h * s * r * (r * slopes[k] - s * slopes[k + 1])
 
-    return Motion(value, float(t[-1]), f"spline through {len(t)} knots")
+    knots = {"kind": "spline", "times": t, "values": v, "rest": bool(rest)}
+    return Motion(value, float(t[-1]), f"spline through {len(t)} knots", knots)
 
 
 def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool = True) -> Motion:
@@ -74,9 +83,8 @@ def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool 
 
     ``smooth``: a spline of quaternions with continuous angular velocity and acceleration, ``rest`` as in
     ``spline``; otherwise constant angular velocity between knots."""
-    quaternions = [
-        to_quaternion(as_matrix(value, f"rotations: value {k}")) for k, value in enumerate(list(values))
-    ]
+    matrices = [as_matrix(value, f"rotations: value {k}") for k, value in enumerate(list(values))]
+    quaternions = [to_quaternion(matrix) for matrix in matrices]
     for k in range(1, len(quaternions)):  # q and -q are the same rotation: the nearer one to the last
         cosine = float(quaternions[k] @ quaternions[k - 1])
         if abs(cosine) < 1e-6:
@@ -92,7 +100,11 @@ def rotations(times: ArrayLike, values: Any, *, smooth: bool = True, rest: bool 
         quaternion = _slerp(t, q, time) if through is None else through(time)
         return as_matrix(quaternion, f"rotations at {time:g} s")
 
-    return Motion(value, float(t[-1]), f"rotations through {len(t)} knots")
+    knots = {
+        "kind": "rotations", "times": t, "values": np.array(matrices), "smooth": bool(smooth),
+        "rest": bool(rest),
+    }  # fmt: skip
+    return Motion(value, float(t[-1]), f"rotations through {len(t)} knots", knots)
 
 
 def function(value: Callable[[float], ArrayLike]) -> Motion:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeGuard
 
 import numpy as np
@@ -22,6 +24,7 @@ from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
 from stark.robots.scene_robots import SceneRobots
 from stark.scene_record import RecordedScene
+from stark.settings import Settings
 
 if TYPE_CHECKING:
     from stark.formulas.energy import Binding
@@ -136,6 +139,33 @@ class Scene(
     def energies(self) -> tuple[Energy, ...]:
         """Energies that were added, in the order of adding."""
         return tuple(self._energies)
+
+    # --- files ---
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        settings: Settings | Mapping[str, Any] | None = None,
+        until: float | None = None,
+        description: str = "",
+        sample_functions: bool = False,
+    ) -> Path:
+        """Writes the scene as a document, ``name.json`` beside ``name.npz``, to be loaded anywhere by
+        ``stark.load_scene(path)`` and run by ``stark run name.json``; returns the path. ``settings`` of the
+        simulation, ``until`` [s], the end of a run, and ``description`` go with it.
+
+        It holds what was added to the scene, with the present values of energies and actuators; formulas of
+        your own are recorded as formulas. A Python function of the time cannot be saved: use ``stark.motion``
+        through knots, or give ``sample_functions=True``, which saves its values at the ends of all steps up
+        to ``until``. Raises ``stark.DocumentError`` for what cannot be saved before anything is written, and
+        a ``stark.Error`` that is an ``OSError`` where files cannot be."""
+        from stark.document.writing import write
+
+        return write(
+            self, path, settings=settings, until=until, description=description,
+            sample_functions=sample_functions,
+        )  # fmt: skip
 
     # --- bodies ---
 

@@ -224,17 +224,23 @@ def node_frame(body: BodyHandle, node: int, position: ArrayLike, rotation: Array
     k = int(node) % count
     axes = as_matrix(rotation, f"{owner}: rotation")
     origin = vector(position, f"{owner}: position")
+    columns = [node_points(body, k, origin[None])]
+    columns += [node_points(body, k, axes[:, i][None].copy(), directions=True) for i in range(3)]
+    return FrameHandle("sites", columns, {})
+
+
+def node_points(body: BodyHandle, node: int, local: Floats, *, directions: bool = False) -> Points:
+    """Points or directions (n, 3) carried by a node of a rod, in the frame of the node [m]."""
 
     def place(points: Points) -> Floats:
         frames = body._scene._core.initial_frames(body._index).reshape(-1, 3, 3)
-        turned = points._columns["local"] @ frames[k].T
-        return turned if points.is_direction else turned + _vertices_at_start(body)[k]
+        turned = points._columns["local"] @ frames[node].T
+        return turned if points.is_direction else turned + _vertices_at_start(body)[node]
 
-    columns = [Points(body, "node_point", {"local": origin[None], "node": k}, place)]
-    for i in range(3):
-        columns.append(Points(body, "node_direction", {"local": axes[:, i][None].copy(), "node": k}, place))
-        columns[-1].is_direction = True
-    return FrameHandle("sites", columns, {})
+    kind = "node_direction" if directions else "node_point"
+    points = Points(body, kind, {"local": local, "node": node}, place)
+    points.is_direction = directions
+    return points
 
 
 def world_frame(position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None) -> FrameHandle:

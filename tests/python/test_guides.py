@@ -25,6 +25,7 @@ NEEDS_A_RUN = {"docs/systems.md"}
 NEEDS = {
     "docs/meshes.md": ("pytetwild", "fast_simplification", "manifold3d", "coacd"),
     "docs/robots.md": ("yourdfpy",),
+    "docs/learning.md": ("gymnasium",),
     "docs/view.md": ("viser",),
     "docs/export.md": ("h5py",),
 }

@@ -60,13 +60,14 @@ class Coordinate:
         """Change within the time step."""
         value = self._inputs.builder.x(0)[self._index]
         self._inputs.builder.set_name(value, f"{self._label}.dq")
+        self._inputs.sources[value.id] = ("x", 0, self._index)
         self._inputs.point_of[value.id] = self._index
         return value
 
     @property
     def rate(self) -> Scalar:
         """Rate of the time step, dq / h [rad/s, m/s]."""
-        h = self._inputs.builder.time_step()
+        h = self._inputs.time_step
         self._inputs.builder.set_name(h, "time_step")
         return self.dq / h
 
@@ -78,6 +79,7 @@ class Coordinate:
     def _data(self, kind: str, shown: str, doc: str) -> Scalar:
         value = self._inputs.builder.data(f"{kind}.{self._index}", 1, "", doc)[0]
         self._inputs.builder.set_name(value, f"{self._label}.{shown}")
+        self._inputs.note([value], f"{kind}.{self._index}")
         self._inputs.point_of[value.id] = self._index
         return value
 
@@ -131,6 +133,14 @@ class ActuatorFormula:
     location: str = field(default="", compare=False)
     row_count: int = 0
     """Values that it holds or limits; not of built-in actuators."""
+    one_sided: tuple[bool, ...] = field(default=(), compare=False)
+    """Which of them it limits."""
+    memories: tuple[str, ...] = field(default=(), compare=False)
+    parameters: tuple[Parameter, ...] = field(default=(), compare=False)
+    sources: Mapping[int, tuple[str, int, int]] = field(default_factory=dict, compare=False)
+    """What the inputs of the graph are, by number: of what, 0, which component."""
+    recorded: _core.Formula | None = field(default=None, compare=False)
+    """The formula as it was recorded; not of built-in actuators."""
 
     @property
     def coordinate_count(self) -> int:
@@ -166,18 +176,32 @@ def actuator(function: Callable[..., Any]) -> ActuatorFormula:
     _check_motion(name, function, arguments, inputs, outputs)
     outputs += [_scalar(name, function, f"remember '{m}'", acted.remember[m]) for m in memories]
     _check_use(name, function, arguments, inputs, outputs)
+    formula = inputs.builder.finish(outputs)
+    parameters = tuple(a for a in arguments if isinstance(a, Parameter))
+    one_sided = tuple(what == "limit" for what, _ in rows)
     core = _core.make_actuator(
         name,
         inspect.getdoc(function) or name,
-        inputs.builder.finish(outputs),
+        formula,
         sum(isinstance(a, _Moving) for a in arguments),
-        [what == "limit" for what, _ in rows],
+        list(one_sided),
         memories,
-        {a.name: a.declaration.default for a in arguments if isinstance(a, Parameter)},
+        {a.name: a.declaration.default for a in parameters},
     )
     title = f"{name}({', '.join(argument.name for argument in arguments)})"
-    graph = ExpressionGraph(title, outputs)
-    return ActuatorFormula(name, core.doc, core, graph, definition_of(function), len(rows))
+    return ActuatorFormula(
+        name,
+        core.doc,
+        core,
+        ExpressionGraph(title, outputs),
+        definition_of(function),
+        len(rows),
+        one_sided,
+        tuple(memories),
+        parameters,
+        inputs.sources,
+        formula,
+    )
 
 
 @functools.cache
@@ -254,6 +278,7 @@ def _symbols(inputs: Inputs, arguments: Sequence[_Argument]) -> list[Any]:
         elif isinstance(argument, _Kept):
             value = inputs.builder.data(f"memory.{argument.name}", 1, "", "kept from step to step")[0]
             inputs.builder.set_name(value, argument.name)
+            inputs.note([value], f"memory.{argument.name}")
             values.append(value)
         elif isinstance(argument, ClockArgument):
             values.append(clock_symbol(inputs, argument))

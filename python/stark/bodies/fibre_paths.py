@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ class FibrePaths:
     """(m,) row of ``edges`` of each edge, path by path."""
     edge_nodes: NDArray[np.intp]
     """(m, 2) nodes of each row of ``edges``, counted over all paths; the ends of a ring are one node."""
+    given_as_edges: bool = False
 
     def by_path(
         self, fields: dict[str, tuple[NDArray[np.float64], bool]], owner: str
@@ -59,7 +60,7 @@ def paths_from(edges: ArrayLike | None, paths: Any, owner: str) -> FibrePaths:
     if (ends[:, 0] == ends[:, 1]).any() or len(np.unique(ends, axis=0)) < len(ends):
         return _fibre_paths(list(given), given, np.arange(len(given)))  # refused by the core, which says why
     chained, order = _chained(given)
-    return _fibre_paths(chained, given, order)
+    return replace(_fibre_paths(chained, given, order), given_as_edges=True)
 
 
 def _rows(paths: Any, owner: str) -> list[Indices]:

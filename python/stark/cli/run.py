@@ -23,9 +23,9 @@ LONG_STEP = 2.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene",
-        metavar="SCENE.py|NAME",
+        metavar="SCENE.py|SCENE.json|NAME",
         nargs="?",
-        help="a scene file, or the name of a packaged scene; with --resume only if the file was moved",
+        help="a scene file or document, or the name of a packaged scene; with --resume only if it was moved",
     )
     parser.add_argument(
         "--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own"

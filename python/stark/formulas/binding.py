@@ -24,6 +24,9 @@ from stark.symbolic.graph import ExpressionGraph
 class RecordedEnergy:
     """An energy as a formula: a function that is recorded when it is first bound."""
 
+    is_read: bool = False
+    """Whether it comes from a file, without a function."""
+
     def __init__(
         self,
         function: Callable[..., object],

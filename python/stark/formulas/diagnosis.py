@@ -72,6 +72,8 @@ def culprit(binding: BoundEnergy, sample: Mapping[str, Any]) -> str:
     """Words and line for an element that is not finite, "" if the operation was not found. `sample`: inputs
     of this one element as for Formula.sample."""
     energy = binding.energy
+    if energy.is_read:  # there is no function to look into
+        return ""
     inputs = Inputs(binding.trace.kept)
     graph = inputs.builder.time().graph
     lines = Lines(energy.function, lambda: len(graph))

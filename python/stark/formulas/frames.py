@@ -66,7 +66,7 @@ class Frame:
     @property
     def velocity(self) -> Vec:
         """Velocity of the origin in the time step [m/s]."""
-        return (self.origin - self.origin_prev) / self._inputs.builder.time_step()
+        return (self.origin - self.origin_prev) / self._inputs.time_step
 
     @property
     def angular_velocity(self) -> Vec:
@@ -76,7 +76,7 @@ class Frame:
         total = cross(before.column(0), now.column(0))
         for i in (1, 2):
             total = total + cross(before.column(i), now.column(i))
-        return total / (2.0 * self._inputs.builder.time_step())
+        return total / (2.0 * self._inputs.time_step)
 
     def point(self, local: object) -> Vec:
         """Position of the point with these coordinates in the frame [m]."""

@@ -48,15 +48,24 @@ class Inputs:
         """Column of a strain F as the point j, named F[i,j]."""
         value = Vec(getattr(self.builder, kind)(j))
         for i, entry in enumerate(value.entries):
-            self.strain(entry, kind, i, label, f"{label}[{i},{j}]")
+            self.strain(entry, (kind, j, i), label, f"{label}[{i},{j}]")
         return value
 
-    def strain(self, entry: Scalar, kind: str, coordinate: int, label: str, name: str) -> None:
-        """Names a coordinate of a point that is part of a strain, the argument ``label``."""
+    def strain(self, entry: Scalar, source: tuple[str, int, int], label: str, name: str) -> None:
+        """Names a coordinate of a point that is part of a strain, the argument ``label``. ``source``: "x" or
+        "x_prev", the point, the coordinate."""
         self.builder.set_name(entry, name)
         self._labels.setdefault(label, []).append(entry.id)
-        if kind == "x":
-            self.unknowns[entry.id] = coordinate
+        self.sources[entry.id] = source
+        if source[0] == "x":
+            self.unknowns[entry.id] = source[2]
+
+    @property
+    def time_step(self) -> Scalar:
+        """[s]"""
+        value = self.builder.time_step()
+        self.note([value], "time_step")
+        return value
 
     def nodes_of(self, argument: str) -> list[int]:
         """Inputs that belong to a clock or a strain."""
@@ -94,7 +103,7 @@ class Point:
     @property
     def v(self) -> Vec:
         """Velocity of the time step, (x - x_prev) / h [m/s]."""
-        return (self.x - self.x_prev) / self._inputs.builder.time_step()
+        return (self.x - self.x_prev) / self._inputs.time_step
 
     def __repr__(self) -> str:
         return f"<stark.{type(self).__name__} {self._label}>"

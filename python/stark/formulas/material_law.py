@@ -42,7 +42,8 @@ class MaterialLaw(RecordedLaw):
         self.checked(values)
         inherited = {} if base is None else base._core.to_dict()
         flat = {p.name: _flattened(p, values[p.name]) for p in self.parameters}
-        return kind(law=self.law(values), name=name or self.name, **{**inherited, **given, **flat})
+        material = kind(law=self.law(values), name=name or self.name, **{**inherited, **given, **flat})
+        return material._recorded_as((self, self._is_isotropic(values)))
 
     @property
     def material_type(self) -> type[Any]:
@@ -69,10 +70,11 @@ class MaterialLaw(RecordedLaw):
     def law(self, values: Mapping[str, np.ndarray]) -> Any:
         """The law of the core."""
         make = _core.solid_law if self.is_solid else _core.shell_law
-        isotropic = self.declared["isotropic"]
-        if isotropic is None:
-            isotropic = law_checks.is_isotropic(self, values)
-        return make(self.name, self.doc, self.formula, isotropic)
+        return make(self.name, self.doc, self.formula, self._is_isotropic(values))
+
+    def _is_isotropic(self, values: Mapping[str, np.ndarray]) -> bool:
+        declared = self.declared["isotropic"]
+        return law_checks.is_isotropic(self, values) if declared is None else declared
 
 
 def _flattened(parameter: Parameter, value: np.ndarray) -> Any:

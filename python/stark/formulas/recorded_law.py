@@ -7,7 +7,7 @@ import inspect
 import threading
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from stark.formulas.tracing import clock_symbol, parameter_symbols, scalar_resul
 from stark.symbolic.errors import definition_of, formula_error, recording
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Mat, columns
+
+Sources: TypeAlias = Mapping[int, tuple[str, int, int]]
 
 _RESERVED = frozenset({"law", "name", "source", "base", "time", "time_step", "thickness", "warp_direction"})
 ROD_STRAINS = ("stretch", "curvature", "twist")
@@ -54,7 +56,7 @@ class RecordedLaw:
         self._function = function
         self._strain = strain
         self.declared: dict[str, bool | None] = dict(declared)
-        self._recorded: tuple[_core.Formula, ExpressionGraph] | None = None
+        self._recorded: tuple[_core.Formula, ExpressionGraph, Sources] | None = None
         self._lock = threading.Lock()
         functools.update_wrapper(self, function)  # type: ignore[arg-type]
         shown = [
@@ -114,13 +116,18 @@ class RecordedLaw:
         check_range(self.name, parameter, array, array.ndim > own)
         return array
 
-    def _trace(self) -> tuple[_core.Formula, ExpressionGraph]:
+    @property
+    def sources(self) -> Sources:
+        """What the inputs of the graph are, by number: of what, which column, which component."""
+        return self._trace()[2]
+
+    def _trace(self) -> tuple[_core.Formula, ExpressionGraph, Sources]:
         with self._lock:
             if self._recorded is None:
                 self._recorded = self._record()
             return self._recorded
 
-    def _record(self) -> tuple[_core.Formula, ExpressionGraph]:
+    def _record(self) -> tuple[_core.Formula, ExpressionGraph, Sources]:
         inputs = Inputs(list(range(self._point_count)))
         values: list[object] = self._strains(inputs)
         for argument in self.arguments:
@@ -148,7 +155,7 @@ class RecordedLaw:
             )
             if not occurs:
                 raise formula_error(self.name, unused_text(argument.name), self._function)
-        return formula, graph
+        return formula, graph, inputs.sources
 
     @property
     def _point_count(self) -> int:

@@ -73,6 +73,9 @@ class RodMaterialLaw(MaterialLaw):
         """The law of the core."""
         return _core.rod_law(self.name, self.doc, self.formula)
 
+    def _is_isotropic(self, values: Mapping[str, np.ndarray]) -> bool:
+        return True  # its strains know no directions of the material
+
     def _problems(self, values: Mapping[str, np.ndarray]) -> list[Problem]:
         return rod_checks.problems(self, values)
 
@@ -94,10 +97,11 @@ class RodMaterialLaw(MaterialLaw):
         if strain == "curvature":
             value = Vec(getattr(inputs.builder, kind)(1))
             for i in range(2):
-                inputs.strain(value[i], kind, i, label, f"{label}[{i}]")
+                inputs.strain(value[i], (kind, 1, i), label, f"{label}[{i}]")
             return Vec([value[0], value[1]])
-        entry = Vec(getattr(inputs.builder, kind)(0 if strain == "stretch" else 1))[2]
-        inputs.strain(entry, kind, 2, label, label)
+        point = 0 if strain == "stretch" else 1
+        entry = Vec(getattr(inputs.builder, kind)(point))[2]
+        inputs.strain(entry, (kind, point, 2), label, label)
         return entry
 
 

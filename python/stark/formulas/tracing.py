@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from stark import _core
 from stark._core import TraceError
@@ -28,6 +28,8 @@ class Trace:
     parameters: tuple[str, ...]  # inputs that occur, constants of patch frames among them
     translation_invariant: bool
     labels: tuple[str, ...]  # of the kept points, for messages
+    sources: Mapping[int, tuple[str, int, int]] = field(default_factory=dict)
+    """What the inputs of the graph are, by number: of what, which kept point, which component."""
 
 
 def trace(
@@ -59,6 +61,7 @@ def trace(
         fields,
         is_translation_invariant(output, inputs.unknowns),
         tuple(labels[p] for p in sorted(used)),
+        inputs.sources,
     )
 
 

@@ -107,6 +107,8 @@ class JointFormula:
     groups: tuple[tuple[str, int], ...] = ()
     """Unit and number of residuals of each group; not of built-in joints."""
     location: str = field(default="", compare=False)
+    recorded: _core.Formula | None = field(default=None, compare=False)
+    """The formula as it was recorded; not of built-in joints."""
 
     @property
     def coordinates(self) -> tuple[tuple[str, str], ...]:
@@ -155,10 +157,11 @@ def _record(name: str, function: Callable[..., Any], arguments: Sequence[Argumen
         )
     outputs = [r for _, group in held.groups for r in group] + [value for _, _, value in held.coordinates]
     _check_use(name, function, arguments, inputs, outputs)
+    formula = inputs.builder.finish(outputs)
     core = _core.make_joint(
         name,
         inspect.getdoc(function) or name,
-        inputs.builder.finish(outputs),
+        formula,
         [(unit, len(group)) for unit, group in held.groups],
         [(coordinate, unit) for coordinate, unit, _ in held.coordinates],
     )
@@ -167,7 +170,7 @@ def _record(name: str, function: Callable[..., Any], arguments: Sequence[Argumen
     graph = ExpressionGraph(title, outputs)
     groups = tuple((unit, len(group)) for unit, group in held.groups)
     place = definition_of(function)
-    return JointFormula(name, core.doc, parameters, core, graph, inputs.sources, groups, place)
+    return JointFormula(name, core.doc, parameters, core, graph, inputs.sources, groups, place, formula)
 
 
 def _require_two_frames(name: str, function: Callable[..., Any], arguments: Sequence[Argument]) -> None:

@@ -119,10 +119,14 @@ def names() -> list[str]:
 
 
 def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -> SceneFile:
-    """A scene by the name of a packaged one, or by the path of a Python file. ``options`` replace values of
-    the file's own ``options``; those that differ are appended to the name."""
+    """A scene by the name of a packaged one, or by the path of a Python file or a scene document
+    (``.json``). ``options`` replace values of the file's own ``options``; those that differ are appended to
+    the name."""
     text = str(scene)
     chosen = {name: str(value) for name, value in (options or {}).items()}
+    if text.endswith(".json"):
+        converted_options(Path(text).stem, {}, options or {})  # it has none
+        return _document(Path(text))
     if text.endswith(".py") or "/" in text:
         module = _import_file(Path(text))
         name = Path(text).stem + _choose(module, Path(text).stem, options or {})
@@ -130,10 +134,27 @@ def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -
     if text not in names():
         near = difflib.get_close_matches(text, names(), n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"packaged scenes: {', '.join(names())}"
-        raise SceneFileError(f"no scene is called '{text}'; {hint} (a file must end in .py)")
+        raise SceneFileError(f"no scene is called '{text}'; {hint} (a file must end in .py or .json)")
     module = importlib.import_module(f"{__package__}.{text}")
     checked = _checked(module, text + _choose(module, text, options or {}))
     return replace(checked, source=text, options=chosen)
+
+
+def _document(path: Path) -> SceneFile:
+    """A scene document as a scene file. It is read again for each scene that is built."""
+    import stark.document
+
+    content = stark.document.read(path)
+    module = ModuleType(f"stark_scene_{path.stem}")
+    module.__file__ = str(path.resolve())
+
+    def build() -> tuple[Any, dict[str, Any]]:
+        again = stark.document.read(str(module.__file__))
+        return again.scene, again.settings
+
+    module.build = build  # type: ignore[attr-defined]
+    description = content.description.strip().split("\n")[0]
+    return SceneFile(path.stem, description, module, content.until, source=str(path.resolve()))
 
 
 def _import_file(path: Path) -> ModuleType:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from _draw import ODD_NUMBERS, Draw
 from _run_folders import run_folders
+from _scene_documents import scene_documents
 from _world import CALLS, CHAIN, GRID, HEXES, TETS, Call, World
 
 import stark
@@ -308,7 +309,7 @@ def _place_together(sim: stark.Simulation, world: World, three: Any, value: Any)
 
 #: Targets by name, with the longest input that makes sense.
 TARGETS: dict[str, Callable[[Draw], None]] = {
-    f.__name__: f for f in (scene, meshes, mesh_files, material, settings, live, run_folders)
+    f.__name__: f for f in (scene, meshes, mesh_files, material, settings, live, run_folders, scene_documents)
 }
 INPUT_SIZE = 160
 

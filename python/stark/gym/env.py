@@ -1,0 +1,146 @@
+"""A scene as a Gymnasium environment."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from stark._core import StepReport
+from stark.simulation import Simulation
+from stark.steps import limit_of_step, reached
+
+from .task import Task, TaskError, checked, task_of
+
+
+class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
+    """An environment around a scene.
+
+    ``scene`` is a scene file with ``spaces``, ``act``, ``observe`` and ``reward`` (a path or the name of a
+    packaged one, with ``options`` as of ``stark run``), or a ``Task``; a scene document or another scene file
+    takes a ``task`` beside it. ``settings`` go over those of the scene; one thread is the default, as
+    processes are what learners have many of.
+
+    ``render_mode="rgb_array"``: ``render()`` draws a picture of ``size`` pixels (width, height); ``camera``
+    and other options of ``Simulation.picture`` in ``picture``.
+
+    An episode is truncated after ``until`` of the task, ``info["reason"]`` is "time", and where a step of the
+    simulation fails even at its shortest length: ``info["reason"]`` then names the cause, ``info["message"]``
+    says what was found, and the observation is that of the last state that was reached. Observations and
+    rewards are always finite; a task that gives others raises TaskError."""
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 20}  # type: ignore[misc]
+
+    def __init__(
+        self,
+        scene: str | PathLike[str] | Task,
+        *,
+        options: Mapping[str, Any] | None = None,
+        task: Task | None = None,
+        settings: Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+        size: tuple[int, int] = (480, 360),
+        picture: Mapping[str, Any] | None = None,
+    ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise TaskError(f"SceneEnv: render_mode = {render_mode!r}: must be None or 'rgb_array'")
+        self.task: Task = checked(task_of(scene, options, task))
+        self.action_space = self.task.action_space
+        self.observation_space = self.task.observation_space
+        self.render_mode = render_mode
+        self._picture = {"size": size, "quality": "draft", **(picture or {})}
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / self.task.control_step))}  # type: ignore[misc]
+        built, own = self.task.build()
+        self.sim: Simulation = Simulation(built, **{"threads": 1, **own, **(settings or {})})
+        self._settle()
+        self._state = self.sim.state
+        self._values = [live.present() for live in self.sim._live_values]
+        self._begin = self.sim.time
+        self._count: int | None = None  # control steps since the start; None: no episode
+
+    # --- the interface of Gymnasium ---
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[Any], dict[str, Any]]:
+        """Starts an episode; the same ``seed`` gives the same one, whatever was before. Costs less than a
+        step, as nothing is built again."""
+        super().reset(seed=seed)
+        self.sim.reset(self._state)
+        for live, values in zip(self.sim._live_values, self._values, strict=True):
+            live.assign(values)
+        self.task.start(self.sim, self.np_random)
+        self._count = 0
+        return self._observation(), self.task.info(self.sim)
+
+    def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
+        """One control step. Actions beyond their space are cut to it; raises TaskError for those that are not
+        finite or of another shape, and where no episode is under way."""
+        if self._count is None:
+            raise TaskError(f"task '{self.task.name}': step() without an episode: must be after reset()")
+        given = self._action(action)
+        self._count += 1
+        failed = self._advance(given, self._begin + self._count * self.task.control_step)
+        observation = self._observation()
+        reward = float(self.task.reward(self.sim, given))
+        if not math.isfinite(reward):
+            raise TaskError(f"task '{self.task.name}': reward = {reward}: must be finite")
+        info = self.task.info(self.sim)
+        terminated = failed is None and bool(self.task.done(self.sim))
+        truncated = failed is not None or self._count * self.task.control_step >= self.task.until - 1e-9
+        if failed is not None:
+            cause = failed.diagnosis.cause if failed.diagnosis else "failed"
+            info |= {"reason": str(cause), "message": str(failed.message)}
+        elif truncated and not terminated:
+            info["reason"] = "time"
+        if terminated or truncated:
+            self._count = None
+        return observation, reward, terminated, truncated, info
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """A picture (height, width, 3) uint8 with ``render_mode="rgb_array"``, else None."""
+        if self.render_mode is None:
+            return None
+        return np.asarray(self.sim.picture(**self._picture), dtype=np.uint8)
+
+    # --- details ---
+
+    def _settle(self) -> None:
+        end = self.sim.time + self.task.settle
+        while self.task.settle > 0.0 and not reached(self.sim, end):
+            report = self.sim.step(max_time_step=limit_of_step(self.sim, end))
+            if report.failed:
+                raise TaskError(f"task '{self.task.name}': fails while it settles: {report.message}")
+
+    def _advance(self, action: NDArray[Any], end: float) -> StepReport | None:
+        """Steps up to a time [s]; the report of a step that failed."""
+        while not reached(self.sim, end):
+            self.task.act(self.sim, action)
+            report = self.sim.step(max_time_step=limit_of_step(self.sim, end))
+            if report.failed:
+                return report
+        return None
+
+    def _action(self, action: Any) -> NDArray[Any]:
+        space = self.task.action_space
+        numbers = np.asarray(action, dtype=np.float64)
+        if numbers.shape != space.shape or not np.isfinite(numbers).all():
+            raise TaskError(
+                f"task '{self.task.name}': action = {action!r}: must be {space.shape} finite numbers"
+            )
+        return np.clip(numbers, space.low, space.high)
+
+    def _observation(self) -> NDArray[Any]:
+        space = self.task.observation_space
+        numbers = np.asarray(self.task.observe(self.sim), dtype=np.float64)
+        if numbers.shape != space.shape or not np.isfinite(numbers).all():
+            raise TaskError(
+                f"task '{self.task.name}': observe() gives the shape {numbers.shape}, "
+                f"{int((~np.isfinite(numbers)).sum())} numbers not finite: must be {space.shape}, all finite"
+            )
+        return np.clip(numbers, space.low, space.high).astype(space.dtype)

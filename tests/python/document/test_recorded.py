@@ -1,0 +1,96 @@
+"""Formulas as data and back: the same operations, the same bits; what is no formula is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from _everything import everything, tether
+
+import stark
+from stark.document import DocumentError, recorded
+from stark.formulas.listing import OPERATIONS, listed, replayed
+from stark.formulas.parameters import UNBOUNDED
+
+
+@stark.energy
+def all_operations(p: stark.Point, t: stark.Time, k: float = stark.parameter(unit="J")):
+    """Every operation that there is."""
+    x, y, z = p.x
+    near = (x < 0.3) & ~(y <= -2.0) | (z < -5.0)
+    some = stark.sin(x) + stark.cos(y) + stark.tan(0.1 * z) + stark.exp(-(x**2)) + stark.log(2.0 + y**2)
+    more = stark.asin(0.1 * x) + stark.acos(0.1 * y) + stark.atan(z) + stark.tanh(x) + stark.sqrt(1.0 + z**2)
+    rest = stark.minimum(x, y) * stark.maximum(y, z) + stark.atan2(y, 2.0 + x**2) + stark.fma(x, y, z)
+    return k * stark.where(near, some + more, rest / (1.0 + t)) + stark.abs(x) ** 1.5 - abs(-y)
+
+
+def test_every_operation_comes_back() -> None:
+    trace = all_operations.trace()
+    nodes, outputs = listed(trace.graph, trace.sources)
+    names = {node[0] for node in nodes} - {"input", "constant"}
+    assert names == OPERATIONS.keys()
+    assert "unknown" not in {node[1] for node in nodes if node[0] == "input"}
+    formula, _, _ = replayed(1, [("k", 1, "J", "k", UNBOUNDED, False)], nodes, outputs)
+    rng = np.random.default_rng(7)
+    x = rng.uniform(-1.0, 1.0, (64, 3))
+    inputs = {
+        "x": x,
+        "x_prev": x,
+        "X": x,
+        "x_initial": x,
+        "values": {"k": np.full(64, 2.0)},
+        "time_step": 0.1,
+        "time": 0.3,
+    }
+    before, after = (f.sample(inputs).evaluate(2) for f in (trace.formula, formula))
+    assert np.isfinite(before).all() and before.tobytes() == after.tobytes()
+
+
+def _row(tmp_path: Path, name: str) -> dict[str, Any]:
+    given = json.loads(everything().save(tmp_path / "a.json").read_text())
+    found: dict[str, Any] = next(row for row in given["formulas"] if row["name"] == name)
+    for node in found["nodes"]:  # as the reader hands them on
+        node[1:] = [float(entry) if isinstance(entry, int) else entry for entry in node[1:]]
+    for entry in found["inputs"]:
+        entry["range"] = [-np.inf, np.inf]
+    return found
+
+
+@pytest.mark.parametrize("name", ["tether", "saint_venant", "membrane", "kirchhoff", "on_line", "counting"])
+def test_kinds_of_formulas_come_back(name: str, tmp_path: Path) -> None:
+    made = recorded.made(_row(tmp_path, name), "formulas[0]")
+    assert getattr(made, "name", None) == name or made.core.name == name
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (lambda row: row.update(outputs=[]), "outputs"),
+        (lambda row: row.update(outputs=[10**6]), "outputs"),
+        (lambda row: row.update(points=1), "point 1"),
+        (lambda row: row["nodes"].append(["exec", 0.0]), "unknown operation 'exec'"),
+        (lambda row: row["nodes"].append(["+", 0.0]), "must have 2 operands"),
+        (lambda row: row["nodes"].append(["neg", 10000.0]), "numbers of nodes before it"),
+        (lambda row: row["nodes"].append(["input", "x", 99.0, 0.0]), "point 99"),
+        (lambda row: row["nodes"].append(["input", "nothing", 0.0, 0.0]), "no input 'nothing'"),
+        (lambda row: row["nodes"].append(["constant", "1"]), "constant"),
+        (lambda row: row["nodes"].append([]), "unknown operation"),
+    ],
+)
+def test_what_is_no_formula_is_refused(change: Any, text: str, tmp_path: Path) -> None:
+    row = copy.deepcopy(_row(tmp_path, "tether"))
+    change(row)
+    with pytest.raises(DocumentError, match=text):
+        recorded.made(row, "formulas[0]")
+
+
+def test_formulas_that_are_used_twice_are_written_once(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    cloth = scene.add_cloth(stark.mesh.grid(0.1, 0.1, 2))
+    for k in range(3):
+        scene.add(tether(cloth.vertices[k], stark.world_frame(), stiffness=float(k)))
+    assert len(json.loads(scene.save(tmp_path / "a.json").read_text())["formulas"]) == 1
