@@ -90,7 +90,9 @@ def _arrays(path: Path, given: Any) -> Arrays:
             f"the file of arrays '{row['file']}' is missing: must be beside the document"
         ) from None
     except (OSError, DamageError) as error:
-        raise DocumentError(f"the file of arrays '{row['file']}' cannot be read: {error}") from None
+        raise DocumentError(
+            f"the file of arrays '{row['file']}' cannot be read: {str(error)[:300]}"
+        ) from None
 
 
 def inside(folder: Path, name: str, where: str) -> Path:
