@@ -1,10 +1,12 @@
 // Energy and momentum of a step (step phase 8). [theory eq. 27]
 //
 // Dissipation is the work of the forces at the end of the step over the motion of the step, as implicit
-// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D.
+// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. Internal variables
+// dissipate what the energy of the step is above the one stored after it [theory eq. 10d].
 #include <algorithm>
 
 #include <stark/mechanics/site_gradient.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/step_joints.h>
 #include <stark/sim/step_ledger.h>
 
@@ -130,7 +132,21 @@ double StepLedger::prescribed_work() {
 
 EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
   const std::span<const Vec3> x = potential_.site_positions();
+  const double damping = damping_work();
+  const double external = prescribed_work();
+  double yielded = 0.0;
+  // What is stored when internal variables have followed; the step's forces, which sensors read, are those
+  // before.
+  const std::vector<double> at_start = internal_values(energies_);
+  if (!at_start.empty()) {
+    yielded = stored_energies(x).elastic;
+    set_internal(energies_, state_.internal_variable);
+  }
   EnergyLedger ledger = stored_energies(x);
+  if (!at_start.empty()) {
+    yielded -= ledger.elastic;
+    set_internal(energies_, at_start);
+  }
   if (contact_) {
     ledger.contact = contact_->energy();
     std::vector<Vec3> friction(x.size());
@@ -139,8 +155,8 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
     ledger.friction = work(friction, step_start_, x);
     ledger.restitution = contact_->restitution_work(x);
   }
-  ledger.damping = damping_work();
-  ledger.external = prescribed_work();
+  ledger.damping = damping + yielded;
+  ledger.external = external;
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)
       ledger.actuation += actuator_power(model_.actuators()[k], state_) * h;
