@@ -56,13 +56,23 @@ EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
   if (!has_inertia(settings_.time.integrator)) ledger.kinetic = 0.0;
-  for (ModelBatch& batch : energies_.batches) ledger.elastic += stored_energy(batch, x);
+  // Sensors read the forces of the last step, which are those of the internal variables at its start.
+  const std::vector<double> at_start = internal_values(energies_);
+  set_internal(energies_, state_.internal_variable);
+  ledger.elastic = elastic_energy(x);
+  set_internal(energies_, at_start);
+  return ledger;
+}
+
+double StepLedger::elastic_energy(std::span<const Vec3> x) {
+  double total = 0.0;
+  for (ModelBatch& batch : energies_.batches) total += stored_energy(batch, x);
   for (ModelQuadrature& elements : energies_.quadrature) {
     elements.batch.set_previous(x);
-    ledger.elastic += total_energy(elements.batch, x);
+    total += total_energy(elements.batch, x);
     motion_.set_previous(elements.batch);
   }
-  return ledger;
+  return total;
 }
 
 double StepLedger::damping_work() {
@@ -132,21 +142,7 @@ double StepLedger::prescribed_work() {
 
 EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
   const std::span<const Vec3> x = potential_.site_positions();
-  const double damping = damping_work();
-  const double external = prescribed_work();
-  double yielded = 0.0;
-  // What is stored when internal variables have followed; the step's forces, which sensors read, are those
-  // before.
-  const std::vector<double> at_start = internal_values(energies_);
-  if (!at_start.empty()) {
-    yielded = stored_energies(x).elastic;
-    set_internal(energies_, state_.internal_variable);
-  }
   EnergyLedger ledger = stored_energies(x);
-  if (!at_start.empty()) {
-    yielded -= ledger.elastic;
-    set_internal(energies_, at_start);
-  }
   if (contact_) {
     ledger.contact = contact_->energy();
     std::vector<Vec3> friction(x.size());
@@ -155,8 +151,9 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
     ledger.friction = work(friction, step_start_, x);
     ledger.restitution = contact_->restitution_work(x);
   }
-  ledger.damping = damping + yielded;
-  ledger.external = external;
+  ledger.damping = damping_work();
+  if (!state_.internal_variable.empty()) ledger.damping += elastic_energy(x) - ledger.elastic;
+  ledger.external = prescribed_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)
       ledger.actuation += actuator_power(model_.actuators()[k], state_) * h;

@@ -10,7 +10,12 @@ import pytest
 import stark
 
 MU, BULK, YIELD, HARDENING = 1e6, 2e6, 2e4, 5e4  # [Pa]
-EXACT: dict[str, Any] = {"contact.enabled": False, "newton.acceleration_tolerance": 1e-9}
+EXACT: dict[str, Any] = {
+    "contact.enabled": False,
+    "time.integrator": "quasistatic",
+    "newton.acceleration_tolerance": 0.0,
+    "newton.residual_tolerance": 1e-10,
+}
 VOLUME = 1e-3  # [m^3]
 TINY = 1e-8 * YIELD  # [J/m^3]
 
