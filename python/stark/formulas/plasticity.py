@@ -17,7 +17,7 @@ from stark.formulas.material import DeformationGradient, material
 from stark.formulas.parameters import parameter
 from stark.symbolic.functions import log, maximum, sqrt, where
 from stark.symbolic.linear_algebra import determinant, inverse, squared_norm, trace
-from stark.symbolic.signature import Matrix
+from stark.symbolic.signature import Mat3
 from stark.symbolic.tensor import identity
 
 #: Powers of Z in the series of the logarithm, up to Z^13.
@@ -59,7 +59,7 @@ def j2_plasticity(
     bulk_modulus: float = parameter(unit="Pa", above=0.0),
     yield_stress: float = parameter(unit="Pa", above=0.0),
     hardening_modulus: float = parameter(0.0, unit="Pa", min=0.0),
-    plastic_metric: Matrix[3, 3] = internal(np.eye(3), doc="inverse of Fp^T Fp, determinant 1"),
+    plastic_metric: Mat3 = internal(np.eye(3), doc="inverse of Fp^T Fp, determinant 1"),
     plastic_strain: float = internal(0.0, doc="equivalent plastic strain, which never falls"),
 ) -> Any:
     """Metal that yields: energy of a step per rest volume [J/m^3].
