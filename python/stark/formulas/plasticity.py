@@ -4,7 +4,7 @@ Multiplicative split F = Fe Fp with isotropic elasticity in logarithmic strains 
 of von Mises and linear isotropic hardening; radial return with the exponential map (Simo 1992, Comput.
 Methods Appl. Mech. Engrg. 99, 61-112; Ortiz and Stainier 1999, ibid. 171, 419-444). The energy of a step is
 the least over the plastic strain of the step, in closed form, so that stresses and tangents are exact
-derivatives [theory eq. 10e, 10f]."""
+derivatives [theory eq. 10d, 10e]."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ struct ConstitutiveLaw {
   std::string doc;
   /// Energy per rest volume [J/m^3]. Of the builder use parameters, data, internal variables and time only:
   /// the points belong to the element. With internal variables it is the energy of the step, least in what
-  /// the variables become [theory eq. 10c].
+  /// the variables become [theory eq. 10b].
   std::function<symbolic::Scalar(PotentialBuilder&, const Deformation<columns>&)> psi;
   bool zero_at_rest = true;  ///< declared: no energy and no stress at F = F_prev = 1; checked by the sweep
   bool objective = true;     ///< declared: a rotation of space leaves psi unchanged; checked likewise

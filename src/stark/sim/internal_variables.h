@@ -1,5 +1,5 @@
 // What materials remember: internal variables of all energies in the state, one batch after the other. An
-// attempt at a step reads them, an accepted one updates them (step phases 1 and 6). [theory eq. 10c]
+// attempt at a step reads them, an accepted one updates them (step phases 1 and 6). [theory eq. 10b]
 #pragma once
 
 #include <span>

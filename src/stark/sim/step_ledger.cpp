@@ -2,7 +2,7 @@
 //
 // Dissipation is the work of the forces at the end of the step over the motion of the step, as implicit
 // methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. Internal variables
-// dissipate what the energy of the step is above the one stored after it [theory eq. 10d].
+// dissipate what the energy of the step is above the one stored after it [theory eq. 10c].
 #include <algorithm>
 
 #include <stark/mechanics/site_gradient.h>
