@@ -85,6 +85,7 @@ INTERNAL = frozenset(
         "stark.formulas.arguments.PointArgument",
         "stark.formulas.binding.BoundEnergy",
         "stark.formulas.kinematics.Inputs",
+        "stark.formulas.internal.Internal",
         "stark.formulas.recorded_law.Past",
         "stark.formulas.tracing.Trace",
         "stark.handle.SceneLink",

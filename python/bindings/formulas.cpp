@@ -248,6 +248,14 @@ void bind_formulas(nanobind::module_& m) {
              const std::string& doc) { return traced_list(b, b->data_array(name, width, unit, doc)); },
           "name"_a, "width"_a, "unit"_a, "doc"_a, "Input given for each element.")
       .def(
+          "internal",
+          [](const Builder& b, const std::string& name, const std::vector<double>& initial,
+             const std::string& unit,
+             const std::string& doc) { return traced_list(b, b->internal(name, initial, unit, doc)); },
+          "name"_a, "initial"_a, "unit"_a, "doc"_a,
+          "Internal variable of each element, with its value at time 0; later outputs of the formula update "
+          "it.")
+      .def(
           "set_name",
           [](const Builder& b, const TracedScalar& value, const std::string& name) {
             b->graph()->set_name(value.value, name);

@@ -80,6 +80,8 @@ from stark.formulas import (
     Vec3 as Vec3,
     Vec4 as Vec4,
     energy as energy,
+    internal as internal,
+    j2_plasticity as j2_plasticity,
     material as material,
     parameter as parameter,
     stencils as stencils,

@@ -5,10 +5,12 @@ from stark.formulas.arguments import Time, TimeStep
 from stark.formulas.energy import EnergyFormula, energy
 from stark.formulas.frames import Frame
 from stark.formulas.handle import Energy
+from stark.formulas.internal import internal
 from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, Triangle
 from stark.formulas.material import CauchyGreen, DeformationGradient, ShellDeformationGradient, material
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import parameter
+from stark.formulas.plasticity import j2_plasticity
 from stark.selections import stencils, world_frame, world_points
 from stark.symbolic.signature import Mat2, Mat3, Vec2, Vec3, Vec4
 
@@ -34,6 +36,8 @@ __all__ = [
     "Vec3",
     "Vec4",
     "energy",
+    "internal",
+    "j2_plasticity",
     "material",
     "parameter",
     "stencils",

@@ -14,6 +14,7 @@ import numpy as np
 from stark import _core
 from stark._core import InvalidArgument
 from stark.formulas.arguments import ClockArgument, read_clock, read_parameter
+from stark.formulas.internal import Internal, read_internal, split_result
 from stark.formulas.kinematics import Inputs
 from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.formulas.statistics import FormulaStatistics
@@ -40,6 +41,9 @@ class Past:
     name: str
 
 
+LawArgument: TypeAlias = Parameter | ClockArgument | Past | Internal
+
+
 class RecordedLaw:
     """A constitutive law as a formula: a function of strains and parameters that is recorded once."""
 
@@ -47,12 +51,12 @@ class RecordedLaw:
         self,
         function: Callable[..., object],
         strain: tuple[str, tuple[int, ...]],
-        arguments: Sequence[Parameter | ClockArgument | Past],
+        arguments: Sequence[LawArgument],
         declared: Mapping[str, bool | None],
     ) -> None:
         self.name: str = function.__name__
         self.doc: str = inspect.getdoc(function) or self.name
-        self.arguments: tuple[Parameter | ClockArgument | Past, ...] = tuple(arguments)
+        self.arguments: tuple[LawArgument, ...] = tuple(arguments)
         self._function = function
         self._strain = strain
         self.declared: dict[str, bool | None] = dict(declared)
@@ -79,6 +83,11 @@ class RecordedLaw:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         return tuple(a for a in self.arguments if isinstance(a, Parameter))
+
+    @property
+    def internals(self) -> tuple[Internal, ...]:
+        """What it remembers, in order."""
+        return tuple(a for a in self.arguments if isinstance(a, Internal))
 
     @property
     def formula(self) -> _core.Formula:
@@ -135,19 +144,24 @@ class RecordedLaw:
                 values.append(self._past(inputs, argument))
             elif isinstance(argument, ClockArgument):
                 values.append(clock_symbol(inputs, argument))
+            elif isinstance(argument, Internal):
+                values.append(argument.symbols(inputs))
             else:
                 values.append(parameter_symbols(inputs, argument))
         with recording(self.name):
             result = self._function(*values)
+        result, updates = split_result(self.name, result, self.internals, self._function)
         output = scalar_result(self.name, result, self._function)
         title = f"{self.name}({', '.join([*self._strain_names, *(a.name for a in self.arguments)])})"
-        graph = ExpressionGraph(title, [output])
+        graph = ExpressionGraph(title, [output, *updates])
         for name in self._strain_names:
             if not any(node in graph.nodes for node in inputs.nodes_of(name)):
                 raise formula_error(self.name, f"the energy does not depend on {name}", self._function)
-        formula = inputs.builder.finish([output])
+        formula = inputs.builder.finish([output, *updates])
         known = {row["name"] for row in formula.fields}
         for argument in self.arguments:
+            if isinstance(argument, Internal):
+                continue
             occurs = (
                 argument.name in known
                 if isinstance(argument, Parameter)
@@ -184,13 +198,16 @@ class RecordedLaw:
 
 def read_others(
     parameters: Sequence[inspect.Parameter], pasts: Set[str], name: str, function: Callable[..., object]
-) -> list[Parameter | ClockArgument | Past]:
+) -> list[LawArgument]:
     """Arguments behind the strains: strains of the past, which have the names `pasts`, clocks, parameters."""
-    arguments: list[Parameter | ClockArgument | Past] = []
+    arguments: list[LawArgument] = []
     for parameter in parameters:
         clock = read_clock(parameter)
+        variable = read_internal(parameter, name, function)
         if clock is not None:
             arguments.append(clock)
+        elif variable is not None:
+            arguments.append(variable)
         elif parameter.name in pasts:
             arguments.append(Past(parameter.name))
         elif parameter.name in _RESERVED:

@@ -24,12 +24,11 @@ import numpy as np
 
 from stark import _core
 from stark.formulas import rod_checks
-from stark.formulas.arguments import ClockArgument
+from stark.formulas.internal import Internal
 from stark.formulas.kinematics import Inputs
 from stark.formulas.law_checks import Problem
 from stark.formulas.material_law import MaterialLaw
-from stark.formulas.parameters import Parameter
-from stark.formulas.recorded_law import ROD_STRAINS, Past, read_others
+from stark.formulas.recorded_law import ROD_STRAINS, LawArgument, Past, read_others
 from stark.materials import RodMaterial
 from stark.symbolic.errors import formula_error
 from stark.symbolic.signature import ArgumentType
@@ -45,7 +44,7 @@ class RodMaterialLaw(MaterialLaw):
         self,
         function: Callable[..., object],
         strains: Sequence[str],
-        arguments: Sequence[Parameter | ClockArgument | Past],
+        arguments: Sequence[LawArgument],
         declared: Mapping[str, bool | None],
     ) -> None:
         super().__init__(function, ("stretch", ()), arguments, declared)
@@ -128,6 +127,13 @@ def rod_material(
         _check_annotation(parameter, strain, name, function)
     pasts = {f"{strain}_prev" for strain in ROD_STRAINS}
     others = read_others(parameters[len(strains) :], pasts, name, function)
+    for argument in others:
+        if isinstance(argument, Internal):
+            raise formula_error(
+                name,
+                f"'{argument.name}': laws of rods have no internal variables; solids and shells do",
+                function,
+            )
     return RodMaterialLaw(function, strains, others, declared)
 
 

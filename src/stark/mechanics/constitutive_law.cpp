@@ -47,7 +47,7 @@ ConstitutiveLaw<columns> law_from(std::string name, std::string doc, Formula for
                                                            .X = columns_of(identity),
                                                            .x_initial = columns_of(identity)};
                                    points.x_prev = remembers ? columns_of(deformation.F_prev()) : points.x;
-                                   return formula.repeat(b, points).at(0);
+                                   return formula.repeat_energy(b, points);
                                  });
   law.zero_at_rest = law.objective = law.isotropic = false;  // nobody has promised it
   return law;

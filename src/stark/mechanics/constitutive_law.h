@@ -39,8 +39,9 @@ template <int columns>
 struct ConstitutiveLaw {
   std::string name;
   std::string doc;
-  /// Energy per rest volume [J/m^3]. Of the builder use parameters, data and time only: the points belong to
-  /// the element.
+  /// Energy per rest volume [J/m^3]. Of the builder use parameters, data, internal variables and time only:
+  /// the points belong to the element. With internal variables it is the energy of the step, least in what
+  /// the variables become [theory eq. 10b].
   std::function<symbolic::Scalar(PotentialBuilder&, const Deformation<columns>&)> psi;
   bool zero_at_rest = true;  ///< declared: no energy and no stress at F = F_prev = 1; checked by the sweep
   bool objective = true;     ///< declared: a rotation of space leaves psi unchanged; checked likewise
@@ -59,9 +60,10 @@ SolidLaw define_solid_law(std::string name, std::string doc,
 ShellLaw define_shell_law(std::string name, std::string doc,
                           std::function<symbolic::Scalar(PotentialBuilder&, const ShellDeformation&)> psi);
 
-/// Laws whose psi is the first output of a formula of 3 (shells: 2) points: the columns of F; x_prev are
-/// those of F_prev. Throws InvalidArgument for another number of points. Rest positions mean nothing to a
-/// law: X and x_initial of the formula become the columns of the identity.
+/// Laws whose psi is the first output of a formula of 3 (shells: 2) points: the columns of F; the others are
+/// the updates of its internal variables; x_prev are those of F_prev. Throws InvalidArgument for another
+/// number of points. Rest positions mean nothing to a law: X and x_initial of the formula become the columns
+/// of the identity.
 SolidLaw solid_law_from(std::string name, std::string doc, Formula formula);
 ShellLaw shell_law_from(std::string name, std::string doc, Formula formula);
 

@@ -54,6 +54,8 @@ std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpress
       case ElementField::Source::Beyond:
         STARK_CHECK(points.x_prev.empty());  // not of a formula whose past is given
         return target.x_beyond(field.point)[c];
+      case ElementField::Source::Internal:
+        return target.internal(prefix + field.name, field.initial, field.unit, field.doc)[c];
       case ElementField::Source::Data:
         break;
     }
@@ -72,11 +74,24 @@ std::vector<Scalar> Formula::repeat(PotentialBuilder& target, const PointExpress
   });
 }
 
+Scalar Formula::repeat_energy(PotentialBuilder& target, const PointExpressions& points) const {
+  const std::vector<Scalar> outputs = repeat(target, points);
+  auto next = outputs.begin() + 1;
+  for (const ElementField& field : element_fields()) {
+    if (field.source != ElementField::Source::Internal || next == outputs.end()) continue;
+    STARK_CHECK(outputs.end() - next >= field.width);
+    target.internal(field.name, field.initial, field.unit, field.doc);  // psi may not use it
+    target.update(field.name, {next, next + field.width});
+    next += field.width;
+  }
+  return outputs.front();
+}
+
 PotentialDefinition define_potential(std::string name, std::string doc, Formula formula) {
   const int points = formula.point_count();
   return define_potential(
       std::move(name), points, std::move(doc),
-      [formula = std::move(formula)](PotentialBuilder& builder) { return formula.repeat(builder).at(0); });
+      [formula = std::move(formula)](PotentialBuilder& builder) { return formula.repeat_energy(builder); });
 }
 
 }  // namespace stark

@@ -35,6 +35,8 @@ class Formula {
   /// parameters get `prefix` in front of their names.
   std::vector<symbolic::Scalar> repeat(PotentialBuilder& target, const PointExpressions& points = {},
                                        const std::string& prefix = "") const;
+  /// The first output; the others are the updates of the internal variables, in the order of their fields.
+  symbolic::Scalar repeat_energy(PotentialBuilder& target, const PointExpressions& points = {}) const;
 
  private:
   std::shared_ptr<PotentialBuilder> builder_;

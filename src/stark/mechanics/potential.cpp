@@ -5,6 +5,7 @@
 #include <stark/base/error.h>
 #include <stark/base/hash.h>
 #include <stark/symbolic/canonical.h>
+#include <stark/symbolic/substitute.h>
 
 namespace stark {
 
@@ -157,6 +158,43 @@ symbolic::Vec3 PotentialBuilder::parameter3(const std::string& name, const std::
   return vector_of(parameter_array(name, 3, unit, doc));
 }
 
+std::vector<Scalar> PotentialBuilder::internal(const std::string& name, const std::vector<double>& initial,
+                                               const std::string& unit, const std::string& doc) {
+  STARK_CHECK(!initial.empty());
+  return element_field({.name = name,
+                        .unit = unit,
+                        .doc = doc,
+                        .source = ElementField::Source::Internal,
+                        .width = static_cast<int>(initial.size()),
+                        .initial = initial});
+}
+
+void PotentialBuilder::update(const std::string& name, const std::vector<Scalar>& values) {
+  const auto field = std::ranges::find_if(element_fields_, [&](const ElementField& f) {
+    return f.source == ElementField::Source::Internal && f.name == name;
+  });
+  if (field == element_fields_.end())
+    throw InvalidArgument("update of '" + name + "': must be an internal variable; declare it first");
+  if (static_cast<int>(values.size()) != field->width)
+    throw InvalidArgument("update of '" + name + "': got " + std::to_string(values.size()) +
+                          " numbers, must be " + std::to_string(field->width));
+  if (!updates_.emplace(name, values).second)
+    throw InvalidArgument(
+        "update of '" + name +
+        "' is given twice; give the internal variables of laws that are summed different names");
+}
+
+std::vector<Scalar> PotentialBuilder::updates() const {
+  std::vector<Scalar> all;
+  for (size_t k = 0; k < element_fields_.size(); ++k) {
+    if (element_fields_[k].source != ElementField::Source::Internal) continue;
+    const auto found = updates_.find(element_fields_[k].name);
+    const std::vector<Scalar>& values = found == updates_.end() ? element_values_[k] : found->second;
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
 namespace {
 
 /// Hash of the name and component of input `index`: the same wherever the field is declared.
@@ -171,20 +209,48 @@ uint64_t label_of(const std::vector<Field>& fields, int index) {
   return hash.value();
 }
 
+symbolic::InputLabel labels_of(const PotentialBuilder& builder) {
+  return [&builder](InputKind kind, int index) -> uint64_t {
+    if (kind == InputKind::Unknown) return static_cast<uint64_t>(index);
+    return kind == InputKind::Element ? label_of(builder.element_fields(), index)
+                                      : label_of(builder.uniform_fields(), index);
+  };
+}
+
+/// Inputs that do not occur count too: they are part of the layout.
+void add_inputs(const PotentialBuilder& builder, symbolic::Graph& graph) {
+  for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform})
+    if (const int count = builder.graph()->input_count(kind); count > 0) graph.input_node(kind, count - 1);
+}
+
 /// Kernel of an energy whose bits do not depend on the order in which the formula was written down.
 symbolic::Kernel compile_canonical(const PotentialBuilder& builder, const Scalar& energy,
                                    symbolic::Backend backend) {
   symbolic::Graph graph;
-  const Scalar copy = symbolic::canonical_copy(graph, energy, [&](InputKind kind, int index) -> uint64_t {
-    if (kind == InputKind::Unknown) return static_cast<uint64_t>(index);
-    return kind == InputKind::Element ? label_of(builder.element_fields(), index)
-                                      : label_of(builder.uniform_fields(), index);
-  });
-  // Inputs that do not occur count too: they are part of the layout.
-  for (const InputKind kind : {InputKind::Unknown, InputKind::Element, InputKind::Uniform})
-    if (const int count = builder.graph()->input_count(kind); count > 0) graph.input_node(kind, count - 1);
+  const Scalar copy = symbolic::canonical_copy(graph, energy, labels_of(builder));
+  add_inputs(builder, graph);
   // A constant energy, as that of a joint that holds nothing, has forces too: zero on all points.
   return symbolic::compile(copy.is_literal() ? Scalar(&graph, graph.constant(copy.value())) : copy, backend);
+}
+
+/// Updates of the internal variables, with bits that do not depend on the order of writing either.
+symbolic::Function compile_update(const PotentialBuilder& builder, symbolic::Backend backend) {
+  symbolic::Graph graph;
+  std::vector<Scalar> outputs;
+  for (const Scalar& value : builder.updates()) {
+    symbolic::Graph own;
+    const Scalar copy = symbolic::canonical_copy(own, value, labels_of(builder));
+    if (copy.is_literal()) {
+      outputs.emplace_back(&graph, graph.constant(copy.value()));
+      continue;
+    }
+    const Scalar one[] = {copy};
+    outputs.push_back(symbolic::substitute(one, [&](InputKind kind, int index) {
+                        return Scalar(&graph, graph.input_node(kind, index));
+                      }).at(0));
+  }
+  add_inputs(builder, graph);
+  return outputs.empty() ? symbolic::Function() : symbolic::compile_function(outputs, backend);
 }
 
 }  // namespace
@@ -208,7 +274,10 @@ Potential::Potential(std::string name, const PotentialBuilder& builder, const Sc
       uniform_width_(total_width(builder.uniform_fields())),
       element_fields_(builder.element_fields()),
       uniform_fields_(builder.uniform_fields()),
-      kernel_(compile_canonical(builder, energy, backend)) {}
+      kernel_(compile_canonical(builder, energy, backend)),
+      update_(compile_update(builder, backend)) {
+  internal_width_ = update_ ? update_.output_count() : 0;
+}
 
 PotentialDefinition define_potential(std::string name, int point_count, std::string doc,
                                      std::function<Scalar(PotentialBuilder&)> energy) {

@@ -18,6 +18,7 @@
 
 #include <stark/base/math.h>
 #include <stark/base/settings.h>
+#include <stark/symbolic/evaluate.h>
 #include <stark/symbolic/kernel.h>
 #include <stark/symbolic/tensor.h>
 
@@ -32,6 +33,7 @@ struct ElementField {
     Initial,   ///< position of point `point` in the world at time 0 [m]
     Beyond,    ///< of point `point` [m], see PotentialBuilder::reference; Previous unless the step has a
                ///< history
+    Internal,  ///< internal variable at the start of the step, see PotentialBuilder::internal
   };
   std::string name;
   std::string unit;
@@ -41,7 +43,8 @@ struct ElementField {
   int width = 1;
   int offset = 0;  ///< first number within the element's inputs
   FieldRule rule = any_number();
-  bool is_direction = false;  ///< three numbers that are not all zero, of any length
+  bool is_direction = false;      ///< three numbers that are not all zero, of any length
+  std::vector<double> initial{};  ///< of internal variables: value at time 0
 };
 
 /// An input shared by all elements of a batch. "time_step" and "time" are set by the integrator, the others
@@ -125,6 +128,17 @@ class PotentialBuilder {
   /// The parameter that `declaration` describes, its offset aside.
   std::vector<symbolic::Scalar> parameter_like(const UniformField& declaration);
 
+  /// Internal variable: what every element remembers from step to step, such as a plastic strain. Its value
+  /// at the start of the step; row-major order for matrices. `update` says what it becomes when a step is
+  /// accepted; without, it keeps its value.
+  std::vector<symbolic::Scalar> internal(const std::string& name, const std::vector<double>& initial,
+                                         const std::string& unit, const std::string& doc);
+  /// Value of an internal variable at the end of an accepted step, as a formula of everything that an energy
+  /// may use. Throws InvalidArgument for unknown names, other numbers of values and second updates.
+  void update(const std::string& name, const std::vector<symbolic::Scalar>& values);
+  /// By internal variable, in the order of element_fields(): its updated values.
+  std::vector<symbolic::Scalar> updates() const;
+
   const std::shared_ptr<symbolic::Graph>& graph() const { return graph_; }
   int point_count() const { return static_cast<int>(x_.size()); }
   const std::vector<ElementField>& element_fields() const { return element_fields_; }
@@ -141,6 +155,7 @@ class PotentialBuilder {
   std::vector<ElementField> element_fields_;
   std::vector<UniformField> uniform_fields_;
   std::vector<std::vector<symbolic::Scalar>> element_values_, uniform_values_;
+  std::map<std::string, std::vector<symbolic::Scalar>> updates_;
 };
 
 /// A compiled potential. Immutable; shared by all batches that use it.
@@ -162,16 +177,21 @@ class Potential {
   const std::vector<ElementField>& element_fields() const { return element_fields_; }
   const std::vector<UniformField>& uniform_fields() const { return uniform_fields_; }
   const symbolic::Kernel& kernel() const { return kernel_; }
+  /// Numbers of the internal variables of an element, in the order of element_fields().
+  int internal_width() const { return internal_width_; }
+  /// Their values after an accepted step; empty without internal variables.
+  const symbolic::Function& update() const { return update_; }
 
  private:
   std::string name_;
   int point_count_ = 0;
   bool translation_invariant_ = true;
   bool one_sided_ = false;
-  int element_width_ = 0, uniform_width_ = 0;
+  int element_width_ = 0, uniform_width_ = 0, internal_width_ = 0;
   std::vector<ElementField> element_fields_;
   std::vector<UniformField> uniform_fields_;
   symbolic::Kernel kernel_;
+  symbolic::Function update_;
 };
 
 /// Definition of an energy of `point_count` points.

@@ -21,6 +21,37 @@ void PotentialBatch::resize(std::span<const int32_t> stencils) {
   size_ = static_cast<int64_t>(stencils.size()) / point_count();
   stencils_.assign(stencils.begin(), stencils.end());
   elements_.assign(static_cast<size_t>(block_count()) * potential_->element_width() * kLanes, 0.0);
+  const auto& fields = potential_->element_fields();
+  for (size_t k = 0; k < fields.size(); ++k)
+    if (fields[k].source == ElementField::Source::Internal)
+      for (int64_t e = 0; e < size_; ++e) set(static_cast<int>(k), e, fields[k].initial);
+}
+
+std::vector<double> PotentialBatch::internal_values() const {
+  std::vector<double> values;
+  const auto& fields = potential_->element_fields();
+  values.reserve(static_cast<size_t>(size_) * potential_->internal_width());
+  for (int64_t e = 0; potential_->internal_width() > 0 && e < size_; ++e)
+    for (size_t k = 0; k < fields.size(); ++k)
+      if (fields[k].source == ElementField::Source::Internal)
+        for (int c = 0; c < fields[k].width; ++c) values.push_back(get(static_cast<int>(k), e, c));
+  return values;
+}
+
+void PotentialBatch::set_internal(std::span<const double> values) {
+  STARK_CHECK(static_cast<int64_t>(values.size()) == size_ * potential_->internal_width());
+  const auto& fields = potential_->element_fields();
+  for (int64_t e = 0; potential_->internal_width() > 0 && e < size_; ++e)
+    for (size_t k = 0; k < fields.size(); ++k) {
+      if (fields[k].source != ElementField::Source::Internal) continue;
+      const auto width = static_cast<size_t>(fields[k].width);
+      set(static_cast<int>(k), e, values.first(width));
+      values = values.subspan(width);
+    }
+}
+
+std::vector<double> PotentialBatch::updated_internal(std::span<const Vec3> x) const {
+  return potential_->internal_width() > 0 ? evaluate(potential_->update(), x) : std::vector<double>();
 }
 
 void PotentialBatch::copy_padding(int64_t element, int offset) {

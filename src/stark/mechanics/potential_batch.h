@@ -59,6 +59,13 @@ class PotentialBatch {
   void set_beyond(std::span<const Vec3> x_beyond);  ///< fills the Beyond fields; by site [m]
   void set_initial(std::span<const Vec3> x);        ///< fills the Initial fields; by site [m]
 
+  /// Internal variables at the start of the step, [element][potential().internal_width()]; those of new
+  /// elements have their values of time 0.
+  std::vector<double> internal_values() const;
+  void set_internal(std::span<const double> values);
+  /// What they become in a step that ends at x; x by site [m].
+  std::vector<double> updated_internal(std::span<const Vec3> x) const;
+
   /// Evaluates blocks [first, last) at site positions x. out: [last-first][output_count][kLanes]. Padding
   /// lanes of the last block repeat the last element.
   void evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,

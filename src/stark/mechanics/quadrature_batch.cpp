@@ -59,15 +59,24 @@ Vec3 QuadratureBatch::column(int64_t element, int point, int j, std::span<const 
   return sum;
 }
 
-std::vector<Vec3> QuadratureBatch::columns_for(ElementField::Source source, std::span<const Vec3> x) const {
+std::vector<Vec3> QuadratureBatch::columns(std::span<const Vec3> x) const {
   std::vector<Vec3> columns;
-  const auto& fields = law_.potential().element_fields();
-  if (std::ranges::none_of(fields, [&](const ElementField& f) { return f.source == source; })) return columns;
   columns.reserve(static_cast<size_t>(3 * size_ * points_));
   for (int64_t e = 0; e < size_; ++e)
     for (int q = 0; q < points_; ++q)
       for (int j = 0; j < 3; ++j) columns.push_back(column(e, q, j, x));
   return columns;
+}
+
+std::vector<Vec3> QuadratureBatch::columns_for(ElementField::Source source, std::span<const Vec3> x) const {
+  const auto& fields = law_.potential().element_fields();
+  if (std::ranges::none_of(fields, [&](const ElementField& f) { return f.source == source; })) return {};
+  return columns(x);
+}
+
+std::vector<double> QuadratureBatch::updated_internal(std::span<const Vec3> x) const {
+  if (law_.potential().internal_width() == 0) return {};
+  return law_.updated_internal(columns(x));
 }
 
 void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {

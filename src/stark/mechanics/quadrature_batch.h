@@ -44,6 +44,9 @@ class QuadratureBatch {
   void set_previous(std::span<const Vec3> x_prev);  ///< by site [m]
   void set_beyond(std::span<const Vec3> x_beyond);  ///< by site [m]
   void set_time(double h, double time) { law_.set_time(h, time); }
+  /// Internal variables as those of a PotentialBatch, by quadrature point.
+  void set_internal(std::span<const double> values) { law_.set_internal(values); }
+  std::vector<double> updated_internal(std::span<const Vec3> x) const;
 
   /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.
   const double* gradients(int64_t element, int point) const {
@@ -61,6 +64,7 @@ class QuadratureBatch {
  private:
   /// Column j of F at a point.
   Vec3 column(int64_t element, int point, int j, std::span<const Vec3> x) const;
+  std::vector<Vec3> columns(std::span<const Vec3> x) const;
   /// Columns of F of all points if the law uses a field of the source, nothing otherwise.
   std::vector<Vec3> columns_for(ElementField::Source source, std::span<const Vec3> x) const;
 

@@ -43,6 +43,8 @@ bool State::operator==(const State& other) const { return first_difference(*this
 uint64_t State::hash() const {
   Hash64 hash;
 #define STARK_STATE_FIELD(type, name, unit, meaning) append(hash, name);
+#define STARK_OPTIONAL_STATE_FIELD(type, name, unit, meaning) \
+  if (!name.empty()) append(hash, name);
 #include <stark/mechanics/state_fields.inc>
 #undef STARK_STATE_FIELD
   return hash.value();
@@ -102,6 +104,19 @@ const StateArray& find(std::span<const StateArray> arrays, const std::string& na
   for (const StateArray& array : arrays)
     if (array.name == name) return array;
   throw InvalidArgument("state: the field '" + name + "' is missing: must have all fields of stark::State");
+}
+
+bool has(std::span<const StateArray> arrays, const std::string& name) {
+  return std::ranges::any_of(arrays, [&](const StateArray& array) { return array.name == name; });
+}
+
+bool is_optional(const std::string& field) {
+#define STARK_STATE_FIELD(type, name, unit, meaning)
+#define STARK_OPTIONAL_STATE_FIELD(type, name, unit, meaning) \
+  if (field == #name) return true;
+#include <stark/mechanics/state_fields.inc>
+#undef STARK_STATE_FIELD
+  return false;
 }
 
 struct NumberRule {
@@ -166,6 +181,7 @@ State make_state(std::span<const StateArray> arrays) {
   std::vector<std::string> names;
   for (const StateArray& field : arrays_of(state)) {
     names.push_back(field.name);
+    if (is_optional(field.name) && !has(arrays, field.name)) continue;
     const StateArray& given = find(arrays, field.name);
     if (!matches(field, given))
       throw InvalidArgument("state: the field '" + field.name + "' has " +
@@ -179,6 +195,8 @@ State make_state(std::span<const StateArray> arrays) {
       throw InvalidArgument("state: unknown field '" + given.name + "'" +
                             nearest_name_hint(given.name, names) + ": must be a field of stark::State");
 #define STARK_STATE_FIELD(type, name, unit, meaning) read(find(arrays, #name), state.name);
+#define STARK_OPTIONAL_STATE_FIELD(type, name, unit, meaning) \
+  if (has(arrays, #name)) read(find(arrays, #name), state.name);
 #include <stark/mechanics/state_fields.inc>
 #undef STARK_STATE_FIELD
   return state;

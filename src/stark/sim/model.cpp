@@ -10,6 +10,7 @@
 #include <stark/geometry/topology.h>
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/contact_stiffness.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/model_builder.h>
 #include <stark/sim/script_phase.h>
 
@@ -145,6 +146,8 @@ void Model::Builder::compile_contact() {
 
 Model::Model(const Scene& scene, const Settings& settings, Energies& out_energies) {
   Builder(*this, out_energies, scene, settings).build();
+  if (has_history(settings.time.integrator)) refuse_rates_of_internal(out_energies);
+  initial_state_.internal_variable = internal_values(out_energies);
 }
 
 std::vector<Vec3> Model::site_positions(const State& state) const {

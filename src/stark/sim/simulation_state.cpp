@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <stark/base/error.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/simulation_parts.h>
 
 namespace stark {
@@ -84,6 +85,7 @@ void Simulation::forget_last_step() {
   energies_.constraints.set_forces(state_.joint_multiplier);
   const std::vector<Vec3> x = site_positions();
   for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
+  set_internal(energies_, state_.internal_variable);
 }
 
 bool Simulation::resume(const State& before, double max_time_step, const State& state, double placed) {

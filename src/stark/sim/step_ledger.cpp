@@ -1,10 +1,12 @@
 // Energy and momentum of a step (step phase 8). [theory eq. 27]
 //
 // Dissipation is the work of the forces at the end of the step over the motion of the step, as implicit
-// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D.
+// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. Internal variables
+// dissipate what the energy of the step is above the one stored after it [theory eq. 10c].
 #include <algorithm>
 
 #include <stark/mechanics/site_gradient.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/step_joints.h>
 #include <stark/sim/step_ledger.h>
 
@@ -54,13 +56,23 @@ EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
   if (!has_inertia(settings_.time.integrator)) ledger.kinetic = 0.0;
-  for (ModelBatch& batch : energies_.batches) ledger.elastic += stored_energy(batch, x);
+  // Sensors read the forces of the last step, which are those of the internal variables at its start.
+  const std::vector<double> at_start = internal_values(energies_);
+  set_internal(energies_, state_.internal_variable);
+  ledger.elastic = elastic_energy(x);
+  set_internal(energies_, at_start);
+  return ledger;
+}
+
+double StepLedger::elastic_energy(std::span<const Vec3> x) {
+  double total = 0.0;
+  for (ModelBatch& batch : energies_.batches) total += stored_energy(batch, x);
   for (ModelQuadrature& elements : energies_.quadrature) {
     elements.batch.set_previous(x);
-    ledger.elastic += total_energy(elements.batch, x);
+    total += total_energy(elements.batch, x);
     motion_.set_previous(elements.batch);
   }
-  return ledger;
+  return total;
 }
 
 double StepLedger::damping_work() {
@@ -140,6 +152,7 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
     ledger.restitution = contact_->restitution_work(x);
   }
   ledger.damping = damping_work();
+  if (!state_.internal_variable.empty()) ledger.damping += elastic_energy(x) - ledger.elastic;
   ledger.external = prescribed_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)

@@ -23,6 +23,8 @@ class StepLedger : private StepPart {
 
  private:
   double prescribed_work();
+  /// With the internal variables that the batches have.
+  double elastic_energy(std::span<const Vec3> x);
   double damping_work();
 
   const StepMotion& motion_;

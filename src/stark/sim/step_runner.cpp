@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/step_evidence.h>
 #include <stark/sim/step_runner.h>
 #include <stark/sim/time_marks.h>
@@ -256,6 +257,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     potential_.begin(start, motion_.target_configuration(h));
     step_start_.assign(potential_.site_positions().begin(), potential_.site_positions().end());
     motion_.begin(h);
+    set_internal(energies_, state_.internal_variable);
     // Joints are measured against the inertia of the full time step: one cut short would stiffen them under
     // what already rests on them and throw it off. Quasistatic steps have no other measure of rigid bodies.
     const double full = motion_.reference().stencil.scale * settings_.time.step / h;
@@ -336,6 +338,7 @@ std::vector<Mat3> StepRunner::natural_stiffness(const Configuration& start) {
 }
 
 void StepRunner::commit(double h) {
+  state_.internal_variable = updated_internal(energies_, potential_.site_positions());
   motion_.commit(h);
   if (contact_) commit_contact(h);
   joints_.commit();

@@ -1,0 +1,131 @@
+"""What materials remember: recorded, updated by accepted steps, rewound, saved, the same bits everywhere."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stark
+
+QUIET: dict[str, Any] = {"contact.enabled": False, "newton.acceleration_tolerance": 1e-8}
+STEP = 0.01
+
+
+@stark.material
+def maxwell(
+    F: stark.DeformationGradient,
+    h: stark.TimeStep,
+    modulus: float = stark.parameter(unit="Pa", above=0.0),
+    branch: float = stark.parameter(unit="Pa", above=0.0),
+    relaxation: float = stark.parameter(unit="s", above=0.0),
+    flow: stark.Mat3 = stark.internal(0.0, doc="strain of the dashpot"),
+):
+    """A spring beside a spring and a dashpot in a row, in Green strains; implicit Euler for the dashpot."""
+    E = 0.5 * (F.T @ F - stark.identity(3))
+    ratio = h / relaxation
+    trial = E - flow
+    psi = modulus * stark.squared_norm(E) + branch / (1 + ratio) * stark.squared_norm(trial)
+    return psi, {"flow": flow + ratio / (1 + ratio) * trial}
+
+
+def held_block(element: str = "tet4", cells: int = 2, **settings: Any) -> tuple[stark.Simulation, Any]:
+    """A block whose surface is prescribed; with two cells and more, vertices inside are free."""
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0, position=(1, 0, 0))
+    mesh: Any = stark.mesh.tet_box(0.1, cells) if element == "tet4" else stark.mesh.box_hexahedra(0.1, cells)
+    law = maxwell(modulus=1e4, branch=3e4, relaxation=0.05, density=1000.0)
+    inside = np.abs(mesh.vertices).max(axis=1) < 0.049
+    body = scene.add_solid(mesh, law, pins=np.flatnonzero(~inside))
+    sim = stark.Simulation(scene, time_step=STEP, gravity=(0, 0, 0), **{**QUIET, **settings})
+    return sim, body
+
+
+def shear(body: Any, amount: float) -> None:
+    rest = np.asarray(body.mesh.vertices)[body.pins]
+    body.pin_targets = rest + amount * np.outer(rest[:, 2], [1.0, 0.0, 0.0])
+
+
+def internal(sim: stark.Simulation) -> np.ndarray:
+    return np.array(sim.state.arrays()["internal_variable"])
+
+
+@pytest.mark.parametrize("element", ["tet4", "hex8"])
+def test_the_update_is_that_of_the_formula(element: str) -> None:
+    sim, body = held_block(element, cells=1)
+    g, ratio = 0.1, STEP / 0.05
+    flow = np.zeros((3, 3))
+    E = 0.5 * np.array([[0, 0, g], [0, 0, 0], [g, 0, g * g]])
+    shear(body, g)
+    for _ in range(5):
+        assert not sim.step().failed
+        flow += ratio / (1 + ratio) * (E - flow)
+        values = internal(sim).reshape(-1, 3, 3)
+        np.testing.assert_allclose(values, np.broadcast_to(flow, values.shape), atol=1e-8)
+
+
+def test_states_rewind_and_go_on_with_the_same_bits() -> None:
+    sim, body = held_block()
+    shear(body, 0.1)
+    for _ in range(3):
+        sim.step()
+    middle = pickle.loads(pickle.dumps(sim.state))
+    assert np.abs(internal(sim)).max() > 1e-3
+    ends = []
+    for _ in range(2):
+        sim.state = middle
+        shear(body, -0.05)
+        for _ in range(3):
+            sim.step()
+        ends.append(sim.state)
+    assert ends[0] == ends[1]
+    sim.reset()
+    assert not internal(sim).any()
+
+
+@pytest.mark.parametrize("settings", [{"execution.threads": 2}, {"execution.backend": "interpreter"}])
+def test_threads_and_interpreter_give_the_same_bits(settings: dict[str, Any]) -> None:
+    states = []
+    for other in ({}, settings):
+        sim, body = held_block(**other)
+        shear(body, 0.1)
+        for _ in range(2):
+            sim.step()
+        states.append(sim.state)
+    assert states[0] == states[1]
+
+
+def test_scenes_without_memory_have_none() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    assert internal(stark.Simulation(scene)).size == 0
+
+
+def test_rates_of_internal_variables_are_refused_with_bdf2() -> None:
+    with pytest.raises(stark.InvalidArgument, match="must not be bdf2"):
+        held_block(**{"time.integrator": "bdf2"})
+
+
+def test_what_a_law_returns_is_checked() -> None:
+    def record(result: Any) -> None:
+        @stark.material
+        def law(F: stark.DeformationGradient, memory: stark.Vec3 = stark.internal(0.0)):
+            return result(stark.squared_norm(F), memory)
+
+        _ = law.formula
+
+    with pytest.raises(stark.TraceError, match="must return the energy and a dict"):
+        record(lambda psi, memory: psi)
+    with pytest.raises(stark.TraceError, match="must be all its internal variables"):
+        record(lambda psi, memory: (psi, {"other": memory}))
+    with pytest.raises(stark.TraceError, match="must have the shape"):
+        record(lambda psi, memory: (psi, {"memory": psi}))
+    with pytest.raises(stark.TraceError, match="must be finite"):
+        stark.internal(np.nan)
+    with pytest.raises(stark.TraceError, match="rods have no internal variables"):
+
+        @stark.material
+        def rod(stretch: float, memory: float = stark.internal(0.0)):
+            return (stretch - 1) ** 2, {"memory": memory}
