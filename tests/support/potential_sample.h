@@ -85,6 +85,9 @@ inline void fill_inputs(const Potential& potential, const FilledSample& sample, 
         case ElementField::Source::Initial:
           value = sample.x_prev[field.point][c];
           break;
+        case ElementField::Source::Internal:
+          value = field.initial[c];
+          break;
       }
       spread(elements, field.offset + c, value);
     }

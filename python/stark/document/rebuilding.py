@@ -48,8 +48,11 @@ class Rebuilding:
     """The scene of a document that was checked against its format."""
 
     def __init__(self, document: Mapping[str, Any], scene: Any) -> None:
-        self.document, self.scene = document, scene
-        self.formulas = [recorded.made(row, f"formulas[{k}]") for k, row in enumerate(document["formulas"])]
+        self.document: Mapping[str, Any] = document
+        self.scene: Any = scene
+        self.formulas: list[Any] = [
+            recorded.made(row, f"formulas[{k}]") for k, row in enumerate(document["formulas"])
+        ]
 
     def run(self) -> None:
         """Adds everything. Warnings were given when the scene was made."""

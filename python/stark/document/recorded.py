@@ -121,8 +121,9 @@ class ReadFormula(EnergyFormula):
 
     def __init__(self, row: Mapping[str, Any], trace: Trace, parameters: Sequence[Parameter]) -> None:
         # Not that of the base, which reads a function.
-        self.name, self.doc = row["name"], row["doc"]
-        self.arguments = tuple(parameters)
+        self.name: str = row["name"]
+        self.doc: str = row["doc"]
+        self.arguments: tuple[Parameter, ...] = tuple(parameters)
         self._declared_invariant = row["translation_invariant"]
         self._trace_read = trace
 
@@ -268,8 +269,12 @@ class ReadLaw:
         parameters: tuple[Parameter, ...],
         isotropic: bool,
     ) -> None:
-        self.core, self.formula, self.sources, self.parameters = core, formula, sources, parameters
-        self._graph, self.isotropic = graph, isotropic
+        self.core: Any = core
+        self.formula: Any = formula
+        self.sources: Sources = sources
+        self.parameters: tuple[Parameter, ...] = parameters
+        self._graph = graph
+        self.isotropic: bool = isotropic
 
     def graph(self) -> ExpressionGraph:
         return self._graph

@@ -12,8 +12,9 @@ import numpy as np
 
 from stark.robots.description import Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.drives import Drives
-from stark.robots.handle import Robot, RobotLink
+from stark.robots.handle import Robot
 from stark.robots.kinematics import Placement
+from stark.robots.link import RobotLink
 from stark.robots.report import Finding, Report
 
 from .errors import DocumentError

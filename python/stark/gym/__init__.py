@@ -19,28 +19,27 @@ if TYPE_CHECKING:
     from .task import Task as Task
     from .task import TaskError as TaskError
     from .vectors import vector as vector
+else:
+    _get, __dir__ = attach(
+        "stark.gym",
+        {
+            "stark.gym.drag_cloth": "DragCloth",
+            "stark.gym.env": "SceneEnv",
+            "stark.gym.grasp_ball": "GraspBall",
+            "stark.gym.task": "Task TaskError",
+            "stark.gym.vectors": "vector",
+        },
+    )
 
-_get, __dir__ = attach(
-    "stark.gym",
-    {
-        "stark.gym.drag_cloth": "DragCloth",
-        "stark.gym.env": "SceneEnv",
-        "stark.gym.grasp_ball": "GraspBall",
-        "stark.gym.task": "Task TaskError",
-        "stark.gym.vectors": "vector",
-    },
-)
-
-
-def __getattr__(name: str) -> object:
-    try:
-        return _get(name)
-    except ModuleNotFoundError as error:
-        if str(error.name).partition(".")[0] != "gymnasium":
-            raise
-        raise ImportError(
-            f"stark.gym.{name} needs the package gymnasium, of the extra 'rl': pip install 'stark-sim[rl]'"
-        ) from error
+    def __getattr__(name: str) -> object:
+        try:
+            return _get(name)
+        except ModuleNotFoundError as error:
+            if str(error.name).partition(".")[0] != "gymnasium":
+                raise
+            raise ImportError(
+                f"stark.gym.{name} needs gymnasium, of the extra 'rl': pip install 'stark-sim[rl]'"
+            ) from error
 
 
 def _register() -> None:

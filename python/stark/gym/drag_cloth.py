@@ -28,10 +28,12 @@ class DragClothTask(Task):
     """A cotton cloth of 0.2 m lies on a table; a hand holds one of its corners and drags it, so that its
     middle comes to a target."""
 
-    name = "drag_cloth"
-    action_space = Box(-1.0, 1.0, (3,), np.float32)
-    observation_space = Box(-2.0, 2.0, (23,), np.float32)
-    control_step, until, settle = 0.05, 5.0, 0.1
+    name: str = "drag_cloth"
+    action_space: Box = Box(-1.0, 1.0, (3,), np.float32)
+    observation_space: Box = Box(-2.0, 2.0, (23,), np.float32)
+    control_step: float = 0.05
+    until: float = 5.0
+    settle: float = 0.1
 
     def __init__(self) -> None:
         self.target: Floats = np.zeros(2)

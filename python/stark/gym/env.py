@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from stark._core import StepReport
@@ -50,8 +51,8 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise TaskError(f"SceneEnv: render_mode = {render_mode!r}: must be None or 'rgb_array'")
         self.task: Task = checked(task_of(scene, options, task))
-        self.action_space = self.task.action_space
-        self.observation_space = self.task.observation_space
+        self.action_space: Box = self.task.action_space
+        self.observation_space: Box = self.task.observation_space
         self.render_mode = render_mode
         self._picture = {"size": size, "quality": "draft", **(picture or {})}
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / self.task.control_step))}  # type: ignore[misc]

@@ -50,10 +50,12 @@ def ball_mesh() -> stark.TetMesh:
 class GraspBallTask(Task):
     """A soft ball lies on a table, below an open gripper; it is to be grasped and lifted."""
 
-    name = "grasp_ball"
-    action_space = Box(-1.0, 1.0, (4,), np.float32)
-    observation_space = Box(-10.0, 10.0, (18,), np.float32)
-    control_step, until, settle = 0.05, 5.0, 1.5
+    name: str = "grasp_ball"
+    action_space: Box = Box(-1.0, 1.0, (4,), np.float32)
+    observation_space: Box = Box(-10.0, 10.0, (18,), np.float32)
+    control_step: float = 0.05
+    until: float = 5.0
+    settle: float = 1.5
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         scene = stark.Scene("grasp_ball")

@@ -76,7 +76,8 @@ class FileTask(Task):
     ``observe(sim)``, ``reward(sim, action)``, ``done(sim)``, and ``control_step`` [s]."""
 
     def __init__(self, file: SceneFile) -> None:
-        self._file, self.name = file, file.name
+        self._file = file
+        self.name: str = file.name
         for function in ("spaces", "act", "observe", "reward"):
             if not callable(getattr(file.module, function, None)):
                 raise TaskError(
@@ -86,10 +87,11 @@ class FileTask(Task):
         spaces = file.module.spaces()
         if not isinstance(spaces, tuple) or len(spaces) != 2:
             raise TaskError(f"scene '{file.name}': spaces() = {spaces!r}: must be (actions, observations)")
-        self.action_space, self.observation_space = spaces
-        self.control_step = getattr(file.module, "control_step", Task.control_step)
-        self.settle = getattr(file.module, "settle", Task.settle)
-        self.until = Task.until if file.until is None else file.until
+        self.action_space: Box = spaces[0]
+        self.observation_space: Box = spaces[1]
+        self.control_step: float = getattr(file.module, "control_step", Task.control_step)
+        self.settle: float = getattr(file.module, "settle", Task.settle)
+        self.until: float = Task.until if file.until is None else file.until
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         return self._file.build()

@@ -57,6 +57,7 @@ def write_video(
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
     temporary.unlink(missing_ok=True)
     try:
+        writer: Any
         with imageio.get_writer(temporary, fps=fps, macro_block_size=2, quality=8) as writer:
             shown, picture = -1, None
             for done, time in enumerate(times, start=1):

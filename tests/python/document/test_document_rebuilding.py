@@ -58,8 +58,11 @@ def scene_of(name: str) -> tuple[Any, Any]:
     """Scene and settings of an example: a scene file, or a program, run up to its first simulation."""
     if name == "robot_arm":
         pytest.importorskip("yourdfpy")
-    if hasattr(importlib.import_module(name), "settings"):
+    module = importlib.import_module(name)
+    if hasattr(module, "settings"):
         return scenes.load(EXAMPLES / f"{name}.py").build()
+    if hasattr(module, "scene"):
+        return module.scene, stark.Settings()
     found: list[Any] = []
 
     class Reached(Exception):  # noqa: N818 (no error)
@@ -75,7 +78,7 @@ def scene_of(name: str) -> tuple[Any, Any]:
         patch.setattr(stark, "Simulation", take)
         patch.setattr(sys, "argv", [name])
         with pytest.raises(Reached):
-            importlib.import_module(name).main()
+            module.main()
     return found[0], found[1]
 
 
