@@ -100,7 +100,7 @@ INTERNAL = frozenset(
 )
 #: Types in signatures that other projects document.
 FOREIGN_TYPES = [
-    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect|gymnasium)(\..*)?"),
+    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect|gymnasium|Box)(\..*)?"),
     # Of what environments inherit from Gymnasium.
     (r"py:.*", r"_np_random(_seed)?|set_np_random_through_seed"),
 ]
@@ -215,7 +215,9 @@ def _entry(module: str, name: str, value: Any) -> str:
     if _is_alias(value):
         return f".. py:type:: {name}\n\n   {ALIASES.get(name, _plain(value))}\n"
     if callable(value) and hasattr(value, "__name__"):
-        given = str(inspect.signature(value)).replace("'", "") if module == "stark.materials" else ""
+        # Laws and energies have signatures of their own, unlike those of the functions that they wrap.
+        has_own = module == "stark.materials" or "__signature__" in getattr(value, "__dict__", {})
+        given = str(inspect.signature(value)).replace("'", "") if has_own else ""
         return f".. autofunction:: {full}{given}\n"
     source = getattr(value, "source", None)
     if source:

@@ -84,7 +84,8 @@ def _random_q(robot: RobotDescription) -> list[np.ndarray]:
 def _with_mujoco(row: Row, robot: RobotDescription, file: Path) -> None:
     import mujoco
 
-    model = mujoco.MjModel.from_xml_path(str(file))
+    # Not MjModel.from_xml_path, which leaves its warnings in a file of the current folder.
+    model = mujoco.MjSpec.from_file(str(file)).compile()
     model.opt.gravity[:] = GRAVITY
     model.body_gravcomp[:] = 0.0
     model.opt.disableflags = 0

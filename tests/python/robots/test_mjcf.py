@@ -99,6 +99,19 @@ def test_what_is_dropped_and_kept_is_reported(tmp_path: Path) -> None:
     assert robot.root == "world" and robot.coordinates == ("j", "k")
 
 
+def test_warnings_of_mujoco_go_to_the_report_and_to_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "robot.xml"
+    file.write_text(
+        f'<mujoco><compiler settotalmass="3"/><worldbody><body name="a">{BODY}</body></worldbody></mujoco>'
+    )
+    monkeypatch.chdir(tmp_path)
+    robot = stark.robots.read(file)
+    assert "mujoco warns: compiler attribute 'settotalmass' is deprecated" in str(robot.report)
+    assert [path.name for path in tmp_path.iterdir()] == ["robot.xml"]
+
+
 def test_a_missing_reader_is_named_with_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = written(tmp_path, f'<body name="a">{BODY}</body>')
     monkeypatch.setitem(sys.modules, "mujoco", None)
