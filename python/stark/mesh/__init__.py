@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from stark.mesh.arguments import Indices, Points
 from stark.mesh.conversion import as_polyline, as_solid_mesh, as_tet_mesh, as_triangle_mesh, to_quadratic
-from stark.mesh.files import load, tetrahedralise
+from stark.mesh.files import load
 from stark.mesh.repair import merged, oriented
 from stark.mesh.shapes import (
     box,
@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from stark.mesh.cleaning import cleaned, joined
     from stark.mesh.reduction import convex_hull, convex_parts, simplified
     from stark.mesh.report import MeshChange, MeshReport
-    from stark.mesh.scans import SolidFromScan, edge_lengths, solid_from_scan
+    from stark.mesh.scans import SolidFromScan, solid_from_scan
+    from stark.mesh.tetrahedra import edge_lengths, tetrahedralise
 else:
     from stark.on_demand import attach
 
@@ -38,7 +39,8 @@ else:
             "stark.mesh.cleaning": "cleaned joined",
             "stark.mesh.reduction": "convex_hull convex_parts simplified",
             "stark.mesh.report": "MeshChange MeshReport",
-            "stark.mesh.scans": "SolidFromScan edge_lengths solid_from_scan",
+            "stark.mesh.scans": "SolidFromScan solid_from_scan",
+            "stark.mesh.tetrahedra": "edge_lengths tetrahedralise",
         },
     )
 

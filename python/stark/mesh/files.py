@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import math
 import os
@@ -13,14 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from stark import _core
 from stark._core import InvalidMesh
 from stark.arguments import given_path
 from stark.files import read_bytes
-from stark.mesh.arguments import positive
-from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.repair import merged, oriented
-from stark.mesh.types import Mesh, SolidMesh, TetMesh, TriangleMesh, compact
+from stark.mesh.types import Mesh, SolidMesh, TetMesh, TriangleMesh
 
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
@@ -248,45 +244,3 @@ def _load_by_meshio(file: Path) -> Mesh:
         f"'{file}' has cells of type {', '.join(cells) or 'none'}: "
         f"must have cells of type {', '.join(solids)}, tetra or triangle"
     )
-
-
-def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: float | None = None) -> TetMesh:
-    """Volume mesh of a closed surface, by fTetWild (``pip install stark-sim[mesh]``).
-
-    ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out.
-    ``tolerance``: largest distance between the given surface and the result, over that diagonal; if left out
-    a tenth of the edge length, with which the mean edge comes out within 15 % of the wanted one where the
-    shape is wider than eight of them, or 10^-3 where no edge length is given. Smaller ones need shorter
-    edges on curved surfaces. fTetWild is randomised: meshes of two calls differ a little; keep one with
-    ``mesh.save("cup.npz")`` to repeat a simulation bit by bit."""
-    surface = as_triangle_mesh(mesh, "tetrahedralise")
-    if len(surface.triangles) == 0:
-        raise InvalidMesh("tetrahedralise: the mesh has 0 triangles: must be a closed surface")
-    if not _core.is_closed(surface.triangles):
-        edge = _core.find_boundary_edges(surface.triangles)
-        where = f", the first ones {edge[:3].tolist()}" if len(edge) else ""
-        raise InvalidMesh(
-            f"tetrahedralise: the mesh is open at {len(edge)} edges{where}: must be a closed surface, which "
-            f"encloses a volume; close it first"
-        )
-    diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
-    fraction = (
-        0.05 if edge_length is None else positive(edge_length, "tetrahedralise: edge_length") / diagonal
-    )
-    if tolerance is None:
-        # A chord of length l of a surface of radius r is l^2 / 8r off: less tolerance makes shorter edges.
-        tolerance = 1e-3 if edge_length is None else 0.1 * fraction
-    import tempfile
-
-    try:
-        import pytetwild
-    except ImportError as error:
-        raise ImportError(
-            "stark.mesh.tetrahedralise needs pytetwild: pip install 'stark-sim[mesh]'"
-        ) from error
-    # fTetWild leaves a file in the current folder.
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        vertices, tets = pytetwild.tetrahedralize(
-            surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
-        )
-    return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))

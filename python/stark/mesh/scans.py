@@ -7,16 +7,14 @@ import os
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stark._core import InvalidMesh
 from stark.mesh.arguments import positive
 from stark.mesh.cleaning import cleaned
 from stark.mesh.conversion import as_triangle_mesh
-from stark.mesh.files import load, tetrahedralise
+from stark.mesh.files import load
 from stark.mesh.reduction import simplified
 from stark.mesh.report import MeshReport
+from stark.mesh.tetrahedra import edge_lengths, tetrahedralise
 from stark.mesh.types import TetMesh, TriangleMesh
 
 Progress: TypeAlias = Callable[[str, float], object]
@@ -67,19 +65,6 @@ def solid_from_scan(
     )
     tell("done", 1.0)
     return SolidFromScan(solid, surface, report)
-
-
-def edge_lengths(mesh: TetMesh | TriangleMesh) -> NDArray[np.float64]:
-    """Length of each edge of a mesh [m], each edge once (n,)."""
-    if isinstance(mesh, TetMesh):
-        pairs = mesh.tets[:, [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]]
-    elif isinstance(mesh, TriangleMesh):
-        pairs = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]
-    else:
-        raise InvalidMesh(f"edge_lengths: got {type(mesh).__name__}, need a TetMesh or a TriangleMesh")
-    edges = np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0)
-    ends = mesh.vertices[edges]
-    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
 
 def _surface(scan: Any) -> TriangleMesh:

@@ -116,28 +116,12 @@ def test_formats_of_other_libraries_name_what_to_install(
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
     monkeypatch.setitem(__import__("sys").modules, "meshio", None)
-    monkeypatch.setitem(__import__("sys").modules, "pytetwild", None)
     (tmp_path / "a.glb").write_bytes(b"glTF")
     (tmp_path / "a.msh").write_bytes(b"$MeshFormat")
     with pytest.raises(ImportError, match=r"stark-sim\[mesh\]"):
         mesh.load(tmp_path / "a.glb")
     with pytest.raises(ImportError, match="pip install meshio"):
         mesh.load(tmp_path / "a.msh")
-    with pytest.raises(ImportError, match=r"stark-sim\[mesh\]"):
-        mesh.tetrahedralise(mesh.box(1.0))
-
-
-def test_open_surfaces_have_no_volume_to_mesh() -> None:
-    with pytest.raises(stark.InvalidMesh, match=r"open at 4 edges, the first ones.*must be a closed surface"):
-        mesh.tetrahedralise(mesh.grid(1.0, 1.0, 1))
-
-
-def test_tetrahedralise() -> None:
-    pytest.importorskip("pytetwild")
-    volume = mesh.tetrahedralise(mesh.sphere(0.1, 2), edge_length=0.05)
-    assert (volume.volumes > 0).all()
-    assert volume.volume == pytest.approx(mesh.sphere(0.1, 2).volume, rel=0.03)
-    stark.Scene().add_solid(volume)
 
 
 def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
