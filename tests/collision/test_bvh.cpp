@@ -11,8 +11,10 @@
 #include "support/random_points.h"
 
 using namespace stark;
+using detail::Box;
 using detail::Bvh;
 using detail::Cell;
+using detail::MovingBox;
 using test::RandomPoints;
 using test::SceneBuilder;
 
@@ -29,10 +31,10 @@ TEST_CASE("every pair of overlapping triangles is visited exactly once") {
     Bvh bvh;
     bvh.reset(scene.surface, 2);
     for (int round = 0; round < 2; ++round) {
-      bvh.refit(scene.x, scene.x, inflation, pool);
+      bvh.refit(scene.x, inflation, pool);
       std::set<Index2> visited;
       bool twice = false;
-      bvh.for_each_pair(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool same_group) {
+      bvh.for_each_pair<Box>(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool same_group) {
         const Index2 pair{std::min(a.triangle, b.triangle), std::max(a.triangle, b.triangle)};
         twice = twice || !visited.insert(pair).second;
         CHECK(same_group ==
@@ -77,7 +79,7 @@ TEST_CASE("boxes in single precision contain the points far from the origin") {
   ThreadPool pool(1);
   Bvh bvh;
   bvh.reset(scene.surface, 1);
-  bvh.refit(scene.x, scene.x, std::vector<double>{0.0}, pool);
+  bvh.refit(scene.x, std::vector<double>{0.0}, pool);
   Vec3 low = scene.x[0], high = low;
   for (const Vec3& p : scene.x) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -87,9 +89,9 @@ TEST_CASE("boxes in single precision contain the points far from the origin") {
   for (int32_t v = 0; v < 500; ++v) {
     for (int axis = 0; axis < 3; ++axis) {
       const long double p = static_cast<long double>(scene.x[v][axis]) - origin[axis];
-      CHECK(bvh.vertex_box(v).low[axis] < p);
-      CHECK(bvh.vertex_box(v).high[axis] > p);
-      CHECK(bvh.vertex_box(v).high[axis] - bvh.vertex_box(v).low[axis] < 1e-4);
+      CHECK(bvh.vertex_extent<Box>(v).low[axis] < p);
+      CHECK(bvh.vertex_extent<Box>(v).high[axis] > p);
+      CHECK(bvh.vertex_extent<Box>(v).high[axis] - bvh.vertex_extent<Box>(v).low[axis] < 1e-4);
     }
   }
 }
@@ -103,12 +105,22 @@ TEST_CASE("places that floats cannot reach are found together, and nothing else 
   ThreadPool pool(1);
   Bvh bvh;
   bvh.reset(scene.surface, 2);
-  bvh.refit(scene.x, scene.x, std::vector<double>{0.001, 0.001}, pool);
+  bvh.refit(scene.x, std::vector<double>{0.001, 0.001}, pool);
   const auto count = static_cast<int32_t>(scene.surface.triangles.size());
   int64_t pairs = 0;
-  bvh.for_each_pair(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool) {
+  bvh.for_each_pair<Box>(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool) {
     REQUIRE((a.triangle >= 0 && a.triangle < count && b.triangle >= 0 && b.triangle < count));
     ++pairs;
   });
   CHECK(pairs > 0);
+  // On the way there from the grids, too.
+  std::vector<Vec3> start = scene.x;
+  for (size_t v = 0; v < start.size(); v += 3) start[v] = {0.001 * static_cast<double>(v), 0.5, 0.1};
+  bvh.refit(start, scene.x, std::vector<double>{0.001, 0.001}, pool);
+  int64_t moving = 0;
+  bvh.for_each_pair<MovingBox>(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool) {
+    REQUIRE((a.triangle >= 0 && a.triangle < count && b.triangle >= 0 && b.triangle < count));
+    ++moving;
+  });
+  CHECK(moving >= pairs);
 }

@@ -14,6 +14,7 @@ namespace {
 using detail::Box;
 using detail::Bvh;
 using detail::Cell;
+using detail::MovingBox;
 
 using Pairs = std::vector<PrimitivePair>;
 
@@ -27,46 +28,50 @@ bool has_vertex(const Cell& cell, int32_t v) {
 }
 
 // Owned points of `a` against the triangle of `b`.
+template <typename Extent>
 void add_point_triangle(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
   if (a.point_count == 0) return;
-  const Box box = bvh.cell_box(b);
+  const Extent box = bvh.cell_extent<Extent>(b);
   for (int k = 0; k < a.point_count; ++k) {
     const int32_t v = a.points[k];
-    if (!has_vertex(b, v) && bvh.vertex_box(v).overlaps(box)) out.push_back({v, b.triangle});
+    if (!has_vertex(b, v) && bvh.vertex_extent<Extent>(v).overlaps(box)) out.push_back({v, b.triangle});
   }
 }
 
+template <typename Extent>
 void add_edge_edge(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
   for (int i = 0; i < a.edge_count; ++i) {
     const Index2& ea = a.edge_vertices[i];
-    const Box box = bvh.edge_box(ea);
+    const Extent box = bvh.edge_extent<Extent>(ea);
     for (int j = 0; j < b.edge_count; ++j) {
       const Index2& eb = b.edge_vertices[j];
       if ((ea[0] == eb[0]) | (ea[0] == eb[1]) | (ea[1] == eb[0]) | (ea[1] == eb[1])) continue;
-      if (!box.overlaps(bvh.edge_box(eb))) continue;
+      if (!box.overlaps(bvh.edge_extent<Extent>(eb))) continue;
       out.push_back({std::min(a.edges[i], b.edges[j]), std::max(a.edges[i], b.edges[j])});
     }
   }
 }
 
 // Owned points of `a` against the edge without triangles of `b`.
+template <typename Extent>
 void add_point_edge(const Bvh& bvh, const Cell& a, const Cell& b, Pairs& out) {
   if (a.point_count == 0) return;
-  const Box box = bvh.cell_box(b);
+  const Extent box = bvh.cell_extent<Extent>(b);
   for (int k = 0; k < a.point_count; ++k) {
     const int32_t v = a.points[k];
-    if (!has_vertex(b, v) && bvh.vertex_box(v).overlaps(box)) out.push_back({v, b.edges[0]});
+    if (!has_vertex(b, v) && bvh.vertex_extent<Extent>(v).overlaps(box)) out.push_back({v, b.edges[0]});
   }
 }
 
 // Pairs that involve a cell that is a lone point.
+template <typename Extent>
 void add_lone_point(const Bvh& bvh, const Cell& point, const Cell& other, CandidateList& out) {
   const int32_t v = point.points[0];
   if (has_vertex(other, v)) return;
   if (other.triangle >= 0) {
-    add_point_triangle(bvh, point, other, out[PairKind::PointTriangle]);
+    add_point_triangle<Extent>(bvh, point, other, out[PairKind::PointTriangle]);
   } else if (!other.is_point()) {
-    add_point_edge(bvh, point, other, out[PairKind::PointEdge]);
+    add_point_edge<Extent>(bvh, point, other, out[PairKind::PointEdge]);
   } else {
     out[PairKind::PointPoint].push_back({std::min(v, other.points[0]), std::max(v, other.points[0])});
   }
@@ -140,6 +145,10 @@ struct BroadPhase::Implementation {
   PairFilter filter;
   std::vector<PairBuffer> buffers;  // one per thread
   std::vector<int32_t> offsets[2];  // by first primitive of a pair: points, edges
+
+  // All pairs of the boxes that the hierarchies were refitted to.
+  template <typename Extent>
+  void collect(ThreadPool& pool, CandidateList& out);
 };
 
 BroadPhase::BroadPhase() : implementation_(std::make_unique<Implementation>()) {}
@@ -166,45 +175,49 @@ void BroadPhase::set_filter(PairFilter filter) {
 
 void BroadPhase::find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
                       CandidateList& out) {
-  find_swept(x, x, group_inflation, pool, out);
+  implementation_->bvh.refit(x, group_inflation, pool);
+  implementation_->collect<Box>(pool, out);
 }
 
 void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
                             std::span<const double> group_inflation, ThreadPool& pool, CandidateList& out) {
-  Implementation& self = *implementation_;
-  Bvh& bvh = self.bvh;
-  bvh.refit(x0, x1, group_inflation, pool);
-  self.buffers.resize(pool.thread_count());
-  for (PairBuffer& buffer : self.buffers) buffer.found.clear();
-  bvh.for_each_pair(self.filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
-    CandidateList& found = self.buffers[thread].found;
+  implementation_->bvh.refit(x0, x1, group_inflation, pool);
+  implementation_->collect<MovingBox>(pool, out);
+}
+
+template <typename Extent>
+void BroadPhase::Implementation::collect(ThreadPool& pool, CandidateList& out) {
+  buffers.resize(pool.thread_count());
+  for (PairBuffer& buffer : buffers) buffer.found.clear();
+  bvh.for_each_pair<Extent>(filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
+    CandidateList& found = buffers[thread].found;
     if (a.is_point()) {
-      add_lone_point(bvh, a, b, found);
+      add_lone_point<Extent>(bvh, a, b, found);
       return;
     }
     if (b.is_point()) {
-      add_lone_point(bvh, b, a, found);
+      add_lone_point<Extent>(bvh, b, a, found);
       return;
     }
     if (b.triangle >= 0)
-      add_point_triangle(bvh, a, b, found[PairKind::PointTriangle]);
+      add_point_triangle<Extent>(bvh, a, b, found[PairKind::PointTriangle]);
     else
-      add_point_edge(bvh, a, b, found[PairKind::PointEdge]);
+      add_point_edge<Extent>(bvh, a, b, found[PairKind::PointEdge]);
     if (a.triangle >= 0)
-      add_point_triangle(bvh, b, a, found[PairKind::PointTriangle]);
+      add_point_triangle<Extent>(bvh, b, a, found[PairKind::PointTriangle]);
     else
-      add_point_edge(bvh, b, a, found[PairKind::PointEdge]);
-    add_edge_edge(bvh, a, b, found[PairKind::EdgeEdge]);
+      add_point_edge<Extent>(bvh, b, a, found[PairKind::PointEdge]);
+    add_edge_edge<Extent>(bvh, a, b, found[PairKind::EdgeEdge]);
   });
   const SurfaceMesh& mesh = bvh.mesh();
   const auto merge_lists = [&](int64_t first, int) {
     for_each_pair_kind([&](auto tag) {
       if (static_cast<int64_t>(first_kind(tag)) != first) return;
-      merge_sorted(self.buffers, tag, primitive_count(mesh, first_kind(tag)), self.offsets[first], out[tag]);
+      merge_sorted(buffers, tag, primitive_count(mesh, first_kind(tag)), offsets[first], out[tag]);
     });
   };
   size_t found_edges = 0;
-  for (const PairBuffer& buffer : self.buffers) found_edges += buffer.found[PairKind::EdgeEdge].size();
+  for (const PairBuffer& buffer : buffers) found_edges += buffer.found[PairKind::EdgeEdge].size();
   constexpr size_t kParallelMerge = 10000;  // fewer are sorted before the other threads wake up
   if (found_edges > kParallelMerge) {
     pool.for_each_task(2, merge_lists);
@@ -212,10 +225,10 @@ void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
     merge_lists(0, 0);
     merge_lists(1, 0);
   }
-  if (self.filter.has_exclusions()) remove_excluded(mesh, self.filter, out);
-  if (self.filter.has_neighbours())
+  if (filter.has_exclusions()) remove_excluded(mesh, filter, out);
+  if (filter.has_neighbours())
     std::erase_if(out[PairKind::PointEdge], [&](const PrimitivePair& pair) {
-      return self.filter.are_neighbours(pair.first, mesh.edges[pair.second]);
+      return filter.are_neighbours(pair.first, mesh.edges[pair.second]);
     });
 }
 

@@ -34,7 +34,9 @@ class BroadPhase {
   void find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
             CandidateList& out);
 
-  /// As find, for primitives that move linearly from x0 to x1: boxes cover both ends, thus the whole paths.
+  /// As find, for primitives that move linearly from x0 to x1: every pair that can come that near on the way.
+  /// Of what moves along together hardly more than at rest: boxes are of positions at the start and of
+  /// displacements, and only relative ones count.
   void find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
                   ThreadPool& pool, CandidateList& out);
 

@@ -78,6 +78,7 @@ void Bvh::reset(SurfaceMesh mesh, int32_t group_count) {
   mesh_ = std::move(mesh);
   make_cells(group_count);
   vertex_boxes_.assign(mesh_.vertex_count, kEmptyBox);
+  vertex_motions_.assign(mesh_.vertex_count, Box{});
 }
 
 void Bvh::make_cells(int32_t group_count) {
@@ -186,6 +187,7 @@ void Bvh::make_cells(int32_t group_count) {
     }
   }
   nodes_.assign(node_count, BoxNode{});
+  motion_nodes_.assign(node_count, BoxNode{});
 }
 
 void Bvh::build(Tree& tree, std::span<const Vec3> x) {
@@ -204,7 +206,7 @@ void Bvh::build(Tree& tree, std::span<const Vec3> x) {
 }
 
 void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-                ThreadPool& pool) {
+                ThreadPool& pool, bool is_moving) {
   const size_t vertex_count = static_cast<size_t>(mesh_.vertex_count);
   if (x0.size() < vertex_count || x1.size() < vertex_count) {
     throw InvalidArgument("collision: " + std::to_string(std::min(x0.size(), x1.size())) + " positions for " +
@@ -215,31 +217,12 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
                           std::to_string(trees_.size()) + " groups; give one each, in metres");
   }
   if (points_.empty()) return;
-  Vec3 low = x0[points_[0]], high = low;
-  for (const int32_t v : points_) {
-    const Vec3& p = x0[v];
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const Vec3 origin = (low + high) * 0.5;
-  // Covers the rounding of the differences below, which is relative to the distance from the origin.
-  const double slack = 1e-15 * max_abs(high - low);
-  constexpr int64_t kPointGrain = 4096, kLeafGrain = 512;
-  pool.for_each_range(static_cast<int64_t>(points_.size()), kPointGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t k = begin; k < end; ++k) {
-      const int32_t v = points_[k];
-      const double r = group_inflation[mesh_.vertex_group[v]] * (1.0 + 1e-12) + slack;
-      const Vec3 p = x0[v] - origin, q = x1[v] - origin;
-      Box& box = vertex_boxes_[v];
-      box.low = Float4{round_down(std::min(p.x, q.x) - r), round_down(std::min(p.y, q.y) - r),
-                       round_down(std::min(p.z, q.z) - r), 0.0f};
-      box.high = Float4{round_up(std::max(p.x, q.x) + r), round_up(std::max(p.y, q.y) + r),
-                        round_up(std::max(p.z, q.z) + r), 0.0f};
-    }
-  });
+  is_moving_ = is_moving;
+  refit_vertices(x0, x1, group_inflation, pool);
   for (Tree& tree : trees_) {
     if (tree.cell_count > 0 && tree.built_size < 0.0) build(tree, x0);
   }
+  constexpr int64_t kLeafGrain = 512;
   pool.for_each_range(leaf_count_, kLeafGrain, [&](int64_t begin, int64_t end) { refit_leaves(begin, end); });
   for (Tree& tree : trees_) {
     if (tree.cell_count == 0) continue;
@@ -251,26 +234,59 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
       refit_leaves(tree.level_begin[0], tree.level_begin[0] + tree.level_size[0]);
       tree.built_size = leaf_size(tree);
     }
-    refit_upper_levels(tree);
+    refit_upper_levels(tree, nodes_);
+    tree.extent.start = tree.bounds = root_box(tree, nodes_);
+    if (!is_moving) continue;
+    refit_upper_levels(tree, motion_nodes_);
+    const Box motion = tree.extent.motion = root_box(tree, motion_nodes_);
+    tree.bounds.low += min(motion.low, Float4{});
+    tree.bounds.high += max(motion.high, Float4{});
   }
 }
 
-void Bvh::refit_leaves(int64_t begin, int64_t end) {
-  for (int64_t leaf = begin; leaf < end; ++leaf) {
-    BoxNode& node = nodes_[leaf];
-    for (int k = 0; k < kWidth; ++k) {
-      const Cell& cell = cells_[kWidth * leaf + k];
-      const bool used = cell.triangle >= 0 || cell.point_count + cell.edge_count > 0;
-      const Box box = used ? cell_box(cell) : kEmptyBox;
-      for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis][k] = box.low[axis];
-        node.high[axis][k] = box.high[axis];
-      }
-    }
+void Bvh::refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                         std::span<const double> group_inflation, ThreadPool& pool) {
+  Vec3 low = x0[points_[0]], high = low;
+  double largest_motion = 0.0;
+  for (const int32_t v : points_) {
+    const Vec3& p = x0[v];
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    if (is_moving_) largest_motion = std::max(largest_motion, max_abs(x1[v] - p));
   }
+  const Vec3 origin = (low + high) * 0.5;
+  // Covers the rounding of the differences below, which is relative to the distance from the origin; of boxes
+  // that move also that of the sums and differences in single precision, four for each pair.
+  double slack = 1e-15 * max_abs(high - low);
+  if (is_moving_) {
+    double reach = max_abs(high - low);
+    for (const double r : group_inflation) reach = std::max(reach, max_abs(high - low) + 2.0 * r);
+    slack += 0x1p-24 * (reach + 3.0 * largest_motion);
+  }
+  constexpr int64_t kPointGrain = 4096;
+  pool.for_each_range(static_cast<int64_t>(points_.size()), kPointGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const int32_t v = points_[k];
+      const double r = group_inflation[mesh_.vertex_group[v]] * (1.0 + 1e-12) + slack;
+      const Vec3 p = x0[v] - origin;
+      vertex_boxes_[v] = {Float4{round_down(p.x - r), round_down(p.y - r), round_down(p.z - r), 0.0f},
+                          Float4{round_up(p.x + r), round_up(p.y + r), round_up(p.z + r), 0.0f}};
+      if (!is_moving_) continue;
+      const Vec3 d = x1[v] - x0[v];
+      vertex_motions_[v] = {Float4{round_down(d.x), round_down(d.y), round_down(d.z), 0.0f},
+                            Float4{round_up(d.x), round_up(d.y), round_up(d.z), 0.0f}};
+    }
+  });
 }
 
 namespace {
+
+void set_box(BoxNode& node, int k, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.low[axis][k] = box.low[axis];
+    node.high[axis][k] = box.high[axis];
+  }
+}
 
 Box node_bounds(const BoxNode& node) {
   Box box = kEmptyBox;
@@ -285,6 +301,22 @@ Box node_bounds(const BoxNode& node) {
 
 }  // namespace
 
+void Bvh::refit_leaves(int64_t begin, int64_t end) {
+  for (int64_t leaf = begin; leaf < end; ++leaf) {
+    for (int k = 0; k < kWidth; ++k) {
+      const Cell& cell = cells_[kWidth * leaf + k];
+      const bool used = cell.triangle >= 0 || cell.point_count + cell.edge_count > 0;
+      if (!is_moving_) {
+        set_box(nodes_[leaf], k, used ? cell_extent<Box>(cell) : kEmptyBox);
+        continue;
+      }
+      const MovingBox box = used ? cell_extent<MovingBox>(cell) : MovingBox{kEmptyBox, kEmptyBox};
+      set_box(nodes_[leaf], k, box.start);
+      set_box(motion_nodes_[leaf], k, box.motion);
+    }
+  }
+}
+
 double Bvh::leaf_size(const Tree& tree) const {
   double size = 0.0;
   for (int32_t leaf = 0; leaf < tree.level_size[0]; ++leaf) {
@@ -294,23 +326,21 @@ double Bvh::leaf_size(const Tree& tree) const {
   return size;
 }
 
-void Bvh::refit_upper_levels(Tree& tree) {
+void Bvh::refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const {
   for (int level = 1; level < tree.level_count; ++level) {
     for (int32_t n = 0; n < tree.level_size[level]; ++n) {
-      BoxNode& node = nodes_[tree.level_begin[level] + n];
       for (int k = 0; k < kWidth; ++k) {
         const int32_t child = kWidth * n + k;
-        const Box box = child < tree.level_size[level - 1]
-                            ? node_bounds(nodes_[tree.level_begin[level - 1] + child])
-                            : kEmptyBox;
-        for (int axis = 0; axis < 3; ++axis) {
-          node.low[axis][k] = box.low[axis];
-          node.high[axis][k] = box.high[axis];
-        }
+        const bool used = child < tree.level_size[level - 1];
+        set_box(nodes[tree.level_begin[level] + n], k,
+                used ? node_bounds(nodes[tree.level_begin[level - 1] + child]) : kEmptyBox);
       }
     }
   }
-  tree.bounds = node_bounds(nodes_[tree.level_begin[tree.level_count - 1]]);
+}
+
+Box Bvh::root_box(const Tree& tree, const std::vector<BoxNode>& nodes) const {
+  return node_bounds(nodes[tree.level_begin[tree.level_count - 1]]);
 }
 
 void Bvh::find_tasks(const PairFilter& filter) {

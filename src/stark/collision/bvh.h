@@ -4,10 +4,16 @@
 // pair once. Cells are ordered by recursive median splits so that any 8^k consecutive ones are compact; the
 // tree is then implicit and 8-wide: a node holds the boxes of eight children, level 0 those of eight cells.
 // Boxes are single precision about a common origin, rounded outwards.
+//
+// Primitives that move have two boxes, that of their start and that of their displacements. Two of them can
+// meet only if the first box of one overlaps that of the other, stretched by the range of their relative
+// displacements: what moves along with its neighbours, a cloth that spins or falls, finds as few pairs as if
+// it stood still.
 #pragma once
 
 #include <algorithm>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -41,8 +47,24 @@ struct Box {
   }
 };
 
-inline Box merge(const Box& a, const Box& b) {
-  return {a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
+inline Float4 min(const Float4& a, const Float4& b) { return a < b ? a : b; }
+inline Float4 max(const Float4& a, const Float4& b) { return a > b ? a : b; }
+
+inline Box merge(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
+
+/// Where something is at the start, and the range of displacements of its points.
+struct MovingBox {
+  Box start, motion;
+
+  bool overlaps(const MovingBox& b) const {
+    const Float4 zero{};
+    return start.overlaps({b.start.low + min(b.motion.low - motion.high, zero),
+                           b.start.high + max(b.motion.high - motion.low, zero)});
+  }
+};
+
+inline MovingBox merge(const MovingBox& a, const MovingBox& b) {
+  return {merge(a.start, b.start), merge(a.motion, b.motion)};
 }
 
 struct Cell {
@@ -58,6 +80,9 @@ struct Cell {
 /// Bit k set where box k of the node overlaps the box.
 int overlap_mask(const BoxNode& node, const Box& box);
 
+/// The same of boxes that move; `motion`: displacements of those of the node.
+int overlap_mask(const BoxNode& start, const BoxNode& motion, const MovingBox& box);
+
 class Bvh {
  public:
   /// Throws InvalidMesh for inconsistent input.
@@ -66,19 +91,35 @@ class Bvh {
   const SurfaceMesh& mesh() const { return mesh_; }
   int32_t group_count() const { return static_cast<int32_t>(trees_.size()); }
 
-  /// Boxes of all primitives for linear motion from x0 to x1, inflated by the group's value. Rebuilds the
-  /// trees of groups whose leaves have grown too much since they were built.
+  /// Boxes of all primitives at x, inflated by the group's value. Rebuilds the trees of groups whose leaves
+  /// have grown too much since they were built.
+  void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool) {
+    refit(x, x, group_inflation, pool, false);
+  }
+
+  /// The same for linear motion from x0 to x1.
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-             ThreadPool& pool);
+             ThreadPool& pool) {
+    refit(x0, x1, group_inflation, pool, true);
+  }
 
   /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair
-  /// once, in groups that the filter allows. Order unspecified; on several threads.
-  template <typename Body>
+  /// once, in groups that the filter allows. Order unspecified; on several threads. Extent: Box, or MovingBox
+  /// after a refit for motion.
+  template <typename Extent, typename Body>
   void for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body);
 
-  const Box& vertex_box(int32_t vertex) const { return vertex_boxes_[vertex]; }
-  Box edge_box(const Index2& edge) const { return merge(vertex_boxes_[edge[0]], vertex_boxes_[edge[1]]); }
-  Box cell_box(const Cell& cell) const;
+  template <typename Extent>
+  Extent vertex_extent(int32_t vertex) const;
+  template <typename Extent>
+  Extent edge_extent(const Index2& edge) const {
+    return merge(vertex_extent<Extent>(edge[0]), vertex_extent<Extent>(edge[1]));
+  }
+  template <typename Extent>
+  Extent cell_extent(const Cell& cell) const {
+    return merge(merge(vertex_extent<Extent>(cell.vertices[0]), vertex_extent<Extent>(cell.vertices[1])),
+                 vertex_extent<Extent>(cell.vertices[2]));
+  }
 
  private:
   static constexpr int kMaxLevels = 11;
@@ -88,7 +129,8 @@ class Bvh {
     int32_t level_begin[kMaxLevels] = {};    // node numbers
     int32_t level_size[kMaxLevels] = {};
     double built_size = -1.0;  // sum of leaf extents when built; < 0: not built yet
-    Box bounds{};
+    MovingBox extent{};        // of all of it
+    Box bounds{};              // of all its way
   };
   // Leaf blocks [begin, end) of group a against the subtree of group b under a node.
   struct Task {
@@ -97,34 +139,51 @@ class Bvh {
 
   void make_cells(int32_t group_count);
   void build(Tree& tree, std::span<const Vec3> x);
+  void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
+             ThreadPool& pool, bool is_moving);
+  void refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                      std::span<const double> group_inflation, ThreadPool& pool);
   void refit_leaves(int64_t begin, int64_t end);
-  void refit_upper_levels(Tree& tree);
+  void refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const;
   double leaf_size(const Tree& tree) const;
   void find_tasks(const PairFilter& filter);
-  template <typename Body>
+  Box root_box(const Tree& tree, const std::vector<BoxNode>& nodes) const;
+  template <typename Extent, typename Body>
   void run_task(const Task& task, int thread, Body& body);
+  template <typename Extent>
+  int node_mask(int32_t node, const Extent& query) const;
 
   SurfaceMesh mesh_;
-  std::vector<int32_t> points_;  // all collision points, sorted
-  std::vector<Cell> cells_;      // per group in tree order, padded to a multiple of kWidth
-  std::vector<BoxNode> nodes_;   // level 0 of all groups first: node k holds cells 8 k ...
+  std::vector<int32_t> points_;        // all collision points, sorted
+  std::vector<Cell> cells_;            // per group in tree order, padded to a multiple of kWidth
+  std::vector<BoxNode> nodes_;         // level 0 of all groups first: node k holds cells 8 k ...
+  std::vector<BoxNode> motion_nodes_;  // displacements, where there are any
   std::vector<Tree> trees_;
-  std::vector<Box> vertex_boxes_;
+  std::vector<Box> vertex_boxes_, vertex_motions_;
+  bool is_moving_ = false;
   std::vector<Task> tasks_;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
   int64_t leaf_count_ = 0;
 };
 
-inline Box Bvh::cell_box(const Cell& cell) const {
-  return merge(merge(vertex_boxes_[cell.vertices[0]], vertex_boxes_[cell.vertices[1]]),
-               vertex_boxes_[cell.vertices[2]]);
+template <typename Extent>
+Extent Bvh::vertex_extent(int32_t vertex) const {
+  if constexpr (std::is_same_v<Extent, Box>)
+    return vertex_boxes_[vertex];
+  else
+    return {vertex_boxes_[vertex], vertex_motions_[vertex]};
 }
 
-inline int overlap_mask(const BoxNode& node, const Box& box) {
-  Int8 inside = (node.low[0] <= box.high[0]) & (node.high[0] >= box.low[0]);
-  inside &= (node.low[1] <= box.high[1]) & (node.high[1] >= box.low[1]);
-  inside &= (node.low[2] <= box.high[2]) & (node.high[2] >= box.low[2]);
+template <typename Extent>
+int Bvh::node_mask(int32_t node, const Extent& query) const {
+  if constexpr (std::is_same_v<Extent, Box>)
+    return overlap_mask(nodes_[node], query);
+  else
+    return overlap_mask(nodes_[node], motion_nodes_[node], query);
+}
+
+inline int lane_mask(const Int8& inside) {
 #if defined(__AVX__)
   return __builtin_ia32_movmskps256(reinterpret_cast<Float8>(inside));
 #else
@@ -134,16 +193,36 @@ inline int overlap_mask(const BoxNode& node, const Box& box) {
 #endif
 }
 
-template <typename Body>
+inline int overlap_mask(const BoxNode& node, const Box& box) {
+  Int8 inside = (node.low[0] <= box.high[0]) & (node.high[0] >= box.low[0]);
+  inside &= (node.low[1] <= box.high[1]) & (node.high[1] >= box.low[1]);
+  inside &= (node.low[2] <= box.high[2]) & (node.high[2] >= box.low[2]);
+  return lane_mask(inside);
+}
+
+inline int overlap_mask(const BoxNode& start, const BoxNode& motion, const MovingBox& box) {
+  const Float8 zero{};
+  Int8 inside = zero == zero;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float8 back = motion.low[axis] - box.motion.high[axis];
+    const Float8 forth = motion.high[axis] - box.motion.low[axis];
+    inside &= start.low[axis] + (back < zero ? back : zero) <= box.start.high[axis];
+    inside &= start.high[axis] + (forth > zero ? forth : zero) >= box.start.low[axis];
+  }
+  return lane_mask(inside);
+}
+
+template <typename Extent, typename Body>
 void Bvh::for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body) {
   find_tasks(filter);
   if (task_begin_.size() < 2) return;
   pool.for_each_task(static_cast<int64_t>(task_begin_.size()) - 1, [&](int64_t unit, int thread) {
-    for (int32_t k = task_begin_[unit]; k < task_begin_[unit + 1]; ++k) run_task(tasks_[k], thread, body);
+    for (int32_t k = task_begin_[unit]; k < task_begin_[unit + 1]; ++k)
+      run_task<Extent>(tasks_[k], thread, body);
   });
 }
 
-template <typename Body>
+template <typename Extent, typename Body>
 void Bvh::run_task(const Task& task, int thread, Body& body) {
   const Tree &a = trees_[task.a], &b = trees_[task.b];
   const bool self = task.a == task.b;
@@ -151,19 +230,24 @@ void Bvh::run_task(const Task& task, int thread, Body& body) {
     int32_t level, node;
   };
   Entry stack[kMaxLevels * kWidth];
-  Box boxes[kWidth];
+  Extent boxes[kWidth];
+  Extent bounds;  // of all of b
+  if constexpr (std::is_same_v<Extent, Box>)
+    bounds = b.extent.start;
+  else
+    bounds = b.extent;
   for (int32_t leaf_a = task.begin; leaf_a < task.end; ++leaf_a) {
     const Cell* cells_a = &cells_[a.cell_begin + kWidth * leaf_a];
     const int count_a = std::min(kWidth, a.cell_count - kWidth * leaf_a);
-    Box query = boxes[0] = cell_box(cells_a[0]);
-    for (int k = 1; k < count_a; ++k) query = merge(query, boxes[k] = cell_box(cells_a[k]));
-    if (!self && !query.overlaps(b.bounds)) continue;
+    Extent query = boxes[0] = cell_extent<Extent>(cells_a[0]);
+    for (int k = 1; k < count_a; ++k) query = merge(query, boxes[k] = cell_extent<Extent>(cells_a[k]));
+    if (!self && !query.overlaps(bounds)) continue;
     int stack_size = 0;
     stack[stack_size++] = {task.level, task.node};
     while (stack_size > 0) {
       const Entry entry = stack[--stack_size];
-      const BoxNode& node = nodes_[b.level_begin[entry.level] + entry.node];
-      int mask = overlap_mask(node, query);
+      const int32_t node = b.level_begin[entry.level] + entry.node;
+      int mask = node_mask(node, query);
       if (entry.level > 0) {
         const int below = entry.level - 1;
         for (; mask != 0; mask &= mask - 1) {
@@ -177,7 +261,7 @@ void Bvh::run_task(const Task& task, int thread, Body& body) {
       const Cell* cells_b = &cells_[b.cell_begin + kWidth * entry.node];
       const bool same_leaf = self && entry.node == leaf_a;
       for (int k = 0; k < count_a; ++k) {
-        int hits = overlap_mask(node, boxes[k]);
+        int hits = node_mask(node, boxes[k]);
         if (same_leaf) hits &= ~((2 << k) - 1);
         for (; hits != 0; hits &= hits - 1) {
           body(thread, cells_a[k], cells_b[__builtin_ctz(static_cast<unsigned>(hits))], self);

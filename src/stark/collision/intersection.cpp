@@ -21,13 +21,13 @@ using detail::Cell;
 void add_edge_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::span<const Vec3> x,
                        std::vector<EdgeTriangleIntersection>& out) {
   if (b.triangle < 0 || a.edge_count == 0) return;
-  const detail::Box box = bvh.cell_box(b);
+  const auto box = bvh.cell_extent<detail::Box>(b);
   const Index3& t = b.vertices;
   for (int k = 0; k < a.edge_count; ++k) {
     const Index2& e = a.edge_vertices[k];
     if (e[0] == t[0] || e[0] == t[1] || e[0] == t[2] || e[1] == t[0] || e[1] == t[1] || e[1] == t[2])
       continue;
-    if (!box.overlaps(bvh.edge_box(e))) continue;
+    if (!box.overlaps(bvh.edge_extent<detail::Box>(e))) continue;
     if (segment_intersects_triangle(x[e[0]], x[e[1]], x[t[0]], x[t[1]], x[t[2]])) {
       out.push_back({a.edges[k], b.triangle});
     }
@@ -93,9 +93,9 @@ std::vector<EdgeTriangleIntersection> IntersectionFinder::intersections(std::spa
                                                                         ThreadPool& pool) {
   Bvh& bvh = parts_->bvh;
   const SurfaceMesh& mesh = bvh.mesh();
-  bvh.refit(x, x, parts_->no_inflation, pool);
+  bvh.refit(x, parts_->no_inflation, pool);
   std::vector<std::vector<EdgeTriangleIntersection>> found(pool.thread_count());
-  bvh.for_each_pair(filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
+  bvh.for_each_pair<detail::Box>(filter, pool, [&](int thread, const Cell& a, const Cell& b, bool) {
     add_edge_triangle(bvh, a, b, x, found[thread]);
     add_edge_triangle(bvh, b, a, x, found[thread]);
   });
@@ -208,9 +208,9 @@ ClosestPoints IntersectionFinder::closest_points(std::span<const Vec3> x, int32_
   while (reach <= 16.0 * norm(size)) {  // not NaN
     std::vector<double> inflation(bvh.group_count(), 0.0);
     inflation[group_a] = inflation[group_b] = 0.5 * reach;
-    bvh.refit(x, x, inflation, pool);
+    bvh.refit(x, inflation, pool);
     std::vector<std::pair<const Cell*, const Cell*>> pairs;
-    bvh.for_each_pair(filter, alone, [&](int, const Cell& a, const Cell& b, bool) {
+    bvh.for_each_pair<detail::Box>(filter, alone, [&](int, const Cell& a, const Cell& b, bool) {
       const bool is_turned = mesh.vertex_group[a.vertices[0]] != group_a;
       pairs.emplace_back(is_turned ? &b : &a, is_turned ? &a : &b);
     });
