@@ -355,6 +355,13 @@ def test_a_manifest_with_numbers_that_json_lacks_is_damaged(
     assert "manifest.json' is damaged: " in capsys.readouterr().err
 
 
+def test_a_manifest_without_its_date_goes_on(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is of an older version, or lost its chain, too: a KeyError at the end of `run --resume`."""
+    _edit(run, lambda m: [m.pop(key, None) for key in ("created", "chain")])
+    assert main(["run", "--resume", str(run), "--until", "0.06", *QUIET]) in (0, 2)
+    assert "Traceback" not in capsys.readouterr().err
+
+
 def test_shapes_that_a_file_only_claims(run: Path) -> None:
     """A good archive with a header of 24 TB."""
     import zipfile

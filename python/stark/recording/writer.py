@@ -42,6 +42,10 @@ if TYPE_CHECKING:
     from .states import StateWriter
 
 
+def _now() -> str:
+    return clock.strftime("%Y-%m-%dT%H:%M:%SZ", clock.gmtime())
+
+
 def body_color(body: Any) -> tuple[float, float, float] | None:
     """The colour of a body as three floats in [0, 1], or None when it has none."""
     color = getattr(body, "color", None)
@@ -126,7 +130,7 @@ class Recorder:
             "version": FORMAT_VERSION,
             "stark_version": stark_version,
             "scene": scene,
-            "created": clock.strftime("%Y-%m-%dT%H:%M:%SZ", clock.gmtime()),
+            "created": _now(),
             "status": "running",
             "message": "",
             "frame_count": 0,
@@ -218,6 +222,7 @@ class Recorder:
         recorder = cls.__new__(cls)
         recorder.folder, recorder._lock = folder, lock
         recorder._manifest = {
+            "created": _now(),  # where the manifest does not say
             **recording.manifest,
             "status": "running",
             "message": "",
@@ -242,7 +247,7 @@ class Recorder:
             remove_leftovers(part)
         recorder._closed = False
         recorder._go_on(lines)
-        remember(sim, recorder, recorder._manifest["created"])
+        remember(sim, recorder, str(recorder._manifest["created"]))
         return recorder
 
     def _take_up_frames(self, recording: Recording, frames: int) -> None:
