@@ -3,6 +3,7 @@
 import ast
 import importlib.metadata
 import json
+import os
 import pickle
 import subprocess
 import sys
@@ -52,16 +53,21 @@ def test_type_information_is_shipped() -> None:
         ast.parse(path.read_text())
 
 
-def test_import_is_fast_and_loads_nothing_optional() -> None:
+def test_import_is_fast_and_loads_nothing_optional(tmp_path: Path) -> None:
     code = (
         "import json, sys, time; t0 = time.process_time(); import numpy; "
         "t1 = time.process_time(); import stark; t2 = time.process_time(); "
         "print(json.dumps([t1 - t0, t2 - t1, sorted({m.split('.')[0] for m in sys.modules})]))"
     )
     command = [sys.executable, "-c", code]
+    # Byte code is kept, as in an installed package; the first run writes it.
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    environment["PYTHONPYCACHEPREFIX"] = str(tmp_path)
     runs = [
-        json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-        for _ in range(7)
+        json.loads(
+            subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout
+        )
+        for _ in range(8)
     ]
     assert min(own for _, own, _ in runs) < OWN_SHARE_OF_NUMPY * min(numpy for numpy, _, _ in runs)
     optional = {

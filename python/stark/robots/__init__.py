@@ -1,4 +1,4 @@
-"""Robots from URDF and MJCF files: ``scene.add_robot("panda.urdf")``. docs/robots.md is the guide."""
+"""Robots from URDF, MJCF and USD files: ``scene.add_robot("panda.urdf")``. docs/robots.md is the guide."""
 
 from typing import TYPE_CHECKING
 

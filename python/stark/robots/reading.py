@@ -15,13 +15,18 @@ from stark.robots.description import RobotDescription
 def read(
     path: str | os.PathLike[str], *, packages: Mapping[str, str | os.PathLike[str]] | None = None
 ) -> RobotDescription:
-    """Reads a robot from a URDF file (``<robot>``, with yourdfpy) or an MJCF file (``<mujoco>``, with
-    mujoco): ``pip install 'stark-sim[robots]'``. ``packages``: folders of ``package://`` names in URDF files;
-    those not given are looked for beside the file and in the folders above it.
+    """Reads a robot from a URDF file (``<robot>``, with yourdfpy), an MJCF file (``<mujoco>``, with mujoco,
+    both by ``pip install 'stark-sim[robots]'``) or a USD file (UsdPhysics, with usd-core, by
+    ``pip install 'stark-sim[usd]'``). ``packages``: folders of ``package://`` names in URDF files; those not
+    given are looked for beside the file and in the folders above it.
 
     Raises InvalidArgument with file, part, value, rule and remedy for what cannot be a robot, ImportError
     where the package is missing."""
     file = given_path(path, "robot: path")
+    if file.suffix.lower() in (".usd", ".usda", ".usdc", ".usdz"):
+        from stark.robots.usd import read_usd
+
+        return read_usd(file)
     root = _root_of(file)
     if root == "robot":
         from stark.robots.urdf import read_urdf
@@ -32,8 +37,8 @@ def read(
 
         return read_mjcf(file)
     raise InvalidArgument(
-        f"'{file}': begins with <{root}>: must be a URDF file (<robot>) or an MJCF file (<mujoco>); "
-        f"convert it"
+        f"'{file}': begins with <{root}>: must be a URDF file (<robot>), an MJCF file (<mujoco>) "
+        f"or a USD file (.usd); convert it"
     )
 
 
@@ -60,7 +65,7 @@ def _root_of(file: Path) -> str:
             return str(element.tag)
     except OSError as error:
         raise InvalidArgument(
-            f"'{file}': {error.strerror or error}: must be a URDF or MJCF file; check the path"
+            f"'{file}': {error.strerror or error}: must be a URDF, MJCF or USD file; check the path"
         ) from None
     except ElementTree.ParseError as error:
         raise InvalidArgument(

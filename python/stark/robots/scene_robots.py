@@ -47,7 +47,7 @@ class SceneRobots(SceneLink):
         friction: float | None = None,
         color: Vec3Like | None = None,
     ) -> Robot:
-        """Adds a robot: a URDF or MJCF file, or a ``stark.robots.RobotDescription`` (docs/robots.md).
+        """Adds a robot: a URDF, MJCF or USD file, or a ``stark.robots.RobotDescription`` (docs/robots.md).
 
         ``base`` is "fixed", "floating" or "scripted" (moved as scripted bodies are), what the file says if
         left out; ``position`` [m] and ``rotation`` place it. ``q``: where joints start, (n,) [rad, m] or

@@ -12,7 +12,7 @@ import stark.robots
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<sdf version='1'/>", "begins with <sdf>: must be a URDF file .* or an MJCF file"),
+        ("<sdf version='1'/>", "begins with <sdf>: must be a URDF file .* an MJCF file .* or a USD file"),
         ("", "must be XML"),
         ("robot: {}", "must be XML; xacro files have to be expanded first"),
     ],
@@ -27,7 +27,7 @@ def test_other_files_are_refused(text: str, message: str, tmp_path: Path) -> Non
 def test_files_that_are_not_there_are_named(tmp_path: Path) -> None:
     for file in (tmp_path / "no.urdf", tmp_path):
         with pytest.raises(
-            stark.InvalidArgument, match=f"'{file}': .* must be a URDF or MJCF file; check the path"
+            stark.InvalidArgument, match=f"'{file}': .* must be a URDF, MJCF or USD file; check the path"
         ):
             stark.robots.read(file)
     with pytest.raises(stark.InvalidArgument, match="robot: path = 3: must be a path"):

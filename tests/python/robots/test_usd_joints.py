@@ -1,0 +1,54 @@
+"""Limits, drives and free axes of joints of USD files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots._stages import body, joint, stage
+
+import stark
+from stark.robots import kinematics
+
+pytest.importorskip("pxr")
+
+HINGE = 'uniform token physics:axis = "Z"\n'
+
+
+def test_limits_and_drives(tmp_path: Path) -> None:
+    values = (
+        HINGE + "float physics:lowerLimit = -90\nfloat physics:upperLimit = 180\n"
+        "float drive:angular:physics:maxForce = 40000\nfloat drive:angular:physics:stiffness = 100\n"
+        "float physxJoint:maxJointVelocity = 360\nfloat physxJoint:armature = 2000\n"
+    )
+    made = joint("j", "PhysicsRevoluteJoint", "a", "b", values, '"PhysicsDriveAPI:angular"')
+    slider = joint("s", "PhysicsPrismaticJoint", "b", "c", HINGE + "float physics:lowerLimit = -25\n")
+    file = stage(tmp_path, body("a") + body("b") + body("c") + made + slider, metre=0.01)
+    robot = stark.robots.read(file)
+    j, s = robot.joints["j"], robot.joints["s"]
+    assert (j.kind, s.kind) == ("revolute", "prismatic")
+    assert (j.lower, j.upper) == pytest.approx((-np.pi / 2, np.pi))
+    assert (j.effort, j.velocity, j.armature) == pytest.approx((4.0, 2 * np.pi, 0.2))
+    assert s.lower == pytest.approx(-0.25) and s.upper is None
+    assert "drive 'angular' with stiffness 0.572958" in str(robot.report)  # 100 kg cm^2/s^2 for a degree
+
+
+def test_a_joint_with_free_axes_is_a_row_of_joints(tmp_path: Path) -> None:
+    locked = "".join(
+        f"float limit:{axis}:physics:low = 1\nfloat limit:{axis}:physics:high = -1\n"
+        for axis in ("transX", "transY", "transZ", "rotY")
+    )
+    schemas = ", ".join(f'"PhysicsLimitAPI:{axis}"' for axis in ("transX", "transY", "transZ", "rotY"))
+    made = joint("j", "PhysicsJoint", "a", "b", locked, schemas)
+    robot = stark.robots.read(stage(tmp_path, body("a") + body("b") + made))
+    assert robot.coordinates == ("j_rotX", "j_rotZ")
+    assert robot.links["b_after_j_rotX"].between == "b"
+    frame = kinematics.placements(robot, np.array([0.3, 0.5]))["b"]
+    x, z = stark.rotation(axis="x", angle=0.3), stark.rotation(axis="z", angle=0.5)
+    np.testing.assert_allclose(frame.rotation, x @ z, atol=1e-9)
+    fixed = joint("ground", "PhysicsFixedJoint", "", "b")
+    back = stark.robots.read(stage(tmp_path, body("a") + body("b") + made + fixed))
+    assert back.root == "b" and back.coordinates == ("j_rotZ", "j_rotX")
+    frame = kinematics.placements(back, np.array([0.5, 0.3]))["a"]
+    np.testing.assert_allclose(frame.rotation, (x @ z).T, atol=1e-9)
