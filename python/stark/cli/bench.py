@@ -1,5 +1,8 @@
 """``stark bench``: measures a scene so that it can be compared with other systems.
 
+Steps end by one of ``RULES``, by default when the residual alone is small: systems that stop by their own
+last correction are not equally exact.
+
 Nothing is recorded and nothing is warmed up. The clock runs from the finished scene description to the last
 step, so the making of the model and of its kernels counts. A calibration job right before and right after
 tells how fast the machine was: compare ``cpu_s / calib_s`` rather than seconds.
@@ -16,6 +19,12 @@ from typing import Any
 from .output import say
 from .settings_arguments import add_setting_arguments, parse_settings
 
+#: When a step ends. residual: the largest unbalanced force times the time step is below 1e-6 N s. any: that,
+#: or the next full Newton step moves no point faster than 1e-3 m/s. scene: as the settings of the scene say.
+RULES = ("residual", "any", "scene")
+_RESIDUAL, _CORRECTION = 1e-6, 1e-3  # [N s], [m/s]
+_GRAVITY, _NUDGE = (0.0, 0.0, -9.81), 1e-9
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -25,6 +34,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--until", type=float, metavar="T", help="simulated time [s]; default: the scene's own"
     )
     parser.add_argument("--json", action="store_true", help="print one line of JSON and nothing else")
+    parser.add_argument(
+        "--rule",
+        choices=RULES,
+        default=RULES[0],
+        help="a step ends when its residual is below 1e-6 N s (default), that or when its next correction is "
+        "below 1e-3 m/s (any), or by the settings of the scene",
+    )
     parser.add_argument("--no-check", action="store_true", help="do not check all states for intersections")
     add_setting_arguments(parser)
 
@@ -44,10 +60,29 @@ def calibrate() -> float:
     return best
 
 
+def rule_settings(rule: str, time_step: float) -> dict[str, Any]:
+    """Settings with which steps of a length [s] end by a rule of ``RULES``."""
+    if rule == "scene":
+        return {}
+    return {
+        "newton.termination": "any",
+        "newton.acceleration_tolerance": 0.0,
+        "newton.residual_tolerance": _RESIDUAL / time_step,
+        "newton.step_tolerance": _CORRECTION if rule == "any" else 0.0,
+    }
+
+
 def measure(
-    name: str, settings: dict[str, Any], until: float | None = None, check: bool = True
+    name: str,
+    settings: dict[str, Any],
+    until: float | None = None,
+    check: bool = True,
+    rule: str = RULES[0],
+    nudges: int = 0,
 ) -> dict[str, Any]:
-    """Runs the scene once and returns the numbers of the JSON line."""
+    """Runs the scene once and returns the numbers of the JSON line. ``settings`` go before those of the rule
+    and those of the scene. Gravity is larger by ``nudges`` times 1e-9 of itself: counts of iterations of one
+    scene scatter, and runs that differ by that say how much."""
     import numpy as np
 
     import stark
@@ -61,7 +96,13 @@ def measure(
     scene_file = load(name)
     end = end_time(scene_file, until)
     scene, file_settings = scene_file.build()
-    settings = {**file_settings, **settings}
+    gravity = file_settings.get("gravity", _GRAVITY)
+    settings = {
+        **file_settings,
+        "gravity": [(1.0 + _NUDGE * nudges) * g for g in gravity],
+        **rule_settings(rule, _time_step(file_settings | settings)),
+        **settings,
+    }
     checker = _IntersectionCheck.make() if check else None
     states: list[list[np.ndarray]] = []
     totals = dict.fromkeys(("newton_iterations", "linear_iterations", "factorizations", "rejected_steps"), 0)
@@ -94,6 +135,7 @@ def measure(
 
     return {
         "scene": scene_file.name,
+        "rule": rule,
         "threads": sim.threads,
         "sim_s": round(float(sim.time), 9),
         "wall_s": round(wall, 4),
@@ -111,6 +153,12 @@ def measure(
         "observables": scene_file.observables(sim),
         "failure": failure or None,
     }
+
+
+def _time_step(settings: dict[str, Any]) -> float:
+    import stark
+
+    return float(settings.get("time_step", settings.get("time.step", stark.Settings().time.step)))
 
 
 def _dof_count(sim: Any) -> int:
@@ -150,7 +198,7 @@ class _IntersectionCheck:
 
 
 def run(args: argparse.Namespace) -> int:
-    result = measure(args.scene, parse_settings(args), args.until, check=not args.no_check)
+    result = measure(args.scene, parse_settings(args), args.until, not args.no_check, args.rule)
     if args.json:
         say(json.dumps(result, allow_nan=False))
     else:

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from _commands import command
 
-from stark.cli.bench import calibrate
+from stark.cli.bench import RULES, calibrate, measure, rule_settings
 
 _BENCH_KEYS = [
-    "scene", "threads", "sim_s", "wall_s", "cpu_s", "calib_s", "ratio", "steps", "newton_iterations",
+    "scene", "rule", "threads", "sim_s", "wall_s", "cpu_s", "calib_s", "ratio", "steps", "newton_iterations",
     "linear_iterations", "factorizations", "rejected_steps", "dofs", "max_residual_n", "min_distance_m",
     "intersections", "state_hash", "phases", "observables",
 ]  # fmt: skip
@@ -33,6 +33,20 @@ def test_bench_line(fall: Path, capsys) -> None:
     assert again["threads"] == 2 and again["state_hash"] == line["state_hash"]
     assert command("bench", fall) == 0
     assert "newton_iterations" in capsys.readouterr().out
+
+
+def test_rules_say_when_steps_end() -> None:
+    """By the residual alone steps are as exact as was asked; by the other rules corrections may end them."""
+    scene, step = "hanging_cloth_50", 1.0 / 30.0
+    rows = {rule: measure(scene, {}, until=0.2, check=False, rule=rule) for rule in RULES}
+    assert rows["residual"]["max_residual_n"] < 1e-6 / step < rows["any"]["max_residual_n"]
+    assert rows["any"]["state_hash"] == rows["scene"]["state_hash"]  # the scene's own is that rule
+    assert rows["residual"]["newton_iterations"] > rows["any"]["newton_iterations"]
+    nudged = measure(scene, {}, until=0.2, check=False, nudges=1)
+    assert nudged["state_hash"] != rows["residual"]["state_hash"]
+    height = [row["observables"]["z_mean"] for row in (nudged, rows["residual"])]
+    assert height[0] == pytest.approx(height[1], abs=1e-8)
+    assert rule_settings("scene", step) == {}
 
 
 def test_bench_finds_intersections(tmp_path: Path, capsys) -> None:
