@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import os
@@ -24,8 +25,8 @@ _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
 def load(path: str | os.PathLike[str]) -> Mesh:
     """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
-    need ``meshio``, all other formats ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates are taken as
-    metres: use ``.scaled`` if they are not."""
+    are read by ``meshio``, all other formats by ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates
+    are taken as metres: use ``.scaled`` if they are not."""
     file = given_path(path, "mesh.load: path")
     try:
         data = read_bytes(file)
@@ -217,6 +218,8 @@ def _load_by_trimesh(file: Path) -> TriangleMesh:
         raise ImportError(f"'{file}': this format needs trimesh: pip install 'stark-sim[mesh]'") from error
     try:
         loaded: Any = trimesh.load(file, force="mesh")
+    except ImportError as error:
+        raise ImportError(f"'{file}': {error}: pip install 'stark-sim[mesh]'") from error
     except Exception as error:  # readers of many formats raise what they like
         raise InvalidMesh(f"'{file}' cannot be read: {error}") from None
     return TriangleMesh(np.asarray(loaded.vertices), np.asarray(loaded.faces))
@@ -226,11 +229,17 @@ def _load_by_meshio(file: Path) -> Mesh:
     try:
         import meshio
     except ImportError as error:
-        raise ImportError(f"'{file}': this format needs meshio: pip install meshio") from error
+        raise ImportError(f"'{file}': this format needs meshio: pip install 'stark-sim[mesh]'") from error
+    said = io.StringIO()
     try:
-        loaded = meshio.read(file)
-    except Exception as error:
-        raise InvalidMesh(f"'{file}' cannot be read: {error}") from None
+        # It prints why a file cannot be read, and then ends the process.
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            loaded = meshio.read(file)
+    except ImportError as error:
+        raise ImportError(f"'{file}': {error}; install it") from error
+    except (Exception, SystemExit) as error:
+        why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else error
+        raise InvalidMesh(f"'{file}' cannot be read: {why}") from None
     cells = loaded.cells_dict
     solids = ("hexahedron27", "tetra10", "hexahedron")
     for kind in solids:

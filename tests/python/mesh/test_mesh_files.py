@@ -120,7 +120,7 @@ def test_formats_of_other_libraries_name_what_to_install(
     (tmp_path / "a.msh").write_bytes(b"$MeshFormat")
     with pytest.raises(ImportError, match=r"stark-sim\[mesh\]"):
         mesh.load(tmp_path / "a.glb")
-    with pytest.raises(ImportError, match="pip install meshio"):
+    with pytest.raises(ImportError, match="needs meshio: pip install"):
         mesh.load(tmp_path / "a.msh")
 
 

@@ -1,0 +1,64 @@
+"""Formats that trimesh and meshio read: what they write comes back, and damaged files are errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stark import InvalidMesh, mesh
+
+BOX = mesh.box((0.2, 0.3, 0.4))
+TETRAHEDRA = mesh.tet_box((0.2, 0.3, 0.4), cells=2)
+HEXAHEDRA = mesh.box_hexahedra((0.2, 0.3, 0.4), cells=2)
+VOLUMES = {
+    "tetra": TETRAHEDRA,
+    "tetra10": mesh.to_quadratic(TETRAHEDRA),
+    "hexahedron": HEXAHEDRA,
+    "hexahedron27": mesh.to_quadratic(HEXAHEDRA),
+}
+
+
+@pytest.mark.parametrize("suffix", ["off", "glb", "gltf", "dae", "stl", "ply", "obj"])
+def test_surfaces_that_trimesh_writes(suffix: str, tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    if suffix == "dae":
+        pytest.importorskip("collada")
+    path = tmp_path / f"box.{suffix}"
+    trimesh.Trimesh(BOX.vertices, BOX.triangles, process=False).export(path)
+    found = mesh.load(path)
+    assert isinstance(found, mesh.TriangleMesh) and found.is_closed
+    assert found.bounds == pytest.approx(BOX.bounds, abs=1e-7)  # single precision
+    assert found.volume == pytest.approx(0.024, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", VOLUMES)
+@pytest.mark.parametrize("suffix", ["vtu", "vtk", "msh"])
+def test_volumes_that_meshio_writes(kind: str, suffix: str, tmp_path: Path) -> None:
+    """Bit by bit, nodes in the same order; MSH files are those of Gmsh 2.2 and, of linear cells, 4.1."""
+    meshio = pytest.importorskip("meshio")
+    solid, path = VOLUMES[kind], tmp_path / f"box.{suffix}"
+    cells = solid.tets if isinstance(solid, mesh.TetMesh) else solid.elements
+    written = meshio.Mesh(solid.vertices, [(kind, np.asarray(cells))])
+    for file_format in ("gmsh22", "gmsh") if suffix == "msh" else (None,):
+        meshio.write(path, written, file_format)
+        found = mesh.load(path)
+        assert type(found) is type(solid)
+        assert np.array_equal(found.vertices, solid.vertices)
+        assert np.array_equal(found.tets if isinstance(found, mesh.TetMesh) else found.elements, cells)
+
+
+@pytest.mark.parametrize("suffix", ["msh", "vtu", "vtk", "mesh", "off", "glb", "gltf", "dae"])
+@pytest.mark.parametrize("data", [b"", b"nonsense\n1 2 3\n", b"<VTKFile></VTKFile>", b"OFF\n3 1 0\n0 0 0\n"])
+def test_damaged_files_are_errors_without_a_word(
+    suffix: str, data: bytes, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("trimesh")
+    pytest.importorskip("meshio")
+    pytest.importorskip("collada")
+    path = tmp_path / f"part.{suffix}"
+    path.write_bytes(data)
+    with pytest.raises(InvalidMesh, match=f"part.{suffix}' "):
+        mesh.load(path)
+    assert capfd.readouterr() == ("", "")
