@@ -8,7 +8,7 @@ The check: motors keep their limit of torque, and the outcome is one of the thre
 
     python examples/robot_towel.py                  the flat towel on carpet; picture in out/robot_towel*
     stark run examples/robot_towel.py --option towel=two_folds --option floor=polished
-    stark study run examples/robot_towel.toml       configurations on both floors, as a table
+    stark study run examples/robot_towel.toml       the sixteen runs of Table I, on coarse meshes
 """
 
 import sys
@@ -39,6 +39,8 @@ LABORATORY = {
     "flat": ("over", "over"),
     "one_fold": ("over", "over"),
     "two_folds": ("over", "pushed"),
+    "three_folds_folded": ("stuck", "pushed"),
+    "three_folds_open": ("stuck", "pushed"),
     "roll_rolled": ("stuck", "pushed"),
     "roll_open": ("stuck", "over"),
     "roll_side": ("stuck", "stuck"),

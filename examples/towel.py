@@ -2,10 +2,14 @@
 
 A sheet that is bent in one direction only keeps all lengths: its rows lie on a curve in a vertical plane
 whose edges are as long as those of the flat sheet. Creases are rows. Layers are ``PITCH`` apart, a little
-more than the contact distance of terry cloth with itself.
+more than the contact distance of terry cloth with itself. Creases that cross are folded by simulation
+(fold_towel.py); files beside this one have the results.
 """
 
 from __future__ import annotations
+
+import hashlib
+from pathlib import Path
 
 import numpy as np
 
@@ -27,7 +31,9 @@ def placed(cells: int, configuration: str) -> np.ndarray:
     lowest at z = 0 [m]."""
     x, y, _ = mesh(cells).vertices.T
     row = np.rint((y / LENGTH + 0.5) * cells).astype(int)
-    if configuration == "flat":
+    if configuration.startswith("three_folds"):
+        points = _three_folds(cells, configuration)
+    elif configuration == "flat":
         points = np.column_stack([y, x, 0.0 * x])
     else:
         curves = {"one_fold": _one_fold, "two_folds": _two_folds}
@@ -39,6 +45,28 @@ def placed(cells: int, configuration: str) -> np.ndarray:
             points = points[:, [1, 0, 2]]
     points[:, 1:] -= points[:, 1:].min(axis=0)
     return points
+
+
+def folded_file(cells: int) -> Path:
+    """What fold_towel.py writes."""
+    return Path(__file__).parent / f"towel_three_folds_{cells}.npz"
+
+
+def recipe() -> str:
+    """Hash of the files that a folded towel follows from."""
+    names = ("towel.py", "fold_towel.py")
+    return hashlib.sha256(b"".join(Path(__file__).with_name(name).read_bytes() for name in names)).hexdigest()
+
+
+def _three_folds(cells: int, configuration: str) -> np.ndarray:
+    """Two folds halved across: the third crease or the eight free edges face the robot."""
+    path = folded_file(cells)
+    if not path.exists():
+        raise FileNotFoundError(f"{path}: is not there; make it: python examples/fold_towel.py {cells}")
+    x, y, z = np.load(path)["positions"].astype(float).T
+    sign = {"three_folds_folded": 1.0, "three_folds_open": -1.0}[configuration]
+    across = y - 0.5 * (y.min() + y.max())
+    return np.column_stack([sign * across, -sign * x, z])
 
 
 def _one_fold(cells: int) -> tuple[np.ndarray, np.ndarray]:

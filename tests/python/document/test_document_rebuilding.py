@@ -24,6 +24,7 @@ WITHOUT = {
     **dict.fromkeys(("curves", "pictures", "robot_parts", "towel"), "functions for other examples"),
     "learning": "environments, whose scenes are below",
     "fit_ellipse": "derivatives without a scene",
+    "fold_towel": "a program of two simulations",
 }
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py"))
 

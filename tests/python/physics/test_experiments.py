@@ -46,6 +46,29 @@ def test_the_robot_meets_a_towel(tmp_path: Path) -> None:
     assert robot_towel.plot(recording, tmp_path / "curves.svg").read_text().count("<polyline") == 8
 
 
+def test_the_towel_folded_three_times_is_that_of_its_program() -> None:
+    """The file is what the sources beside it make: eight layers that do not intersect, with the area of the
+    towel."""
+    towel = scenes.load(EXAMPLES / "robot_towel.py").module.towel
+    assert str(np.load(towel.folded_file(52))["made_by"]) == towel.recipe()
+    mesh = towel.mesh(52)
+    folded, open_side = (towel.placed(52, f"three_folds_{side}") for side in ("folded", "open"))
+    assert np.ptp(folded, axis=0) == pytest.approx(np.ptp(open_side, axis=0))
+    across, deep, high = np.ptp(folded, axis=0)
+    assert 0.36 < across < 0.40 and 0.35 < deep < 0.40  # [m], a half of 0.75 and about a quarter of 1.35
+    assert 7.0 * towel.PITCH * 0.9 < high < 0.06
+    areas = [
+        np.linalg.norm(np.cross(*np.diff(x[mesh.triangles], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2.0
+        for x in (mesh.vertices, folded)
+    ]
+    assert areas[1] == pytest.approx(areas[0], rel=0.02)
+    ipctk = pytest.importorskip("ipctk")
+    faces = np.asarray(mesh.triangles, dtype=np.int32)
+    surface = ipctk.CollisionMesh(mesh.vertices, ipctk.edges(faces), faces)
+    for points in (folded, open_side):
+        assert not ipctk.has_intersections(surface, points)
+
+
 @pytest.mark.parametrize(
     ("configuration", "cells"),
     [
