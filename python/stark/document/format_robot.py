@@ -92,6 +92,11 @@ ROBOT = Record(
             ),
             [],
         ),
+        "flexes": Field(
+            Listing(Record({"name": Field(Text()), "body": Field(Whole())}), 10_000),
+            [],
+            "deformable parts and the cloth or solid of each",
+        ),
         "drives": Field(
             Listing(
                 Record(

@@ -53,6 +53,7 @@ def described(robot: Robot) -> dict[str, Any]:
             }
             for drives in robot._drives
         ],
+        "flexes": [{"name": name, "body": body._index} for name, body in robot._flexes.items()],
     }
 
 
@@ -104,10 +105,18 @@ def add_robot(scene: Any, row: Mapping[str, Any], where: str) -> None:
         raise DocumentError(f"{where}: joints that move must be joints of the scene with a coordinate")
     if len(row["start"]) != len(description.coordinates):
         raise DocumentError(f"{where}.start: must have {len(description.coordinates)} numbers")
-    robot = Robot(scene, row["name"], description, description.report, links, joints, shifts, row["start"])
+    flexes = {flex["name"]: _flex(scene, flex["body"], where) for flex in row["flexes"]}
+    start = row["start"]
+    robot = Robot(scene, row["name"], description, description.report, links, joints, shifts, start, flexes)
     for k, drives in enumerate(row["drives"]):
         _add_drives(scene, robot, drives, f"{where}.drives[{k}]")
     scene._robots.append(robot)
+
+
+def _flex(scene: Any, number: int, where: str) -> Any:
+    if number >= len(scene.bodies) or scene.bodies[number].kind not in ("cloth", "solid"):
+        raise DocumentError(f"{where}: flexes: body must be a cloth or a solid of the scene")
+    return scene.bodies[number]
 
 
 def _description(

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from stark import mesh as meshes
 from stark._core import InvalidArgument
-from stark.bodies import RigidBody
+from stark.bodies import Cloth, RigidBody, Solid
 from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
 from stark.robots.checks import is_nothing, refuse_impossible
-from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
+from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
+from stark.robots.flexes import Carrier, add_flex
 from stark.robots.handle import Robot, _limits
 from stark.robots.kinematics import WORLD, Placement
 from stark.robots.link import RobotLink
@@ -86,6 +87,7 @@ class _Builder:
             if joint.is_moving:
                 self._add_effects(joint)
         self._exclude()
+        flexes = {flex.name: self._add_flex(flex) for flex in self.robot.flexes.values()}
         links = {name: self._link(name) for name in self.robot.links}
         self.report.add(
             "kept",
@@ -101,6 +103,7 @@ class _Builder:
             self.joints,
             self.shifts,
             self.q,
+            flexes,
         )
 
     # --- start ---
@@ -353,6 +356,13 @@ class _Builder:
                 core.disable_contact(pair[0]._index, pair[1]._index)
                 self.report.add("kept", "contact", f"'{a}' and '{b}' do not touch")
 
+    def _add_flex(self, flex: Flex) -> Cloth | Solid:
+        group = self.group_of[flex.link]
+        frame = group.frames[flex.link]
+        carrier = Carrier(self.body_of[group.root], frame, self.frames[flex.link])
+        options, name = self.options, f"{self.options.name}.{flex.name}"
+        return add_flex(self.scene, flex, carrier, name, options.body, options.contact, self.report)
+
     def _link(self, name: str) -> RobotLink:
         group = self.group_of[name]
         body, frame = self.body_of[group.root], group.frames[name]
@@ -374,6 +384,7 @@ class _Builder:
             base=self.robot.base,
             placement=self.robot.placement,
             report=self.robot.report,
+            flexes=self.robot.flexes.values(),
         )
 
 

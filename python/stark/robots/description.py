@@ -130,7 +130,40 @@ class RobotJoint:
         return "m" if self.kind == "prismatic" else "rad"
 
 
-_Part = TypeVar("_Part", Link, RobotJoint)
+@dataclass(frozen=True, eq=False)
+class Flex:
+    """A deformable part: a cloth (triangles) or a solid (tetrahedra) whose ``vertices`` (n, 3) [m] are those
+    of rest, in the frame of a link."""
+
+    name: str
+    link: str
+    vertices: Floats
+    cells: NDArray[np.int32]
+    mass: float
+    """[kg] of the whole."""
+    held: tuple[int, ...] = ()
+    """Vertices that are fixed to the link."""
+    youngs_modulus: float = 0.0
+    """[Pa], 0 where the file says nothing."""
+    poissons_ratio: float = 0.0
+    thickness: float = 0.0
+    """[m], of a cloth."""
+    bends: bool = True
+    """Whether a cloth resists bending."""
+    damping: float = 0.0
+    """Of strain, over the modulus [s]."""
+    radius: float = 0.0
+    """How far the file has its surface before its vertices [m]."""
+    touches: bool = True
+    touches_itself: bool = True
+    color: tuple[float, float, float] | None = None
+
+    @property
+    def is_solid(self) -> bool:
+        return self.cells.shape[1] == 4
+
+
+_Part = TypeVar("_Part", Link, RobotJoint, Flex)
 
 
 class RobotDescription:
@@ -148,6 +181,7 @@ class RobotDescription:
         base: str = "fixed",
         placement: tuple[Floats, Floats] | None = None,
         report: Report | None = None,
+        flexes: Iterable[Flex] = (),
     ) -> None:
         self.name: str = name
         self.report: Report = Report(f"description '{name}'") if report is None else report
@@ -165,6 +199,8 @@ class RobotDescription:
         self._coordinates = tuple(j.name for j in self.outwards if j.is_moving and j.mimic is None)
         self.excluded: tuple[tuple[str, str], ...] = tuple(excluded)
         """Pairs of links that do not touch, beside those that a joint connects."""
+        self.flexes: dict[str, Flex] = _by_name("flex", flexes, self.report.source)
+        """Deformable parts by name."""
         self._check()
 
     @property
@@ -258,6 +294,9 @@ class RobotDescription:
             for link in (a, b):
                 if link not in self.links:
                     self._refuse("excluded pair", f"'{link}': must be the name of a link")
+        for flex in self.flexes.values():
+            if flex.link not in self.links:
+                self._refuse(f"flex '{flex.name}'", f"link '{flex.link}': must be the name of a link")
 
     def _check_mimic(self, part: str, joint: RobotJoint) -> None:
         seen = [joint.name]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import added_later, needs_simulation
-from stark.bodies import RigidBody
+from stark.bodies import Cloth, RigidBody, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
 from stark.robots import kinematics
@@ -54,9 +54,11 @@ class Robot:
         joints: Mapping[str, Joint],
         shifts: Mapping[str, float],
         start: Floats,
+        flexes: Mapping[str, Cloth | Solid] = MappingProxyType({}),
     ) -> None:
         self._scene, self._of = scene, None
         self._links, self._joints, self._shifts, self._start = links, joints, dict(shifts), start
+        self._flexes = flexes
         self._drives: list[Drives] = []
         self._named: dict[str, tuple[str, ...]] = {}
         self.name: str = name
@@ -85,6 +87,14 @@ class Robot:
             for name, link in self._links.items()
         }
         return MappingProxyType(bound)
+
+    @property
+    def flexes(self) -> Mapping[str, Cloth | Solid]:
+        """Deformable parts by name: bodies of the scene."""
+        if self._of is None:
+            return MappingProxyType(dict(self._flexes))
+        of = self._of
+        return MappingProxyType({name: body._bound_to(of) for name, body in self._flexes.items()})
 
     @property
     def joints(self) -> Mapping[str, Joint]:

@@ -15,6 +15,7 @@ from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
 from stark.robots.description import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.kinematics import WORLD, Placement
+from stark.robots.mjcf_flexes import flex_bodies, read_flexes
 from stark.robots.report import Report
 from stark.rotations import as_matrix
 
@@ -31,7 +32,6 @@ _NO_GRAVITY, _GRAVITY = 1 << 7, (0.0, 0.0, -9.81)  # a flag; what MJCF has if le
 _DROPPED = {
     "ntendon": "tendons",
     "nsensor": "sensors",
-    "nflex": "flexes",
     "nkey": "keyframes",
     "npair": "contact pairs",
 }
@@ -53,14 +53,21 @@ def read_mjcf(file: Path) -> RobotDescription:
             raise InvalidArgument(f"{report.source}: mujoco cannot read it: {error}; correct it") from None
     for warning in warned:
         report.add("suspicious", "file", f"mujoco warns: {warning.message}")
-    return _Reader(model, report).read(str(spec.modelname) or file.stem)
+    return _Reader(spec, model, report).read(str(spec.modelname) or file.stem)
 
 
 class _Reader:
-    def __init__(self, model: Any, report: Report) -> None:
-        self.model, self.report = model, report
-        self.bodies = [self._name("body", model.body(k).name, k) for k in range(model.nbody)]
-        self.joint_names = [self._name("joint", model.joint(k).name, k) for k in range(model.njnt)]
+    def __init__(self, spec: Any, model: Any, report: Report) -> None:
+        self.spec, self.model, self.report = spec, model, report
+        self.of_flexes = flex_bodies(model)
+        self.bodies = [
+            "" if k in self.of_flexes else self._name("body", model.body(k).name, k)
+            for k in range(model.nbody)
+        ]
+        self.joint_names = [
+            "" if int(model.jnt_bodyid[k]) in self.of_flexes else self._name("joint", model.joint(k).name, k)
+            for k in range(model.njnt)
+        ]
         self.efforts = self._efforts()
         self.mimics = self._mimics()
 
@@ -74,7 +81,7 @@ class _Reader:
             root = children[0]
             base = "floating" if self._kind_of_root(root) == "free" else "fixed"
             placement = Placement(np.array(model.body_pos[root]), as_matrix(model.body_quat[root], "quat"))
-        used = [k for k in range(model.nbody) if k != 0 or root == 0]
+        used = [k for k in range(model.nbody) if (k != 0 or root == 0) and k not in self.of_flexes]
         links = [link for k in used for link in self._links(k)]
         joints = [joint for k in used if k != root for joint in self._joints(k)]
         self._report_dropped()
@@ -90,6 +97,7 @@ class _Reader:
             base=base,
             placement=placement,
             report=self.report,
+            flexes=read_flexes(self.spec, model, self.bodies.__getitem__, self.report),
         )
 
     # --- links ---
@@ -109,7 +117,7 @@ class _Reader:
         return [
             (int(self.model.body_parentid[k]), k)
             for k in range(self.model.nbody)
-            if len(self._between(k)) > 0
+            if k not in self.of_flexes and len(self._between(k)) > 0
         ]
 
     def _link(self, body: int) -> Link:

@@ -26,6 +26,7 @@ class SceneRobots(SceneLink):
     _bodies: list[Any]
     _joints: list[Any]
     _ghosts: list[Any]
+    _attachments: list[Any]
 
     def add_robot(
         self,
@@ -108,7 +109,7 @@ class SceneRobots(SceneLink):
     @contextlib.contextmanager
     def _whole_or_not(self) -> Iterator[None]:
         """A robot of which a part is refused is not there at all."""
-        parts = (self._bodies, self._joints, self._actuators, self._ghosts)
+        parts = (self._bodies, self._joints, self._actuators, self._ghosts, self._attachments)
         before, counts = self._core.snapshot(), [len(part) for part in parts]
         try:
             yield

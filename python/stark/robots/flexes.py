@@ -1,0 +1,110 @@
+"""Deformable parts of robots in a scene: cloth and solids that links hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stark import materials
+from stark.bodies import Cloth, RigidBody, Solid
+from stark.materials import ShellMaterial, SolidMaterial
+from stark.mesh import TetMesh, TriangleMesh, oriented
+from stark.robots.description import Flex
+from stark.robots.kinematics import Placement
+from stark.robots.report import Report
+
+#: Poisson's ratios beyond make linear tetrahedra lock.
+_LARGEST_RATIO = 0.49
+
+
+@dataclass(frozen=True, eq=False)
+class Carrier:
+    """Where a link is: as a part of a body, and in the world."""
+
+    body: RigidBody | None
+    in_body: Placement
+    in_world: Placement
+
+
+def add_flex(
+    scene: Any,
+    flex: Flex,
+    carrier: Carrier,
+    name: str,
+    given: Mapping[str, Any],
+    contact: bool,
+    report: Report,
+) -> Cloth | Solid:
+    """Adds a deformable part as a body of that name and fixes its held vertices to their link. ``given``:
+    options of all bodies of the robot; without ``contact`` it touches nothing."""
+    title = f"flex '{flex.name}'"
+    held = list(flex.held)
+    options: dict[str, Any] = {
+        "mass": flex.mass,
+        "name": name,
+        "position": carrier.in_world.position,
+        "rotation": carrier.in_world.rotation,
+        "self_contact": flex.touches_itself and contact,
+        "color": flex.color,
+        **given,
+    }
+    if flex.radius > 0.0:
+        options.setdefault("contact_distance", flex.radius)
+        report.add("kept", title, f"radius {options['contact_distance']:g} m as its contact distance")
+    if carrier.body is None and held:
+        options["pins"] = held
+    body: Cloth | Solid
+    if flex.is_solid:
+        mesh = oriented(TetMesh(flex.vertices, flex.cells))
+        body = scene.add_solid(mesh, _solid(flex, report, title), **options)
+    else:
+        body = scene.add_cloth(
+            TriangleMesh(flex.vertices, flex.cells), _shell(flex, report, title), **options
+        )
+    report.add("kept", title, f"a {body.kind} of {len(flex.vertices)} vertices and {flex.mass:g} kg")
+    if carrier.body is not None and held:
+        at = flex.vertices[held] @ carrier.in_body.rotation.T + carrier.in_body.position
+        scene.attach(body.vertices[held], carrier.body.points(at), name=f"{name}.held")
+    if held:
+        report.add("kept", title, f"{len(held)} vertices are fixed to '{flex.link}'")
+    if not (flex.touches and contact):
+        scene._touches_nothing(body)
+    return body
+
+
+def _solid(flex: Flex, report: Report, title: str) -> SolidMaterial:
+    material = materials.soft_rubber.replace(strain_limit=np.inf)
+    if not flex.youngs_modulus > 0.0:
+        report.add("assumed", title, "no elasticity: soft rubber")
+        return material
+    return material.replace(
+        youngs_modulus=flex.youngs_modulus,
+        poissons_ratio=_ratio(flex, report, title),
+        mass_damping=0.0,
+        strain_damping=flex.damping * flex.youngs_modulus,
+    )
+
+
+def _shell(flex: Flex, report: Report, title: str) -> ShellMaterial:
+    if not (flex.youngs_modulus > 0.0 and flex.thickness > 0.0):
+        report.add("assumed", title, "no elasticity or thickness: cotton of the mass of the file")
+        return materials.cotton
+    material = materials.plate(
+        youngs_modulus=flex.youngs_modulus,
+        poissons_ratio=_ratio(flex, report, title),
+        thickness=flex.thickness,
+        density=1.0,  # the mass is given
+        mass_damping=0.0,
+        strain_damping=flex.damping * flex.youngs_modulus * flex.thickness,
+    )
+    return material if flex.bends else material.replace(flexural_rigidity=0.0)
+
+
+def _ratio(flex: Flex, report: Report, title: str) -> float:
+    if flex.poissons_ratio <= _LARGEST_RATIO:
+        return flex.poissons_ratio
+    report.add("assumed", title, f"Poisson's ratio {_LARGEST_RATIO:g} instead of {flex.poissons_ratio:g}")
+    return _LARGEST_RATIO
