@@ -80,6 +80,7 @@ from stark.formulas import (
     Vec3 as Vec3,
     Vec4 as Vec4,
     energy as energy,
+    generalized_maxwell as generalized_maxwell,
     internal as internal,
     j2_plasticity as j2_plasticity,
     material as material,

@@ -11,6 +11,7 @@ from stark.formulas.material import CauchyGreen, DeformationGradient, ShellDefor
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import parameter
 from stark.formulas.plasticity import j2_plasticity
+from stark.formulas.viscoelasticity import generalized_maxwell
 from stark.selections import stencils, world_frame, world_points
 from stark.symbolic.signature import Mat2, Mat3, Vec2, Vec3, Vec4
 
@@ -36,6 +37,7 @@ __all__ = [
     "Vec3",
     "Vec4",
     "energy",
+    "generalized_maxwell",
     "internal",
     "j2_plasticity",
     "material",

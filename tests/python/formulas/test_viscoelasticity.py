@@ -1,0 +1,160 @@
+"""The generalised Maxwell model against its closed forms: relaxation, creep, storage and loss; its ledger."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stark
+
+SHEAR, BULK = 1e5, 1e6  # [Pa]
+EXACT: dict[str, Any] = {
+    "contact.enabled": False,
+    "newton.acceleration_tolerance": 0.0,
+    "newton.residual_tolerance": 1e-12,
+    "newton.step_tolerance": 0.0,
+}
+SIDE = 0.1  # [m]
+
+
+def law(moduli: tuple[float, ...], times: tuple[float, ...], density: float = 1e-3) -> stark.SolidMaterial:
+    return stark.generalized_maxwell(
+        shear_modulus=SHEAR, bulk_modulus=BULK, moduli=moduli, times=times, density=density
+    )
+
+
+def block(material: stark.SolidMaterial, step: float, pins: Any, mesh: Any = None) -> stark.Simulation:
+    scene = stark.Scene()
+    scene.add_solid(mesh or stark.mesh.tet_box(SIDE, 1), material, pins=pins, name="block")
+    return stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **EXACT)
+
+
+def sheared(mesh: Any, strain: float) -> np.ndarray:
+    return np.asarray(mesh.vertices) @ np.array([[1, 0, strain], [0, 1, 0], [0, 0, 1.0]]).T
+
+
+@pytest.mark.parametrize("mesh", [stark.mesh.tet_box(SIDE, 1), stark.mesh.box_hexahedra(SIDE, 1)])
+def test_stress_relaxes_as_the_prony_series(mesh: Any) -> None:
+    """At constant strain, for steps of any length: dashpots reach E (1 - exp(-t / tau))."""
+    moduli, times, strain = (2e5, 5e4), (0.1, 1.0), 2e-3
+    sim = block(law(moduli, times), 0.03, range(len(mesh.vertices)), mesh)
+    sim["block"].pin_targets = sheared(mesh, strain)[sim["block"].pins]
+    for _ in range(20):
+        report = sim.step()
+        assert not report.failed
+        flows = sim.state.arrays()["internal_variable"].reshape(-1, 2, 3, 3)
+        for k, time in enumerate(times):
+            expected = 0.5 * strain * (1.0 - np.exp(-sim.time / time))
+            assert flows[:, k, 0, 2] == pytest.approx(expected, rel=1e-4)
+            assert flows[:, k, 0, 2] == pytest.approx(flows[:, k, 2, 0])
+        assert report.energy["damping"] > 0.0
+
+
+def creep(step: float, until: float, modulus: float, time: float) -> list[tuple[float, float]]:
+    """Times and shear strains of a block under a constant shear stress of 100 Pa."""
+    mesh = stark.mesh.tet_box(SIDE, 1)
+    X, tets = np.asarray(mesh.vertices), np.asarray(mesh.tets)
+    stress, forces = np.zeros((3, 3)), np.zeros_like(X)
+    stress[0, 2] = stress[2, 0] = 100.0
+    for tet in tets:  # nodal forces of a uniform stress: V sigma grad N
+        edges = (X[tet[1:]] - X[tet[0]]).T
+        gradients = np.linalg.inv(edges)
+        gradients = np.vstack([-gradients.sum(axis=0), gradients])
+        forces[tet] += abs(np.linalg.det(edges)) / 6.0 * gradients @ stress
+    bottom = np.flatnonzero(X[:, 2] < -0.049)
+    scene = stark.Scene()
+    body = scene.add_solid(mesh, law((modulus,), (time,)), pins=bottom, name="block")
+    for k in np.flatnonzero(X[:, 2] > -0.049):
+        scene.add_force(body.vertices[[int(k)]], tuple(forces[k]))
+    sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **EXACT)
+    top, found = X[:, 2] > 0.049, []
+    while sim.time < until - 0.5 * step:
+        assert not sim.step().failed
+        moved = sim["block"].positions[top, 0] - X[top, 0]
+        found.append((sim.time, float(moved.mean()) / SIDE))
+    return found
+
+
+def test_creep_under_a_constant_load() -> None:
+    """s/G (1 - G1/(G + G1) exp(-t G / (tau (G + G1)))): within 1e-4, of first order in the step."""
+    modulus, time = 1e5, 0.2
+
+    def error(step: float) -> float:
+        rows = np.array(creep(step, 0.4, modulus, time))
+        ratio = modulus / (SHEAR + modulus)
+        exact = 100.0 / SHEAR * (1.0 - ratio * np.exp(-rows[:, 0] * (1.0 - ratio) / time))
+        late = rows[:, 0] > 0.1
+        return float(np.abs(rows[late, 1] / exact[late] - 1.0).max())
+
+    errors = [error(step) for step in (4e-3, 2e-3, 1e-4)]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert errors[2] < 1e-4
+
+
+def test_slow_is_soft_and_fast_is_stiff() -> None:
+    """Energy of a shear within one step: that of the instantaneous and of the long-term modulus."""
+    mesh, strain = stark.mesh.tet_box(SIDE, 1), 1e-3
+    for step, modulus in ((1e-6, SHEAR + 3e5), (1e3, SHEAR)):
+        sim = block(law((3e5,), (0.1,)), step, range(len(mesh.vertices)), mesh)
+        sim["block"].pin_targets = sheared(mesh, strain)[sim["block"].pins]
+        report = sim.step()
+        energy = report.energy["elastic"] + report.energy["damping"]
+        assert energy == pytest.approx(0.5 * modulus * strain**2 * SIDE**3, rel=1e-3)
+
+
+def test_damping_is_never_negative_and_grows_with_the_branch() -> None:
+    """A block that is set swinging; what the dashpots take is a part of its energy at the start."""
+    mesh = stark.mesh.tet_box(SIDE, 3)
+    bottom = np.flatnonzero(np.asarray(mesh.vertices)[:, 2] < -0.049)
+
+    def lost(modulus: float) -> float:
+        scene = stark.Scene()
+        material = law((modulus,), (0.05,), 1000.0)
+        scene.add_solid(mesh, material, pins=bottom, velocity=(0.3, 0.0, 0.0), name="block")
+        with pytest.raises(stark.InvalidArgument, match="internal variables and uses the time step"):
+            stark.Simulation(scene, **{"time.integrator": "bdf2"})
+        sim = stark.Simulation(scene, time_step=2e-3, gravity=(0, 0, 0))
+        reports = [sim.step() for _ in range(50)]
+        assert all(not r.failed and r.energy["damping"] >= -1e-12 for r in reports)
+        return sum(r.energy["damping"] for r in reports)
+
+    moving = 0.5 * 0.3**2 * 1000.0 * SIDE**3
+    weak, strong = lost(1e3), lost(5e4)
+    assert 1e-4 * moving < weak < 0.2 * strong < 0.2 * moving
+
+
+def test_same_bits_with_threads_and_after_a_rewind() -> None:
+    hashes = []
+    for threads in (1, 3):
+        mesh = stark.mesh.tet_box(SIDE, 4)
+        scene = stark.Scene()
+        scene.add_solid(mesh, law((5e4, 2e4), (0.05, 0.5), 1000.0), pins=[0, 1, 2], name="block")
+        options = {"execution.threads": threads, "execution.oversubscribe": True}
+        sim = stark.Simulation(scene, time_step=5e-3, **options)
+        sim.run_until(0.05)
+        kept = sim.state
+        sim.run_until(0.1)
+        hashes.append(sim.state.hash)
+        sim.state = kept
+        sim.run_until(0.1)
+        hashes.append(sim.state.hash)
+    assert len(set(hashes)) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"moduli": [1e4, 2e4]}, "2 moduli and 1 times: must be as many"),
+        ({"moduli": 1e4}, "moduli = 10000.0: must be a sequence"),
+        ({"moduli": [], "times": []}, "0 moduli: must be 1 to 20"),
+        ({"times": [0.0]}, r"times\[0\] = 0 s: must be > 0"),
+        ({"moduli": [-1.0]}, r"moduli\[0\] = -1 Pa: must be > 0"),
+        ({"shear_modulus": -1.0}, "shear_modulus"),
+    ],
+)
+def test_wrong_arguments_are_named(change: dict[str, Any], message: str) -> None:
+    given: dict[str, Any] = {"shear_modulus": 1e5, "bulk_modulus": 1e6, "moduli": [1e4], "times": [0.1]}
+    with pytest.raises(stark.InvalidArgument, match=message):
+        stark.generalized_maxwell(**{**given, **change}, density=1000.0)
