@@ -9,6 +9,7 @@ from pathlib import Path
 import check_forbidden
 import check_layers
 import check_mirror
+import check_prose
 import check_sizes
 import check_types
 import check_versions
@@ -30,6 +31,7 @@ def main(arguments: list[str]) -> int:
     status |= run_check("forbidden", check_forbidden.check(ROOT))
     status |= run_check("versions", check_versions.check(ROOT))
     status |= run_check("mirror", check_mirror.check(ROOT))
+    status |= run_check("prose", check_prose.check(ROOT))
     status |= run_check("types", check_types.check(ROOT))
     status |= command("ruff", str(tools / "ruff"), "check", "-q", ".")
     if "--no-format" not in arguments:

@@ -11,7 +11,7 @@ constexpr double kSignalPeriod = 0.02;
 struct LiveProgress {
   StepProgress step;
   double time;     ///< at the start of the step [s]
-  double seconds;  ///< by the clock on the wall, since the step began
+  double seconds;  ///< of wall-clock time since the step began
 };
 
 }  // namespace
@@ -52,7 +52,7 @@ void bind_step_progress(nb::module_& m) {
       .def_prop_ro(
           "step", [](const P& p) { return p.step.step; }, "Number of the step, from 1.")
       .def_ro("time", &P::time, "Simulated time at its start [s].")
-      .def_ro("seconds", &P::seconds, "Since the step began, by the clock on the wall [s].")
+      .def_ro("seconds", &P::seconds, "Wall-clock time since the step began [s].")
       .def_prop_ro(
           "attempt", [](const P& p) { return p.step.attempt; },
           "From 1; what fails is tried again with a shorter time step.")

@@ -1,4 +1,4 @@
-// What goes on while a step runs without the GIL: signals are looked at between Newton iterations, so that
+// What goes on while a step runs without the GIL: signals are checked between Newton iterations, so that
 // Ctrl-C acts within one of them, and a function of Python is told how far the step has come.
 #pragma once
 

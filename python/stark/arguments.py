@@ -13,8 +13,8 @@ from stark._core import InvalidArgument
 
 
 def given_name(name: Any) -> str:
-    """A name for the core: "" for None, which has one chosen. Raises InvalidArgument for what is no text, or
-    holds characters that no message, file or terminal shows."""
+    """A name for the core: "" for None, which has one chosen. Raises InvalidArgument for anything but a text,
+    and for characters that no message, file or terminal shows."""
     if name is None:
         return ""
     if not isinstance(name, str) or not name:
@@ -55,8 +55,8 @@ def real_array(value: Any, what: str) -> NDArray[np.float64]:
 
 
 def given_path(value: Any, what: str) -> Path:
-    """A path of a file or folder, which need not exist. InvalidArgument for what is no text or path, is empty
-    (which would be the current folder), or cannot be the name of a file."""
+    """A path of a file or folder, which need not exist. InvalidArgument for anything but a text or path, for
+    an empty one (which would be the current folder), and for what cannot be the name of a file."""
     try:
         text = os.fspath(value)
     except TypeError:

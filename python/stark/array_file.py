@@ -133,7 +133,7 @@ def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
 
 def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Calls ``write`` with a file beside ``path`` and moves it into place only when all of it is on disk. A
-    link is replaced, never followed. Raises WriteError, also for what is no file to be replaced."""
+    link is replaced, never followed. Raises WriteError, also if the place is not that of a file."""
     with naming(path):
         refuse_special(path)
         temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")

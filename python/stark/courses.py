@@ -40,7 +40,7 @@ class Course:
         self._handle, self._name, self._value = handle, name, value
 
     def apply(self, simulation: SimulationLink, time: float) -> None:
-        """Sets the value for the step that ends at a time [s], if the simulation has what it is of."""
+        """Sets the value for the step that ends at a time [s], if the simulation has its object."""
         if self._handle._index < self._handle._count_in(simulation):
             self._handle._follow(simulation, self._name, self._value(time))
 

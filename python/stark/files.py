@@ -53,7 +53,7 @@ def read_bytes(path: str | os.PathLike[str], limit: int | None = None) -> bytes:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """A JSON file as text. Raises OSError, and UnicodeDecodeError for what is no text."""
+    """A JSON file as text. Raises OSError, and UnicodeDecodeError if it is not text."""
     return read_bytes(path, LARGEST_TEXT).decode("utf-8")
 
 

@@ -115,8 +115,8 @@ class SceneLink:
         """After something that acts was added to a scene that is being simulated."""
         if self._latest_simulation() is not None:
             warnings.warn(
-                f"{what}: was added after the simulation was made: it acts in simulations made from now on, "
-                f"not in that one; add it before stark.Simulation(scene) is made, or make a new one",
+                f"{what}: was added after the simulation was made and does not affect it; add it before you "
+                f"make stark.Simulation(scene), or make a new simulation",
                 StarkWarning,
                 stacklevel=4,
             )
@@ -126,8 +126,8 @@ class SceneLink:
         latest = self._latest_simulation()
         if latest is not None and body._index < latest._core.body_count:
             warnings.warn(
-                f"'{body.name}': {what}: holds in simulations made from now on, not in the one that was "
-                f"made; {what} before stark.Simulation(scene) is made, or make a new one",
+                f"'{body.name}': {what}: does not affect the existing simulation; {what} before you make "
+                f"stark.Simulation(scene), or make a new simulation",
                 StarkWarning,
                 stacklevel=3,
             )

@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--checkpoint-every",
         type=float,
         metavar="SECONDS",
-        help="by the clock on the wall, to resume from: a killed run loses no more (60; 0: after each step)",
+        help="wall-clock time between them; a killed run loses no more (60; 0: after each step)",
     )
     parser.add_argument("--no-checkpoint", action="store_true", help="write no checkpoints")
     parser.add_argument(

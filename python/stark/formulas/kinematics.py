@@ -23,7 +23,7 @@ class Inputs:
         self.unknowns: dict[int, int] = {}  # node of an unknown -> its coordinate 0, 1, 2
         self.clocks: dict[str, int] = {}  # argument -> node
         self._labels: dict[str, list[int]] = {}  # argument -> nodes of its columns
-        self.sources: dict[int, tuple[str, int, int]] = {}  # input -> what it is of, point, component
+        self.sources: dict[int, tuple[str, int, int]] = {}  # input -> quantity, point, component
         self._place = {point: place for place, point in enumerate(kept)}
 
     def position(self, point: int, kind: str, label: str) -> Vec:

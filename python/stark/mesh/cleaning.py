@@ -20,7 +20,7 @@ Ints = NDArray[np.int64]
 
 
 def joined(surfaces: Any) -> TriangleMesh:
-    """Several surfaces as one mesh, in the given order. Raises InvalidMesh for what is no list of
+    """Several surfaces as one mesh, in the given order. Raises InvalidMesh for anything but a list of
     surfaces."""
     rows = [as_triangle_mesh(surface, f"joined: surface {k}") for k, surface in enumerate(surfaces)]
     if not rows:

@@ -25,7 +25,7 @@ from .scene_file import SceneFile, SceneFileError, load
 #: An interrupted run still gets its replay page when its recording is smaller than this.
 _QUICK_PAGE_BYTES = 20e6
 
-#: Time from one checkpoint of a run to the next [s], by the clock on the wall.
+#: Wall-clock time from one checkpoint of a run to the next [s].
 CHECKPOINT_PERIOD = 60.0
 
 #: Folder within a run that holds the step that failed (stark.reproducer).
@@ -70,7 +70,7 @@ class Plan:
     settings: dict[str, Any]  # those of the caller, over those of the file
     until: float  # [s]
     fps: float  # frames per simulated second
-    checkpoint_every: float | None  # [s] by the clock on the wall, None: no checkpoints
+    checkpoint_every: float | None  # [s] of wall-clock time, None: no checkpoints
 
 
 def end_time(scene_file: SceneFile, until: float | None) -> float:
@@ -108,7 +108,7 @@ def run(
 
     ``out`` defaults to ``out/<scene>``. ``settings`` go over those of the file. ``fps`` is the largest
     number of recorded frames per simulated second; the last state is always recorded. ``checkpoint_every``
-    [s] by the clock on the wall: how often ``checkpoint.stark`` is written, 0 after each step, None never;
+    [s] of wall-clock time: how often ``checkpoint.stark`` is written, 0 after each step, None never;
     ``resume`` goes on from it. ``certify`` records every accepted step in double precision, too, for
     ``stark.verify``. ``on_step(sim, report)`` is called after each step, ``on_progress(p)`` while one is
     under way, as ``progress`` of ``Simulation.step``. The run stops cleanly on KeyboardInterrupt: the

@@ -32,7 +32,7 @@ class PlanError(InvalidArgument):
 
 @dataclass(frozen=True)
 class Limits:
-    """What a run may take. ``time_out`` [s] by the clock on the wall, None: no limit. ``retries``: how often
+    """What a run may take. ``time_out`` [s] of wall-clock time, None: no limit. ``retries``: how often
     a run is tried again whose process was killed; each time from its last checkpoint."""
 
     time_out: float | None = None

@@ -1,4 +1,4 @@
-"""One run of a study: what it is of, and the hash that names it."""
+"""One run of a study: its options, and the hash that names it."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ EXIT_CERTIFIED, EXIT_VIOLATED, EXIT_UNREADABLE, EXIT_INCONCLUSIVE = 0, 1, 2, 3
 
 
 def comparable(share: float) -> float:
-    """A share of what is allowed; infinite for what is no number, which nothing allows."""
+    """A share of what is allowed; infinite for NaN, which nothing allows."""
     return math.inf if math.isnan(share) else share
 
 

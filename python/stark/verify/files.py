@@ -138,5 +138,5 @@ def file_digest(path: Path) -> str:
 
 
 def printable(text: str) -> str:
-    """A text for a terminal: what is no plain character is written as its number."""
+    """A text for a terminal: other characters than plain ones are written as their numbers."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)

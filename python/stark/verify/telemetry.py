@@ -222,7 +222,7 @@ def _has_energies(row: Row) -> bool:
 
 
 def _impossible_energy(rows: list[Row]) -> str:
-    """Names the first energy that none can be: one that is not finite, whose rounding would explain any
+    """Names the first impossible energy: one that is not finite, whose rounding would explain any
     imbalance, or contact that stores less than nothing. Empty without one."""
     for row in rows:
         for key in _STORED + _TURNED_OVER:

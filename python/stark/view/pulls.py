@@ -82,7 +82,7 @@ class Pulls:
 
     @property
     def energies(self) -> tuple[Energy, ...]:
-        """The springs, one a body."""
+        """The springs, one per body."""
         return tuple(self._springs.values())
 
     @property
@@ -165,7 +165,7 @@ class Pulls:
 def add_pulls(scene: Any) -> Pulls:
     """Prepares a scene for being pulled in a view: adds a spring without stiffness to each body that moves
     freely. Call it when all bodies are in the scene and before the simulation is made. Called again, it gives
-    what it gave. Raises InvalidArgument for what is no scene, and for a scene that is simulated already."""
+    the same. Raises InvalidArgument for anything but a scene, and for a scene that is simulated already."""
     if not isinstance(scene, SceneLink):
         raise InvalidArgument(f"add_pulls: scene = {scene!r}: must be a stark.Scene")
     if scene in _known:

@@ -14,7 +14,7 @@ _MISSING = "a live view needs the packages of the extra 'view': pip install 'sta
 
 def open_server(host: Any, port: Any, title: str) -> Any:
     """A viser server at ``host`` and ``port``, or at the next port that is free. Raises ImportError that
-    names the extra when viser is missing, InvalidArgument for what is no host or port, and stark.Error where
+    names the extra when viser is missing, InvalidArgument for an invalid host or port, and stark.Error where
     none can be opened."""
     if not isinstance(host, str) or not host:
         raise InvalidArgument(f"view: host = {host!r}: must be a name or address, such as '127.0.0.1'")

@@ -210,7 +210,7 @@ class View:
             self.draw()
 
     def _keep_pace(self) -> None:
-        """Waits until the clock on the wall has come as far as the simulation."""
+        """Waits until as much wall-clock time has passed as the simulation has simulated."""
         began, time = self._pace_from
         ahead = (self._sim.time - time) - (clock.perf_counter() - began)
         if not self._pace or ahead < 0.0:  # what is late is not made up for

@@ -43,7 +43,7 @@ struct ReferenceElement {
 
 const ReferenceElement& reference_element(ElementType type);
 
-/// Values of the shape functions at a point of the reference cell, one a node.
+/// Values of the shape functions at a point of the reference cell, one per node.
 void shape_functions(ElementType type, const Vec3& position, std::span<double> out);
 /// Their gradients in reference coordinates.
 void shape_gradients(ElementType type, const Vec3& position, std::span<Vec3> out);

@@ -150,7 +150,7 @@ size_t count_numbers(const std::vector<size_t>& shape) {
   return count;
 }
 
-/// Rounding of many steps stays far below this, what is no rotation far above.
+/// Rounding of many steps stays far below this, anything but a rotation far above.
 constexpr double kOrthonormal = 1e-5;
 
 /// Position of the first matrix that is no rotation, -1 if all are.

@@ -14,7 +14,7 @@ constexpr int kRoundOffIterations = 4;     ///< full steps taken where energy di
 constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
 constexpr double kNoiseRise = 1e3;         ///< rise over the noise that may be rounding where steps are tiny
 constexpr int kRoundingProbe = 10;         ///< halvings after which the energy shows whether it is rounding
-constexpr int kUnsureSteps = 8;            ///< full steps on the word of the gradient, between refreshes
+constexpr int kUnsureSteps = 8;            ///< full steps on the basis of the gradient, between refreshes
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
 constexpr double kShortStep = 0.6;  ///< step lengths below it call for curvature that overestimates

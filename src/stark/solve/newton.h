@@ -28,7 +28,7 @@ class NewtonSolver {
   /// ends the minimisation with status Detour.
   void set_way_check(std::function<bool()> is_way_clear) { is_way_clear_ = std::move(is_way_clear); }
 
-  /// From this time on, looked at between iterations, minimisations end with status TimeBudget.
+  /// From this time on, checked between iterations, minimisations end with status TimeBudget.
   void set_deadline(std::optional<std::chrono::steady_clock::time_point> deadline) { deadline_ = deadline; }
 
   /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step`
@@ -84,7 +84,7 @@ class NewtonSolver {
   SolveStatus line_search(Objective& objective);
   /// Goes beyond the full step, whose trial is known, as long as the energy keeps falling.
   void lengthen_step(Objective& objective, TrialEnergy full);
-  /// A full step on the word of the gradient, where energies do not show the decrease.
+  /// A full step on the basis of the gradient alone, where energies do not show the decrease.
   bool take_unsure_step(Objective& objective);
   /// Whether the iterate after a step is so near that the next direction may do without a new Hessian.
   void trust_hessian(SolveStatus searched, bool pending);
