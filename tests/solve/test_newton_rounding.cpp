@@ -85,3 +85,18 @@ TEST_CASE("where the decrease is below the noise of energies, full steps are tak
   CHECK(report.residual < 1e-13);
   CHECK(report.iterations < 12);
 }
+
+TEST_CASE("forces whose products underflow are none") {
+  // The square of the force is 1e-316, its product with the direction zero.
+  const double stiffness = 1e10;
+  const auto stiff = [&](const Vec3& x) {
+    const Mat3 H = Mat3::identity() * stiffness;
+    return Analytic::Value{0.5 * stiffness * dot(x, x), x * stiffness, H, H};
+  };
+  Analytic objective(stiff, {1e-168, 0.0, 0.0});
+  Solver solver(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations == 0);
+  CHECK(report.residual == doctest::Approx(1e-158));
+}

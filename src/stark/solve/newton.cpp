@@ -33,6 +33,7 @@ constexpr double kNear = 5.0;     ///< motions over their tolerance from where t
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
+constexpr double kNoForce = 1e-140;  ///< [N] products with forces below it underflow
 constexpr std::chrono::milliseconds kLongPart{
     100};  ///< of an iteration, after which interrupts are asked for
 
@@ -272,6 +273,8 @@ void NewtonSolver::read_gradient(const Objective& objective) {
   const Residual residual = objective.residual(gradient_);
   report_.residual = residual.force;
   report_.acceleration = residual.acceleration;
+  const auto is_nothing = [](double force) { return std::fabs(force) < kNoForce; };
+  if (std::ranges::all_of(gradient_, is_nothing)) std::ranges::fill(gradient_, 0.0);
   std::transform(gradient_.begin(), gradient_.end(), right_hand_side_.begin(), std::negate<>());
 }
 

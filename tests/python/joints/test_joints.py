@@ -158,3 +158,17 @@ def test_a_joint_within_one_rigid_body_is_refused() -> None:
     b = body(scene)
     with pytest.raises(stark.InvalidArgument, match="both frames are of 'box': must be of two bodies"):
         scene.add_ball(b, b, anchor=(0, 0, 0))
+
+
+def test_forces_that_underflow_do_not_stop_bodies_on_sliders() -> None:
+    """After the impact nothing acts, and joints are off by 1e-160 N, whose square is zero."""
+    scene = stark.Scene()
+    ball = stark.mesh.sphere(0.02, 3)
+    left = scene.add_rigid(ball, mass=0.2, position=(-0.045, 0, 0), velocity=(0.9, 0, 0))
+    right = scene.add_rigid(ball, mass=0.2)
+    for body in (left, right):
+        scene.add_slider(None, body, anchor=(0, 0, 0), axis=(1, 0, 0))
+    sim = stark.Simulation(scene, time_step=4e-4, contact_distance=2e-4, gravity=(0, 0, 0))
+    sim.run_until(0.06)
+    assert left.velocity[0] + right.velocity[0] == pytest.approx(0.9, rel=1e-9)
+    assert right.velocity[0] > 0.45
