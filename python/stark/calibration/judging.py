@@ -44,8 +44,17 @@ def judged(
             weak |= set(involved.tolist())
             texts.append(_undetermined([names[k] for k in involved], strength))
     texts += _vague(names, best, covariance, [k for k in inside if k not in weak])
+    return _issued(texts)
+
+
+def cut_off(evaluations: int) -> tuple[str, ...]:
+    """The warning of a search that ended before it was at a minimum, of which nothing else is known."""
+    return _issued([f"not converged in {evaluations} evaluations; raise max_evaluations"])
+
+
+def _issued(texts: Sequence[str]) -> tuple[str, ...]:
     for text in texts:
-        warnings.warn(f"fit: {text}", StarkWarning, stacklevel=4)
+        warnings.warn(f"fit: {text}", StarkWarning, stacklevel=5)
     return tuple(texts)
 
 

@@ -158,6 +158,8 @@ def _recorded_parameter(parameter: LawParameter, base: Any) -> FitParameter:
 
 
 def _value_in(base: Any, name: str) -> Any:
+    if isinstance(base, RodMaterial) and name in base.section:
+        return base.section[name]  # 0 in the material stands for that of the section
     value = getattr(base, name)
     if np.ndim(value) and not name.endswith("direction"):
         width = {row["name"]: row["width"] for row in base.law.parameters}.get(name, 1) if base.law else 1

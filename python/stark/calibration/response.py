@@ -20,6 +20,7 @@ from stark.curves import Curve, Floats
 _ITERATIONS = 80
 _STEP_TOLERANCE = 1e-13  # of free strains, relative: rounding
 _CONVERGED = 1e-9  # a last step below is taken for an end by rounding
+_FLAT = 1e-6  # free stretches below are no equilibrium: the law has collapsed
 _QUADRATIC = 1e-6  # steps below need no line search: energies are rounded there
 _SHEAR_TOLERANCE = 1e-9  # of stresses that materials without directions do not have
 
@@ -298,7 +299,8 @@ def _solved(program: Program, given: Mapping[str, Floats], guesses: Sequence[Flo
         steps[active] = -np.einsum("nij,nj,nkj,nk->ni", V, 1.0 / w, V, g[active])
         u = u + _searched(program, given, u, steps, psi, np.einsum("ni,ni->n", g, steps))
         size = np.where(active, np.abs(steps).max(axis=1) / (1.0 + np.abs(u).max(axis=1)), size)
-    return np.where((size <= _CONVERGED)[:, None], u, np.nan)
+    found = (size <= _CONVERGED) & (u[:, : program.loading.stretches] > _FLAT).all(axis=1)
+    return np.where(found[:, None], u, np.nan)
 
 
 def _searched(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_path, real_number
-from stark.calibration.judging import judged
+from stark.calibration.judging import cut_off, judged
 from stark.calibration.laws import FitParameter, LawFormula
 from stark.calibration.plotting import Panel, written
 from stark.calibration.response import Response
@@ -210,9 +210,10 @@ def fit_of(
     fits = tuple(CurveFit(response.curve, response(best)[0]) for response in responses)
     freedom = len(residuals) - len(free)
     covariance = _covariance(residuals, slopes, best, search)
-    texts = judged(names, best, slopes, covariance, search.scale, search.at_bound)
-    if not search.converged:
-        texts = (f"not converged in {search.evaluations} evaluations; raise max_evaluations", *texts)
+    if search.converged:
+        texts = judged(names, best, slopes, covariance, search.scale, search.at_bound)
+    else:
+        texts = cut_off(search.evaluations)
     return Fit(
         formula.name, ordered, tuple(names), covariance, freedom, fits, texts, search.converged,
         search.evaluations, units, formula,

@@ -190,11 +190,25 @@ def test_parameters_that_curves_do_not_determine_are_named() -> None:
 
 
 def test_a_search_that_was_cut_off_says_so() -> None:
-    fit = stark.fit(
-        stark.materials.mooney_rivlin, rubber(), start={"c10": 1.0, "c01": 1e7}, fixed={"bulk_modulus": 1e9},
-        max_evaluations=1,
-    )  # fmt: skip
-    assert not fit.converged and "not converged in 1 evaluations; raise max_evaluations" in str(fit)
+    with pytest.warns(stark.StarkWarning, match="not converged in 1 evaluations; raise max_evaluations"):
+        fit = stark.fit(
+            stark.materials.mooney_rivlin,
+            rubber(),
+            start={"c10": 1.0, "c01": 1e7},
+            fixed={"bulk_modulus": 1e9},
+            max_evaluations=1,
+        )
+    assert not fit.converged and len(fit.warnings) == 1 and "! not converged" in str(fit)
+
+
+def test_the_section_of_a_rod_is_where_a_fit_of_it_starts() -> None:
+    wire = stark.RodMaterial(youngs_modulus=1e9, radius=1e-3, density=8000.0)
+    fixed = {
+        name: wire.section[name] for name in ("axial_stiffness", "bending_stiffness_2", "torsional_stiffness")
+    }
+    fit = stark.fit(wire, curves.bending(STRETCH, 5e-4 * STRETCH), fixed=fixed)
+    assert fit.material().section["bending_stiffness_1"] == pytest.approx(5e-4, rel=RECOVERED)
+    assert fit.material().density == 8000.0
 
 
 def test_the_same_curves_give_the_same_bits() -> None:

@@ -54,7 +54,7 @@ def differences(law: Any, test: curves.Curve, **values: Any) -> float:
     return worst
 
 
-RUBBER = {"c10": 2e5, "c01": 5e4, "bulk_modulus": 1e11}
+RUBBER = {"c10": 2e5, "c01": 5e4, "bulk_modulus": 1e12}
 
 
 @pytest.mark.parametrize(
@@ -68,9 +68,9 @@ RUBBER = {"c10": 2e5, "c01": 5e4, "bulk_modulus": 1e11}
     ids=lambda value: getattr(value, "kind", ""),
 )
 def test_rubber_answers_as_an_incompressible_solid(test: curves.Curve, expected: np.ndarray) -> None:
-    # Rivlin 1948; with a bulk modulus of 2e5 shear moduli what is left is the compressibility, some 1e-5.
+    # Rivlin 1948; what is left is the compressibility, the largest stress over the bulk modulus, 3e-6, and more.
     stress, _ = response(stark.materials.mooney_rivlin, test, **RUBBER)
-    assert np.abs(stress[:, 0] - expected).max() < 3e-5 * np.abs(expected).max()
+    assert np.abs(stress[:, 0] - expected).max() < 1e-5 * np.abs(expected).max()
 
 
 def test_two_stretches_have_two_stresses() -> None:
@@ -79,24 +79,30 @@ def test_two_stretches_have_two_stresses() -> None:
     c = 1.0 / (a * b)
     first = 2.0 * (a**2 - c**2) * (2e5 + 5e4 * b**2) / a
     second = 2.0 * (b**2 - c**2) * (2e5 + 5e4 * a**2) / b
-    assert np.abs(stress - np.stack([first, second], axis=1)).max() < 3e-5 * np.abs(stress).max()
+    assert np.abs(stress - np.stack([first, second], axis=1)).max() < 1e-5 * np.abs(stress).max()
 
 
 def test_the_pressure_of_a_volume() -> None:
     J = np.array([0.8, 0.9, 1.05])
     stress, _ = response(stark.materials.mooney_rivlin, curve("volumetric", J), **RUBBER)
-    np.testing.assert_allclose(stress[:, 0], -1e11 * (J - 1.0), rtol=1e-9)
+    np.testing.assert_allclose(stress[:, 0], -1e12 * (J - 1.0), rtol=1e-9)
 
 
 def test_lateral_stresses_vanish_exactly() -> None:
     # St. Venant-Kirchhoff: without lateral stress S11 = E E11 whatever nu is.
     E, G = 3e6, 0.5 * (L**2 - 1.0)
     law = stark.materials.st_venant_kirchhoff
-    stretched = L > 0.9  # it loses its stiffness in compression
+    stretched = (L > 0.9) & (L < 2.0)  # it collapses in compression, and across where nu (L^2 - 1) = 1
     stress, slopes = response(law, curve("uniaxial", L[stretched]), youngs_modulus=E, poissons_ratio=0.3)
     np.testing.assert_allclose(stress[:, 0], (E * L * G)[stretched], rtol=1e-10)
     np.testing.assert_allclose(slopes[:, 0, 0], (L * G)[stretched], rtol=1e-10, atol=1e-12)
     assert np.abs(slopes[:, 0, 1]).max() < 1e-8 * E  # nu has no influence
+
+
+def test_there_is_no_answer_where_a_law_collapses() -> None:
+    law, stretch = stark.materials.st_venant_kirchhoff, np.array([1.5, 2.5])
+    stress, slopes = response(law, curve("uniaxial", stretch), youngs_modulus=3e6, poissons_ratio=0.3)
+    assert np.isfinite(stress[0]).all() and np.isnan(stress[1]).all() and np.isnan(slopes[1]).all()
 
 
 def test_woven_cloth_is_pulled_along_its_warp() -> None:
@@ -234,7 +240,7 @@ DERIVATIVES: dict[str, tuple[Any, curves.Curve, dict[str, Any]]] = {
     ),
     "narrow strip": (
         stark.ShellMaterial, curve("bending", GAMMA, narrow=True),
-        {"flexural_rigidity": 0.02, "youngs_modulus": 1e6, "poissons_ratio": 0.3},
+        {"flexural_rigidity": 0.02, "poissons_ratio": 0.3},
     ),
     "plasticity": (stark.j2_plasticity, curve("uniaxial", np.exp(PATH)), STEEL),
     "relaxation": (branches(2), curves.relaxation([0.1, 1.0, 10.0], [3, 2, 1], stretch=1.3), MAXWELL),

@@ -72,7 +72,8 @@ def test_mooney_rivlin_holds_for_moderate_stretches_of_rubber_only() -> None:
     # largest stress.
     assert 1.4e5 < moderate["c10"] < 2.0e5 and 0.0 < moderate["c01"] < 0.2 * moderate["c10"]
     assert all(of.rms < 0.05 * of.curve.scale for of in moderate.curves)
-    whole = stark.fit(stark.materials.mooney_rivlin, measured.treloar()[0], start=start, fixed=fixed)
+    with pytest.warns(stark.StarkWarning, match="'c01' = .* ended at a bound"):
+        whole = stark.fit(stark.materials.mooney_rivlin, measured.treloar()[0], start=start, fixed=fixed)
     assert whole.curves[0].rms > 0.1 * whole.curves[0].curve.scale  # it does not stiffen
 
 
