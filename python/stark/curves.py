@@ -53,6 +53,8 @@ class Curve:
     start."""
     substeps: int = 1
     """Time steps from one point to the next."""
+    free_height: bool = False
+    """Of shear: whether the height adjusts itself."""
     narrow: bool = False
     """Of bending of shells: whether the strip is free to curve across."""
     axis: int = 1
@@ -160,13 +162,18 @@ def shear(
     gamma: ArrayLike,
     tau: ArrayLike,
     *,
+    free_height: bool = False,
     times: ArrayLike | None = None,
     substeps: int = 1,
     sigma: float | None = None,
     name: str = "shear",
 ) -> Curve:
-    """Simple shear: gamma (n,) is the displacement over the height, 0 at rest, tau the shear stress [Pa]."""
-    return _curve("shear", {"gamma": gamma}, {"tau": tau}, times, substeps, sigma, name)
+    """Simple shear along the first axis: gamma (n,) is the displacement over the height, 0 at rest, tau the
+    shear stress [Pa]. The height along the second axis is kept, as by stiff plates, or adjusts itself until
+    it is free of stress, as in testers of cloth, with ``free_height``."""
+    is_free = given_flag(free_height, f"curves.{name}: free_height")
+    curve = _curve("shear", {"gamma": gamma}, {"tau": tau}, times, substeps, sigma, name)
+    return _with(curve, free_height=is_free)
 
 
 def volumetric(

@@ -74,10 +74,13 @@ def _none(imposed: Floats) -> Floats:
     return np.empty((len(imposed), 0))
 
 
-def _simple_shear(size: int) -> Loading:
+def _simple_shear(size: int, curve: Curve) -> Loading:
     def entries(c: Sequence[Any], u: Sequence[Any]) -> Entries:
-        return {(i, i): 1.0 for i in range(size)} | {(1, 0): c[0]}
+        found: Entries = {(i, i): 1.0 for i in range(size)} | {(1, 0): c[0]}
+        return found | ({(1, 1): u[0]} if curve.free_height else {})
 
+    if curve.free_height:
+        return Loading(entries, 1, 0, lambda c: np.ones_like(c))
     return Loading(entries, 0, 0, _none)
 
 
@@ -114,7 +117,7 @@ def _solid(curve: Curve, sheared: bool) -> Loading | None:
             return {(i, i): f.pow(c[0], 1.0 / 3.0) for i in range(3)}
 
         return Loading(ball, 0, 0, _none, -1.0)
-    return _simple_shear(3) if curve.kind == "shear" else None
+    return _simple_shear(3, curve) if curve.kind == "shear" else None
 
 
 def _shell(curve: Curve, sheared: bool) -> Loading | None:
@@ -131,7 +134,7 @@ def _shell(curve: Curve, sheared: bool) -> Loading | None:
         return Loading(lambda c, u: {(0, 0): c[0], (1, 1): c[1]}, 0, 0, _none)
     if curve.kind == "planar":
         return Loading(lambda c, u: {(0, 0): c[0], (1, 1): 1.0}, 0, 0, _none)
-    return _simple_shear(2) if curve.kind == "shear" else None
+    return _simple_shear(2, curve) if curve.kind == "shear" else None
 
 
 def _rod(curve: Curve, sheared: bool) -> Loading | None:

@@ -67,9 +67,9 @@ skin: SolidMaterial = dispersed_fibres(
     density=1109.0,
     mass_damping=0.1,
     name="skin",
-    source="published fit: human back skin along the Langer lines (first axis), tensile tests of Ni Annaidh et "
-    "al., Ann. Biomed. Eng. 40 (2012) 1666; k1 taken as a multiple of mu, as the strengths of their "
-    "tests need; bulk modulus assumed, nearly incompressible",
+    source="published fit: human back skin along the Langer lines (first axis), tests of Ni Annaidh et al., "
+    "Ann. Biomed. Eng. 40 (2012) 1666; k1 taken as a multiple of mu, as the strengths of their tests "
+    "need; bulk modulus assumed, nearly incompressible",
 )
 terry_towel: ShellMaterial = materials.towel
 cotton: ShellMaterial = ShellMaterial(
