@@ -335,13 +335,11 @@ void bind_formulas(nanobind::module_& m) {
       "element_formula", [](const RodLaw& law) { return formula_of(rod_segment(law)); }, "law"_a,
       "A law on segments of rods.");
   m.def(
-      "law_density",
-      [](const SolidLaw& law) { return law_density(law, 3, deformation_of_points<3>); }, "law"_a,
-      "(psi, columns of F, parameters) of a law as expressions of one graph.");
+      "law_density", [](const SolidLaw& law) { return law_density(law, 3, deformation_of_points<3>); },
+      "law"_a, "(psi, columns of F, parameters) of a law as expressions of one graph.");
   m.def(
-      "law_density",
-      [](const ShellLaw& law) { return law_density(law, 2, deformation_of_points<2>); }, "law"_a,
-      "(psi, columns of F, parameters) of a law as expressions of one graph.");
+      "law_density", [](const ShellLaw& law) { return law_density(law, 2, deformation_of_points<2>); },
+      "law"_a, "(psi, columns of F, parameters) of a law as expressions of one graph.");
   m.def(
       "law_density", [](const RodLaw& law) { return law_density(law, 2, rod_deformation_of_points); },
       "law"_a, "(psi, [(0, 0, stretch), (curvature 1, curvature 2, twist)], parameters).");

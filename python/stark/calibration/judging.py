@@ -43,7 +43,7 @@ def judged(
             involved = inside[np.abs(direction) > _PART]
             weak |= set(involved.tolist())
             texts.append(_undetermined([names[k] for k in involved], strength))
-    texts += _vague(names, best, covariance, [k for k in inside if k not in weak])
+    texts += _vague(names, best, covariance, [k for k in inside.tolist() if k not in weak])
     return _issued(texts)
 
 

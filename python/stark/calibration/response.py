@@ -38,6 +38,9 @@ class Program:
     ) -> None:
         self.loading = loading
         self._law, self._fixed = law, fixed
+        self._all: list[tuple[str, int]]
+        self._initial: list[float]
+        self._updates: list[Any]
         live: set[tuple[str, int]] = set()
         while True:  # internal variables that stay as they are in this test are constants
             self._record(imposed, free, live)
@@ -110,9 +113,9 @@ class Program:
         self._groups: dict[str, list[Any]] = {name: entries for name, entries in groups.items() if entries}
         stresses = core.jacobian([self._psi], self._c)[0]
         residuals = core.jacobian([self._psi], self._u)[0] if self._u else []
-        self.stress_count = len(stresses)
+        self.stress_count: int = len(stresses)
         self._energy = self._compiled([self._psi], {"u"}) if self._u else None
-        self.wrt = [name for name in ("u", "u_prev", "alpha", "p") if name in self._groups]
+        self.wrt: list[str] = [name for name in ("u", "u_prev", "alpha", "p") if name in self._groups]
         self._answer = self._compiled([*stresses, *residuals, *self._updates], set(self.wrt))
         self._shapes = [[len(entries)] for entries in self._groups.values()]
 
@@ -137,7 +140,8 @@ class Program:
         values, first, _ = self._answer.evaluate(
             1, True, True, self._arrays(given), self._shapes, [len(given["c"])]
         )
-        blocks, begin = {}, 0
+        blocks: dict[str, Floats] = {}
+        begin = 0
         for name, entries in self._groups.items():
             if name in self.wrt:
                 blocks[name] = first[..., begin : begin + len(entries)]
@@ -273,7 +277,7 @@ def plate_law(law: LawFormula, curve: Curve) -> LawFormula:
 def _divided(matrices: Floats, values: Floats) -> Floats:
     """Solutions (n, k, p) of linear systems; NaN where there is none."""
     try:
-        return np.linalg.solve(matrices, values)
+        return np.asarray(np.linalg.solve(matrices, values), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.full_like(values, np.nan)
 
