@@ -95,9 +95,3 @@ steel: SolidMaterial = j2_plasticity(
     source="standard: structural steel S235, EN 1993-1-1 sections 3.2.1 and 3.2.6, hardening of EN 1993-1-5 "
     "annex C.6",
 )
-
-presets: dict[str, SolidMaterial | ShellMaterial | RodMaterial] = {
-    "rubber": rubber, "foam": foam, "pet": pet, "paper": paper, "aluminium_foil": aluminium_foil,
-    "copper_wire": copper_wire, "skin": skin, "terry_towel": terry_towel, "cotton": cotton, "steel": steel,
-}  # fmt: skip
-"""All of them by name."""
