@@ -93,6 +93,10 @@ template <typename Law, typename DeformationOf>
 nb::tuple law_density(const Law& law, int points, DeformationOf deformation_of) {
   const auto builder = std::make_shared<PotentialBuilder>(points);
   const TracedScalar psi = traced(builder, law.psi(*builder, deformation_of(builder)));
+  if (!builder->element_fields().empty())
+    throw InvalidArgument("law '" + law.name +
+                          "': depends on the strain at the start of the step: must depend on the strain "
+                          "alone; write it with @stark.material");
   nb::list parameters;
   for (const UniformField& field : builder->uniform_fields()) {
     nb::dict row;

@@ -30,7 +30,7 @@ _LOADED = 0.05
 _AT_ONCE = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Curve:
     """A measured curve; what the functions of ``stark.curves`` make."""
 
@@ -63,6 +63,9 @@ class Curve:
     def __len__(self) -> int:
         return len(self.imposed)
 
+    def __repr__(self) -> str:
+        return f"<stark.curves.Curve '{self.name}': {self.kind}, {len(self)} points>"
+
     @property
     def scale(self) -> float:
         """Largest of what was measured: what residuals are divided by where sigma is not known."""
@@ -79,8 +82,10 @@ class Curve:
         targets = self.imposed
         ends = np.arange(1.0, len(self) + 1.0) if self.times is None else self.times
         shown = np.ones(len(self), dtype=bool)
+        at_once = _AT_ONCE * float(ends[ends > 0.0][0])
+        ends = np.maximum(ends, at_once)  # rates of laws are over the duration of a step
         if self.ramp is not None:  # a step before the first point, at constant value from there
-            end = self.ramp or _AT_ONCE * float(ends[ends > 0.0][0])
+            end = self.ramp or at_once
             before = ends <= end
             ends = np.concatenate([[end], ends[~before]])
             targets = np.concatenate([targets[:1], targets[~before]])

@@ -21,6 +21,7 @@ def test_a_curve_holds_what_it_was_given() -> None:
     assert curve.kind == "biaxial" and curve.name == "sheet" and curve.sigma == 10.0 and len(curve) == 5
     np.testing.assert_array_equal(curve.imposed, np.stack([STRETCH, STRETCH**0.5], axis=1))
     np.testing.assert_array_equal(curve.measured, np.stack([STRESS, 2.0 * STRESS], axis=1))
+    assert repr(curve) == "<stark.curves.Curve 'sheet': biaxial, 5 points>"
     assert curve.scale == 2e5 and curve.at_rest == 1.0 and curve.times is None
 
 
@@ -41,6 +42,8 @@ def test_a_relaxation_is_a_step_and_then_constant() -> None:
     np.testing.assert_allclose(values[:, 0], 1.3)
     np.testing.assert_allclose(spans, [0.1, 0.4, 0.5, 3.0], rtol=1e-12)
     assert shown.tolist() == [False, True, True, True]
+    early = curves.uniaxial([1.0, 1.1], [0.0, 1.0], times=[0.0, 2.0]).steps()[1]
+    assert 0.0 < early[0] < 1e-8 and abs(early[1] - 2.0) < 1e-8  # rates need a duration
     at_once = curves.relaxation([0.0, 1.0], [3.0, 2.0], gamma=0.2)
     assert at_once.kind == "shear" and at_once.steps()[2].tolist() == [True, True]
     assert at_once.steps()[1][0] < 1e-8  # imposed at once: far below the first time

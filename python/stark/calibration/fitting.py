@@ -77,7 +77,7 @@ def fit(
     best = done.x * scale
     at_bound = _at_bound(best, problem(best), limits) & (done.status > 0)
     search = Search(done.status > 0, int(done.nfev), scale, at_bound)
-    return fit_of(formula, free, values, best, responses, problem(best), search)
+    return fit_of(formula, parameters, values, best, responses, problem(best), search)
 
 
 class _Problem:

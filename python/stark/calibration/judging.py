@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from stark.errors import StarkWarning
 
 _INFLUENCE = 1e-4  # change of the predictions by a parameter that grows by all of itself: less is none
 _PART = 0.3  # of a direction in which predictions stay: which parameters are meant
+_EXPLAINED = 0.5  # part of the variance of a curve below which the law is called wrong
 _TIED = 0.999  # correlation from which two parameters are named
 
 
@@ -23,10 +24,18 @@ def judged(
     covariance: Floats,
     scale: Floats,
     at_bound: NDArray[np.bool_],
+    explained: Mapping[str, float],
 ) -> tuple[str, ...]:
-    """Warnings in words, which are issued as StarkWarning, too. ``slopes``: of the weighted residuals (n,
-    k)."""
+    """Warnings in words, issued as StarkWarning, too. ``slopes``: of the weighted residuals (n, k).
+    ``explained``: R^2 by curve."""
     texts = [
+        f"the law explains {max(part, 0.0):.0%} of the variance of the curve '{name}': it is not that "
+        f"of the material, or the search ended at a minimum far from the right one; look at the plot, try "
+        f"another start"
+        for name, part in explained.items()
+        if part < _EXPLAINED
+    ]
+    texts += [
         f"'{name}' = {value:.4g} ended at a bound, so that its error is not known"
         for name, value, bound in zip(names, best, at_bound, strict=True)
         if bound

@@ -97,7 +97,8 @@ def law_formula(law: Any) -> LawFormula:
     if isinstance(found, _CORE_LAWS):
         return _of_core(found, base, found)
     if found is RodMaterial:
-        return _of_core(_core.rod_laws()[0], base, None)
+        linear = next(law for law in _core.rod_laws() if law.name == "linear_rod")
+        return _of_core(linear, base, None)
     if found is SolidMaterial:
         return _of_core(materials.solid_laws["stable_neo_hookean"], base, None)
     return _of_membrane(base)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,7 @@ class CurveFit:
         return 1.0 - float((self.residuals**2).sum()) / variance if variance > 0.0 else float("nan")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """Parameters of a law that were fitted to curves; what ``stark.fit`` returns. Print it for a report."""
 
@@ -85,9 +85,9 @@ class Fit:
     converged: bool
     evaluations: int
     """How often the curves were predicted."""
-    units: Mapping[str, str] = field(repr=False)
+    units: Mapping[str, str]
     """Of the parameters, by name."""
-    _formula: LawFormula = field(repr=False)
+    _formula: LawFormula
 
     def __getitem__(self, name: str) -> Any:
         """The value of a parameter."""
@@ -158,7 +158,8 @@ class Fit:
         """The parameters with their errors, how well each curve is described, warnings."""
         count = sum(fit.curve.measured.size for fit in self.curves)
         curves = "1 curve" if len(self.curves) == 1 else f"{len(self.curves)} curves"
-        lines = [f"{self.law}: {len(self.free)} parameters from {curves}, {count} measurements", ""]
+        parameters = "1 parameter" if len(self.free) == 1 else f"{len(self.free)} parameters"
+        lines = [f"{self.law}: {parameters} from {curves}, {count} measurements", ""]
         lines += _table(["parameter", "value", "standard error", "95 % interval"], self._rows())
         rows = [
             [fit.name, str(len(fit.curve)), _number(fit.rms), _number(fit.largest), f"{fit.r_squared:.5f}"]
@@ -171,6 +172,10 @@ class Fit:
 
     def __str__(self) -> str:
         return self.report()
+
+    def __repr__(self) -> str:
+        fitted = ", ".join(f"{name} = {_number(self.values[name])}" for name in self.free)
+        return f"<stark.Fit of '{self.law}': {fitted}>"
 
     def _rows(self) -> list[list[str]]:
         rows, errors = [], self.errors
@@ -191,7 +196,7 @@ class Fit:
 
 def fit_of(
     formula: LawFormula,
-    free: Sequence[FitParameter],
+    parameters: Sequence[FitParameter],
     fixed: Mapping[str, Any],
     best: Floats,
     responses: Sequence[Response],
@@ -200,18 +205,16 @@ def fit_of(
 ) -> Fit:
     """The result of a search. ``problem``: weighted residuals and their derivatives at the minimum."""
     residuals, slopes = problem
-    names = [parameter.name for parameter in free]
+    names = [parameter.name for parameter in parameters if parameter.name not in fixed]
     values = dict(zip(names, best.tolist(), strict=True))
-    parameters = [*formula.parameters, *(p for p in free if p not in formula.parameters)]
-    if "flexural_rigidity" in fixed and "flexural_rigidity" not in [p.name for p in parameters]:
-        values["flexural_rigidity"] = fixed["flexural_rigidity"]
     ordered = {p.name: values.get(p.name, fixed.get(p.name)) for p in parameters}
     units = {parameter.name: parameter.unit for parameter in parameters}
     fits = tuple(CurveFit(response.curve, response(best)[0]) for response in responses)
-    freedom = len(residuals) - len(free)
+    freedom = len(residuals) - len(names)
     covariance = _covariance(residuals, slopes, best, search)
     if search.converged:
-        texts = judged(names, best, slopes, covariance, search.scale, search.at_bound)
+        explained = {of.name: of.r_squared for of in fits}
+        texts = judged(names, best, slopes, covariance, search.scale, search.at_bound, explained)
     else:
         texts = cut_off(search.evaluations)
     return Fit(

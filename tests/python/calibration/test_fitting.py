@@ -153,12 +153,13 @@ def test_a_law_of_the_user() -> None:
 
 def test_noise_of_known_size_weighs_curves() -> None:
     wrong = curves.planar(STRETCH, 3e5 * (STRETCH - 1.0), sigma=1e9)  # as good as not measured
-    fit = stark.fit(
-        stark.materials.mooney_rivlin,
-        [rubber(sigma=1.0), wrong],
-        start={"c10": 1e5, "c01": 1e5},
-        fixed={"bulk_modulus": 1e12},
-    )
+    with pytest.warns(stark.StarkWarning, match="explains 0% of the variance of the curve 'planar'"):
+        fit = stark.fit(
+            stark.materials.mooney_rivlin,
+            [rubber(sigma=1.0), wrong],
+            start={"c10": 1e5, "c01": 1e5},
+            fixed={"bulk_modulus": 1e12},
+        )
     assert abs(fit["c10"] / 2e5 - 1.0) < 1e-4
 
 
@@ -187,6 +188,16 @@ def test_parameters_that_curves_do_not_determine_are_named() -> None:
             stark.materials.mooney_rivlin, curves.shear(gamma, 5e5 * gamma), start={"c10": 1e5, "c01": 1e5},
             fixed={"bulk_modulus": 1e9},
         )  # fmt: skip
+
+
+def test_a_search_that_ends_far_from_the_curve_says_so() -> None:
+    law, tests, values, start, fixed = CASES["cyclic plasticity"]
+    made = answered(law, tests[0], **values, **fixed)
+    with pytest.warns(stark.StarkWarning) as caught:
+        stark.fit(law, made, start={**start, "yield_stress": 1e10}, fixed=fixed)  # it never yields
+    texts = " ".join(str(warning.message) for warning in caught)
+    assert "of the variance of the curve 'uniaxial': it is not that of the material" in texts
+    assert "do not determine 'yield_stress'" in texts and "do not determine 'hardening_modulus'" in texts
 
 
 def test_a_search_that_was_cut_off_says_so() -> None:
@@ -235,6 +246,10 @@ START = {"c10": 1e5, "c01": 1e5}
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "no law": ({"law": "mooney_rivlin"}, "law = 'mooney_rivlin': must be a law or a material"),
     "maxwell": ({"law": stark.generalized_maxwell}, "the number of its branches must be known"),
+    "damping": (
+        {"law": stark.materials.solid_laws["solid_damping"]},
+        "law 'solid_damping': depends on the strain at the start of the step",
+    ),
     "no curve": ({"curves": [1.0]}, "must be a curve of stark.curves"),
     "no start": (
         {"start": {"c10": 1e5}}, "no start for 'c01' [Pa]: must be given; the curve 'uniaxial' starts with"

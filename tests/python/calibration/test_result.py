@@ -102,7 +102,7 @@ def test_other_tests_are_predicted() -> None:
         fit.predict(stretch)  # type: ignore[arg-type]
     sheet = stark.fit(
         stark.ShellMaterial,
-        curves.uniaxial(stretch, stretch),
+        curves.uniaxial(stretch, stretch - 1.0),
         start={"youngs_modulus": 1.0},
         fixed={"poissons_ratio": 0.3},
     )
@@ -118,6 +118,15 @@ def test_materials_simulate_with_what_was_fitted() -> None:
         fixed={"poissons_ratio": 0.3},
     )
     cloth = fit.material(density=0.2, thickness=3e-4, name="sheet")
+    known = stark.fit(
+        stark.ShellMaterial,
+        [of.curve for of in fit.curves],
+        start={"youngs_modulus": 1e4},
+        fixed={"poissons_ratio": 0.3, "flexural_rigidity": 2e-6},
+    )
+    assert known["flexural_rigidity"] == known.material().flexural_rigidity == 2e-6
+    assert re.search(r"^flexural_rigidity +2e-06 N m +fixed$", str(known), re.MULTILINE)
+    assert repr(known).startswith("<stark.Fit of 'membrane_neo_hookean': youngs_modulus = 5.03")
     assert isinstance(cloth, stark.ShellMaterial) and cloth.flexural_rigidity == pytest.approx(2e-6)
     scene = stark.Scene()
     scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2), cloth, pins=[0])
