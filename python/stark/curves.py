@@ -346,9 +346,8 @@ def _check_imposed(values: Floats, what: str, owner: str) -> None:
     if is_length and values.min() <= 0.0:
         k = int(np.argmin(values))
         raise InvalidArgument(
-            f"{owner}: {what}[{k}] = {values[k]:g}: must be > 0, and 1 at rest; of a strain give 1 + "
-            f"strain, of a "
-            f"percentage 1 + percentage / 100"
+            f"{owner}: {what}[{k}] = {values[k]:g}: must be > 0, and 1 at rest; of a strain give 1 + strain, "
+            f"of a percentage 1 + percentage / 100"
         )
     k = int(np.argmax(np.abs(values)))
     if np.abs(values[k]) > _LARGEST_STRETCH:
@@ -368,8 +367,7 @@ def _check_signs(columns: dict[str, Floats], imposed: str, measured: str, owner:
         return
     raise InvalidArgument(
         f"{owner}: {imposed}[{k}] = {values[k]:g} with {measured}[{k}] = {stresses[k]:g}: must be on the "
-        f"same side of "
-        f"rest, where {imposed} = {rest:g}; "
+        f"same side of rest, where {imposed} = {rest:g}; "
         + ("of a strain give 1 + strain" if rest else "look at the signs")
     )
 
@@ -384,8 +382,7 @@ def require_curves(curves: Curve | Sequence[Curve]) -> tuple[Curve, ...]:
     if not found or not all(isinstance(curve, Curve) for curve in found):
         raise InvalidArgument(
             f"fit: curves = {curves!r}: must be a curve of stark.curves, such as "
-            f"stark.curves.uniaxial(stretch, "
-            f"stress), or a list of them"
+            f"stark.curves.uniaxial(stretch, stress), or a list of them"
         )
     names = [curve.name for curve in found]
     twice = sorted({name for name in names if names.count(name) > 1})

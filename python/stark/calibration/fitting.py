@@ -139,8 +139,7 @@ def _fixed_values(
         if parameter.shape and given is None:
             raise InvalidArgument(
                 f"fit: '{name}' [{parameter.unit}] is made of {int(np.prod(parameter.shape))} numbers, "
-                f"which are not "
-                f"fitted: must be in fixed"
+                f"which are not fitted: must be in fixed"
             )
         if given is None:
             continue
@@ -174,8 +173,7 @@ def _check_counts(free: Sequence[FitParameter], curves: Sequence[Curve], law: La
     if count <= len(free):
         raise InvalidArgument(
             f"fit: {count} measurements for {len(free)} parameters ({names_of(free)}): must be more "
-            f"measurements than "
-            f"parameters; measure more points, or give some of them in fixed"
+            f"measurements than parameters; measure more points, or give some of them in fixed"
         )
 
 
@@ -272,6 +270,5 @@ def _no_answer(
     given = ", ".join(f"{p.name} = {value:g}" for p, value in zip(free, begin, strict=True))
     return (
         f"fit: the law '{law.name}' has no state without lateral stress at point {place} of the curve "
-        f"'{name}' with "
-        f"{given}: must have one where the search starts; give another start, or bounds"
+        f"'{name}' with {given}: must have one where the search starts; give another start, or bounds"
     )

@@ -98,8 +98,7 @@ def _vague(names: Sequence[str], best: Floats, covariance: Floats, inside: Seque
                 together = covariance[i, j] / (error[i] * error[j])
             if abs(together) > _TIED:
                 texts.append(
-                    f"the errors of '{names[i]}' and '{names[j]}' have a correlation of {together:.5f}: "
-                    f"the curves hardly "
-                    f"tell one from the other"
+                    f"the errors of '{names[i]}' and '{names[j]}' have a correlation of {together:.5f}: the "
+                    f"curves hardly tell one from the other"
                 )
     return texts

@@ -27,9 +27,8 @@ _MATERIALS = (SolidMaterial, ShellMaterial, RodMaterial)
 _CORE_LAWS = (_core.SolidLaw, _core.ShellLaw, _core.RodLaw)
 _NEED = (
     "must be a law or a material: a law of stark.materials such as stark.materials.mooney_rivlin, what "
-    "@stark.material "
-    "makes, stark.j2_plasticity, stark.SolidMaterial for its own law, or a material such as that of "
-    "stark.generalized_maxwell(...), whose values the fit starts from"
+    "@stark.material makes, stark.j2_plasticity, stark.SolidMaterial for its own law, or a material such as "
+    "that of stark.generalized_maxwell(...), whose values the fit starts from"
 )
 
 
@@ -112,9 +111,8 @@ def _named(law: Any) -> Any:
     if name == "generalized_maxwell":
         raise InvalidArgument(
             "fit: law = stark.generalized_maxwell: the number of its branches must be known; give a "
-            "material of it "
-            "with values to start from: stark.generalized_maxwell(shear_modulus=..., bulk_modulus=..., "
-            "moduli=[...], times=[...])"
+            "material of it with values to start from: stark.generalized_maxwell(shear_modulus=..., "
+            "bulk_modulus=..., moduli=[...], times=[...])"
         )
     if name and getattr(materials, name, None) is law:
         known: dict[str, Any] = {**materials.solid_laws, **materials.shell_laws}
@@ -130,8 +128,7 @@ def _law_of_material(material: Any) -> Any:
             return recorded
         raise InvalidArgument(
             f"fit: law = {material!r}: the law was read from a scene document and is not a function; give "
-            f"the law "
-            f"that the document was made with"
+            f"the law that the document was made with"
         )
     return type(material) if material.law is None else material.law
 
@@ -167,8 +164,7 @@ def _value_in(base: Any, name: str) -> Any:
         if np.size(value) != width:
             raise InvalidArgument(
                 f"fit: {name} of the material '{base.name}' has a value for each element: must be one "
-                f"value; use "
-                f".replace({name}=...)"
+                f"value; use .replace({name}=...)"
             )
     return value
 

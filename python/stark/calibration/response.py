@@ -162,8 +162,7 @@ class Response:
         if law.needs_time and curve.times is None:
             raise InvalidArgument(
                 f"fit: curve '{curve.name}' has no times, on which the law '{law.name}' depends: must have "
-                f"them; give "
-                f"times=..."
+                f"them; give times=..."
             )
         self._paths = law.needs_path
         self._program = _program(law, curve, free, fixed, start)
@@ -265,8 +264,7 @@ def plate_law(law: LawFormula, curve: Curve) -> LawFormula:
         if all(parameter.name != "poissons_ratio" for parameter in law.parameters):
             raise InvalidArgument(
                 f"fit: curve '{curve.name}' is of a narrow strip, and the law '{law.name}' has no "
-                f"poissons_ratio: must "
-                f"have one; give the curve of a wide strip"
+                f"poissons_ratio: must have one; give the curve of a wide strip"
             )
         psi = 0.5 * rigidity * ((k1 + k2) * (k1 + k2) - 2.0 * (1.0 - nu) * k1 * k2)
         inputs.append((nu, ("poissons_ratio", 0, 0)))
