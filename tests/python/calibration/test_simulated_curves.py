@@ -1,4 +1,4 @@
-"""Tensile tests in simulation: a block under dead loads gives a curve, a fit of it the material of the block."""
+"""Tensile tests in simulation: a block under dead loads gives a curve, and a fit gives its material back."""
 
 from __future__ import annotations
 
