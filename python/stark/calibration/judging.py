@@ -25,9 +25,10 @@ def judged(
     scale: Floats,
     at_bound: NDArray[np.bool_],
     explained: Mapping[str, float],
+    weight: str,
 ) -> tuple[str, ...]:
     """Warnings in words, issued as StarkWarning, too. ``slopes``: of the weighted residuals (n, k).
-    ``explained``: R^2 by curve."""
+    ``explained``: R^2 by curve. ``weight``: what residuals were divided by, in words."""
     texts = [
         f"the law explains {max(part, 0.0):.0%} of the variance of the curve '{name}': it is not that "
         f"of the material, or the search ended at a minimum far from the right one; look at the plot, try "
@@ -51,7 +52,7 @@ def judged(
                 continue
             involved = inside[np.abs(direction) > _PART]
             weak |= set(involved.tolist())
-            texts.append(_undetermined([names[k] for k in involved], strength))
+            texts.append(_undetermined([names[k] for k in involved], strength, weight))
     texts += _vague(names, best, covariance, [k for k in inside.tolist() if k not in weak])
     return _issued(texts)
 
@@ -67,9 +68,9 @@ def _issued(texts: Sequence[str]) -> tuple[str, ...]:
     return tuple(texts)
 
 
-def _undetermined(names: Sequence[str], strength: float) -> str:
+def _undetermined(names: Sequence[str], strength: float, weight: str) -> str:
     quoted = ", ".join(f"'{name}'" for name in names)
-    change = f"predictions change by {strength:.1g} of the curves"
+    change = f"predictions change by {strength:.1g} of {weight}"
     if len(names) == 1:
         text = (
             f"the curves do not determine {quoted}: if it doubles, {change}; fix it, or add a curve that "

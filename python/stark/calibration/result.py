@@ -214,7 +214,8 @@ def fit_of(
     covariance = _covariance(residuals, slopes, best, search)
     if search.converged:
         explained = {of.name: of.r_squared for of in fits}
-        texts = judged(names, best, slopes, covariance, search.scale, search.at_bound, explained)
+        weight = "the largest stress" if fits[0].curve.sigma is None else "sigma"
+        texts = judged(names, best, slopes, covariance, search.scale, search.at_bound, explained, weight)
     else:
         texts = cut_off(search.evaluations)
     return Fit(
