@@ -31,6 +31,7 @@ GROUPS: dict[str, tuple[str, str]] = {
         "TriangleMesh TetMesh SolidMesh ShellMaterial SolidMaterial RodMaterial Surface rotation "
         "to_quaternion deg __version__",
     ),
+    "fitting": ("Fits of laws to curves", "fit Fit"),
     "mechanisms": (
         "Joints, actuators, attachments",
         "Joint Wrench joint hold Actuator actuator Coordinate Memory act Attachment",

@@ -13,11 +13,11 @@ PACKAGE = "python/stark"
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("_core", "_cpu", "_interrupts", "errors", "on_demand", "overloads", "attributes", "files", "arguments"),
     ("array_file", "rotations", "palette", "scene_record", "telemetry"),
-    ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic"),
+    ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic", "curves"),
     ("handle",),
     ("courses", "selections"),
     ("bodies", "formulas"),
-    ("joints", "actuators", "attachments", "loads"),
+    ("joints", "actuators", "attachments", "loads", "measured"),
     ("robots",),
     (
         "document.errors",
@@ -36,7 +36,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("steps",),
     ("checkpoint", "reproducer.errors", "reproducer.parts", "reproducer.rebuilding"),
     ("recording", "render", "replay", "view", "exports", "pictures"),
-    ("reproducer.reduction", "reproducer.writing", "simulation"),
+    ("reproducer.reduction", "reproducer.writing", "simulation", "calibration"),
     ("reproducer",),
     ("__init__",),
     ("scenes",),

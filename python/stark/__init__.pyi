@@ -3,13 +3,16 @@
 from stark import (
     actuators as actuators,
     attachments as attachments,
+    calibration as calibration,
     checkpoint as checkpoint,
+    curves as curves,
     document as document,
     exports as exports,
     formulas as formulas,
     gym as gym,
     joints as joints,
     materials as materials,
+    measured as measured,
     mesh as mesh,
     motion as motion,
     recording as recording,
@@ -57,6 +60,7 @@ from stark.bodies import (
 )
 from stark.bodies.friction import Anisotropic as Anisotropic
 from stark.bodies.sensors import ClosestPoints as ClosestPoints, Contacts as Contacts, Imu as Imu
+from stark.calibration import Fit as Fit, fit as fit
 from stark.checkpoint import Checkpoint as Checkpoint, CheckpointError as CheckpointError
 from stark.document import DocumentError as DocumentError, load_scene as load_scene
 from stark.errors import StarkWarning as StarkWarning

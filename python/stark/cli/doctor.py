@@ -18,6 +18,7 @@ _OPTIONAL = (
     ("trimesh", "trimesh", "more mesh formats", "mesh"),
     ("imageio", "imageio", "mp4 films", "video"),
     ("imageio-ffmpeg", "imageio_ffmpeg", "mp4 films", "video"),
+    ("scipy", "scipy", "fits of laws to measured curves", "fit"),
     ("ipctk", "ipctk", "independent check for intersections", "test"),
 )
 
