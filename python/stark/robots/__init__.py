@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stark.robots.description import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
+    from stark.robots.description import Flex, Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
     from stark.robots.drives import Drives
     from stark.robots.handle import Robot
     from stark.robots.inverse import Reach
@@ -20,7 +20,7 @@ else:
             "stark.robots.handle": "Robot",
             "stark.robots.inverse": "Reach",
             "stark.robots.link": "RobotLink",
-            "stark.robots.description": "Geometry Inertia Link Mimic RobotDescription RobotJoint",
+            "stark.robots.description": "Flex Geometry Inertia Link Mimic RobotDescription RobotJoint",
             "stark.robots.drives": "Drives",
             "stark.robots.reading": "read",
             "stark.robots.report": "Finding Report",
@@ -30,6 +30,7 @@ else:
 __all__ = [
     "Drives",
     "Finding",
+    "Flex",
     "Geometry",
     "Inertia",
     "Link",
