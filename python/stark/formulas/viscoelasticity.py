@@ -3,7 +3,7 @@
 Finite linear viscoelasticity (Simo 1987, Comput. Methods Appl. Mech. Engrg. 60, 153-173): a hyperelastic
 spring beside branches of a spring and a dashpot: of solids in the isochoric Green strain, of shells in the
 Green strain in their plane, of rods in stretch, curvature and twist. The dashpots are internal variables,
-eliminated in closed form [theory eq. 10f, 10g; of shells and rods eq. 10l]."""
+eliminated in closed form [theory eq. 10f, 10g, 10l]."""
 
 from __future__ import annotations
 

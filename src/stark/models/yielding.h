@@ -5,8 +5,8 @@
 //     sum K_i (e_i - d_i)^2/2 + R g + H g^2/2,    g^2 = sum (Y_i d_i)^2,
 // and that is the least over one number n >= 0 of a convex function [theory eq. 10h],
 //     sum K_i e_i^2/(2 (1 + a_i n)) + R^2 n/(2 (1 - H n)),    a_i = K_i/Y_i^2,
-// where each strain keeps the part 1/(1 + a_i n) as an elastic one. The flow is associated, so that what is
-// dissipated, g, is never negative.
+// where each strain keeps the part 1/(1 + a_i n) as an elastic one [theory eq. 10i]. The flow is associated,
+// so that what is dissipated, g, is never negative.
 #pragma once
 
 #include <vector>

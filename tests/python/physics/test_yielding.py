@@ -3,6 +3,8 @@ bending, stored and dissipated energy, the same bits after a rewind and on any n
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -90,7 +92,7 @@ def test_a_bent_wire_springs_back_by_the_elastic_part(section: str) -> None:
     sim = stark.Simulation(scene, gravity=(0, 0, 0), **STATIC)
 
     def curvature(moment: float) -> tuple[float, float]:
-        """Curvature (tan(phi/2) + sin(phi/2))/L of the segments, eq. 29, and what the moment does work on per
+        """Curvature (tan(phi/2) + sin(phi/2))/L of the segments, theory eq. 29, and what the moment does work on per
         turn: L times its derivative."""
         load.moment = moment
         report = sim.step()
@@ -112,7 +114,7 @@ def test_a_bent_wire_springs_back_by_the_elastic_part(section: str) -> None:
 
 
 def test_a_wire_that_is_bent_and_twisted_yields_on_the_ellipsoid() -> None:
-    """Energies of a path in three strains of one segment against a search for the root of eq. 10i."""
+    """Energies of a path in three strains of one segment against a search for the root of theory eq. 10i."""
     section = WIRE.section
     scene = stark.Scene()
     rod = scene.add_rod([(0, 0, 0), (0, 0, 0.01)], WIRE, clamps=[0, 1])
@@ -153,6 +155,26 @@ def turned(turn: np.ndarray) -> np.ndarray:
     axis = turn / angle if angle > 0.0 else np.array([1.0, 0.0, 0.0])
     cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+@pytest.mark.parametrize(("integrator", "order"), [("implicit_euler", 1), ("bdf2", 2)])
+def test_steps_are_of_the_order_of_the_integrator_while_it_yields(integrator: str, order: int) -> None:
+    """A bar whose end flies away and stretches it beyond the yield force."""
+
+    def end(step: float) -> float:
+        scene = stark.Scene()
+        bar = stark.RodMaterial(
+            density=1000.0, youngs_modulus=1e6, radius=1e-2, yield_stress=2e3, hardening_modulus=1e5
+        )
+        rod = scene.add_rod([(0, 0, 0), (1, 0, 0)], bar, clamps=[0], velocity=(0.5, 0, 0))
+        settings = {**STATIC, "time.integrator": integrator, "newton.acceleration_tolerance": 1e-10}
+        sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **settings)
+        sim.run_until(0.02)
+        assert sim.state.arrays()["internal_variable"][0] > 5e-3
+        return float(rod.positions[1, 0])
+
+    coarse, middle, fine = (end(step) for step in (1e-3, 5e-4, 2.5e-4))
+    assert np.log2((coarse - middle) / (middle - fine)) == pytest.approx(order, abs=0.1)
 
 
 # --- shells ---
@@ -404,6 +426,14 @@ def test_the_same_bits_with_threads_the_interpreter_and_after_a_rewind(settings:
         other.step()
     assert one.state == end
     assert other.state.hash == end.hash
+
+
+def test_the_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    examples = Path(__file__).parents[3] / "examples"
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(examples))
+    runpy.run_path(str(examples / "creases.py"))["main"]()
+    assert (tmp_path / "out/creases.png").stat().st_size > 10_000
 
 
 def test_wrong_values_are_named() -> None:

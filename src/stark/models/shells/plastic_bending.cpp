@@ -1,5 +1,5 @@
-// Hinges that yield: the fold angle of eq. 13 has a plastic part, which changes where the moment about the
-// edge reaches the yield moment per length times the length of the edge. A crease stays. [theory eq. 13b]
+// Hinges that yield: the fold angle of theory eq. 13 has a plastic part, which changes where the moment about
+// the edge reaches the yield moment per length times the length of the edge. A crease stays. [theory eq. 13b]
 #include <stark/models/shells/hinge.h>
 #include <stark/models/yielding.h>
 

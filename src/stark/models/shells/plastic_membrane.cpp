@@ -1,8 +1,9 @@
 // Membrane that yields in plane stress, at finite strain: multiplicative split F = Fe Fp, elasticity in
 // logarithmic strains (Hencky), von Mises' criterion for Kirchhoff stresses. With the inverse plastic metric
 // G = (Fp^T Fp)^-1 the principal elastic strains are e_i = log(l_i)/2, l_i the eigenvalues of C G; half their
-// sum and half their difference are the axes of the elastic energy and of the criterion. [Simo and Taylor
-// 1986, Int. J. Numer. Methods Engrg. 22, 649-670; Simo 1992; models/yielding.h; theory eq. 11a, 11b]
+// sum and half their difference are the axes of the elastic energy and of the criterion. [Simo, Taylor
+// 1986, "A return mapping algorithm for plane stress elastoplasticity"; Simo 1992; models/yielding.h; theory
+// eq. 11a, 11b]
 #include <cmath>
 
 #include <stark/models/elastic_constants.h>

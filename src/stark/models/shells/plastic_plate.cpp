@@ -1,8 +1,8 @@
-// A plate that yields: the curvatures of a triangle, which its fold angles determine (eq. 13a), have plastic
-// parts, by the criterion of von Mises for moments per length, m11^2 - m11 m22 + m22^2 + 3 m12^2 = m_y^2.
-// Half the sum, half the difference of the curvatures and their twist are the axes of both the elastic energy
-// and the criterion. [Save, Massonnet 1972, "Plastic Analysis and Design of Plates, Shells and Disks"; theory
-// eq. 13c]
+// A plate that yields: the curvatures of a triangle, which its fold angles determine (theory eq. 13a), have
+// plastic parts, by the criterion of von Mises for moments per length, m11^2 - m11 m22 + m22^2 + 3 m12^2 =
+// m_y^2. Half the sum, half the difference of the curvatures and their twist are the axes of both the elastic
+// energy and the criterion. [Save, Massonnet 1972, "Plastic Analysis and Design of Plates, Shells and Disks";
+// theory eq. 13c]
 #include <array>
 #include <string>
 
