@@ -5,6 +5,8 @@ python examples/creases.py      simulates, checks itself, writes the picture out
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pictures
 
@@ -68,13 +70,15 @@ def run() -> tuple[stark.Simulation, dict[str, float]]:
         add_sheet(scene, name, card, 0.09 * k)
     for k, (name, wire) in enumerate(WIRES.items()):
         add_wire(scene, name, wire, 0.16 + 0.03 * k)
-    options = {"contact.enabled": False, "time.integrator": "quasistatic"}
+    options: dict[str, Any] = {"contact.enabled": False, "time.integrator": "quasistatic"}
     sim = stark.Simulation(scene, gravity=(0, 0, 0), **options)
     for part in np.linspace(0.0, 1.0, 13)[1:]:
         bend(sim, part)
         sim.step()
-    for grip in (*sim.attachments, *sim.joints):
-        grip.enabled = False
+    for glue in sim.attachments:
+        glue.enabled = False
+    for joint in sim.joints:
+        joint.enabled = False
     sim.step()
     return sim, angles(sim)
 

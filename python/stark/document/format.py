@@ -219,7 +219,7 @@ _FORMULA = {
     ),
     "outputs": Field(Listing(Whole(), 1000), doc="numbers of nodes"),
 }
-_LAW = {
+_LAW_FORMULA = {
     **_FORMULA,
     "internals": Field(
         Listing(
@@ -242,9 +242,9 @@ FORMULA = Tagged(
     "kind",
     {
         "energy": Record({**_FORMULA, "translation_invariant": Field(Flag(), False)}),
-        "solid_law": Record({**_LAW, "isotropic": Field(Flag())}),
-        "shell_law": Record({**_LAW, "isotropic": Field(Flag())}),
-        "rod_law": Record(_LAW),
+        "solid_law": Record({**_LAW_FORMULA, "isotropic": Field(Flag())}),
+        "shell_law": Record({**_LAW_FORMULA, "isotropic": Field(Flag())}),
+        "rod_law": Record(_LAW_FORMULA),
         "joint": Record(
             {
                 **_FORMULA,

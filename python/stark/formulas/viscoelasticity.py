@@ -24,7 +24,7 @@ from stark.formulas.parameters import parameter
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.symbolic.functions import exp, log
 from stark.symbolic.linear_algebra import determinant, squared_norm, trace
-from stark.symbolic.signature import ArgumentType, Mat2, Mat3, Vec2, Vec4
+from stark.symbolic.signature import Mat2, Mat3, Vec2, Vec4
 from stark.symbolic.tensor import identity, vec
 
 _MOST_BRANCHES = 20
@@ -140,7 +140,7 @@ def _series(owner: str, moduli: Any, times: Any) -> tuple[list[float], list[floa
     return branches, spans
 
 
-def _numbered(**columns: Sequence[float]) -> dict[str, float]:
+def _numbered(**columns: Sequence[float]) -> dict[str, Any]:
     return {
         f"{name}_{k}": value for name, column in columns.items() for k, value in enumerate(column, start=1)
     }
@@ -258,7 +258,7 @@ def _recorded(
     strains: list[inspect.Parameter],
     own: list[inspect.Parameter],
     strength: tuple[str, Any],
-    shape: ArgumentType,
+    shape: Any,
     count: int,
 ) -> MaterialLaw:
     """The law of strains, the time step, parameters of its own, then strengths, times and flows of

@@ -92,8 +92,8 @@ def test_a_bent_wire_springs_back_by_the_elastic_part(section: str) -> None:
     sim = stark.Simulation(scene, gravity=(0, 0, 0), **STATIC)
 
     def curvature(moment: float) -> tuple[float, float]:
-        """Curvature (tan(phi/2) + sin(phi/2))/L of the segments, theory eq. 29, and what the moment does work on per
-        turn: L times its derivative."""
+        """Curvature (tan(phi/2) + sin(phi/2))/L of the segments, theory eq. 29, and what the moment does
+        work on per turn: L times its derivative."""
         load.moment = moment
         report = sim.step()
         assert not report.failed, report.message
