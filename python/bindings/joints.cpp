@@ -78,6 +78,8 @@ int32_t add_joint(Scene& scene, const nb::dict& given) {
   joint.b = to_frame(nb::cast<nb::dict>(given["b"]));
   joint.values = parameter_values_of(given["values"], "joint '" + joint.name + "'");
   joint.enabled = nb::cast<bool>(given["enabled"]);
+  joint.break_force = nb::cast<double>(given["break_force"]);
+  joint.break_torque = nb::cast<double>(given["break_torque"]);
   if (given.contains("contact")) joint.contact = nb::cast<bool>(given["contact"]);
   return scene.add_joint(std::move(joint)).index;
 }

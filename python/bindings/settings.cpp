@@ -46,6 +46,11 @@ nb::dict section_to_dict(const RodMaterial& material) {
   dict["bending_stiffness_1"] = section.bending_stiffness[0];
   dict["bending_stiffness_2"] = section.bending_stiffness[1];
   dict["torsional_stiffness"] = section.torsional_stiffness;
+  dict["yield_force"] = section.yield_force;
+  dict["yield_moment_1"] = section.yield_moments[0];
+  dict["yield_moment_2"] = section.yield_moments[1];
+  dict["yield_torque"] = section.yield_torque;
+  dict["yield_hardening"] = section.yield_hardening;
   return dict;
 }
 

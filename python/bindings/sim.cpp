@@ -248,6 +248,9 @@ void bind_simulation(nb::module_& m) {
           "joint_enabled", [](const Simulation& s, int32_t joint) { return s.joint_enabled({joint}); },
           "joint"_a)
       .def(
+          "joint_broken", [](const Simulation& s, int32_t joint) { return s.joint_broken({joint}); },
+          "joint"_a)
+      .def(
           "set_joint_enabled",
           [](Simulation& s, int32_t joint, bool enabled) { s.set_joint_enabled({joint}, enabled); },
           "joint"_a, "enabled"_a)

@@ -88,7 +88,8 @@ _PLACES = {
     "stark.formulas": (
         "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil "
         "Tetrahedron Time TimeStep Triangle ShellDeformationGradient Vec2 Vec3 Vec4 energy material "
-        "generalized_maxwell internal j2_plasticity parameter stencils world_frame world_points"
+        "generalized_maxwell generalized_maxwell_rod generalized_maxwell_shell internal j2_plasticity "
+        "j2_viscoplasticity parameter stencils world_frame world_points"
     ),
     "stark.joints": "Joint Wrench hold joint",
     "stark.attachments": "Attachment",

@@ -206,7 +206,8 @@ def _rebuild(kind: type[Any], name: str, source: str, law: str | None, parameter
 
 
 class ShellMaterial(_Material[_core.ShellMaterial]):
-    """Cloth and thin shells: a Neo-Hookean membrane unless another ``law`` is given."""
+    """Cloth and thin shells: a Neo-Hookean membrane unless another ``law`` is given. With a ``yield_stress``
+    membrane and bending yield, with a ``bending_yield_moment`` alone the bending does: creases stay."""
 
     __slots__ = ()
     _core_type = _core.ShellMaterial
@@ -221,6 +222,10 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
     strain_limit_law: str
     bending_stiffness: float
     flexural_rigidity: float
+    yield_stress: float
+    hardening_modulus: float
+    bending_yield_moment: float
+    bending_hardening: float
     mass_damping: float
     strain_damping: float
     bending_damping: float
@@ -246,7 +251,8 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
 class RodMaterial(_Material[_core.RodMaterial]):
     """Rods: Kirchhoff's rod with stretch unless another ``law`` is given. The section is round, or
     rectangular with ``width`` along the first axis and ``height`` along the second one; stiffnesses that are
-    given replace those of the section."""
+    given replace those of the section. With a ``yield_stress`` the rod yields where its whole section does;
+    yield forces and moments that are given replace those of the section."""
 
     __slots__ = ()
     _core_type = _core.RodMaterial
@@ -262,13 +268,21 @@ class RodMaterial(_Material[_core.RodMaterial]):
     bending_stiffness_1: float
     bending_stiffness_2: float
     torsional_stiffness: float
+    yield_stress: float
+    hardening_modulus: float
+    yield_force: float
+    yield_moment_1: float
+    yield_moment_2: float
+    yield_torque: float
     mass_damping: float
     strain_damping: float
 
     @property
     def section(self) -> dict[str, float]:
         """What the section gives the rod: mass [kg/m], axial_stiffness and shear_stiffness [N],
-        bending_stiffness_1, bending_stiffness_2 and torsional_stiffness [N m^2]."""
+        bending_stiffness_1, bending_stiffness_2 and torsional_stiffness [N m^2]; where it yields:
+        yield_force [N], yield_moment_1, yield_moment_2 and yield_torque [N m], which are infinite where it
+        does not, and yield_hardening [m/J]."""
         return _core.rod_section(self._core)
 
 
@@ -314,6 +328,7 @@ fiber_reinforced: Callable[..., SolidMaterial] = _material_of(SolidMaterial, sol
 membrane_st_venant_kirchhoff: Callable[..., ShellMaterial] = _material_of(
     ShellMaterial, shell_laws["membrane_st_venant_kirchhoff"]
 )
+plastic_membrane: Callable[..., ShellMaterial] = _material_of(ShellMaterial, shell_laws["plastic_membrane"])
 orthotropic_cloth: Callable[..., ShellMaterial] = _material_of(ShellMaterial, shell_laws["orthotropic_cloth"])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 
 import pytest
@@ -16,6 +17,8 @@ def test_presets_have_the_documented_numbers() -> None:
         "density": 0.2, "thickness": 1e-3, "youngs_modulus": 5e3, "poissons_ratio": 0.3, "strain_limit": 0.1,
         "strain_limit_stiffness": 1e6, "strain_limit_hardening": 500.0,
         "strain_limit_law": "green_strain", "bending_stiffness": 1e-6, "flexural_rigidity": 0.0,
+        "yield_stress": math.inf, "hardening_modulus": 0.0, "bending_yield_moment": 0.0,
+        "bending_hardening": 0.0,
         "mass_damping": 0.1, "strain_damping": 0.5, "bending_damping": 1e-7,
     }  # fmt: skip
     steel = stark.materials.plate(

@@ -233,6 +233,8 @@ def _joint(scene: Any, joint: Any, formulas: Formulas) -> dict[str, Any]:
         "values": {name: numbers for name, (numbers, _) in given["values"].items()},
         "contact": scene._core.joint_contact(joint._index),
         "enabled": joint._enabled_at_start,
+        "break_force": joint.break_force,
+        "break_torque": joint.break_torque,
     }
 
 

@@ -217,15 +217,34 @@ _FORMULA = {
         doc='operations in order: ["constant", value], ["input", source, point, component], or an operation '
         "and the numbers of the nodes that it is applied to",
     ),
-    "outputs": Field(Listing(Whole(), 100), doc="numbers of nodes"),
+    "outputs": Field(Listing(Whole(), 1000), doc="numbers of nodes"),
+}
+_LAW_FORMULA = {
+    **_FORMULA,
+    "internals": Field(
+        Listing(
+            Record(
+                {
+                    "name": Field(Text()),
+                    "shape": Field(Listing(Whole(1, 100), 2), []),
+                    "unit": Field(Text(), "1"),
+                    "doc": Field(Text(), ""),
+                    "initial": Field(Listing(Number(), 1000), doc="numbers at time 0, in a row"),
+                }
+            ),
+            100,
+        ),
+        [],
+        "internal variables; the outputs after the first are their updates, in order",
+    ),
 }
 FORMULA = Tagged(
     "kind",
     {
         "energy": Record({**_FORMULA, "translation_invariant": Field(Flag(), False)}),
-        "solid_law": Record({**_FORMULA, "isotropic": Field(Flag())}),
-        "shell_law": Record({**_FORMULA, "isotropic": Field(Flag())}),
-        "rod_law": Record(_FORMULA),
+        "solid_law": Record({**_LAW_FORMULA, "isotropic": Field(Flag())}),
+        "shell_law": Record({**_LAW_FORMULA, "isotropic": Field(Flag())}),
+        "rod_law": Record(_LAW_FORMULA),
         "joint": Record(
             {
                 **_FORMULA,
@@ -312,6 +331,8 @@ JOINT = Record(
         "values": Field(Named(Array((None,))), {}),
         "contact": Field(Flag(), False),
         "enabled": Field(Flag(), True),
+        "break_force": Field(Number("N", infinite=True), "inf"),
+        "break_torque": Field(Number("N m", infinite=True), "inf"),
     }
 )
 ACTUATOR = Record(

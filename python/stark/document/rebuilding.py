@@ -214,6 +214,8 @@ class Rebuilding:
             "a": self._frame(row["a"], f"{where}.a"),
             "b": self._frame(row["b"], f"{where}.b"),
             "values": {name: (numbers, False) for name, numbers in row["values"].items()},
+            "break_force": row["break_force"],
+            "break_torque": row["break_torque"],
         }
         index = self.scene._core.add_joint(
             {

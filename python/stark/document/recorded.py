@@ -7,9 +7,12 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from stark import _core
 from stark.actuators.definition import ActuatorFormula
 from stark.formulas.energy import EnergyFormula
+from stark.formulas.internal import Internal, InternalDeclaration
 from stark.formulas.listing import OPERATIONS, Input, listed, replayed
 from stark.formulas.parameters import UNBOUNDED, Declaration, Parameter
 from stark.formulas.tracing import Trace, is_translation_invariant
@@ -42,7 +45,18 @@ def of_law(function: Any, isotropic: bool, law: Any) -> dict[str, Any]:
     described = _described(
         law.name, law.doc, function.formula, function.graph(), function.sources, function.parameters
     )
-    return {"kind": kind, **described, **({} if kind == "rod_law" else {"isotropic": isotropic})}
+    internals = [
+        {
+            "name": variable.name,
+            "shape": list(variable.shape),
+            "unit": variable.declaration.unit,
+            "doc": variable.declaration.doc,
+            "initial": variable.initial,
+        }
+        for variable in function.internals
+    ]
+    options = {} if kind == "rod_law" else {"isotropic": isotropic}
+    return {"kind": kind, **described, "internals": internals, **options}
 
 
 def of_joint(formula: JointFormula) -> dict[str, Any]:
@@ -147,14 +161,30 @@ def made(row: Mapping[str, Any], where: str) -> Any:
     parameters = [_parameter(entry) for entry in row["inputs"] if entry["role"] == "parameter"]
     try:
         formula, graph, sources = replayed(
-            row["points"], [_row(entry) for entry in row["inputs"]], row["nodes"], row["outputs"]
-        )
+            row["points"], [_row(entry) for entry in row["inputs"]], row["nodes"], row["outputs"],
+            _internals(row),
+        )  # fmt: skip
         return _MAKERS[row["kind"]](row, formula, graph, sources, parameters)
     except DocumentError:
         raise
     except (_core.Error, KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
         text = f"no input {error}" if isinstance(error, KeyError) else str(error)
         raise DocumentError(f"{where} '{row['name'][:80]}': {text}") from error
+
+
+def _internals(row: Mapping[str, Any]) -> tuple[Internal, ...]:
+    """Internal variables of a law."""
+    made = []
+    for entry in row.get("internals", ()):
+        if len(entry["initial"]) != _width(entry):
+            raise DocumentError(
+                f"internal variable '{entry['name'][:80]}' has {len(entry['initial'])} initial numbers: "
+                f"must be {_width(entry)}"
+            )
+        initial = np.array(entry["initial"], dtype=np.float64).reshape(entry["shape"])
+        declaration = InternalDeclaration(initial, entry["unit"], entry["doc"])
+        made.append(Internal(entry["name"], tuple(entry["shape"]), declaration))
+    return tuple(made)
 
 
 def _check_nodes(row: Mapping[str, Any], where: str) -> None:
@@ -249,12 +279,16 @@ def _law(
     row: Mapping[str, Any], formula: Any, graph: Any, sources: Sources, given: list[Parameter]
 ) -> ReadLaw:
     points = {"solid_law": 3, "shell_law": 2, "rod_law": 2}[row["kind"]]
-    if row["points"] != points or len(graph.outputs) != 1 or graph.outputs[0].is_condition:
-        raise DocumentError(f"'{row['name'][:80]}': must have {points} points and one output, a number")
+    internals = _internals(row)
+    count = 1 + sum(len(variable.initial) for variable in internals)
+    if row["points"] != points or len(graph.outputs) != count or any(o.is_condition for o in graph.outputs):
+        raise DocumentError(
+            f"'{row['name'][:80]}': must have {points} points and {count} outputs, which are numbers"
+        )
     make: Callable[..., Any] = getattr(_core, row["kind"])
     options = () if row["kind"] == "rod_law" else (row["isotropic"],)
     core = make(row["name"], row["doc"] or row["name"], formula, *options)
-    return ReadLaw(core, formula, graph, dict(sources), tuple(given), row.get("isotropic", True))
+    return ReadLaw(core, formula, graph, dict(sources), tuple(given), row.get("isotropic", True), internals)
 
 
 class ReadLaw:
@@ -268,6 +302,7 @@ class ReadLaw:
         sources: Sources,
         parameters: tuple[Parameter, ...],
         isotropic: bool,
+        internals: tuple[Internal, ...],
     ) -> None:
         self.core: Any = core
         self.formula: Any = formula
@@ -275,6 +310,7 @@ class ReadLaw:
         self.parameters: tuple[Parameter, ...] = parameters
         self._graph = graph
         self.isotropic: bool = isotropic
+        self.internals: tuple[Internal, ...] = internals
 
     def graph(self) -> ExpressionGraph:
         return self._graph

@@ -10,8 +10,12 @@ from stark.formulas.kinematics import Edge, Hinge, Point, Stencil, Tetrahedron, 
 from stark.formulas.material import CauchyGreen, DeformationGradient, ShellDeformationGradient, material
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import parameter
-from stark.formulas.plasticity import j2_plasticity
-from stark.formulas.viscoelasticity import generalized_maxwell
+from stark.formulas.plasticity import j2_plasticity, j2_viscoplasticity
+from stark.formulas.viscoelasticity import (
+    generalized_maxwell,
+    generalized_maxwell_rod,
+    generalized_maxwell_shell,
+)
 from stark.selections import stencils, world_frame, world_points
 from stark.symbolic.signature import Mat2, Mat3, Vec2, Vec3, Vec4
 
@@ -38,8 +42,11 @@ __all__ = [
     "Vec4",
     "energy",
     "generalized_maxwell",
+    "generalized_maxwell_rod",
+    "generalized_maxwell_shell",
     "internal",
     "j2_plasticity",
+    "j2_viscoplasticity",
     "material",
     "parameter",
     "stencils",

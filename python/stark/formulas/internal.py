@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stark._core import TraceError
+from stark._core import FormulaBuilder, TraceError
 from stark.formulas.kinematics import Inputs
 from stark.symbolic.errors import formula_error
 from stark.symbolic.signature import ArgumentType
@@ -26,7 +26,7 @@ class InternalDeclaration:
 
 
 def internal(initial: Any = 0.0, *, unit: str = "1", doc: str = "") -> Any:
-    """Declares an internal variable of a law of solids or shells, as the default of an argument::
+    """Declares an internal variable of a law, as the default of an argument::
 
         @stark.material
         def law(F: stark.DeformationGradient, plastic: stark.Mat3 = stark.internal(np.eye(3)), ...):
@@ -56,12 +56,21 @@ class Internal:
     shape: tuple[int, ...]
     declaration: InternalDeclaration
 
+    @property
+    def initial(self) -> list[float]:
+        """Its numbers at time 0, in a row."""
+        values: list[float] = np.broadcast_to(self.declaration.initial, self.shape).reshape(-1).tolist()
+        return values
+
+    def entries(self, builder: FormulaBuilder) -> list[Scalar]:
+        """Its value at the start of the step, in a row."""
+        doc = self.declaration.doc or self.name
+        made: list[Scalar] = builder.internal(self.name, self.initial, self.declaration.unit, doc)
+        return made
+
     def symbols(self, inputs: Inputs) -> object:
         """Its value at the start of the step as a Scalar, Vec or Mat of named inputs."""
-        initial = np.broadcast_to(self.declaration.initial, self.shape).reshape(-1).tolist()
-        entries = inputs.builder.internal(
-            self.name, initial, self.declaration.unit, self.declaration.doc or self.name
-        )
+        entries = self.entries(inputs.builder)
         inputs.note(entries, self.name)
         for k, entry in enumerate(entries):
             place = ",".join(map(str, np.unravel_index(k, self.shape))) if self.shape else ""

@@ -7,6 +7,7 @@ from typing import Any
 
 from stark import _core
 from stark._core import FormulaBuilder
+from stark.formulas.internal import Internal
 from stark.symbolic import functions as f
 from stark.symbolic.graph import ExpressionGraph
 from stark.symbolic.tensor import Scalar
@@ -76,7 +77,11 @@ def listed(
 
 
 def replayed(
-    points: int, inputs: Sequence[Input], nodes: Sequence[Sequence[Any]], outputs: Sequence[int]
+    points: int,
+    inputs: Sequence[Input],
+    nodes: Sequence[Sequence[Any]],
+    outputs: Sequence[int],
+    internals: Sequence[Internal] = (),
 ) -> tuple[_core.Formula, ExpressionGraph, dict[int, tuple[str, int, int]]]:
     """The formula of nodes as ``listed`` gives them, its graph and what the inputs of that are. Nodes must
     have operands before them; raises TraceError for operations on what they are not for, and KeyError or
@@ -84,7 +89,7 @@ def replayed(
     builder = FormulaBuilder(points)
     # Made where they first occur: the bits of the formula depend on the order of its inputs.
     waiting = {row[0]: row for row in inputs}
-    known: dict[str, Any] = {}
+    known: dict[str, Any] = {variable.name: variable.entries(builder) for variable in internals}
     sources: dict[int, tuple[str, int, int]] = {}
     values: list[Any] = []
     for operation, *operands in nodes:

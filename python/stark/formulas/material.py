@@ -75,7 +75,7 @@ def material(
     (3x2) or C: stark.CauchyGreen (2x2) for shells. Laws of rods start with some of the arguments stretch
     (1 at rest), curvature (two numbers: changes about the axes d1 and d2 [1/m]) and twist (change [rad/m]),
     known by their names. F_prev (C_prev, stretch_prev, ...), stark.TimeStep and stark.Time may follow for
-    viscous laws; arguments with the default ``stark.internal(...)`` are what each element of a solid or shell
+    viscous laws; arguments with the default ``stark.internal(...)`` are what each element
     remembers; all other arguments are parameters as in ``@stark.energy``.
 
     stress_free, objective: False for a law that has stresses at rest, or depends on the orientation in space,

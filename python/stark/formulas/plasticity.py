@@ -4,7 +4,9 @@ Multiplicative split F = Fe Fp with isotropic elasticity in logarithmic strains 
 of von Mises and linear isotropic hardening; radial return with the exponential map (Simo 1992, Comput.
 Methods Appl. Mech. Engrg. 99, 61-112; Ortiz and Stainier 1999, ibid. 171, 419-444). The energy of a step is
 the least over the plastic strain of the step, in closed form, so that stresses and tangents are exact
-derivatives [theory eq. 10d, 10e]."""
+derivatives [theory eq. 10d, 10e]. Kinematic hardening is a spring beside what yields (Haward and Thackray
+1968, Proc. R. Soc. A 302, 453-472), of metals by Prager (1956), and the overstress that of Perzyna (1966,
+Adv. Appl. Mech. 9, 243-377) [theory eq. 10j, 10k]."""
 
 from __future__ import annotations
 
@@ -12,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from stark.formulas.arguments import TimeStep
 from stark.formulas.internal import internal
 from stark.formulas.material import DeformationGradient, material
 from stark.formulas.parameters import parameter
@@ -52,6 +55,36 @@ def _exponential(A: Any) -> Any:
     return half @ half
 
 
+def _step(
+    F: Any, mu: Any, bulk: Any, resistance: Any, modulus: Any, kinematic: Any, G: Any, p: Any
+) -> tuple[Any, dict[str, Any]]:
+    """Energy of a step and updates. resistance [Pa]: yield stress at the start of the step; modulus [Pa]: its
+    growth with the plastic strain of the step; kinematic [Pa]: of the back stress."""
+    J = determinant(F)
+    b = (F @ G @ F.T) * J ** (-2.0 / 3.0)
+    trial = _deviatoric_strain(b)
+    # A spring beside the part r of the stiffness that yields is kinematic hardening [theory eq. 10j].
+    r = 3.0 * mu / (3.0 * mu + kinematic)
+    # Far below yielding any other equivalent strain does, and the root keeps its derivative.
+    elastic_limit = resistance / (3.0 * mu)
+    squared = squared_norm(trial) * (2.0 / 3.0)
+    strain = sqrt(maximum(squared, (0.5 * elastic_limit) ** 2))
+    excess = maximum(3.0 * mu * strain - resistance, 0.0)
+    stiffness = 3.0 * mu + r * modulus
+    volumetric = 0.5 * bulk * log(J) ** 2
+    back = 0.5 * mu * (1.0 - r) * (squared_norm(F) * J ** (-2.0 / 3.0) - 3.0)
+    psi = volumetric + back + r * (1.5 * mu * squared - 0.5 * excess**2 / stiffness)
+
+    slip = excess / stiffness
+    relaxed = _exponential(trial * (2.0 * (1.0 - slip / strain)))
+    inverted = inverse(F)
+    metric = (inverted @ relaxed @ inverted.T) * J ** (2.0 / 3.0)
+    metric = metric * determinant(metric) ** (-1.0 / 3.0)
+    flows = excess > 0.0
+    kept = [[where(flows, metric[i, j], G[i, j]) for j in range(3)] for i in range(3)]
+    return psi, {"plastic_metric": type(metric)(kept), "plastic_strain": p + r * slip}
+
+
 @material
 def j2_plasticity(
     F: DeformationGradient,
@@ -59,6 +92,7 @@ def j2_plasticity(
     bulk_modulus: float = parameter(unit="Pa", above=0.0),
     yield_stress: float = parameter(unit="Pa", above=0.0),
     hardening_modulus: float = parameter(0.0, unit="Pa", min=0.0),
+    kinematic_modulus: float = parameter(0.0, unit="Pa", min=0.0),
     plastic_metric: Mat3 = internal(np.eye(3), doc="inverse of Fp^T Fp, determinant 1"),
     plastic_strain: float = internal(0.0, doc="equivalent plastic strain, which never falls"),
 ) -> Any:
@@ -66,27 +100,37 @@ def j2_plasticity(
 
     shear_modulus, bulk_modulus [Pa]: of the elastic part. yield_stress [Pa]: von Mises equivalent of the
     Kirchhoff stress at which it starts to yield. hardening_modulus [Pa]: growth of the yield stress with the
-    equivalent plastic strain. Elastic isochoric strains must stay below 0.3, the step's trial strain among
-    them."""
-    J = determinant(F)
-    b = (F @ plastic_metric @ F.T) * J ** (-2.0 / 3.0)
-    trial = _deviatoric_strain(b)
-    # Far below yielding any other equivalent strain does, and the root keeps its derivative.
-    elastic_limit = yield_stress / (3.0 * shear_modulus)
-    squared = squared_norm(trial) * (2.0 / 3.0)
-    strain = sqrt(maximum(squared, (0.5 * elastic_limit) ** 2))
+    equivalent plastic strain. kinematic_modulus [Pa]: of the back stress, by which the metal yields earlier
+    on the way back (Bauschinger's effect). Elastic isochoric strains must stay below 0.3, the step's trial
+    strain among them."""
     resistance = yield_stress + hardening_modulus * plastic_strain
-    excess = maximum(3.0 * shear_modulus * strain - resistance, 0.0)
-    stiffness = 3.0 * shear_modulus + hardening_modulus
-    volumetric = 0.5 * bulk_modulus * log(J) ** 2
-    stored = 1.5 * shear_modulus * squared + 0.5 * hardening_modulus * plastic_strain**2
-    psi = volumetric + stored - 0.5 * excess**2 / stiffness
+    psi, updates = _step(
+        F, shear_modulus, bulk_modulus, resistance, hardening_modulus, kinematic_modulus, plastic_metric,
+        plastic_strain,
+    )  # fmt: skip
+    return psi + 0.5 * hardening_modulus * plastic_strain**2, updates
 
-    slip = excess / stiffness
-    relaxed = _exponential(trial * (2.0 * (1.0 - slip / strain)))
-    back = inverse(F)
-    metric = (back @ relaxed @ back.T) * J ** (2.0 / 3.0)
-    metric = metric * determinant(metric) ** (-1.0 / 3.0)
-    flows = excess > 0.0
-    kept = [[where(flows, metric[i, j], plastic_metric[i, j]) for j in range(3)] for i in range(3)]
-    return psi, {"plastic_metric": type(metric)(kept), "plastic_strain": plastic_strain + slip}
+
+@material
+def j2_viscoplasticity(
+    F: DeformationGradient,
+    h: TimeStep,
+    shear_modulus: float = parameter(unit="Pa", above=0.0),
+    bulk_modulus: float = parameter(unit="Pa", above=0.0),
+    yield_stress: float = parameter(unit="Pa", above=0.0),
+    viscosity: float = parameter(unit="Pa s", above=0.0),
+    hardening_modulus: float = parameter(0.0, unit="Pa", min=0.0),
+    kinematic_modulus: float = parameter(0.0, unit="Pa", min=0.0),
+    plastic_metric: Mat3 = internal(np.eye(3), doc="inverse of Fp^T Fp, determinant 1"),
+    plastic_strain: float = internal(0.0, doc="equivalent plastic strain, which never falls"),
+) -> Any:
+    """``j2_plasticity`` that flows at a rate, after Perzyna: energy of a step per rest volume [J/m^3].
+
+    viscosity [Pa s]: stress above the yield stress over the rate of the equivalent plastic strain. The other
+    parameters are those of ``j2_plasticity``."""
+    resistance = yield_stress + hardening_modulus * plastic_strain
+    psi, updates = _step(
+        F, shear_modulus, bulk_modulus, resistance, hardening_modulus + viscosity / h, kinematic_modulus,
+        plastic_metric, plastic_strain,
+    )  # fmt: skip
+    return psi + 0.5 * hardening_modulus * plastic_strain**2, updates

@@ -24,7 +24,6 @@ import numpy as np
 
 from stark import _core
 from stark.formulas import rod_checks
-from stark.formulas.internal import Internal
 from stark.formulas.kinematics import Inputs
 from stark.formulas.law_checks import Problem
 from stark.formulas.material_law import MaterialLaw
@@ -127,13 +126,6 @@ def rod_material(
         _check_annotation(parameter, strain, name, function)
     pasts = {f"{strain}_prev" for strain in ROD_STRAINS}
     others = read_others(parameters[len(strains) :], pasts, name, function)
-    for argument in others:
-        if isinstance(argument, Internal):
-            raise formula_error(
-                name,
-                f"'{argument.name}': laws of rods have no internal variables; solids and shells do",
-                function,
-            )
     return RodMaterialLaw(function, strains, others, declared)
 
 

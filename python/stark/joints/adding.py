@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_flag, given_name
+from stark.arguments import given_flag, given_name, real_number
 from stark.bodies import Body, RigidBody, Rod
 from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.handle import SceneLink
@@ -33,6 +34,8 @@ def add_joint(
     name: str | None,
     contact: bool,
     enabled: bool,
+    break_force: float | None,
+    break_torque: float | None,
     values: Mapping[str, Any],
 ) -> Joint:
     """Adds a joint to a scene; InvalidArgument says what is wrong with it."""
@@ -45,7 +48,13 @@ def add_joint(
     else:
         place = next((_placement_of(side) for side in (a, b) if _is_one_frame(side)), None)
     frames = [_frame(scene, owner, label, side, place) for label, side in (("a", a), ("b", b))]
-    given = {"a": frames[0], "b": frames[1], "values": _values(owner, formula, values)}
+    given = {
+        "a": frames[0],
+        "b": frames[1],
+        "values": _values(owner, formula, values),
+        "break_force": _limit(owner, "break_force", break_force, "N"),
+        "break_torque": _limit(owner, "break_torque", break_torque, "N m"),
+    }
     index = scene._core.add_joint(
         {
             "name": given_name(name),
@@ -56,6 +65,18 @@ def add_joint(
         }
     )
     return Joint(scene, index, formula, enabled, given)
+
+
+def _limit(owner: str, what: str, given: float | None, unit: str) -> float:
+    if given is None:
+        return math.inf
+    number = real_number(given, f"{owner}: {what}")
+    if not number > 0.0:
+        raise InvalidArgument(
+            f"{owner}: {what} = {given!r} {unit}: must be a number > 0; leave it out for joints that do "
+            f"not break"
+        )
+    return number
 
 
 def place_side(scene: SceneLink, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:

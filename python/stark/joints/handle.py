@@ -205,8 +205,24 @@ class Joint(JointActuators):
         return Wrench(*self._require_simulation("reaction")._core.joint_reaction(self._index))
 
     @property
+    def break_force(self) -> float:
+        """[N], infinite for a joint that no force breaks."""
+        return float(self._given["break_force"])
+
+    @property
+    def break_torque(self) -> float:
+        """[N m], about the origin of frame b; infinite for a joint that no torque breaks."""
+        return float(self._given["break_torque"])
+
+    @property
+    def broken(self) -> bool:
+        """Whether its reaction exceeded what it stands: it never holds again, but after a rewind."""
+        return self._require_simulation("broken")._core.joint_broken(self._index)
+
+    @property
     def enabled(self) -> bool:
-        """Whether it holds; assign False to release it and True to hold it again, from the next step on."""
+        """Whether it holds; assign False to release it and True to hold it again, from the next step on,
+        unless it is broken."""
         simulation = self._simulation()
         return self._enabled_at_start if simulation is None else simulation._core.joint_enabled(self._index)
 

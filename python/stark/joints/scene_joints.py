@@ -45,14 +45,17 @@ class SceneJoints(SceneLink):
         name: str | None = None,
         contact: bool = False,
         enabled: bool = True,
+        break_force: float | None = None,
+        break_torque: float | None = None,
         **values: Any,
     ) -> Joint:
         """Adds a joint of any kind: the name of a built-in one or a function with ``@stark.joint``.
 
         ``axis`` is the z axis of both frames, or ``rotation`` (matrix or quaternion) gives all axes, in the
         world at time 0; without them, a body gets the frame of the other side. ``values``: constants that
-        the kind has. Joints are held within ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the
-        settings."""
+        the kind has. A joint whose reaction exceeds ``break_force`` [N] or ``break_torque`` [N m], about the
+        origin of frame b, in a step is released at its end for good. Joints are held within
+        ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the settings."""
         from stark.joints.adding import add_joint
 
         joint = add_joint(
@@ -66,6 +69,8 @@ class SceneJoints(SceneLink):
             name=name,
             contact=contact,
             enabled=enabled,
+            break_force=break_force,
+            break_torque=break_torque,
             values=values,
         )
         self._joints.append(joint)

@@ -115,15 +115,17 @@ def density_and_stress(material: Any, F: np.ndarray, owner: str) -> tuple[np.nda
     deformation gradients (m, k, 3, d), d = 3 of solids, 2 of shells, of m elements; limits of strain
     included, damping not. Raises InvalidArgument that names ``owner`` for laws that are not here."""
     d = F.shape[-1]
-    if material.law is None:
-        law: Any = stable_neo_hookean if d == 3 else membrane_neo_hookean
-    else:
-        law = {f.__name__: f for f in (_SOLIDS if d == 3 else _SHELLS)}.get(material.law.name)
-    if law is None and material.law.name == "corotated":
+    name = "stable_neo_hookean" if d == 3 else "membrane_neo_hookean"
+    if material.law is not None:
+        name = material.law.name
+    elif d == 2 and np.isfinite(material.yield_stress).any():
+        name = "plastic_membrane"
+    law: Any = {f.__name__: f for f in (_SOLIDS if d == 3 else _SHELLS)}.get(name)
+    if name == "corotated":
         psi, P = _corotated(material, F)
     elif law is None:
         raise InvalidArgument(
-            f"'{owner}': stress: its law '{material.law.name}' is not one of those whose stress pictures "
+            f"'{owner}': stress: its law '{name}' is not one of those whose stress pictures "
             f"know; leave the body out with bodies= or hide=, or give an array: field={{'{owner}': values}}"
         )
     else:

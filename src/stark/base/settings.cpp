@@ -107,6 +107,7 @@ FieldRule any_number() { return {-kInfinity, kInfinity, true, true, false}; }
 FieldRule positive() { return {0.0, kInfinity, true, true, false}; }
 FieldRule positive_or_infinity() { return {0.0, kInfinity, true, true, true}; }
 FieldRule non_negative() { return {0.0, kInfinity, false, true, false}; }
+FieldRule non_negative_or_infinity() { return {0.0, kInfinity, false, true, true}; }
 FieldRule at_least(double low) { return {low, kInfinity, false, true, false}; }
 FieldRule open_interval(double low, double high) { return {low, high, true, true, false}; }
 FieldRule closed_interval(double low, double high) { return {low, high, false, false, false}; }

@@ -52,6 +52,7 @@ FieldRule any_value();  ///< of flags, choices and texts, which have no range
 FieldRule positive();
 FieldRule positive_or_infinity();
 FieldRule non_negative();
+FieldRule non_negative_or_infinity();
 FieldRule at_least(double low);
 FieldRule open_interval(double low, double high);
 FieldRule closed_interval(double low, double high);

@@ -78,12 +78,6 @@ std::array<double, 3> unit_curvatures(const Point2& p) {
   return {0.5 * p.x * p.x, 0.5 * p.y * p.y, 0.5 * p.x * p.y};
 }
 
-/// Signed angle between the normals of (a, b, c) and (b, a, d), as models/shells/hinge.h has it [rad].
-double fold_angle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 e = b - a, n = cross(e, c - a), m = cross(d - a, e);
-  return std::atan2(dot(cross(n, m), e) / norm(e), dot(n, m));
-}
-
 /// The triangle and the points beyond its hinges, unfolded into a plane.
 std::array<Point2, 7> unfold(std::span<const Vec3> X, const PlateElement& element) {
   const auto& v = element.vertices;
@@ -124,10 +118,12 @@ void set_rest_angles(std::span<const Vec3> X, PlateElement& element) {
 }
 
 template <typename Entry>
-void set_form(PlateElement& element, const Entry& entry) {
+std::array<double, 10> form_of(const PlateElement& element, const Entry& entry) {
+  std::array<double, 10> form{};
   size_t k = 0;
   for (int r = 0; r < 4; ++r)
-    for (int c = r; c < 4; ++c, ++k) element.form[k] = c < element.hinge_count ? entry(r, c) : 0.0;
+    for (int c = r; c < 4; ++c, ++k) form[k] = c < element.hinge_count ? entry(r, c) : 0.0;
+  return form;
 }
 
 /// The vertices of a triangle turned such that its hinges come first, then the ones beyond.
@@ -136,6 +132,17 @@ PlateElement place_element(const Index3& triangle, const std::vector<Hinge>& hin
   for (int k = 0; k < 3; ++k) element.vertices[k] = triangle[(first + k) % 3];
   for (const Hinge& hinge : hinges) element.vertices[3 + (hinge.edge - first + 3) % 3] = hinge.opposite;
   return element;
+}
+
+/// `rates`: curvatures k11, k22, 2 k12 of unit fold angles.
+void set_curvature(PlateElement& element, const Mat3& rates, const Mat3& remaining) {
+  const double root = std::sqrt(0.5);
+  for (int h = 0; h < 3; ++h) {
+    element.curvature[h] = root * (rates(0, h) + rates(1, h));
+    element.curvature[3 + h] = root * (rates(0, h) - rates(1, h));
+    element.curvature[6 + h] = rates(2, h);
+  }
+  element.remaining_form = form_of(element, [&](int r, int c) { return remaining(r, c); });
 }
 
 PlateElement bending_element(std::span<const Vec3> X, const Index3& triangle,
@@ -151,7 +158,9 @@ PlateElement bending_element(std::span<const Vec3> X, const Index3& triangle,
   for (int h = element.hinge_count; h < 3; ++h) G(h, h) = largest;  // stands apart, and is left out below
   const Mat3 floor = Mat3::identity() * (kSmallestCompliance * largest);
   const Mat3 S = inverse(psd_project(G - floor) + floor);
-  set_form(element, [&](int r, int c) { return S(r, c); });
+  element.form = form_of(element, [&](int r, int c) { return S(r, c); });
+  set_curvature(element, compliance * transpose(C) * S, S - S * G * S);
+  element.area = area;
   return element;
 }
 
@@ -175,7 +184,7 @@ PlateElement boundary_element(std::span<const Vec3> X, const Index3& triangle,
   if (!(max_abs(share) < kLargestShare)) share = {};
   const std::array<double, 4> d{-share.x, -share.y, -share.z, 1.0};
   const double weight = squared_norm(X[v[3]] - X[v[0]]) / area;
-  set_form(element, [&](int r, int c) { return weight * d[r] * d[c]; });
+  element.form = form_of(element, [&](int r, int c) { return weight * d[r] * d[c]; });
   return element;
 }
 
@@ -266,6 +275,11 @@ class PlateBuilder {
 };
 
 }  // namespace
+
+double fold_angle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 e = b - a, n = cross(e, c - a), m = cross(d - a, e);
+  return std::atan2(dot(cross(n, m), e) / norm(e), dot(n, m));
+}
 
 std::array<int, 4> plate_hinge(int hinge) {
   if (hinge == 3) return {0, 3, 1, 6};

@@ -27,10 +27,21 @@ struct PlateElement {
   std::array<int32_t, 7> vertices{};    ///< of the triangle, then those beyond the hinges
   std::array<double, 4> rest_angles{};  ///< fold angles of the hinges in the rest shape [rad]
   std::array<double, 10> form{};        ///< S by rows of the upper triangle of 4 x 4 [1]
+  /// Of elements with a hinge or three for each edge, not of those with four:
+  double area = 0.0;  ///< A [m^2]
+  /// By rows, the curvatures (k11 + k22)/2^(1/2), (k11 - k22)/2^(1/2), 2 k12 of unit fold angles that have
+  /// the energy S [1/m].
+  std::array<double, 9> curvature{};
+  /// S less the form of these curvatures, as `form`: zero, except where points are near a conic section.
+  std::array<double, 10> remaining_form{};
 };
 
 /// Vertices of a hinge of an element: the two of the edge, then the one on either side.
 std::array<int, 4> plate_hinge(int hinge);
+
+/// Signed angle between the normals of the triangles (a, b, c) and (b, a, d), as models/shells/hinge.h has it
+/// [rad].
+double fold_angle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// Elements that carry the bending of a surface in its rest shape `X` [m]. Triangles with a hinge at each
 /// edge stand for themselves and for the areas of neighbours at the boundary, whose curvature cannot be

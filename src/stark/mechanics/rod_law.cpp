@@ -97,7 +97,7 @@ RodLaw rod_law_from(std::string name, std::string doc, Formula formula) {
         PointExpressions points{.x = points_of(deformation.strain())};
         points.X = points.x_initial = {symbolic::Vec3(0.0, 0.0, 1.0), symbolic::Vec3(0.0, 0.0, 0.0)};
         points.x_prev = remembers ? points_of(deformation.strain_prev()) : points.x;
-        return formula.repeat(b, points).at(0);
+        return formula.repeat_energy(b, points);
       });
   law.zero_at_rest = false;  // nobody has promised it
   return law;
@@ -130,7 +130,11 @@ PotentialDefinition rod_segment(const RodLaw& law) {
       });
   definition.translation_invariant = false;  // six of the points are directions
   definition.zero_at_rest = law.zero_at_rest;
-  definition.sample = sample_segment;
+  definition.sample = [values = law.sample](std::mt19937_64& random) {
+    PotentialSample sample = sample_segment(random);
+    if (values) sample.values = values(random);
+    return sample;
+  };
   return definition;
 }
 

@@ -41,17 +41,21 @@ struct RodDeformation {
 struct RodLaw {
   std::string name;
   std::string doc;
-  /// Energy per rest length [J/m]. Of the builder use parameters, data and time only.
+  /// Energy per rest length [J/m]. Of the builder use parameters, data, internal variables and time only.
+  /// With internal variables it is the energy of the step, least in what the variables become [theory eq.
+  /// 10b].
   std::function<symbolic::Scalar(PotentialBuilder&, const RodDeformation&)> psi;
   bool zero_at_rest = true;  ///< declared: no energy and no force in the rest shape; checked by the sweep
+  /// Values of parameters for the automatic tests; those left out are in [0.5, 1.5].
+  std::function<std::map<std::string, std::vector<double>>(std::mt19937_64&)> sample{};
 };
 
 RodLaw define_rod_law(std::string name, std::string doc,
                       std::function<symbolic::Scalar(PotentialBuilder&, const RodDeformation&)> psi);
 
 /// Law whose psi is the first output of a formula of two points: (0, 0, stretch) and (curvature 1,
-/// curvature 2, twist); x_prev are those at the start of the step. Throws InvalidArgument for another number
-/// of points.
+/// curvature 2, twist); the others are the updates of its internal variables; x_prev are those at the start
+/// of the step. Throws InvalidArgument for another number of points.
 RodLaw rod_law_from(std::string name, std::string doc, Formula formula);
 
 /// Sum of laws, for instance of an elastic and a viscous one; parameters of the same name are one.

@@ -125,12 +125,11 @@ struct NumberRule {
 };
 
 NumberRule rule_of(const std::string& field) {
-  if (field == "joint_enabled" || field == "actuator_enabled")
-    return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
+  if (field == "actuator_enabled") return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
   if (field == "restitution_due") return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
   if (field == "restitution_stiffness")
     return {"must be > 0 and at most 1", [](double v) { return v > 0.0 && v <= 1.0; }};
-  if (field == "attachment_held")
+  if (field == "attachment_held" || field == "joint_enabled")
     return {"must be 1, 0 or -1", [](double v) { return v == 0.0 || v == 1.0 || v == -1.0; }};
   // Infinity switches caps off; memories are what users' formulas make of them.
   if (field == "actuator_value" || field == "actuator_memory")

@@ -104,7 +104,7 @@ Exclusions::Exclusions(std::vector<Exclusion> list, PairFilter base, std::vector
 
 bool Exclusions::is_held(int64_t k, const State& state) const {
   const Exclusion& exclusion = (*this)[k];
-  return std::ranges::any_of(exclusion.joints, [&](int32_t j) { return state.joint_enabled[j] != 0.0; }) ||
+  return std::ranges::any_of(exclusion.joints, [&](int32_t j) { return state.joint_enabled[j] == kHeld; }) ||
          std::ranges::any_of(exclusion.pairs, [&](int32_t p) { return state.attachment_held[p] == kHeld; });
 }
 

@@ -1,6 +1,8 @@
 // A joint of a scene: a definition (mechanics/joint.h) between two frames, with its constants.
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 #include <string>
@@ -53,8 +55,12 @@ struct JointDescription {
   std::shared_ptr<const JointDefinition> definition{};
   FrameDescription a{}, b{};
   ParameterValues values{};  ///< constants of the formula, one set of numbers each
+  double break_force = std::numeric_limits<double>::infinity();   ///< [N] above which it breaks
+  double break_torque = std::numeric_limits<double>::infinity();  ///< [N m], about the origin of frame b
   bool enabled = true;
   bool contact = true;  ///< false: the two bodies do not touch while it holds (sim/exclusions.h)
+
+  bool can_break() const { return std::isfinite(break_force) || std::isfinite(break_torque); }
 };
 
 /// The bodies that its frames are carried by, by number.

@@ -2,6 +2,7 @@
 #include <stark/sim/material_fields.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <stark/base/error.h>
@@ -36,15 +37,35 @@ PotentialDefinition definition_of(const SolidDescription& solid) {
   return compose("solid", terms);
 }
 
+bool yields(const ClothDescription& cloth) {
+  return std::isfinite(cloth.material.yield_stress) || cloth.fields.contains("yield_stress");
+}
+
+PotentialDefinition membrane_of(const ClothDescription& cloth) {
+  if (cloth.law) return triangle3(*cloth.law);
+  return yields(cloth) ? triangle3(models::plastic_membrane()) : models::membrane_neo_hookean();
+}
+
 PotentialDefinition definition_of(const ClothDescription& cloth) {
-  std::vector<PotentialDefinition> terms{cloth.law ? triangle3(*cloth.law) : models::membrane_neo_hookean()};
+  std::vector<PotentialDefinition> terms{membrane_of(cloth)};
   if (is_damped(cloth)) terms.push_back(models::membrane_damping());
   return compose("membrane", terms);
 }
 
+/// Whether a value of what a rod yields at is finite, or given by element.
+template <typename Rods>
+bool yields(const Rods& rods) {
+  constexpr std::array<const char*, 4> kNames{"yield_force", "yield_moment_1", "yield_moment_2",
+                                              "yield_torque"};
+  return section_of(rods.material).yields() ||
+         std::ranges::any_of(kNames, [&](const char* name) { return rods.fields.contains(name); });
+}
+
 template <typename Rods>
 RodLaw rod_law_of(const Rods& rods) {
-  std::vector<RodLaw> laws{rods.law.value_or(models::linear_rod())};
+  std::vector<RodLaw> laws{rods.law       ? *rods.law
+                           : yields(rods) ? models::plastic_rod()
+                                          : models::linear_rod()};
   if (is_damped(rods)) laws.push_back(models::rod_damping());
   return sum("rod", laws);
 }
@@ -82,6 +103,11 @@ void add_section(const RodMaterial& material, ParameterValues& values) {
   add("bending_stiffness_1", section.bending_stiffness[0]);
   add("bending_stiffness_2", section.bending_stiffness[1]);
   add("torsional_stiffness", section.torsional_stiffness);
+  add("yield_force", section.yield_force);
+  add("yield_moment_1", section.yield_moments[0]);
+  add("yield_moment_2", section.yield_moments[1]);
+  add("yield_torque", section.yield_torque);
+  add("yield_hardening", section.yield_hardening);
 }
 void add_defaults(const RodDescription& rod, ParameterValues& values) { add_section(rod.material, values); }
 void add_defaults(const FibresDescription& fibres, ParameterValues& values) {
@@ -172,14 +198,16 @@ void check_fields(std::string_view owner, const SolidDescription& solid) {
 }
 
 void check_fields(std::string_view owner, const ClothDescription& cloth) {
-  check(owner, cloth, "membrane_neo_hookean");
+  check(owner, cloth, yields(cloth) ? "plastic_membrane" : "membrane_neo_hookean");
   check_warp(owner, cloth);
 }
 
-void check_fields(std::string_view owner, const RodDescription& rod) { check(owner, rod, "linear_rod"); }
+void check_fields(std::string_view owner, const RodDescription& rod) {
+  check(owner, rod, yields(rod) ? "plastic_rod" : "linear_rod");
+}
 
 void check_fields(std::string_view owner, const FibresDescription& fibres) {
-  check(owner, fibres, "linear_rod");
+  check(owner, fibres, yields(fibres) ? "plastic_rod" : "linear_rod");
 }
 
 double element_density(const SolidDescription& solid, size_t element) { return density_at(solid, element); }

@@ -2,6 +2,7 @@
 #include <stark/sim/materials.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <stark/base/error.h>
@@ -36,6 +37,14 @@ const FieldTable& ShellMaterial::fields() {
            &S::flexural_rigidity, "flexural_rigidity", "N m", non_negative(),
            "rigidity E t^3 / (12 (1 - nu^2)) of a plate, the same on every mesh; where positive, in place of "
            "bending_stiffness"),
+       field(&S::yield_stress, "yield_stress", "Pa", positive_or_infinity(),
+             "von Mises stress at which the sheet yields, stretched or bent"),
+       field(&S::hardening_modulus, "hardening_modulus", "Pa", non_negative(),
+             "growth of the yield stress with the plastic strain"),
+       field(&S::bending_yield_moment, "bending_yield_moment", "N", non_negative_or_infinity(),
+             "moment per length at which bending yields; 0: yield_stress t^2 / 4"),
+       field(&S::bending_hardening, "bending_hardening", "N m", non_negative(),
+             "growth of that moment with the plastic curvature; 0: hardening_modulus t^3 / 12"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "N s/m", non_negative(),
              "damping of the rate of Green strain"),
@@ -89,6 +98,18 @@ const FieldTable& RodMaterial::fields() {
              "bending stiffness about d2; 0: of the section"),
        field(&S::torsional_stiffness, "torsional_stiffness", "N m^2", non_negative(),
              "torque for a twist of 1 rad/m; 0: of the section"),
+       field(&S::yield_stress, "yield_stress", "Pa", positive_or_infinity(),
+             "stress at which the rod yields in tension"),
+       field(&S::hardening_modulus, "hardening_modulus", "Pa", non_negative(),
+             "growth of the yield stress with the plastic strain"),
+       field(&S::yield_force, "yield_force", "N", non_negative_or_infinity(),
+             "axial force at which it yields; 0: of the section"),
+       field(&S::yield_moment_1, "yield_moment_1", "N m", non_negative_or_infinity(),
+             "bending moment about d1 at which it yields; 0: of the section"),
+       field(&S::yield_moment_2, "yield_moment_2", "N m", non_negative_or_infinity(),
+             "bending moment about d2 at which it yields; 0: of the section"),
+       field(&S::yield_torque, "yield_torque", "N m", non_negative_or_infinity(),
+             "torque at which it yields; 0: of the section"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "s", non_negative(),
              "relaxation time of stretch, bending and twist")});
@@ -107,7 +128,42 @@ double torsion_constant(double width, double height) {
 
 double given_or(double value, double of_section) { return value > 0.0 ? value : of_section; }
 
+/// Plastic moduli of a section [m^3]: moments of a stress of 1 in the whole section [Hill 1950, ch. IV, V].
+struct PlasticModuli {
+  std::array<double, 2> bending{};  ///< about d1 and d2
+  double torsion = 0.0;             ///< of the shear stress; of a rectangle the heap of sand on it
+};
+
+PlasticModuli plastic_moduli(const RodMaterial& m) {
+  const double r = m.radius, w = m.width, h = m.height;
+  if (w == 0.0) return {{4.0 / 3.0 * r * r * r, 4.0 / 3.0 * r * r * r}, 2.0 / 3.0 * kPi * r * r * r};
+  const double a = std::max(w, h), b = std::min(w, h);
+  return {{0.25 * w * h * h, 0.25 * h * w * w}, b * b * (3.0 * a - b) / 6.0};
+}
+
+void set_yields(const RodMaterial& m, double area, RodSection& section) {
+  const PlasticModuli moduli = plastic_moduli(m);
+  const double stress = m.yield_stress;
+  section.yield_force = given_or(m.yield_force, stress * area);
+  section.yield_moments = {given_or(m.yield_moment_1, stress * moduli.bending[0]),
+                           given_or(m.yield_moment_2, stress * moduli.bending[1])};
+  section.yield_torque = given_or(m.yield_torque, stress / std::sqrt(3.0) * moduli.torsion);
+  // A plastic stretch e of the work N_y e raises the yield stress by H e.
+  section.yield_hardening = m.hardening_modulus / (stress * (stress * area));
+}
+
 }  // namespace
+
+bool RodSection::yields() const {
+  return std::isfinite(yield_force) || std::isfinite(yield_moments[0]) || std::isfinite(yield_moments[1]) ||
+         std::isfinite(yield_torque);
+}
+
+BendingYield bending_yield_of(const ShellMaterial& m) {
+  const double t = m.thickness;
+  return {.moment = given_or(m.bending_yield_moment, 0.25 * m.yield_stress * t * t),
+          .hardening = given_or(m.bending_hardening, m.hardening_modulus * t * t * t / 12.0)};
+}
 
 RodSection section_of(const RodMaterial& m) {
   const bool is_round = m.width == 0.0;
@@ -119,14 +175,28 @@ RodSection section_of(const RodMaterial& m) {
   const double shear_factor =
       is_round ? 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu) : 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
   const double E = m.youngs_modulus, G = E / (2.0 * (1.0 + nu));
-  return {.mass = m.density * area,
-          .second_moments = {m.density * around_2, m.density * around_1},
-          .axial_stiffness = given_or(m.axial_stiffness, E * area),
-          .shear_stiffness = given_or(m.shear_stiffness, shear_factor * G * area),
-          .bending_stiffness = {given_or(m.bending_stiffness_1, E * around_1),
-                                given_or(m.bending_stiffness_2, E * around_2)},
-          .torsional_stiffness = given_or(m.torsional_stiffness, G * torsion)};
+  RodSection section{.mass = m.density * area,
+                     .second_moments = {m.density * around_2, m.density * around_1},
+                     .axial_stiffness = given_or(m.axial_stiffness, E * area),
+                     .shear_stiffness = given_or(m.shear_stiffness, shear_factor * G * area),
+                     .bending_stiffness = {given_or(m.bending_stiffness_1, E * around_1),
+                                           given_or(m.bending_stiffness_2, E * around_2)},
+                     .torsional_stiffness = given_or(m.torsional_stiffness, G * torsion)};
+  set_yields(m, area, section);
+  return section;
 }
+
+namespace {
+
+template <typename Material>
+void require_yield_stress(const Material& material, std::string_view owner) {
+  if (material.hardening_modulus > 0.0 && !std::isfinite(material.yield_stress))
+    throw InvalidArgument(std::string(owner) +
+                          ": hardening_modulus = " + quantity_text(material.hardening_modulus, "Pa") +
+                          " without a yield_stress: must be 0 where nothing yields; give yield_stress, too");
+}
+
+}  // namespace
 
 void validate(const RodMaterial& material, std::string_view owner) {
   RodMaterial::fields().validate(&material, owner);
@@ -134,10 +204,12 @@ void validate(const RodMaterial& material, std::string_view owner) {
     throw InvalidArgument(std::string(owner) + ": width = " + quantity_text(material.width, "m") +
                           ", height = " + quantity_text(material.height, "m") +
                           ": must both be > 0 for a rectangular section or both be 0 for a round one");
+  require_yield_stress(material, owner);
 }
 
 void validate(const ShellMaterial& material, std::string_view owner) {
   ShellMaterial::fields().validate(&material, owner);
+  require_yield_stress(material, owner);
 }
 
 void validate(const SolidMaterial& material, std::string_view owner) {

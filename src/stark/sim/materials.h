@@ -34,9 +34,13 @@ struct ShellMaterial {
   StrainLimitLaw strain_limit_law = StrainLimitLaw::GreenStrain;
   double bending_stiffness = 1e-6;  ///< [J] of hinges, cheap but dependent on the mesh
   double flexural_rigidity = 0.0;   ///< [N m] of a plate; where positive, in place of the hinges
-  double mass_damping = 0.0;        ///< [1/s]
-  double strain_damping = 0.0;      ///< [N s/m]
-  double bending_damping = 0.0;     ///< [J s]
+  double yield_stress = std::numeric_limits<double>::infinity();  ///< [Pa] of von Mises; infinity: elastic
+  double hardening_modulus = 0.0;     ///< [Pa] growth of the yield stress with plastic strain
+  double bending_yield_moment = 0.0;  ///< [N] moment per length; 0: of the yield stress and the thickness
+  double bending_hardening = 0.0;     ///< [N m] growth of it with plastic curvature; 0: of the thickness
+  double mass_damping = 0.0;          ///< [1/s]
+  double strain_damping = 0.0;        ///< [N s/m]
+  double bending_damping = 0.0;       ///< [J s]
   static const FieldTable& fields();
 };
 
@@ -67,8 +71,14 @@ struct RodMaterial {
   double bending_stiffness_1 = 0.0;  ///< [N m^2] about the axis d1
   double bending_stiffness_2 = 0.0;  ///< [N m^2] about the axis d2
   double torsional_stiffness = 0.0;  ///< [N m^2]
-  double mass_damping = 0.0;         ///< [1/s]
-  double strain_damping = 0.0;       ///< [s] relaxation time of stretch, bending and twist
+  double yield_stress = std::numeric_limits<double>::infinity();  ///< [Pa] in tension; infinity: elastic
+  double hardening_modulus = 0.0;  ///< [Pa] growth of the yield stress with plastic strain
+  double yield_force = 0.0;        ///< [N] of these four, 0: of the yield stress and the section
+  double yield_moment_1 = 0.0;     ///< [N m] about the axis d1
+  double yield_moment_2 = 0.0;     ///< [N m] about the axis d2
+  double yield_torque = 0.0;       ///< [N m]
+  double mass_damping = 0.0;       ///< [1/s]
+  double strain_damping = 0.0;     ///< [s] relaxation time of stretch, bending and twist
   static const FieldTable& fields();
 };
 
@@ -80,8 +90,22 @@ struct RodSection {
   double shear_stiffness = 0.0;               ///< k G A [N] with the shear factor of Cowper 1966
   std::array<double, 2> bending_stiffness{};  ///< E I about d1 and d2 [N m^2]
   double torsional_stiffness = 0.0;           ///< G J [N m^2] with Saint-Venant's torsion constant
+  /// Where the whole section yields, at the yield stress in tension and at that over the root of 3 in shear.
+  double yield_force = 0.0;               ///< [N]
+  std::array<double, 2> yield_moments{};  ///< about d1 and d2 [N m]
+  double yield_torque = 0.0;              ///< [N m]
+  double yield_hardening = 0.0;           ///< growth of all four, as a factor, per plastic work [m/J]
+  /// Whether any of the four is finite.
+  bool yields() const;
 };
 RodSection section_of(const RodMaterial& material);
+
+/// Where the bending of a shell yields.
+struct BendingYield {
+  double moment = 0.0;     ///< per length [N], may be infinite
+  double hardening = 0.0;  ///< [N m]
+};
+BendingYield bending_yield_of(const ShellMaterial& material);
 
 /// Throws InvalidArgument naming owner, parameter, value, unit and rule.
 void validate(const ShellMaterial& material, std::string_view owner);

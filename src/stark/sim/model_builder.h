@@ -65,7 +65,10 @@ struct Model::Builder {
   void add_rod_energies(BodyId id);
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
                             std::span<const int32_t> stencils, const std::string& body);
-  void add_plate_bending(const ClothDescription& cloth, const ModelBody& body, const std::string& name);
+  // Bending of shells (model_bending.cpp)
+  void add_bending(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
+  void add_hinges(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
+  void add_plate(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
   void add_elements(const SolidMesh& mesh, const ElasticEnergy& energy, const ModelBody& body,
                     const std::string& name);
   void add_strain_limit(const ClothDescription& sheet, const ModelBody& body, const std::string& name);

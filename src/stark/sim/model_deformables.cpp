@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <stark/geometry/topology.h>
-#include <stark/mechanics/plate_element.h>
 #include <stark/sim/lumped_mass.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
@@ -128,54 +127,11 @@ void Model::Builder::add_cloth_energies(BodyId id) {
 
 void Model::Builder::add_shell_energies(const ClothDescription& sheet, const ModelBody& body,
                                         const std::string& name) {
-  const ShellMaterial& material = sheet.material;
-  const std::vector<Index3>& triangles = sheet.mesh.triangles;
   const ElasticEnergy membrane = elastic_energy(sheet);
-  add_batch(membrane.definition, offset_stencils(triangles, body.first_site), name, membrane.values);
-
-  if (material.flexural_rigidity > 0.0) {
-    add_plate_bending(sheet, body, name);
-  } else if (material.bending_stiffness > 0.0 || material.bending_damping > 0.0) {
-    const std::vector<Index4> hinges = find_hinges(triangles);
-    PotentialBatch& bending = add_batch(
-        sheet.rest_angles == RestAngles::Flat ? models::flat_bending() : models::discrete_shell_bending(),
-        offset_stencils(hinges, body.first_site), name);
-    bending.set_uniform("bending_stiffness", material.bending_stiffness);
-    bending.set_uniform("bending_damping", material.bending_damping);
-  }
+  add_batch(membrane.definition, offset_stencils(sheet.mesh.triangles, body.first_site), name,
+            membrane.values);
+  add_bending(sheet, body, name);
   add_strain_limit(sheet, body, name);
-}
-
-void Model::Builder::add_plate_bending(const ClothDescription& cloth, const ModelBody& body,
-                                       const std::string& name) {
-  const auto elements =
-      find_plate_elements(cloth.mesh.vertices, cloth.mesh.triangles, cloth.material.poissons_ratio);
-  const std::array<PotentialDefinition, 4> definitions{models::plate_bending_1(), models::plate_bending_2(),
-                                                       models::plate_bending_3(), models::plate_bending_4()};
-  for (int hinges = 1; hinges <= 4; ++hinges) {
-    std::vector<const PlateElement*> chosen;
-    std::vector<int32_t> stencils;
-    for (const PlateElement& element : elements) {
-      if (element.hinge_count != hinges) continue;
-      chosen.push_back(&element);
-      for (int k = 0; k < 3 + hinges; ++k) stencils.push_back(body.first_site + element.vertices[k]);
-    }
-    if (chosen.empty()) continue;
-    PotentialBatch& batch = add_batch(definitions[hinges - 1], stencils, name);
-    for (size_t e = 0; e < chosen.size(); ++e) {
-      for (int i = 0; i < hinges; ++i)
-        batch.set("rest_angle" + std::to_string(i), static_cast<int64_t>(e),
-                  cloth.rest_angles == RestAngles::Flat ? 0.0 : chosen[e]->rest_angles[i]);
-      size_t k = 0;
-      for (int i = 0; i < 4; ++i)
-        for (int j = i; j < 4; ++j, ++k)
-          if (j < hinges)
-            batch.set("form" + std::to_string(i) + std::to_string(j), static_cast<int64_t>(e),
-                      chosen[e]->form[k]);
-    }
-    batch.set_uniform("flexural_rigidity", cloth.material.flexural_rigidity);
-    batch.set_uniform("bending_damping", cloth.material.bending_damping);
-  }
 }
 
 void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,

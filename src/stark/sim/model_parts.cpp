@@ -145,6 +145,13 @@ void Model::Builder::list_energies() {
     append_all(members, group.joints);
     add_part("order of " + name, true, members);
   }
+  for (const JointDescription& joint : scene.joints()) {
+    if (!joint.can_break()) continue;
+    Hash64 limits;
+    limits.append(joint.break_force);
+    limits.append(joint.break_torque);
+    add_part("breaking force of joint '" + joint.name + "'", false, limits);
+  }
   for (const AttachmentDescription& attachment : scene.attachments()) {
     Hash64 force;
     force.append(attachment.break_force);

@@ -165,7 +165,7 @@ std::optional<std::set<int32_t>> Placing::hanging(int32_t joint, const FrameDesc
     open.pop_back();
     for (int32_t j = 0; j < static_cast<int32_t>(scene_.joints().size()); ++j) {
       const JointDescription& link = scene_.joints()[j];
-      if (j == joint || state_.joint_enabled[j] == 0.0) continue;
+      if (j == joint || state_.joint_enabled[j] != kHeld) continue;
       follow(connected_bodies(link), body,
              link.a.carrier == FrameDescription::Carrier::World ||
                  link.b.carrier == FrameDescription::Carrier::World);
@@ -184,7 +184,7 @@ std::optional<std::set<int32_t>> Placing::hanging(int32_t joint, const FrameDesc
 
 Placing::Branch Placing::branch(int32_t joint) const {
   const JointDescription& description = scene_.joints()[joint];
-  if (state_.joint_enabled[joint] == 0.0)
+  if (state_.joint_enabled[joint] != kHeld)
     throw InvalidArgument("joint '" + joint_name(joint) +
                           "' is released: its coordinates cannot be set; enable it, or place the bodies");
   if (auto found = hanging(joint, description.b, description.a)) return {*found, true};

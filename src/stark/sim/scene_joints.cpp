@@ -1,5 +1,6 @@
 // Scene: checks of joints.
 #include <algorithm>
+#include <tuple>
 
 #include <stark/base/error.h>
 #include <stark/sim/scene.h>
@@ -80,6 +81,11 @@ JointId Scene::add_joint(JointDescription joint) {
   if (is_body(joint.a) && is_body(joint.b) && joint.a.body.index == joint.b.body.index)
     throw InvalidArgument(owner + ": both frames are of '" + name(joint.a.body) +
                           "': must be of two bodies, as nothing moves within a rigid one");
+  for (const auto& [what, value, unit] : {std::tuple("break_force", joint.break_force, "N"),
+                                          std::tuple("break_torque", joint.break_torque, "N m")})
+    if (!(value > 0.0))
+      throw InvalidArgument(owner + ": " + what + " = " + quantity_text(value, unit) +
+                            ": must be > 0; leave it out for joints that do not break");
   std::vector<std::string> names;
   for (const ParameterDeclaration& field : joint_parameters(*joint.definition)) {
     names.push_back(field.name);

@@ -128,6 +128,8 @@ class Simulation {
   /// reach: what is apart by then is pulled together at once.
   void set_joint_enabled(JointId joint, bool enabled);
   bool joint_enabled(JointId joint) const;
+  /// Whether its force or torque exceeded what it stands: it never holds again.
+  bool joint_broken(JointId joint) const;
   /// Coordinates of a joint [m, rad] at the end of the last step; angles count full turns from time 0 on.
   std::vector<double> joint_coordinates(JointId joint) const;
   /// Their rates in the last step [m/s, rad/s]; before the first one, those of the initial velocities.

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <stark/base/error.h>
+#include <stark/sim/joint_wrench.h>
 #include <stark/sim/simulation_parts.h>
 
 namespace stark {
@@ -11,22 +12,6 @@ namespace stark {
 namespace {
 
 std::string owner_text(const JointDescription& joint) { return "joint '" + joint.name + "'"; }
-
-/// Origin of frame b of a joint at x. Its points are those from `first` on: of a frame of axes the origin and
-/// directions, of a patch three vertices.
-Vec3 origin_of_b(const ConstraintGroup& group, int64_t element, int first, bool is_patch,
-                 std::span<const Vec3> x) {
-  const std::span<const int32_t> sites = group.batch.stencil(element);
-  std::vector<Vec3> p;
-  for (int k = 0; k < group.batch.point_count(); ++k)
-    if (group.joint->points()[k] >= first) p.push_back(x[sites[k]]);
-  if (!is_patch) return p.empty() ? Vec3{} : p.front();
-  if (p.size() < 3) return {};
-  const int field = group.batch.field_index("placement_b");
-  const auto number = [&](int i) { return group.batch.get(field, element, i); };
-  const Vec3 normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
-  return p[0] * number(0) + p[1] * number(1) + p[2] * number(2) + normal * number(3);
-}
 
 }  // namespace
 
@@ -77,15 +62,21 @@ void Simulation::check_joints() {
 void Simulation::set_joint_enabled(JointId joint, bool enabled) {
   scene_.joint(joint);
   const ConstraintSet::Place& place = energies_.constraints.place(joint.index);
-  if ((state_.joint_enabled[joint.index] != 0.0) == enabled) return;
-  state_.joint_enabled[joint.index] = enabled ? 1.0 : 0.0;
+  double& state = state_.joint_enabled[joint.index];
+  if (state == kBroken || (state == kHeld) == enabled) return;
+  state = enabled ? kHeld : kReleased;
   const size_t count = energies_.constraints.groups()[place.group].joint->units().size();
   std::fill_n(state_.joint_multiplier.begin() + place.residual, count, 0.0);
 }
 
 bool Simulation::joint_enabled(JointId joint) const {
   scene_.joint(joint);
-  return state_.joint_enabled[joint.index] != 0.0;
+  return state_.joint_enabled[joint.index] == kHeld;
+}
+
+bool Simulation::joint_broken(JointId joint) const {
+  scene_.joint(joint);
+  return state_.joint_enabled[joint.index] == kBroken;
 }
 
 std::vector<Joint::Coordinate> Simulation::joint_coordinate_names(JointId joint) const {
@@ -119,30 +110,7 @@ std::vector<double> Simulation::joint_residuals(JointId joint) const {
 }
 
 Wrench Simulation::joint_reaction(JointId joint) const {
-  const JointDescription& description = scene_.joint(joint);
-  const ConstraintSet::Place& place = energies_.constraints.place(joint.index);
-  const ConstraintGroup& group = energies_.constraints.groups()[place.group];
-  const std::vector<Vec3> x = site_positions();
-  const std::vector<double> values = group.batch.evaluate(symbolic::Order::Gradient, x);
-  const int points = group.batch.point_count(), outputs = 1 + 3 * points;
-  const bool b_is_patch = description.b.carrier == FrameDescription::Carrier::Patch;
-  const int first_b = frame_point_count(
-      description.a.carrier == FrameDescription::Carrier::Patch ? FrameKind::Patch : FrameKind::Axes);
-  const std::span<const int32_t> sites = group.batch.stencil(place.element);
-  const Vec3 origin = origin_of_b(group, place.element, first_b, b_is_patch, x);
-  Wrench wrench;
-  for (int k = 0; k < points; ++k) {
-    if (group.joint->points()[k] < first_b) continue;
-    const double* g = values.data() + place.element * outputs + 1 + 3 * k;
-    const Vec3 force{-g[0], -g[1], -g[2]};
-    if (b_is_patch || group.joint->points()[k] == first_b) {
-      wrench.force += force;
-      wrench.torque += cross(x[sites[k]] - origin, force);
-    } else {
-      wrench.torque += cross(x[sites[k]], force);  // a direction
-    }
-  }
-  return wrench;
+  return joint_wrench(scene_.joint(joint), energies_.constraints, joint.index, site_positions());
 }
 
 }  // namespace stark

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <stark/base/rotation.h>
+#include <stark/sim/joint_wrench.h>
 
 namespace stark {
 
@@ -61,11 +62,12 @@ void StepJoints::release() {
 }
 
 std::vector<double> StepJoints::acting() const {
-  std::vector<double> acting = state_.joint_enabled;
+  std::vector<double> acting;
+  for (const double enabled : state_.joint_enabled) acting.push_back(enabled == kHeld ? 1.0 : 0.0);
   for (size_t k = 0; k < scene_.actuators().size(); ++k) {
     bool on = state_.actuator_enabled[k] != 0.0;
     for (const CoordinateName& coordinate : scene_.actuators()[k].on)
-      on = on && state_.joint_enabled[coordinate.joint.index] != 0.0;
+      on = on && state_.joint_enabled[coordinate.joint.index] == kHeld;
     acting.push_back(on ? 1.0 : 0.0);
   }
   for (const double held : state_.attachment_held) acting.push_back(held == 1.0 ? 1.0 : 0.0);
@@ -77,6 +79,7 @@ void StepJoints::commit() {
   if (constraints.joint_count() == 0) return;
   const std::span<const Vec3> x = potential_.site_positions();
   state_.joint_multiplier = constraints.forces(x);
+  commit_joints(x);
   commit_attachments(x);
   commit_actuators(x);
   const std::vector<double> raw = constraints.coordinates(x), start = motion_.coordinates();
@@ -91,6 +94,19 @@ void StepJoints::commit() {
           (is_angle ? shortest_turn(change) : change) / motion_.reference().stencil.duration;
       value = is_angle ? unwrap(now, value) : now;
     }
+  }
+}
+
+void StepJoints::commit_joints(std::span<const Vec3> x) {
+  for (int32_t j = 0; j < static_cast<int32_t>(scene_.joints().size()); ++j) {
+    const JointDescription& joint = scene_.joints()[j];
+    if (!joint.can_break() || state_.joint_enabled[j] != kHeld) continue;
+    const Wrench wrench = joint_wrench(joint, energies_.constraints, j, x);
+    if (norm(wrench.force) <= joint.break_force && norm(wrench.torque) <= joint.break_torque) continue;
+    state_.joint_enabled[j] = kBroken;
+    const ConstraintSet::Place& place = energies_.constraints.place(j);
+    const size_t count = energies_.constraints.groups()[place.group].joint->units().size();
+    std::fill_n(state_.joint_multiplier.begin() + place.residual, count, 0.0);
   }
 }
 

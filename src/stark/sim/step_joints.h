@@ -11,7 +11,7 @@
 
 namespace stark {
 
-/// Values of attachment_held of the state.
+/// Values of attachment_held and joint_enabled of the state.
 inline constexpr double kReleased = 0.0, kHeld = 1.0, kBroken = -1.0;
 
 /// By which constraints may be off [m, rad].
@@ -33,7 +33,8 @@ class StepJoints : private StepPart {
   void release();
   /// Writes the inputs of actuators for a step of length h from what motion is measured from.
   void begin_actuators(double h);
-  /// Multipliers, coordinates, rates, efforts and memories at the end of a step; breaks attachments.
+  /// Multipliers, coordinates, rates, efforts and memories at the end of a step; breaks joints and
+  /// attachments.
   void commit();
   void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
   /// Which constraint is worst, with a remedy; empty if none is off.
@@ -53,6 +54,8 @@ class StepJoints : private StepPart {
   bool is_of_attachments(int32_t constraint) const;
   /// Takes efforts and memories over at the end of a step.
   void commit_actuators(std::span<const Vec3> x);
+  /// Breaks joints whose force or torque is above what they stand, with sites at x at the end of a step.
+  void commit_joints(std::span<const Vec3> x);
   /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.
   void commit_attachments(std::span<const Vec3> x);
 

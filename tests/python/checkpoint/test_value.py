@@ -328,7 +328,7 @@ def test_arrays_that_are_no_state(change: dict, message: str) -> None:
         ("body_position", np.full((3, 3), np.nan), r"body_position\[0\] = nan m: must be finite"),
         ("time_step", np.array(0.0), r"time_step = 0 s: must be > 0"),
         ("step_count", np.array(-1), r"step_count = -1: must be >= 0"),
-        ("joint_enabled", np.array([1.0, 2.0, 1.0]), r"joint_enabled\[1\] = 2.*must be 0 or 1"),
+        ("joint_enabled", np.array([1.0, 2.0, 1.0]), r"joint_enabled\[1\] = 2.*must be 1, 0 or -1"),
         ("actuator_value", None, r"actuator_value\[0\] = nan.*must be a number"),
     ],
 )

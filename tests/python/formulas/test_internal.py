@@ -124,8 +124,35 @@ def test_what_a_law_returns_is_checked() -> None:
         record(lambda psi, memory: (psi, {"memory": psi}))
     with pytest.raises(stark.TraceError, match="must be finite"):
         stark.internal(np.nan)
-    with pytest.raises(stark.TraceError, match="rods have no internal variables"):
 
-        @stark.material
-        def rod(stretch: float, memory: float = stark.internal(0.0)):
-            return (stretch - 1) ** 2, {"memory": memory}
+
+def test_laws_of_rods_remember() -> None:
+    """A rod that is pulled: the dashpot follows the stretch within the step, segment by segment."""
+
+    @stark.material
+    def dashpot_rod(
+        stretch: float,
+        curvature: stark.Vec2,
+        h: stark.TimeStep,
+        stiffness: float = stark.parameter(unit="N", above=0.0),
+        flow: float = stark.internal(0.0, doc="stretch of the dashpot"),
+    ):
+        ratio = h / 0.05
+        trial = stretch - 1 - flow
+        bending = 1e-3 * (curvature[0] ** 2 + curvature[1] ** 2)
+        return 0.5 * stiffness / (1 + ratio) * trial**2 + bending, {
+            "flow": flow + ratio / (1 + ratio) * trial
+        }
+
+    scene = stark.Scene()
+    points = np.linspace([0, 0, 0], [0.4, 0, 0], 5)
+    rod = scene.add_rod(points, dashpot_rod(stiffness=100.0, density=1000.0), pins=range(5))
+    sim = stark.Simulation(scene, time_step=STEP, gravity=(0, 0, 0), **QUIET)
+    sim[rod].pin_targets = points * 1.1
+    flow, ratio = 0.0, STEP / 0.05
+    for _ in range(5):
+        report = sim.step()
+        assert not report.failed
+        flow += ratio / (1 + ratio) * (0.1 - flow)
+        np.testing.assert_allclose(internal(sim), np.full(4, flow), atol=1e-9)
+        assert report.energy["damping"] > 0.0

@@ -52,6 +52,89 @@ def test_stress_relaxes_as_the_prony_series(mesh: Any) -> None:
         assert report.energy["damping"] > 0.0
 
 
+def test_a_wire_relaxes_as_the_prony_series() -> None:
+    """Pulled to a stretch and held: dashpots of all segments reach e (1 - exp(-t / tau)), for steps of any
+    length; the first energy is that of the instantaneous modulus."""
+    wire = stark.RodMaterial(density=1e-3, youngs_modulus=1e8, radius=1e-3)
+    moduli, times, stretch = (2e8, 5e7), (0.1, 1.0), 1e-3
+    made = stark.generalized_maxwell_rod(wire, moduli=moduli, times=times)
+    scene = stark.Scene()
+    points = stark.mesh.polyline((0, 0, 0), (0.2, 0, 0), 4).vertices
+    rod = scene.add_rod(points, made, pins=range(5))
+    sim = stark.Simulation(scene, time_step=0.03, gravity=(0, 0, 0), **EXACT)
+    sim[rod].pin_targets = np.asarray(points) * (1 + stretch)
+    for step in range(20):
+        report = sim.step()
+        assert not report.failed
+        flows = sim.state.arrays()["internal_variable"].reshape(4, 2, 4)
+        for k, time in enumerate(times):
+            expected = stretch * (1.0 - np.exp(-sim.time / time))
+            assert flows[:, k, 0] == pytest.approx(expected, rel=1e-4)
+        assert report.energy["damping"] > 0.0
+        if step == 0:
+            felt = 1e8 + sum(m * np.exp(-0.03 / t) for m, t in zip(moduli, times, strict=True))
+            exact = 0.5 * felt * np.pi * 1e-6 * stretch**2 * 0.2
+            assert report.energy["elastic"] + report.energy["damping"] == pytest.approx(exact, rel=1e-6)
+
+
+def test_a_bent_wire_creeps() -> None:
+    """A couple at the end of a clamped wire: its curvature is M/B (1 - E1/(E + E1) exp(-t E/(tau (E + E1))))
+    and of first order in the step."""
+    wire = stark.RodMaterial(density=1e-3, youngs_modulus=1e8, radius=1e-3)
+    made = stark.generalized_maxwell_rod(wire, moduli=[1e8], times=[0.2])
+
+    @stark.energy
+    def couple(node: stark.Frame, moment: float):
+        return -moment * stark.atan2(-node.z.z, node.z.x)
+
+    def angles(step: float) -> np.ndarray:
+        scene = stark.Scene()
+        rod = scene.add_rod(stark.mesh.polyline((0, 0, 0), (0.1, 0, 0), 5), made, clamps=[0])
+        scene.add(couple(rod.frame(5), moment=1e-3 * wire.section["bending_stiffness_1"]))
+        sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **EXACT)
+        rows = []
+        while sim.time < 0.4 - 0.5 * step:
+            assert not sim.step().failed
+            z = sim[rod].frames[5, :, 2]
+            rows.append((sim.time, np.arctan2(-z[2], z[0])))
+        return np.array(rows)
+
+    def error(step: float) -> float:
+        rows = angles(step)
+        exact = 1e-4 * (1.0 - 0.5 * np.exp(-rows[:, 0] * 0.5 / 0.2))
+        late = rows[:, 0] > 0.1
+        return float(np.abs(rows[late, 1] / exact[late] - 1.0).max())
+
+    errors = [error(step) for step in (8e-3, 4e-3)]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert errors[1] < 5e-3
+
+
+def test_a_membrane_relaxes_as_the_prony_series() -> None:
+    film = stark.ShellMaterial(density=1e-3, thickness=1e-3, youngs_modulus=1e5, poissons_ratio=0.3)
+    moduli, times, strain = (2e5, 5e4), (0.1, 1.0), 1e-3
+    made = stark.generalized_maxwell_shell(film, moduli=moduli, times=times)
+    scene = stark.Scene()
+    mesh = stark.mesh.grid(SIDE, SIDE, cells=2)
+    X = np.asarray(mesh.vertices)
+    sheet = scene.add_cloth(mesh, made, pins=range(len(X)))
+    sim = stark.Simulation(scene, time_step=0.03, gravity=(0, 0, 0), **EXACT)
+    sim[sheet].pin_targets = X @ np.array([[1, strain, 0], [0, 1, 0], [0, 0, 1.0]]).T
+    for step in range(20):
+        report = sim.step()
+        assert not report.failed
+        flows = sim.state.arrays()["internal_variable"].reshape(-1, 2, 2, 2)
+        for k, time in enumerate(times):
+            size = np.linalg.norm(flows[:, k], axis=(1, 2))
+            expected = strain * np.sqrt(0.5) * (1.0 - np.exp(-sim.time / time))
+            assert size == pytest.approx(expected, rel=1e-3)
+        assert report.energy["damping"] > 0.0
+        if step == 0:
+            felt = 1e5 + sum(m * np.exp(-0.03 / t) for m, t in zip(moduli, times, strict=True))
+            exact = 0.5 * felt / 2.6 * strain**2 * SIDE**2 * 1e-3
+            assert report.energy["elastic"] + report.energy["damping"] == pytest.approx(exact, rel=1e-3)
+
+
 def creep(step: float, until: float, modulus: float, time: float) -> list[tuple[float, float]]:
     """Times and shear strains of a block under a constant shear stress of 100 Pa."""
     mesh = stark.mesh.tet_box(SIDE, 1)
@@ -141,6 +224,20 @@ def test_same_bits_with_threads_and_after_a_rewind() -> None:
         sim.run_until(0.1)
         hashes.append(sim.state.hash)
     assert len(set(hashes)) == 1
+
+
+def test_bases_of_shells_and_rods_are_elastic() -> None:
+    series: dict[str, Any] = {"moduli": [1e6], "times": [0.1]}
+    with pytest.raises(stark.InvalidArgument, match=r"must be a stark\.RodMaterial"):
+        stark.generalized_maxwell_rod(stark.ShellMaterial(), **series)
+    with pytest.raises(stark.InvalidArgument, match="what relaxes does not yield"):
+        stark.generalized_maxwell_rod(stark.RodMaterial(yield_stress=1e6), **series)
+    with pytest.raises(stark.InvalidArgument, match="must have none"):
+        stark.generalized_maxwell_shell(
+            stark.generalized_maxwell_shell(stark.ShellMaterial(), **series), **series
+        )
+    with pytest.raises(stark.InvalidArgument, match="1 moduli and 2 times"):
+        stark.generalized_maxwell_rod(stark.RodMaterial(), moduli=[1e6], times=[0.1, 1.0])
 
 
 @pytest.mark.parametrize(

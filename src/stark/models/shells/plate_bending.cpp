@@ -1,20 +1,11 @@
 // Bending of a triangle as a plate, in the fold angles of its hinges: E = D/2 sum_ij S_ij (theta_i -
 // theta_i0) (theta_j - theta_j0), S of mechanics/plate_element.h. Damping: d/(2 h) of the same form of the
 // change of the angles within the step. [theory eq. 13a]
-#include <array>
-
-#include <stark/mechanics/plate_element.h>
-#include <stark/models/shells/hinge.h>
+#include <stark/models/shells/plate_angles.h>
 
 namespace stark::models {
 
 namespace {
-
-template <typename Point>
-Scalar angle_at(int k, const Point& point) {
-  const auto [a, b, c, o] = plate_hinge(k);
-  return fold_angle(hinge(point(a), point(b), point(c), point(o)));
-}
 
 PotentialDefinition plate_bending(int hinges) {
   PotentialDefinition definition = define_potential(
@@ -23,44 +14,36 @@ PotentialDefinition plate_bending(int hinges) {
       [hinges](PotentialBuilder& b) {
         const Scalar D = b.parameter("flexural_rigidity", "N m", "rigidity of the plate");
         const Scalar d = b.parameter("bending_damping", "J s", "viscosity of the fold angle rate");
-        std::array<Scalar, 4> bend, turn;
-        for (int k = 0; k < hinges; ++k) {
-          const Scalar theta = angle_at(k, [&](int i) { return b.x(i); });
-          bend[k] = theta - b.data("rest_angle" + std::to_string(k), "rad", "fold angle at rest");
-          turn[k] = theta - angle_at(k, [&](int i) { return b.x_prev(i); });
-        }
-        Scalar elastic = 0.0, viscous = 0.0;
-        for (int i = 0; i < hinges; ++i)
-          for (int j = i; j < hinges; ++j) {
-            const Scalar S = b.data("form" + std::to_string(i) + std::to_string(j), "1", "bending form");
-            const double factor = i == j ? 0.5 : 1.0;
-            elastic = elastic + factor * S * bend[i] * bend[j];
-            viscous = viscous + factor * S * turn[i] * turn[j];
-          }
-        return D * elastic + d / b.time_step() * viscous;
+        std::vector<Scalar> turn;
+        for (int k = 0; k < hinges; ++k)
+          turn.push_back(plate_angle(k, [&](int i) { return b.x(i); }) -
+                         plate_angle(k, [&](int i) { return b.x_prev(i); }));
+        return D * plate_form(b, plate_bend(b, hinges)) + d / b.time_step() * plate_form(b, turn);
       });
-  definition.sample = [hinges](std::mt19937_64& random) {
-    std::uniform_real_distribution<double> noise(-0.1, 0.1);
-    const std::vector<stark::Vec3> flat{{0, 0, 0},     {1, 0, 0},      {0.5, 0.9, 0},  {0.5, -0.8, 0},
-                                        {1.4, 0.8, 0}, {-0.4, 0.9, 0}, {-0.4, -0.6, 0}};
-    PotentialSample sample;
-    for (int i = 0; i < 3 + hinges; ++i) {
-      const stark::Vec3 p = flat[i] + stark::Vec3{noise(random), noise(random), noise(random)};
-      sample.X.push_back(flat[i]);
-      sample.x_prev.push_back(p);
-      sample.x.push_back(p + stark::Vec3{0.5 * noise(random), 0.5 * noise(random), noise(random)});
-    }
-    for (int i = 0; i < hinges; ++i) {
-      sample.values["rest_angle" + std::to_string(i)] = {noise(random)};
-      for (int j = i; j < hinges; ++j)
-        sample.values["form" + std::to_string(i) + std::to_string(j)] = {i == j ? 1.0 : 0.2};
-    }
-    return sample;
-  };
+  definition.sample = [hinges](std::mt19937_64& random) { return sample_plate(hinges, random); };
   return definition;
 }
 
 }  // namespace
+
+PotentialSample sample_plate(int hinges, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> noise(-0.1, 0.1);
+  const std::vector<stark::Vec3> flat{{0, 0, 0},     {1, 0, 0},      {0.5, 0.9, 0},  {0.5, -0.8, 0},
+                                      {1.4, 0.8, 0}, {-0.4, 0.9, 0}, {-0.4, -0.6, 0}};
+  PotentialSample sample;
+  for (int i = 0; i < 3 + hinges; ++i) {
+    const stark::Vec3 p = flat[i] + stark::Vec3{noise(random), noise(random), noise(random)};
+    sample.X.push_back(flat[i]);
+    sample.x_prev.push_back(p);
+    sample.x.push_back(p + stark::Vec3{0.5 * noise(random), 0.5 * noise(random), noise(random)});
+  }
+  for (int i = 0; i < hinges; ++i) {
+    sample.values["rest_angle" + std::to_string(i)] = {noise(random)};
+    for (int j = i; j < hinges; ++j)
+      sample.values["form" + std::to_string(i) + std::to_string(j)] = {i == j ? 1.0 : 0.2};
+  }
+  return sample;
+}
 
 PotentialDefinition plate_bending_1() { return plate_bending(1); }
 PotentialDefinition plate_bending_2() { return plate_bending(2); }

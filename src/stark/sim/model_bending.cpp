@@ -1,0 +1,124 @@
+// Bending of the shells of a model: hinges or plates, elastic or yielding, and their damping.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <stark/geometry/topology.h>
+#include <stark/mechanics/plate_element.h>
+#include <stark/sim/material_fields.h>
+#include <stark/sim/model_builder.h>
+
+namespace stark {
+
+namespace {
+
+/// Entries of a form over the hinges of an element, as data "form00", "form01", ...
+void set_form(PotentialBatch& batch, int64_t e, const std::array<double, 10>& form, int hinges) {
+  size_t k = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = i; j < 4; ++j, ++k)
+      if (j < hinges) batch.set("form" + std::to_string(i) + std::to_string(j), e, form[k]);
+}
+
+void set_rest_angles(PotentialBatch& batch, int64_t e, const PlateElement& element, RestAngles rest) {
+  for (int i = 0; i < element.hinge_count; ++i)
+    batch.set("rest_angle" + std::to_string(i), e, rest == RestAngles::Flat ? 0.0 : element.rest_angles[i]);
+}
+
+void set_yield(PotentialBatch& batch, const BendingYield& yield) {
+  batch.set_uniform("bending_yield_moment", yield.moment);
+  batch.set_uniform("bending_hardening", yield.hardening);
+}
+
+void set_curvature(PotentialBatch& batch, int64_t e, const PlateElement& element) {
+  for (int i = 0; i < 3; ++i)
+    for (int h = 0; h < element.hinge_count; ++h)
+      batch.set("curvature" + std::to_string(i) + std::to_string(h), e, element.curvature[3 * i + h]);
+  batch.set("area", e, element.area);
+}
+
+PotentialDefinition plate_of(int hinges, bool yields) {
+  switch (hinges) {
+    case 1:
+      return yields ? models::plastic_plate_1() : models::plate_bending_1();
+    case 2:
+      return yields ? models::plastic_plate_2() : models::plate_bending_2();
+    case 3:
+      return yields ? models::plastic_plate_3() : models::plate_bending_3();
+    default:
+      return models::plate_bending_4();
+  }
+}
+
+}  // namespace
+
+void Model::Builder::add_bending(const ClothDescription& sheet, const ModelBody& body,
+                                 const std::string& name) {
+  if (sheet.material.flexural_rigidity > 0.0)
+    add_plate(sheet, body, name);
+  else if (sheet.material.bending_stiffness > 0.0 || sheet.material.bending_damping > 0.0)
+    add_hinges(sheet, body, name);
+}
+
+void Model::Builder::add_hinges(const ClothDescription& sheet, const ModelBody& body,
+                                const std::string& name) {
+  const ShellMaterial& material = sheet.material;
+  const std::vector<Index4> hinges = find_hinges(sheet.mesh.triangles);
+  const std::vector<int32_t> stencils = offset_stencils(hinges, body.first_site);
+  const BendingYield yield = bending_yield_of(material);
+  const bool flat = sheet.rest_angles == RestAngles::Flat;
+  const bool yields = std::isfinite(yield.moment) && material.bending_stiffness > 0.0;
+  if (yields) {
+    PotentialBatch& bending = add_batch(models::plastic_bending(), stencils, name);
+    const std::vector<Vec3>& X = sheet.mesh.vertices;
+    for (size_t e = 0; e < hinges.size(); ++e) {
+      const auto [a, b, c, d] = hinges[e];
+      bending.set("rest_angle", static_cast<int64_t>(e), flat ? 0.0 : fold_angle(X[a], X[b], X[c], X[d]));
+    }
+    bending.set_uniform("bending_stiffness", material.bending_stiffness);
+    set_yield(bending, yield);
+    if (material.bending_damping == 0.0) return;
+  }
+  PotentialBatch& bending =
+      add_batch(flat ? models::flat_bending() : models::discrete_shell_bending(), stencils, name);
+  bending.set_uniform("bending_stiffness", yields ? 0.0 : material.bending_stiffness);
+  bending.set_uniform("bending_damping", material.bending_damping);
+}
+
+void Model::Builder::add_plate(const ClothDescription& sheet, const ModelBody& body,
+                               const std::string& name) {
+  const ShellMaterial& material = sheet.material;
+  const BendingYield yield = bending_yield_of(material);
+  const auto elements =
+      find_plate_elements(sheet.mesh.vertices, sheet.mesh.triangles, material.poissons_ratio);
+  for (int hinges = 1; hinges <= 4; ++hinges) {
+    std::vector<const PlateElement*> chosen;
+    std::vector<int32_t> stencils;
+    for (const PlateElement& element : elements) {
+      if (element.hinge_count != hinges) continue;
+      chosen.push_back(&element);
+      for (int k = 0; k < 3 + hinges; ++k) stencils.push_back(body.first_site + element.vertices[k]);
+    }
+    if (chosen.empty()) continue;
+    const bool yields = std::isfinite(yield.moment) && hinges < 4;
+    for (const bool plastic : {true, false}) {  // of what yields the second one is the damping
+      if (plastic ? !yields : yields && material.bending_damping == 0.0) continue;
+      PotentialBatch& batch = add_batch(plate_of(hinges, plastic), stencils, name);
+      for (size_t k = 0; k < chosen.size(); ++k) {
+        const auto e = static_cast<int64_t>(k);
+        set_rest_angles(batch, e, *chosen[k], sheet.rest_angles);
+        set_form(batch, e, plastic ? chosen[k]->remaining_form : chosen[k]->form, hinges);
+        if (plastic) set_curvature(batch, e, *chosen[k]);
+      }
+      batch.set_uniform("flexural_rigidity", yields && !plastic ? 0.0 : material.flexural_rigidity);
+      if (plastic) {
+        batch.set_uniform("poissons_ratio", material.poissons_ratio);
+        set_yield(batch, yield);
+      } else {
+        batch.set_uniform("bending_damping", material.bending_damping);
+      }
+    }
+  }
+}
+
+}  // namespace stark
