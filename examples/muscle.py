@@ -15,10 +15,10 @@ import stark.scenes
 
 until = 1.2  # [s]
 SIZE, CELLS = np.array([0.12, 0.02, 0.02]), (18, 3, 4)  # [m]
-STRESS, RAMP = 8e4, 0.8  # [Pa], reached after [s]
+STRESS, RAMP = 5e4, 0.8  # [Pa], reached after [s]
 
 FLESH = stark.SolidMaterial(
-    density=1060.0, youngs_modulus=1.5e5, poissons_ratio=0.495, strain_damping=300.0, mass_damping=2.0
+    density=1060.0, youngs_modulus=2e5, poissons_ratio=0.495, strain_damping=300.0, mass_damping=2.0
 )
 
 
@@ -42,15 +42,16 @@ def build():
     finger.fiber_direction = (1.0, 0.0, 0.0)
     finger.active_stress = lambda t: np.where(muscle, STRESS * min(1.0, t / RAMP), 0.0)
 
-    load = scene.add_box(0.02, mass=0.02, name="load", position=(0.05, 0.0, -0.05), color=(0.35, 0.42, 0.5))
-    tip = np.flatnonzero((np.abs(X[:, 0] - 0.05) < 1e-6) & (X[:, 2] < -0.4999 * SIZE[2]))[[0, -1]]
-    string = stark.RodMaterial(density=1000.0, youngs_modulus=1e8, radius=4e-4, mass_damping=2.0)
-    for k, vertex in enumerate(tip):
-        start = X[vertex]
-        end = np.array([0.05, start[1], -0.04])
-        thread = scene.add_rod(stark.mesh.polyline(start, end, 3), string, name=f"thread {k}")
-        scene.attach(thread.vertices[[0]], finger.vertices[[vertex]])
-        scene.attach(thread.vertices[[-1]], load.points(end - [0.05, 0.0, -0.05]))
+    # Two threads from the lower side near the tip to a block.
+    lower = X[:, 2] < -0.4999 * SIZE[2]
+    at = np.unique(X[:, 0].round(9))[-2]
+    load = scene.add_box(0.02, mass=0.02, name="load", position=(at, 0, -0.06), color=(0.35, 0.42, 0.5))
+    thread = stark.RodMaterial(density=1000.0, youngs_modulus=1e8, radius=4e-4, mass_damping=2.0)
+    for vertex in np.flatnonzero(lower & (np.abs(X[:, 0] - at) < 1e-6))[[0, -1]]:
+        end = X[vertex] * [1, 1, 0] + [0, 0, -0.05]
+        rod = scene.add_rod(stark.mesh.polyline(X[vertex], end, 4), thread, color=(0.9, 0.9, 0.85))
+        scene.attach(rod.vertices[[0]], finger.vertices[[vertex]])
+        scene.attach(rod.vertices[[-1]], load.points(end - load.position))
     return scene
 
 
