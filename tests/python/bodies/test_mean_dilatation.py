@@ -3,7 +3,6 @@ and what is refused."""
 
 from __future__ import annotations
 
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -105,21 +104,29 @@ def test_cooks_membrane_of_small_strain() -> None:
         """In two dimensions the displacement does not depend on the size of the membrane."""
         return tip(cells, quadratic, formulation, material, young, 1.0, 52e-3) * scale
 
-    assert of(8, False, "mean_dilatation") == pytest.approx(exact, rel=0.06)
-    assert of(4, True, "mean_dilatation") == pytest.approx(exact, rel=0.02)
+    assert of(8, False, "mean_dilatation") == pytest.approx(exact, rel=0.05)
+    assert of(16, False, "mean_dilatation") == pytest.approx(exact, rel=0.02)
+    assert of(4, True, "mean_dilatation") == pytest.approx(exact, rel=0.005)
+    assert of(8, True, "mean_dilatation") == pytest.approx(exact, rel=0.002)
     assert of(8, False, "displacement") < 0.5 * exact  # locks
-    assert of(4, True, "displacement") < 0.98 * of(4, True, "mean_dilatation")
+    assert of(4, True, "displacement") < 0.9 * exact
 
 
-@pytest.mark.parametrize(("cells", "quadratic", "low", "high"), [(10, False, 6.6e-3, 6.95e-3)])
-def test_cooks_membrane_of_rubber(cells: int, quadratic: bool, low: float, high: float) -> None:
+def test_cooks_membrane_of_rubber() -> None:
     """Neo-Hookean with G = 80.1938 MPa at Poisson's ratio 0.499, under 6.25 MPa: quadrilaterals with F-bar
-    give 6.75 mm with 10 a side, 6.89 mm with 30, without 2.84 mm and 4.70 mm (benchmark of OpenGeoSys, after
-    de Souza Neto et al. 1996 and Elguedj et al. 2008)."""
+    give 6.746 mm with 10 a side, 6.891 mm with 30, without 2.841 mm and 4.703 mm (benchmark of OpenGeoSys,
+    after de Souza Neto et al. 1996 and Elguedj et al. 2008)."""
     rubber = neo_hookean_of_two(shear=80.1938e6, bulk=240.565e6 / (3 * (1 - 2 * 0.499)), density=1.0)
-    force = 6.25e6 * 16e-3
-    assert low < tip(cells, quadratic, "mean_dilatation", rubber, 240e6, force, 60e-3, steps=2) < high
-    assert tip(cells, quadratic, "displacement", rubber, 240e6, force, 60e-3, steps=2) < 3e-3
+
+    def of(cells: int, quadratic: bool, formulation: str) -> float:
+        return tip(cells, quadratic, formulation, rubber, 240e6, 6.25e6 * 16e-3, 60e-3, steps=2)
+
+    assert of(10, False, "displacement") == pytest.approx(2.841e-3, rel=2e-3)  # the same elements
+    assert of(10, False, "mean_dilatation") == pytest.approx(
+        6.746e-3, rel=0.01
+    )  # F-bar is not quite the same
+    assert of(30, False, "mean_dilatation") == pytest.approx(6.891e-3, rel=1e-3)
+    assert of(8, True, "mean_dilatation") == pytest.approx(6.91e-3, rel=5e-3)
 
 
 @pytest.mark.parametrize("quadratic", [False, True])
@@ -218,7 +225,6 @@ def test_refused() -> None:
     with pytest.raises(stark.InvalidArgument, match="formulation"):
         scene.add_solid(stark.mesh.box_hexahedra(0.1, 2), formulation="b_bar")
     assert len(scene) == 0
-    assert pickle.loads(pickle.dumps(stark.materials.soft_rubber)) == stark.materials.soft_rubber
 
 
 def test_documents_hold_the_formulation(tmp_path: Path) -> None:
