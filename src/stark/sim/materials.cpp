@@ -41,7 +41,7 @@ const FieldTable& ShellMaterial::fields() {
              "damping of the rate of Green strain"),
        field(&S::bending_damping, "bending_damping", "J s", non_negative(),
              "damping of the rate of the hinge angles"),
-       field(&S::thermal_expansion, "thermal_expansion", "1/K", any_number(),
+       field(&S::thermal_expansion, "thermal_expansion", "1/K", open_interval(-1.0, 1.0),
              "stretch of the rest shape with the temperature of the body")});
   return table;
 }
@@ -68,7 +68,7 @@ const FieldTable& SolidMaterial::fields() {
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "Pa s", non_negative(),
              "damping of the rate of Green strain"),
-       field(&S::thermal_expansion, "thermal_expansion", "1/K", any_number(),
+       field(&S::thermal_expansion, "thermal_expansion", "1/K", open_interval(-1.0, 1.0),
              "stretch of the rest shape with the temperature of the body")});
   return table;
 }
@@ -96,7 +96,7 @@ const FieldTable& RodMaterial::fields() {
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "s", non_negative(),
              "relaxation time of stretch, bending and twist"),
-       field(&S::thermal_expansion, "thermal_expansion", "1/K", any_number(),
+       field(&S::thermal_expansion, "thermal_expansion", "1/K", open_interval(-1.0, 1.0),
              "stretch of the rest shape with the temperature of the body")});
   return table;
 }

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stark
+from stark import reproducer
 
 STATIC: dict[str, Any] = {
     "time_step": 1.0,
@@ -129,7 +130,7 @@ def test_bimetal_bends_as_timoshenko_says() -> None:
 
 
 def test_a_sphere_grows() -> None:
-    """Free growth by g multiplies the radius by g; the core of one that grows outside only is stretched."""
+    """Free growth by g multiplies the radius by g and leaves no energy."""
     cube = stark.mesh.tet_box(2.0, 4)
     squares = np.asarray(cube.vertices) ** 2  # concentric cubes become spheres [Nowell's map]
     y, z = squares[:, [1, 2, 0]], squares[:, [2, 0, 1]]
@@ -318,6 +319,21 @@ def test_documents_hold_rest_states(tmp_path: Path) -> None:
             sim.step()
         hashes.append(sim.state.hash)
     assert hashes[0] == hashes[1]
+
+
+def test_reproducers_hold_the_values_of_the_step(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    body = add_bar(scene, "mean", name="bar", pins=[0, 1, 2, 3])
+    body.growth, body.temperature = np.eye(3), 0.0
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.step()
+    body.growth[2] = np.diag([1.1, 1.0, 1.0])
+    body.temperature = 20.0
+    sim.step()
+    sim.write_reproducer(tmp_path)
+    again = reproducer.load(tmp_path)
+    again.step()
+    assert again.state.hash == sim.state.hash
 
 
 def test_energy_that_a_change_brings_is_in_the_ledger() -> None:
