@@ -28,16 +28,16 @@ def settings():
 
 def build():
     scene = stark.Scene()
+    mesh = stark.mesh.box_hexahedra(SIZE, CELLS)
+    X, middle = mesh.vertices, mesh.vertices[mesh.elements].mean(axis=1)
     finger = scene.add_solid(
-        stark.mesh.box_hexahedra(SIZE, CELLS),
+        mesh,
         FLESH,
         formulation="mean_dilatation",
         name="finger",
+        pins=X[:, 0] < -0.4999 * SIZE[0],
         color=(0.80, 0.42, 0.38),
     )
-    X = finger.mesh.vertices
-    finger.pin(X[:, 0] < -0.4999 * SIZE[0])
-    middle = X[finger.mesh.elements].mean(axis=1)
     muscle = middle[:, 2] > 0.0
     finger.fiber_direction = (1.0, 0.0, 0.0)
     finger.active_stress = lambda t: np.where(muscle, STRESS * min(1.0, t / RAMP), 0.0)

@@ -14,7 +14,7 @@ from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import KnownAttributes
 from stark.bodies import Body, Layer
-from stark.bodies.rest_state import LiveRestState
+from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
 from stark.errors import StarkWarning
 from stark.handle import Follower
@@ -85,7 +85,9 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         scene._is_simulated_by(self)
         self._energy_count = len(scene.energies)
         self._live_values = [energy._live_values() for energy in scene.energies]
-        self._live_values += [LiveRestState(b) for b in scene.bodies if b._shared.get("rest_state")]
+        self._live_values += [
+            LiveRestState(body) for body in scene.bodies if isinstance(body, RestState) and body._rest_values
+        ]
         self._held: tuple[str, str, bool] | None = None
         self._last_step: LastStep | None = None
         self._taken: TakenStep | None = None

@@ -26,8 +26,8 @@ class Value:
     __slots__ = ("array", "given")
 
     def __init__(self, array: Floats) -> None:
-        self.array = array.copy()  #: may be changed in place
-        self.given = array.copy()  #: what the scene of the core has, with which simulations start
+        self.array: Floats = array.copy()  #: may be changed in place
+        self.given: Floats = array.copy()  #: what the scene of the core has, with which simulations start
 
 
 def _numbers(array: Floats, tensor: bool) -> Floats:

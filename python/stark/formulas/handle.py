@@ -171,7 +171,7 @@ class LiveValues:
 
     def __init__(self, energy: Energy) -> None:
         self.energy = energy
-        self.name = energy.name
+        self.name: str = energy.name
         # The core was given the first values with the energy.
         self._known: dict[str, tuple[int, Floats | None]] = dict.fromkeys(energy._binding.values, (0, None))
 
