@@ -30,11 +30,9 @@ class Value:
         self.given: Floats = array.copy()  #: what the scene of the core has, with which simulations start
 
 
-def _numbers(array: Floats, tensor: bool) -> Floats:
-    """As the core takes them; ``tensor``: plain numbers are multiples of the identity."""
-    if tensor and array.ndim == 1:
-        array = array[:, None, None] * np.eye(3)
-    return np.ascontiguousarray(array.reshape(-1))
+def _tensors(array: Floats) -> Floats:
+    """Plain numbers as multiples of the identity."""
+    return array if array.ndim > 1 else np.where(np.eye(3, dtype=bool), array[:, None, None], 0.0)
 
 
 class RestState(BodyHandle):
@@ -102,8 +100,8 @@ class RestState(BodyHandle):
 
     def _write_rest_value(self, name: str, given: ArrayLike) -> None:
         array, known = self._expanded(name, given), self._rest_values.get(name)
-        if known is not None and known.array.ndim == 3 and array.ndim == 1:
-            array = array[:, None, None] * np.eye(3)
+        if known is not None and known.array.ndim == 3:
+            array = _tensors(array)
         core, numbers = self._scene._core, {name: (self._rest_numbers(name, array), True)}
         if known is None or known.array.shape != array.shape:
             self._require_of_scene(name)
@@ -120,11 +118,15 @@ class RestState(BodyHandle):
         known.array[...] = array  # in place: arrays that were handed out stay live
 
     def _rest_numbers(self, name: str, array: Floats) -> Floats:
-        return _numbers(array, tensor=(3, 3) in self._rest_shapes(name))
+        """As the core takes them."""
+        tensors = _tensors(array) if (3, 3) in self._rest_shapes(name) else array
+        return np.ascontiguousarray(tensors.reshape(-1))
 
     def _expanded(self, name: str, given: ArrayLike) -> Floats:
         """With an entry for each element."""
         array, count = real_array(given, f"'{self.name}': {name}"), self._element_count()
+        if not np.isfinite(array).all():
+            raise InvalidArgument(f"'{self.name}': {name} = {given!r}: must be of finite numbers")
         for shape in self._rest_shapes(name):
             if array.shape == (count, *shape):
                 return array

@@ -356,6 +356,8 @@ def test_refused_rest_states() -> None:
         body.growth = -1.0
     with pytest.raises(stark.InvalidArgument, match=r"must be \(5,\) or \(5, 3, 3\)"):
         body.growth = np.ones(4)
+    with pytest.raises(stark.InvalidArgument, match="must be of finite numbers"):
+        body.temperature = np.inf
     with pytest.raises(stark.InvalidArgument, match="must leave a positive stretch"):
         body.temperature = -1e4
     with pytest.raises(stark.InvalidArgument, match="needs a value of fiber_direction"):
