@@ -93,6 +93,9 @@ SolidDescription solid_of(const nb::dict& given, const SolidMaterial& material) 
   auto body = description_of<SolidDescription>(given, owner, "solid");
   read_elements(given["elements"], owner + ": elements", body.mesh);
   body.material = material;
+  if (given.contains("formulation"))
+    body.formulation =
+        choice_of<Formulation>(nb::cast<std::string>(given["formulation"]), owner + ": formulation");
   read_law(given, owner, body);
   if (!given["initial_positions"].is_none())
     body.initial_positions = points_of(given["initial_positions"], owner + ": initial_positions");

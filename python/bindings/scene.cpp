@@ -73,6 +73,18 @@ void bind_scene_class(nb::module_& m) {
           },
           "description"_a, "material"_a)
       .def(
+          "set_rest_state",
+          [](Scene& s, int32_t body, nb::handle given) {
+            s.set_rest_state({body}, parameter_values_of(given, "'" + s.name({body}) + "'"));
+          },
+          "body"_a, "values"_a, "Fields of a rest state by name: (numbers, True).")
+      .def(
+          "check_rest_state",
+          [](const Scene& s, int32_t body, nb::handle given) {
+            s.check_rest_state({body}, parameter_values_of(given, "'" + s.name({body}) + "'"));
+          },
+          "body"_a, "values"_a)
+      .def(
           "clamp",
           [](Scene& s, int32_t body, nb::handle nodes) {
             const auto indices =

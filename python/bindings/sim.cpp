@@ -215,6 +215,13 @@ void bind_simulation(nb::module_& m) {
             s.set_clamp_targets(BodyId{body}, rows<Mat3>(t), duration);
           },
           "body"_a, "targets"_a, "duration"_a = nb::none())
+      .def(
+          "set_rest_state",
+          [](Simulation& s, int32_t body, const std::string& name, nb::handle numbers) {
+            s.set_rest_state({body}, name,
+                             values(array<Column<double>>(numbers, name, "a flat array of numbers")));
+          },
+          "body"_a, "name"_a, "values"_a)
       .def("set_energy_value", &set_energy_value, "energy"_a, "name"_a, "values"_a)
       .def(
           "element_energies",

@@ -29,7 +29,8 @@ class SimulationLink:
     _scene: SceneLink
     _pins: list[Indices]  # of the bodies, when it was made
     _clamped: list[Indices]
-    _live_values: list[Any]  # of the energies
+    _live_values: list[Any]  # of the energies, then of rest states of bodies
+    _energy_count: int
 
     @property
     def settings(self) -> Settings:

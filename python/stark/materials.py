@@ -229,6 +229,7 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
     mass_damping: float
     strain_damping: float
     bending_damping: float
+    thermal_expansion: float
 
 
 class SolidMaterial(_Material[_core.SolidMaterial]):
@@ -246,6 +247,7 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
     strain_limit_law: str
     mass_damping: float
     strain_damping: float
+    thermal_expansion: float
 
 
 class RodMaterial(_Material[_core.RodMaterial]):
@@ -276,6 +278,7 @@ class RodMaterial(_Material[_core.RodMaterial]):
     yield_torque: float
     mass_damping: float
     strain_damping: float
+    thermal_expansion: float
 
     @property
     def section(self) -> dict[str, float]:

@@ -87,6 +87,9 @@ class RecordedScene(_core.Scene):
     def set_restitution(self, a: int, b: int, coefficient: float) -> None:
         self._do("set_restitution", a, b, coefficient)
 
+    def set_rest_state(self, body: int, values: Any) -> None:
+        self._do("set_rest_state", body, values)
+
     def set_surface_directions(self, body: int, directions: Any) -> None:
         self._do("set_surface_directions", body, directions)
 

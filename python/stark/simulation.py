@@ -14,6 +14,7 @@ from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import KnownAttributes
 from stark.bodies import Body, Layer
+from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
 from stark.errors import StarkWarning
 from stark.handle import Follower
@@ -82,7 +83,11 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         self._pins = [scene._core.pins(k) for k in range(len(scene))]
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._is_simulated_by(self)
+        self._energy_count = len(scene.energies)
         self._live_values = [energy._live_values() for energy in scene.energies]
+        self._live_values += [
+            LiveRestState(body) for body in scene.bodies if isinstance(body, RestState) and body._rest_values
+        ]
         self._held: tuple[str, str, bool] | None = None
         self._last_step: LastStep | None = None
         self._taken: TakenStep | None = None
@@ -343,7 +348,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
     @property
     def energies(self) -> list[Energy]:
         """Handles of the energies of the scene; their energies and forces are those of this simulation."""
-        return [live.energy._bound_to(self) for live in self._live_values]
+        return [live.energy._bound_to(self) for live in self._live_values[: self._energy_count]]
 
     @property
     def contacts(self) -> Contacts:

@@ -20,6 +20,7 @@ def test_presets_have_the_documented_numbers() -> None:
         "yield_stress": math.inf, "hardening_modulus": 0.0, "bending_yield_moment": 0.0,
         "bending_hardening": 0.0,
         "mass_damping": 0.1, "strain_damping": 0.5, "bending_damping": 1e-7,
+        "thermal_expansion": 0.0,
     }  # fmt: skip
     steel = stark.materials.plate(
         youngs_modulus=2.1e11, poissons_ratio=0.3, thickness=1e-4, density=7850.0, bending_stiffness=0.0
@@ -32,6 +33,7 @@ def test_presets_have_the_documented_numbers() -> None:
         "density": 1000.0, "youngs_modulus": 1e4, "poissons_ratio": 0.3, "strain_limit": 1.0,
         "strain_limit_stiffness": 1e2, "strain_limit_hardening": 500.0,
         "strain_limit_law": "green_strain", "mass_damping": 0.1, "strain_damping": 0.0,
+        "thermal_expansion": 0.0,
     }  # fmt: skip
     # The towel of the paper: 0.484 kg on 1.75 m x 0.75 m, E 15 kPa, 3.25 mm, damping 0.1 of the stiffness.
     assert towel.density * 1.75 * 0.75 == pytest.approx(0.484, rel=1e-14)

@@ -23,21 +23,30 @@ inline SolidLaw test_law() {
   });
 }
 
+/// `definition`: of quadrature_point() or of mean_dilatation_point().
 inline QuadratureBatch make_quadrature_batch(const SolidMesh& mesh, const PotentialDefinition& definition,
                                              const ParameterValues& values) {
   const auto& rule = reference_element(mesh.type).quadrature;
-  QuadratureBatch batch(
-      std::make_shared<Potential>(definition, symbolic::Backend::Automatic, per_element_names(values)),
-      mesh.node_count(), static_cast<int>(rule.size()));
+  const int points = static_cast<int>(rule.size());
+  const auto law =
+      std::make_shared<Potential>(definition, symbolic::Backend::Automatic, per_element_names(values));
+  const auto ratio = std::make_shared<Potential>(volume_ratio(), symbolic::Backend::Automatic);
+  QuadratureBatch batch = definition.point_count == 3
+                              ? QuadratureBatch(law, mesh.node_count(), points)
+                              : QuadratureBatch(law, mesh.node_count(), points,
+                                                {ratio, points, mean_dilatation_modes(mesh.type)});
   batch.resize(mesh.elements);
   std::vector<Vec3> gradients(rule.size() * mesh.node_count());
   std::vector<double> weights(rule.size());
+  std::vector<Vec3> positions(rule.size());
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
-    for (size_t q = 0; q < rule.size(); ++q)
+    for (size_t q = 0; q < rule.size(); ++q) {
       weights[q] = rule[q].weight *
                    rest_gradients(mesh, e, rule[q].position,
                                   std::span(gradients).subspan(q * mesh.node_count(), mesh.node_count()));
-    batch.set_geometry(e, gradients, weights);
+      positions[q] = rest_position(mesh, e, rule[q].position);
+    }
+    batch.set_geometry(e, gradients, weights, positions);
   }
   batch.set_values(values);
   return batch;

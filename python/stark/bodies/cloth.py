@@ -12,6 +12,9 @@ class Cloth(LayeredBody):
 
     kind = "cloth"
 
+    def _element_count(self) -> int:
+        return len(self.triangles)
+
     @property
     def hinges(self) -> Stencils:
         """All pairs of triangles with a common edge, as stencils of four points for energies: the edge, then

@@ -11,6 +11,7 @@ from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.body import Body
 from stark.bodies.following import follow_pins
+from stark.bodies.rest_state import RestState
 from stark.mesh import Indices
 from stark.rotations import check_places
 from stark.selections import FrameHandle, Points, embedded_points, patch_frame
@@ -18,7 +19,7 @@ from stark.selections import FrameHandle, Points, embedded_points, patch_frame
 Floats = NDArray[np.float64]
 
 
-class DeformableBody(Body):
+class DeformableBody(Body, RestState):
     """A body of vertices that move against each other: cloth, solids, rods."""
 
     def frame(

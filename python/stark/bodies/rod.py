@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -70,6 +72,34 @@ class Rod(DeformableBody):
                 f"made"
             )
         simulation._core.set_clamp_targets(self._index, np.ascontiguousarray(array.reshape(count, 9)))
+
+    # --- rest state ---
+
+    @property
+    def natural_curvature(self) -> Floats:
+        """Curvature of each segment without load about d1 and d2 (n, 2) [1/m], beside that of the rest shape.
+        Assign it as ``growth``."""
+        return self._rest_value("natural_curvature")
+
+    @natural_curvature.setter
+    def natural_curvature(self, value: Any) -> None:
+        self._set_rest_value("natural_curvature", value)
+
+    @property
+    def natural_twist(self) -> Floats:
+        """Twist of each segment without load (n,) [rad/m], beside that of the rest shape. Assign it as
+        ``growth``."""
+        return self._rest_value("natural_twist")
+
+    @natural_twist.setter
+    def natural_twist(self, value: Any) -> None:
+        self._set_rest_value("natural_twist", value)
+
+    def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
+        return ((2,),) if name == "natural_curvature" else ((),)
+
+    def _element_count(self) -> int:
+        return len(self._mesh.vertices) - 1
 
     @property
     def triangles(self) -> Indices:

@@ -109,6 +109,7 @@ class SceneBodies(SceneLink):
         angular_velocity: Vec3Like = _ZERO,
         initial_positions: ArrayLike | None = None,
         pins: ArrayLike | None = None,
+        formulation: str = "displacement",
         self_contact: bool = True,
         contact_distance: float | None = None,
         contact_stiffness: float | None = None,
@@ -118,7 +119,11 @@ class SceneBodies(SceneLink):
     ) -> Solid:
         """Adds a soft volume of tetrahedra (TetMesh) or of quadratic or hexahedral elements (SolidMesh, see
         ``stark.mesh.to_quadratic`` and ``box_hexahedra``); arguments as in ``add_cloth``. Surfaces become
-        volumes with ``stark.mesh.tetrahedralise``."""
+        volumes with ``stark.mesh.tetrahedralise``.
+
+        ``formulation``: "displacement", or "mean_dilatation" for nearly incompressible solids, Poisson's
+        ratios from 0.45 on: the law sees the change of volume of the element instead of that at each of its
+        points, so that elements do not lock (docs/solids.md); not for linear tetrahedra."""
         _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
         volume = meshes.as_solid_mesh(mesh, _title("solid", name))
         if mass is not None:
@@ -139,6 +144,7 @@ class SceneBodies(SceneLink):
         given |= {
             "elements": volume.tets if isinstance(volume, meshes.TetMesh) else volume.elements,
             "initial_positions": initial_positions,
+            "formulation": given_word(formulation, f"{_title('solid', name)}: formulation"),
             "self_contact": given_flag(self_contact, f"{_title('solid', name)}: self_contact"),
             **material._description(),
         }

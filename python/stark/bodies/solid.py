@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,6 +48,36 @@ class Solid(LayeredBody):
             renumbered = renumbered.reshape(triangles.shape).astype(np.int32)
             self._shared["surface"] = triangles, used, renumbered
         return self._shared["surface"]
+
+    # --- rest state ---
+
+    @property
+    def fiber_direction(self) -> Floats:
+        """Directions of the fibres of ``active_stress`` at rest, in the axes of the mesh (n, 3), of any
+        length; zero where they were never given. Assign one for all or one for each element."""
+        return self._rest_value("fiber_direction")
+
+    @fiber_direction.setter
+    def fiber_direction(self, value: Any) -> None:
+        self._set_rest_value("fiber_direction", value)
+
+    @property
+    def active_stress(self) -> Floats:
+        """Stress of a muscle along ``fiber_direction`` (n,) [Pa], positive where it pulls: force over the
+        area at rest, whatever the length of the fibres. Assign it as ``growth``, once there is a
+        ``fiber_direction``."""
+        return self._rest_value("active_stress")
+
+    @active_stress.setter
+    def active_stress(self, value: Any) -> None:
+        self._set_rest_value("active_stress", value)
+
+    def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
+        return {"growth": ((), (3, 3)), "fiber_direction": ((3,),)}.get(name, ((),))
+
+    def _element_count(self) -> int:
+        mesh = self._mesh
+        return len(mesh.tets if isinstance(mesh, TetMesh) else mesh.elements)  # type: ignore[union-attr]
 
     @property
     def triangles(self) -> Indices:

@@ -43,7 +43,7 @@ class Checkpoint(Content):
             state=sim.state,
             settings=sim.settings.to_dict(),
             parts=sim._parts,
-            energies=[live.energy.name for live in sim._live_values],
+            energies=[live.name for live in sim._live_values],
             values=[live.present() for live in sim._live_values],
             # What was placed since is not what the last step led to.
             last=None if len(sim._core.placed_bodies) > 0 else sim._last_step,
@@ -93,7 +93,7 @@ class Checkpoint(Content):
             )
 
     def _check_values(self, sim: Stepping, owner: str) -> None:
-        names = [live.energy.name for live in sim._live_values]
+        names = [live.name for live in sim._live_values]
         if names != self.energies:
             raise CheckpointError(
                 f"{owner}: has values of the energies {self.energies}, the scene has {names}; make the scene "
@@ -101,7 +101,7 @@ class Checkpoint(Content):
             )
         for values in [self.values] + ([self.last.values] if self.last else []):
             for live, given in zip(sim._live_values, values, strict=True):
-                what = f"{owner}: energy '{live.energy.name}'"
+                what = f"{owner}: '{live.name}'"
                 mine = live.present()
                 if {n: v.shape for n, v in given.items()} != {n: v.shape for n, v in mine.items()}:
                     raise CheckpointError(f"{what}: has values of other parameters or shapes")

@@ -33,7 +33,14 @@ _PAIRS: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 #: What is written elsewhere: by what it came to.
 _ELSEWHERE = {
-    *("pin", "clamp", "set_surface_directions", "set_actuator_value", "set_actuator_enabled"),
+    *(
+        "pin",
+        "clamp",
+        "set_rest_state",
+        "set_surface_directions",
+        "set_actuator_value",
+        "set_actuator_enabled",
+    ),
     *("add_energy", "add_joint", "add_actuator", "add_attachment"),
 }
 #: Of functions of the time.
@@ -146,6 +153,7 @@ def _bodies(scene: Any, formulas: Formulas) -> list[dict[str, Any]]:
         else:
             row["material"] = _material(body._shared["material"], formulas)
             row["pins"] = scene._core.pins(body._index)
+            row["rest_state"] = {name: value.array for name, value in body._rest_values.items()}
         if kind == "rod":
             row["clamps"] = scene._core.clamped(body._index)
         rows.append(row)

@@ -87,6 +87,7 @@ _DEFORMABLE = {
     "initial_positions": Field(Maybe(_points()), None, "start in another shape than that of rest"),
     "self_contact": Field(Flag(), True),
     "pins": Field(Array((None,), integers=True), [], "vertices with prescribed positions"),
+    "rest_state": Field(Named(AnyArray()), {}, "growth, temperature, ...: values of each element"),
 }
 BODY = Tagged(
     "kind",
@@ -104,6 +105,7 @@ BODY = Tagged(
                 "vertices": Field(_points()),
                 "elements": Field(Array((None, None), integers=True), doc="nodes of 4, 8, 10, 20 or 27"),
                 **_DEFORMABLE,
+                "formulation": Field(Text(("displacement", "mean_dilatation")), "displacement"),
             }
         ),
         "rod": Record(
@@ -358,7 +360,7 @@ ATTACHMENT = Record(
 )
 COURSE = Record(
     {
-        "of": Field(Text(("energy", "actuator"))),
+        "of": Field(Text(("energy", "actuator", "body"))),
         "number": Field(Whole()),
         "value": Field(Text(), doc="its name"),
         "motion": Field(MOTION),
@@ -391,7 +393,7 @@ DOCUMENT = Record(
         "pairs": Field(Listing(PAIR), [], "in the order in which they were set: the last one counts"),
         "untouchable": Field(Listing(Whole()), [], "bodies that touch none, added later ones included"),
         "motions": Field(Listing(FOLLOWER), [], "of scripted bodies and pins"),
-        "courses": Field(Listing(COURSE), [], "values of energies and actuators over time"),
+        "courses": Field(Listing(COURSE), [], "values of energies, actuators and rest states over time"),
     },
     doc="A scene of Stark: what is simulated, as data.",
 )

@@ -88,7 +88,10 @@ class Rebuilding:
         else:
             given = {**given, "material": self._material(given["material"], where)}
             given["pins"] = given["pins"] if len(given["pins"]) else None
+            rest_state = given.pop("rest_state")
             body = self._deformable(kind, vertices, given, where)
+            for name, values in rest_state.items():
+                body._set_rest_value(name, _plain(values))
         if direction is not None:
             body.surface_direction = direction[0] if len(direction) == 1 else direction
 
@@ -313,11 +316,18 @@ class Rebuilding:
         self.scene._followers.setdefault(body._index, []).append(follower)
 
     def _course(self, row: dict[str, Any], where: str) -> None:
-        handles = self.scene._energies if row["of"] == "energy" else self.scene._actuators
+        handles: Any = {
+            "energy": self.scene._energies, "actuator": self.scene._actuators, "body": self.scene.bodies
+        }[row["of"]]  # fmt: skip
         if row["number"] >= len(handles):
             raise DocumentError(f"{where}.number: must be below {len(handles)}")
         handle, value = handles[row["number"]], row["value"]
-        if value not in (handle._binding.values if row["of"] == "energy" else handle.units):
+        known = {
+            "energy": lambda: handle._binding.values,
+            "actuator": lambda: handle.units,
+            "body": lambda: handle._shared.get("rest_state", {}),
+        }[row["of"]]()
+        if value not in known:
             raise DocumentError(f"{where}: {row['of']} '{handle.name}' has no value '{value[:80]}'")
         setattr(handle, value, _motion(row["motion"], f"{where}.motion"))
 

@@ -79,7 +79,7 @@ class Energy(Handle):
         return f"energy '{self.name}'"
 
     def _count_in(self, simulation: SimulationLink) -> int:
-        return len(simulation._live_values)
+        return simulation._energy_count
 
     def _live_values(self) -> LiveValues:
         return LiveValues(self)
@@ -171,6 +171,7 @@ class LiveValues:
 
     def __init__(self, energy: Energy) -> None:
         self.energy = energy
+        self.name: str = energy.name
         # The core was given the first values with the energy.
         self._known: dict[str, tuple[int, Floats | None]] = dict.fromkeys(energy._binding.values, (0, None))
 

@@ -67,7 +67,7 @@ def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -
             "no step to reproduce: must be written after a step, before the state is set; call sim.step()"
         )
     state = taken.before.arrays()
-    header, arrays = _described(sim, taken, sim._calls, state)
+    header, arrays = _described(sim, taken, [*sim._calls, *_rest_states(sim)], state)
     left_out: list[str] = []
     if reduce and taken.report.diagnosis:
         for keep in reduction.candidates(sim, taken.report.diagnosis):
@@ -86,6 +86,11 @@ def write(sim: Stepping, folder: str | PathLike[str], *, reduce: bool = False) -
     except OSError as error:
         raise ReproducerError(f"reproducer {error}") from error
     return place / SCRIPT
+
+
+def _rest_states(sim: Stepping) -> list[Call]:
+    """Calls that give bodies the rest states that the step took."""
+    return [call for live in sim._live_values for call in getattr(live, "calls", list)()]
 
 
 def _described(

@@ -214,6 +214,8 @@ const ReferenceElement& reference_element(ElementType type) {
   return elements[static_cast<int>(type)];
 }
 
+int mean_dilatation_modes(ElementType type) { return type == ElementType::Hex27 ? 4 : 1; }
+
 void shape_functions(ElementType type, const Vec3& position, std::span<double> out) {
   visit_shapes(type, position, [&](size_t a, double value, const Vec3&) { out[a] = value; });
 }

@@ -43,6 +43,10 @@ struct ReferenceElement {
 
 const ReferenceElement& reference_element(ElementType type);
 
+/// Functions of the volume ratio of an element of mean dilatation: 1 for a constant one, 4 for a linear one,
+/// which triquadratic hexahedra have enough displacements for (Q2/P1).
+int mean_dilatation_modes(ElementType type);
+
 /// Values of the shape functions at a point of the reference cell, one per node.
 void shape_functions(ElementType type, const Vec3& position, std::span<double> out);
 /// Their gradients in reference coordinates.

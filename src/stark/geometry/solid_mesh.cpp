@@ -48,6 +48,14 @@ double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& positi
   return det;
 }
 
+Vec3 rest_position(const SolidMesh& mesh, int64_t element, const Vec3& position) {
+  std::vector<double> values(mesh.node_count());
+  shape_functions(mesh.type, position, values);
+  Vec3 sum;
+  for (int a = 0; a < mesh.node_count(); ++a) sum += mesh.vertices[mesh.element(element)[a]] * values[a];
+  return sum;
+}
+
 double smallest_jacobian(const SolidMesh& mesh, int64_t element) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const QuadraturePoint& p : reference_element(mesh.type).quadrature)

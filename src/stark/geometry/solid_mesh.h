@@ -30,6 +30,9 @@ struct SolidMesh {
 /// from the reference cell, at a reference position in an element.
 double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& position, std::span<Vec3> out);
 
+/// Rest position of a reference position in an element [m].
+Vec3 rest_position(const SolidMesh& mesh, int64_t element, const Vec3& position);
+
 /// Smallest determinant of the Jacobian over the quadrature points of an element [m^3]; an element can be
 /// computed with where it is positive.
 double smallest_jacobian(const SolidMesh& mesh, int64_t element);

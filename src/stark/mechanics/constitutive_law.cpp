@@ -160,6 +160,33 @@ PotentialDefinition quadrature_point(const SolidLaw& law) {
   return definition;
 }
 
+PotentialDefinition mean_dilatation_point(const SolidLaw& law, const std::optional<SolidLaw>& damping) {
+  PotentialDefinition definition =
+      element_of(law, 4, "points of mean dilatation", [psi = law.psi, damping](PotentialBuilder& b) {
+        const auto gradient = [&b](Point p) {
+          return symbolic::Mat3::from_columns((b.*p)(0), (b.*p)(1), (b.*p)(2));
+        };
+        const auto scaled = [&](Point p) {
+          const symbolic::Mat3 F = gradient(p);
+          return F * pow((b.*p)(3)[0] / determinant(F), 1.0 / 3.0);
+        };
+        Scalar density = psi(b, SolidDeformation{scaled});
+        if (damping) density = density + damping->psi(b, SolidDeformation{gradient});
+        return density * b.data(kQuadratureWeight, "m^3", "rest volume that the point stands for");
+      });
+  definition.translation_invariant = definition.zero_at_rest = false;  // the points are no places
+  definition.one_sided = false;
+  return definition;
+}
+
+PotentialDefinition volume_ratio() {
+  PotentialDefinition definition = define_potential(
+      "volume_ratio", 3, "volume over that at rest",
+      [](PotentialBuilder& b) { return determinant(symbolic::Mat3::from_columns(b.x(0), b.x(1), b.x(2))); });
+  definition.translation_invariant = false;
+  return definition;
+}
+
 PotentialDefinition triangle3(const ShellLaw& law) {
   return element_of(law, 3, "triangles", [psi = law.psi, isotropic = law.isotropic](PotentialBuilder& b) {
     const symbolic::Mat32 rest = triangle_edges(b, &PotentialBuilder::X);

@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -78,6 +79,14 @@ PotentialDefinition tet4(const SolidLaw& law);
 /// kQuadratureWeight [m^3]. What mechanics/quadrature_batch evaluates.
 inline constexpr const char* kQuadratureWeight = "quadrature_weight";
 PotentialDefinition quadrature_point(const SolidLaw& law);
+
+/// Quadrature point of an element of mean dilatation: 4 points, the columns of F and (theta, 0, 0) with the
+/// volume ratio theta of the element at the point. The law sees F with the determinant theta,
+/// (theta / det F)^(1/3) F; `damping`, where there is one, F itself. [theory eq. 15b]
+PotentialDefinition mean_dilatation_point(const SolidLaw& law, const std::optional<SolidLaw>& damping = {});
+
+/// det F of 3 points, the columns of F.
+PotentialDefinition volume_ratio();
 
 /// Linear triangle of a shell: 3 points, psi times rest area times the parameter `thickness` [m]. Unless the
 /// law is isotropic, the first axis of F is the parameter `warp_direction`, in the frame of the rest mesh,

@@ -53,10 +53,14 @@ int64_t project_blocks(const Potential& potential, int64_t block_count, double* 
   const int outputs = potential.kernel().output_count(symbolic::Order::Hessian);
   const bool reduced =
       potential.is_translation_invariant() && n >= 6 && n <= 12;  // fewer dimensions, same result
+  return project_blocks(n, 1 + n, outputs, reduced, block_count, out);
+}
+
+int64_t project_blocks(int n, int first, int outputs, bool reduced, int64_t block_count, double* out) {
   ProjectionPack pack(n, reduced);
   int64_t count = 0;
   for (int64_t block = 0; block < block_count; ++block) {
-    double* upper = out + (block * outputs + 1 + n) * kLanes;
+    double* upper = out + (block * outputs + first) * kLanes;
     const uint32_t mask = psd_test(upper, n);
     count += std::popcount(mask);
     if (mask == kAll) {

@@ -16,17 +16,28 @@ QuadratureBatch::QuadratureBatch(std::shared_ptr<const Potential> law, int node_
   STARK_CHECK(law_.point_count() == 3);
 }
 
+QuadratureBatch::QuadratureBatch(std::shared_ptr<const Potential> law, int node_count, int points_per_element,
+                                 MeanDilatation dilatation)
+    : node_count_(node_count),
+      points_(points_per_element),
+      law_(std::move(law)),
+      dilatation_(std::move(dilatation)) {
+  STARK_CHECK(law_.point_count() == 4);
+}
+
 void QuadratureBatch::resize(std::span<const int32_t> stencils) {
   stencils_.assign(stencils.begin(), stencils.end());
   size_ = static_cast<int64_t>(stencils.size()) / node_count_;
   gradients_.assign(static_cast<size_t>(size_) * points_ * 3 * padded_nodes(), 0.0);
-  std::vector<int32_t> columns(static_cast<size_t>(3 * size_ * points_));
+  if (dilatation_) dilatation_->resize(size_);
+  std::vector<int32_t> columns(static_cast<size_t>(law_.point_count() * size_ * points_));
   std::iota(columns.begin(), columns.end(), 0);
   law_.resize(columns);
 }
 
 void QuadratureBatch::set_geometry(int64_t element, std::span<const Vec3> gradients,
-                                   std::span<const double> weights) {
+                                   std::span<const double> weights, std::span<const Vec3> positions) {
+  if (dilatation_) dilatation_->set_geometry(element, weights, positions);
   const int weight = law_.field_index(kQuadratureWeight);
   for (int q = 0; q < points_; ++q) {
     double* G = gradients_.data() + (element * points_ + q) * 3 * padded_nodes();
@@ -61,10 +72,21 @@ Vec3 QuadratureBatch::column(int64_t element, int point, int j, std::span<const 
 
 std::vector<Vec3> QuadratureBatch::columns(std::span<const Vec3> x) const {
   std::vector<Vec3> columns;
-  columns.reserve(static_cast<size_t>(3 * size_ * points_));
-  for (int64_t e = 0; e < size_; ++e)
-    for (int q = 0; q < points_; ++q)
+  columns.reserve(static_cast<size_t>(law_.point_count() * size_ * points_));
+  std::vector<double> ratios(points_);
+  for (int64_t e = 0; e < size_; ++e) {
+    const size_t first = columns.size();
+    for (int q = 0; q < points_; ++q) {
       for (int j = 0; j < 3; ++j) columns.push_back(column(e, q, j, x));
+      if (!dilatation_) continue;
+      const Vec3* F = columns.data() + columns.size() - 3;
+      ratios[q] = dot(cross(F[0], F[1]), F[2]);
+      columns.push_back({});
+    }
+    if (!dilatation_) continue;
+    dilatation_->average(e, ratios);
+    for (int q = 0; q < points_; ++q) columns[first + 4 * q + 3] = {ratios[q], 0.0, 0.0};
+  }
   return columns;
 }
 
@@ -93,7 +115,7 @@ void QuadratureBatch::evaluate(Order order, std::span<const Vec3> x, int64_t fir
                                double* out) const {
   thread_local AlignedVector<double> unknowns;
   unknowns.resize(static_cast<size_t>(points_) * 9 * kLanes);
-  const int outputs = law_.potential().kernel().output_count(order);
+  const int outputs = output_count(order);
   for (int64_t group = first; group < last; ++group) {
     const int64_t begin = block_of_group(group), end = block_of_group(group + 1);
     for (int64_t lane = 0; lane < (end - begin) * kLanes; ++lane) {
@@ -104,8 +126,11 @@ void QuadratureBatch::evaluate(Order order, std::span<const Vec3> x, int64_t fir
         for (int i = 0; i < 3; ++i) F[(3 * j + i) * kLanes] = c[i];
       }
     }
-    law_.evaluate_lanes(order, unknowns.data(), begin, end,
-                        out + (begin - block_of_group(first)) * outputs * kLanes);
+    double* group_out = out + (begin - block_of_group(first)) * outputs * kLanes;
+    if (dilatation_)
+      dilatation_->evaluate(law_, order, unknowns.data(), begin, end, group_out);
+    else
+      law_.evaluate_lanes(order, unknowns.data(), begin, end, group_out);
   }
 }
 

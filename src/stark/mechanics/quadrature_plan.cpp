@@ -112,7 +112,7 @@ void QuadraturePlan::assemble(ThreadPool& pool, std::span<const Vec3> x, const T
 
 void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x, const Target& target) {
   const Potential& potential = batch_.law().potential();
-  const int outputs = potential.kernel().output_count(Order::Hessian), points = batch_.points_per_element();
+  const int outputs = batch_.output_count(Order::Hessian), points = batch_.points_per_element();
   thread_local AlignedVector<double> law;
   thread_local ElementStiffness stiffness;
   law.resize(static_cast<size_t>(points) * outputs * kLanes);
@@ -127,7 +127,10 @@ void QuadraturePlan::assemble_chunk(const Chunk& chunk, std::span<const Vec3> x,
     }
     batch_.evaluate(Order::Hessian, x, group, group + 1, law.data());
     const int64_t blocks = batch_.block_of_group(group + 1) - batch_.block_of_group(group);
-    if (target.project) target.projected_count += project_blocks(potential, blocks, law.data());
+    if (target.project)
+      target.projected_count +=
+          batch_.dilatation() ? project_blocks(10, MeanDilatation::kRow, outputs, false, blocks, law.data())
+                              : project_blocks(potential, blocks, law.data());
     for (int64_t e = first; e < std::min(first + kGroupElements, chunk.last); ++e) {
       const int64_t lane = (e - first) * points;
       energies_[e] = 0.0;
@@ -164,7 +167,8 @@ void QuadraturePlan::compute_gradient(int64_t element, const double* law, int ou
 void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64_t first_lane,
                                        ElementStiffness& out) const {
   const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
-  const int outputs = batch_.law().potential().kernel().output_count(Order::Hessian);
+  const int outputs = batch_.output_count(Order::Hessian);
+  const int shift = batch_.dilatation() ? (MeanDilatation::kUpper - 10) * kLanes : 0;
   const double* gradients = batch_.gradients(element, 0);
   thread_local AlignedVector<double> H, work;
   H.resize(static_cast<size_t>(81) * points);
@@ -173,7 +177,8 @@ void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64
   for (int q = 0; q < points; ++q) {
     const double* values = lane_of(law, outputs, first_lane + q);
     for (int ik = 0; ik < 9; ++ik)
-      for (int jl = 0; jl < 9; ++jl) H[(ik * points + q) * 9 + jl] = values[kHessianPlaces[9 * ik + jl]];
+      for (int jl = 0; jl < 9; ++jl)
+        H[(ik * points + q) * 9 + jl] = values[shift + kHessianPlaces[9 * ik + jl]];
   }
   for (int ik = 0; ik < 9; ++ik) {
     double* slab = out.values.data() + static_cast<int64_t>(ik) * nodes * padded;
@@ -192,10 +197,53 @@ void QuadraturePlan::compute_stiffness(int64_t element, const double* law, int64
         SlabKernel<7>::run(gradients, slab_H, points, nodes, work.data(), slab);
     }
   }
+  if (batch_.dilatation()) add_coupling(element, law, first_lane, out);
+}
+
+void QuadraturePlan::add_coupling(int64_t element, const double* law, int64_t first_lane,
+                                  ElementStiffness& out) const {
+  const MeanDilatation& dilatation = *batch_.dilatation();
+  const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
+  const int modes = dilatation.modes(), width = 3 * padded;
+  thread_local AlignedVector<double> D, A;  // by mode: derivatives of its amplitude; what goes with it
+  D.assign(static_cast<size_t>(modes) * width, 0.0);
+  A.assign(static_cast<size_t>(modes) * width, 0.0);
+  std::array<double, 16> B{};
+  for (int q = 0; q < points; ++q) {
+    const double* values = lane_of(law, MeanDilatation::kOutputs, first_lane + q);
+    const double* shapes = dilatation.modes_at(element, q);
+    for (int k = 0; k < modes; ++k) {
+      const double weight = dilatation.weight(element, q) * shapes[k];
+      for (int l = 0; l < modes; ++l)
+        B[k * modes + l] += shapes[k] * shapes[l] * values[MeanDilatation::kRow * kLanes];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+          const double* G = batch_.gradients(element, q) + j * padded;
+          const double d = weight * values[(MeanDilatation::kCofactors + 3 * j + i) * kLanes];
+          const double a = shapes[k] * values[(MeanDilatation::kRow + 1 + 3 * j + i) * kLanes];
+          for (int n = 0; n < padded; ++n) {
+            D[k * width + i * padded + n] += d * G[n];
+            A[k * width + i * padded + n] += a * G[n];
+          }
+        }
+    }
+  }
+  for (int k = 0; k < modes; ++k)
+    for (int l = 0; l < modes; ++l)
+      for (int n = 0; n < width; ++n) A[k * width + n] += 0.5 * B[k * modes + l] * D[l * width + n];
+  for (int k = 0; k < modes; ++k)
+    for (int ij = 0; ij < 9; ++ij) {
+      const double* d = D.data() + k * width;
+      const double* a = A.data() + k * width;
+      double* slab = out.values.data() + static_cast<int64_t>(ij) * nodes * padded;
+      const int i = ij / 3 * padded, j = ij % 3 * padded;
+      for (int n = 0; n < nodes; ++n)
+        for (int m = n; m < padded; ++m) slab[n * padded + m] += a[i + n] * d[j + m] + d[i + n] * a[j + m];
+    }
 }
 
 void QuadraturePlan::add_site_gradients(ThreadPool& pool, std::span<const Vec3> x, std::span<Vec3> gradient) {
-  const int outputs = batch_.law().potential().kernel().output_count(Order::Gradient);
+  const int outputs = batch_.output_count(Order::Gradient);
   const int nodes = batch_.node_count(), padded = batch_.padded_nodes(), points = batch_.points_per_element();
   AlignedVector<double> law(static_cast<size_t>(batch_.law().block_count()) * outputs * kLanes);
   pool.for_each_range(batch_.group_count(), kEnergyGroups, [&](int64_t first, int64_t last) {

@@ -51,6 +51,8 @@ class QuadraturePlan {
   void compute_gradient(int64_t element, const double* law, int outputs, int64_t first_lane,
                         std::span<double> out) const;
   void compute_stiffness(int64_t element, const double* law, int64_t first_lane, ElementStiffness& out) const;
+  /// What the volume ratio of elements of mean dilatation brings to the stiffness beside the slabs in F.
+  void add_coupling(int64_t element, const double* law, int64_t first_lane, ElementStiffness& out) const;
   void add_element(int64_t element, const ElementStiffness& stiffness, const Target& target) const;
   Vec3 pending_force(const ElementStiffness& stiffness, int a, std::span<const int32_t> nodes,
                      std::span<const Vec3> pending) const;

@@ -30,7 +30,7 @@ void add_site_gradient(const PotentialBatch& batch, std::span<const Vec3> x, dou
 
 void add_site_gradient(const QuadratureBatch& batch, std::span<const Vec3> x, double factor,
                        std::span<Vec3> gradient) {
-  const int outputs = batch.law().potential().kernel().output_count(Order::Gradient);
+  const int outputs = batch.output_count(Order::Gradient);
   AlignedVector<double> out(batch.law().block_count() * outputs * kLanes);
   batch.evaluate(Order::Gradient, x, 0, batch.group_count(), out.data());
   for (int64_t e = 0; e < batch.size(); ++e)

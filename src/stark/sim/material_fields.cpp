@@ -6,9 +6,14 @@
 #include <cmath>
 
 #include <stark/base/error.h>
+#include <stark/mechanics/rest_state.h>
 #include <stark/sim/registry.h>
 
 namespace stark {
+
+namespace models {
+ShellLaw membrane_neo_hookean_law();
+}
 
 namespace {
 
@@ -29,10 +34,25 @@ bool is_damped(const Description& body) {
   return body.material.strain_damping > 0.0 || body.fields.contains("strain_damping");
 }
 
+/// Names of the fields of a rest state that changes.
+template <typename Description>
+std::set<std::string> rest_fields(const Description& body) {
+  std::set<std::string> names;
+  for (const auto& [name, values] : body.rest_state) names.insert(name);
+  return names;
+}
+
 /// Linear tetrahedra have a kernel of their own, all other elements that of a quadrature point.
 PotentialDefinition definition_of(const SolidDescription& solid) {
+  SolidLaw law = solid.law.value_or(models::stable_neo_hookean());
+  if (!solid.rest_state.empty()) law = rest_state::with_fields(law, rest_fields(solid));
+  if (solid.formulation == Formulation::MeanDilatation) {
+    const std::optional<SolidLaw> damping =
+        is_damped(solid) ? std::optional(models::solid_damping()) : std::nullopt;
+    return compose("solid", {mean_dilatation_point(law, damping)});
+  }
   const auto element = solid.mesh.type == ElementType::Tet4 ? tet4 : quadrature_point;
-  std::vector<PotentialDefinition> terms{element(solid.law.value_or(models::stable_neo_hookean()))};
+  std::vector<PotentialDefinition> terms{element(law)};
   if (is_damped(solid)) terms.push_back(element(models::solid_damping()));
   return compose("solid", terms);
 }
@@ -42,8 +62,12 @@ bool yields(const ClothDescription& cloth) {
 }
 
 PotentialDefinition membrane_of(const ClothDescription& cloth) {
-  if (cloth.law) return triangle3(*cloth.law);
-  return yields(cloth) ? triangle3(models::plastic_membrane()) : models::membrane_neo_hookean();
+  std::optional<ShellLaw> law = cloth.law;
+  if (!law && yields(cloth)) law = models::plastic_membrane();
+  if (!cloth.rest_state.empty())
+    return triangle3(
+        rest_state::with_fields(law.value_or(models::membrane_neo_hookean_law()), rest_fields(cloth)));
+  return law ? triangle3(*law) : models::membrane_neo_hookean();
 }
 
 PotentialDefinition definition_of(const ClothDescription& cloth) {
@@ -67,7 +91,10 @@ RodLaw rod_law_of(const Rods& rods) {
                            : yields(rods) ? models::plastic_rod()
                                           : models::linear_rod()};
   if (is_damped(rods)) laws.push_back(models::rod_damping());
-  return sum("rod", laws);
+  const RodLaw law = sum("rod", laws);
+  if constexpr (requires { rods.rest_state; })
+    if (!rods.rest_state.empty()) return rest_state::with_fields(law, rest_fields(rods));
+  return law;
 }
 
 PotentialDefinition definition_of(const RodDescription& rod) { return rod_segment(rod_law_of(rod)); }
@@ -119,6 +146,7 @@ template <typename Description>
 ParameterValues values_of(const Description& body, const std::vector<ParameterDeclaration>& declarations) {
   using Material = decltype(body.material);
   ParameterValues values = body.fields;
+  if constexpr (requires { body.rest_state; }) values.insert(body.rest_state.begin(), body.rest_state.end());
   add_defaults(body, values);
   for (const ParameterDeclaration& declaration : declarations)
     for (const Field& field : Material::fields().fields())
@@ -134,8 +162,8 @@ ElasticEnergy energy_of(const Description& body) {
   return {std::move(definition), std::move(values)};
 }
 
-ParameterDeclaration density_of(const FieldTable& table) {
-  const Field& field = table.find("density");
+ParameterDeclaration declaration_in(const FieldTable& table, const char* name) {
+  const Field& field = table.find(name);
   return {.name = field.name, .unit = field.unit, .doc = field.doc, .width = 1, .rule = field.rule};
 }
 
@@ -152,7 +180,9 @@ void check(std::string_view owner, const Description& body, const char* default_
       throw InvalidArgument(std::string(owner) + ": " + law + " needs a value of " + d.name +
                             (d.unit == "1" ? "" : " [" + d.unit + "]") + ", " + d.doc +
                             "; give one for the whole body or one for each element");
-  declarations.push_back(density_of(decltype(body.material)::fields()));
+  for (const char* name : {"density", rest_state::kThermalExpansion})
+    if (std::ranges::find(declarations, name, &ParameterDeclaration::name) == declarations.end())
+      declarations.push_back(declaration_in(decltype(body.material)::fields(), name));
   std::vector<std::string> names;
   for (const ParameterDeclaration& d : declarations) names.push_back(d.name);
   for (const auto& [name, value] : body.fields)
@@ -192,6 +222,16 @@ ElasticEnergy elastic_energy(const SolidDescription& solid) { return energy_of(s
 ElasticEnergy elastic_energy(const ClothDescription& cloth) { return energy_of(cloth); }
 ElasticEnergy elastic_energy(const RodDescription& rod) { return energy_of(rod); }
 ElasticEnergy elastic_energy(const FibresDescription& fibres) { return energy_of(fibres); }
+
+std::vector<ParameterDeclaration> law_parameters(const SolidDescription& solid) {
+  return parameters_of(tet4(solid.law.value_or(models::stable_neo_hookean())));
+}
+std::vector<ParameterDeclaration> law_parameters(const ClothDescription& cloth) {
+  return parameters_of(triangle3(cloth.law.value_or(models::membrane_neo_hookean_law())));
+}
+std::vector<ParameterDeclaration> law_parameters(const RodDescription& rod) {
+  return parameters_of(rod_segment(rod.law.value_or(models::linear_rod())));
+}
 
 void check_fields(std::string_view owner, const SolidDescription& solid) {
   check(owner, solid, "stable_neo_hookean");

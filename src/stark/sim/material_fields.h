@@ -21,6 +21,11 @@ ElasticEnergy elastic_energy(const ClothDescription& cloth);
 ElasticEnergy elastic_energy(const RodDescription& rod);
 ElasticEnergy elastic_energy(const FibresDescription& fibres);
 
+/// Parameters of the law of a body alone, without its rest state.
+std::vector<ParameterDeclaration> law_parameters(const SolidDescription& solid);
+std::vector<ParameterDeclaration> law_parameters(const ClothDescription& cloth);
+std::vector<ParameterDeclaration> law_parameters(const RodDescription& rod);
+
 /// Throws InvalidArgument when a parameter of the law has no value, a field is of no use to the body, or its
 /// values are too few, too many, not finite or out of range.
 void check_fields(std::string_view owner, const SolidDescription& solid);

@@ -49,7 +49,9 @@ const FieldTable& ShellMaterial::fields() {
        field(&S::strain_damping, "strain_damping", "N s/m", non_negative(),
              "damping of the rate of Green strain"),
        field(&S::bending_damping, "bending_damping", "J s", non_negative(),
-             "damping of the rate of the hinge angles")});
+             "damping of the rate of the hinge angles"),
+       field(&S::thermal_expansion, "thermal_expansion", "1/K", open_interval(-1.0, 1.0),
+             "stretch of the rest shape with the temperature of the body")});
   return table;
 }
 
@@ -74,7 +76,9 @@ const FieldTable& SolidMaterial::fields() {
            "what is limited: green_strain, its eigenvalues, or edges, the stretch of the edges of the mesh"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "Pa s", non_negative(),
-             "damping of the rate of Green strain")});
+             "damping of the rate of Green strain"),
+       field(&S::thermal_expansion, "thermal_expansion", "1/K", open_interval(-1.0, 1.0),
+             "stretch of the rest shape with the temperature of the body")});
   return table;
 }
 
@@ -112,7 +116,9 @@ const FieldTable& RodMaterial::fields() {
              "torque at which it yields; 0: of the section"),
        field(&S::mass_damping, "mass_damping", "1/s", non_negative(), "damping rate of all motion"),
        field(&S::strain_damping, "strain_damping", "s", non_negative(),
-             "relaxation time of stretch, bending and twist")});
+             "relaxation time of stretch, bending and twist"),
+       field(&S::thermal_expansion, "thermal_expansion", "1/K", open_interval(-1.0, 1.0),
+             "stretch of the rest shape with the temperature of the body")});
   return table;
 }
 

@@ -41,6 +41,7 @@ struct ShellMaterial {
   double mass_damping = 0.0;          ///< [1/s]
   double strain_damping = 0.0;        ///< [N s/m]
   double bending_damping = 0.0;       ///< [J s]
+  double thermal_expansion = 0.0;   ///< [1/K] of bodies with a temperature
   static const FieldTable& fields();
 };
 
@@ -53,8 +54,9 @@ struct SolidMaterial {
   double strain_limit_stiffness = 1e2;                            ///< [Pa]
   double strain_limit_hardening = 500.0;  ///< growth of that stiffness, as a factor; 0: as published
   StrainLimitLaw strain_limit_law = StrainLimitLaw::GreenStrain;
-  double mass_damping = 0.0;    ///< [1/s]
-  double strain_damping = 0.0;  ///< [Pa s]
+  double mass_damping = 0.0;       ///< [1/s]
+  double strain_damping = 0.0;     ///< [Pa s]
+  double thermal_expansion = 0.0;  ///< [1/K] of bodies with a temperature
   static const FieldTable& fields();
 };
 
@@ -79,6 +81,7 @@ struct RodMaterial {
   double yield_torque = 0.0;       ///< [N m]
   double mass_damping = 0.0;       ///< [1/s]
   double strain_damping = 0.0;     ///< [s] relaxation time of stretch, bending and twist
+  double thermal_expansion = 0.0;    ///< [1/K] of bodies with a temperature
   static const FieldTable& fields();
 };
 

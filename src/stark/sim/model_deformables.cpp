@@ -138,16 +138,24 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
                                           std::span<const int32_t> stencils, const std::string& body) {
   const std::vector<QuadraturePoint>& rule = reference_element(mesh.type).quadrature;
   const size_t nodes = static_cast<size_t>(mesh.node_count());
-  QuadratureBatch batch(compile(elastic.definition, per_element_names(elastic.values)), mesh.node_count(),
-                        static_cast<int>(rule.size()));
+  const auto law = compile(elastic.definition, per_element_names(elastic.values));
+  const int points = static_cast<int>(rule.size());
+  QuadratureBatch batch =
+      law->point_count() == 3
+          ? QuadratureBatch(law, mesh.node_count(), points)
+          : QuadratureBatch(law, mesh.node_count(), points,
+                            {compile(volume_ratio()), points, mean_dilatation_modes(mesh.type)});
   batch.resize(stencils);
   std::vector<Vec3> gradients(rule.size() * nodes);
   std::vector<double> weights(rule.size());
+  std::vector<Vec3> positions(rule.size());
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
-    for (size_t q = 0; q < rule.size(); ++q)
+    for (size_t q = 0; q < rule.size(); ++q) {
       weights[q] = rule[q].weight *
                    rest_gradients(mesh, e, rule[q].position, std::span(gradients).subspan(q * nodes, nodes));
-    batch.set_geometry(e, gradients, weights);
+      positions[q] = rest_position(mesh, e, rule[q].position);
+    }
+    batch.set_geometry(e, gradients, weights, positions);
   }
   batch.set_values(elastic.values);
   energies.quadrature.push_back({body, std::move(batch)});

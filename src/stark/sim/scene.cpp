@@ -105,6 +105,11 @@ BodyId Scene::add_solid(SolidDescription body) {
   std::vector<std::string> warnings;
   validate(body.material, owner);
   check_solid_mesh(owner, body.mesh);
+  if (body.formulation == Formulation::MeanDilatation && body.mesh.type == ElementType::Tet4)
+    throw InvalidArgument(owner +
+                          ": formulation = mean_dilatation with linear tetrahedra, which have one volume "
+                          "ratio each anyway: must be hexahedra or quadratic tetrahedra; use "
+                          "stark.mesh.to_quadratic");
   check_fields(owner, body);
   check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
   check_common(owner, body);

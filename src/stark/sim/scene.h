@@ -39,6 +39,14 @@ enum class BodyKind : uint8_t { Cloth, Solid, Rigid, Rod };
 /// else their constant initial velocities; forces do not move them.
 enum class Motion : uint8_t { Dynamic, Fixed, Scripted };
 
+/// How the elements of a solid see the ratio of volumes: each point its own, or that of the element, which
+/// keeps nearly incompressible solids from locking [theory eq. 15b].
+enum class Formulation : uint8_t { Displacement, MeanDilatation };
+
+template <>
+struct EnumNames<Formulation> {
+  static constexpr std::array<std::string_view, 2> kNames{"displacement", "mean_dilatation"};
+};
 template <>
 struct EnumNames<BodyKind> {
   static constexpr std::array<std::string_view, 4> kNames{"cloth", "solid", "rigid", "rod"};
@@ -56,6 +64,7 @@ struct ClothDescription {
   /// Parameters of the law that the material does not have, and values that replace those of the material;
   /// also `density`.
   ParameterValues fields{};
+  ParameterValues rest_state{};               ///< see Scene::set_rest_state
   Vec3 position{};                            ///< [m] of the frame of the body at time 0
   Mat3 rotation = Mat3::identity();           ///< of the frame of the body at time 0
   std::vector<Vec3> initial_positions{};      ///< [m] in the frame of the body; empty: the rest shape
@@ -74,7 +83,9 @@ struct SolidDescription {
   SolidMesh mesh{};  ///< [m] rest shape, of any element type; a TetMesh converts
   SolidMaterial material{};
   std::optional<SolidLaw> law{};  ///< unset: stable Neo-Hookean
-  ParameterValues fields{};       ///< as of cloth
+  Formulation formulation = Formulation::Displacement;
+  ParameterValues fields{};      ///< as of cloth
+  ParameterValues rest_state{};  ///< see Scene::set_rest_state
   Vec3 position{};
   Mat3 rotation = Mat3::identity();
   std::vector<Vec3> initial_positions{};
@@ -96,8 +107,9 @@ struct RodDescription {
   std::string name{};
   Polyline mesh{};  ///< [m] nodes, in the frame of the body
   RodMaterial material{};
-  std::optional<RodLaw> law{};  ///< unset: linear_rod
-  ParameterValues fields{};     ///< of the law; values for each segment where they are per element
+  std::optional<RodLaw> law{};   ///< unset: linear_rod
+  ParameterValues fields{};      ///< of the law; values for each segment where they are per element
+  ParameterValues rest_state{};  ///< see Scene::set_rest_state
   RestShape rest_shape = RestShape::Mesh;
   /// First axis d1 of the section at the first node, in the frame of the body, up to its part along the rod;
   /// the frames of the other nodes follow without twist. Unset: the coordinate axis farthest from the rod.
@@ -175,6 +187,14 @@ class Scene {
   void pin(BodyId body, std::span<const int32_t> vertices);
   /// Prescribes positions and frames of nodes of a rod.
   void clamp(BodyId body, std::span<const int32_t> nodes);
+
+  /// Gives a cloth, a solid or a rod a rest state that simulations may change: fields of
+  /// mechanics/rest_state.h with values for each element, which replace those of the same names. Throws
+  /// InvalidArgument for fields that the body cannot have and forbidden values.
+  void set_rest_state(BodyId body, const ParameterValues& values);
+  const ParameterValues& rest_state(BodyId body) const;
+  /// Throws InvalidArgument for new values of a rest state that the body must not have.
+  void check_rest_state(BodyId body, const ParameterValues& values) const;
 
   /// Adds an energy of n points (mechanics/potential.h) between points of bodies and of the world. Throws
   /// InvalidArgument for points that do not exist, missing, unknown or non-finite values.

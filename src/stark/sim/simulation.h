@@ -119,6 +119,10 @@ class Simulation {
   /// it was added with. Throws InvalidArgument for unknown names, wrong counts and numbers that are not
   /// finite.
   void set_energy_value(EnergyId energy, const std::string& name, std::span<const double> values);
+  /// Replaces values of a rest state that the body had when the simulation was made (Scene::set_rest_state),
+  /// from now on: one for each element. Throws InvalidArgument for unknown names, wrong counts and forbidden
+  /// values.
+  void set_rest_state(BodyId body, const std::string& name, std::span<const double> values);
   /// Energies [J] of its elements in the state of the last step.
   std::vector<double> element_energies(EnergyId energy) const;
   /// Forces [N] on the points of its elements in the last step, [element][point].

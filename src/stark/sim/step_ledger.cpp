@@ -37,6 +37,13 @@ double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
   return energy;
 }
 
+double StepLedger::stored_energy(ModelQuadrature& elements, std::span<const Vec3> x) {
+  elements.batch.set_previous(x);
+  const double energy = total_energy(elements.batch, x);
+  motion_.set_previous(elements.batch);
+  return energy;
+}
+
 EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
   EnergyLedger ledger;
   const auto& masses = model_.point_masses();
@@ -67,11 +74,7 @@ EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
 double StepLedger::elastic_energy(std::span<const Vec3> x) {
   double total = 0.0;
   for (ModelBatch& batch : energies_.batches) total += stored_energy(batch, x);
-  for (ModelQuadrature& elements : energies_.quadrature) {
-    elements.batch.set_previous(x);
-    total += total_energy(elements.batch, x);
-    motion_.set_previous(elements.batch);
-  }
+  for (ModelQuadrature& elements : energies_.quadrature) total += stored_energy(elements, x);
   return total;
 }
 

@@ -16,6 +16,7 @@ class StepLedger : private StepPart {
   EnergyLedger stored_energies(std::span<const Vec3> x);
   /// What the elements of one elastic batch store, 0 for others.
   double stored_energy(ModelBatch& batch, std::span<const Vec3> x);
+  double stored_energy(ModelQuadrature& elements, std::span<const Vec3> x);
   /// Completes the ledger of the step of length h that has just been committed; `before`: stored energies at
   /// its start.
   EnergyLedger balance(const EnergyLedger& before, double h);

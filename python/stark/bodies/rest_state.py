@@ -1,0 +1,183 @@
+"""Rest states that change: growth, temperature, active stress, natural curvature of bodies.
+
+A field has a value for each element. It is given to a body of the scene before the simulation is made, and
+may change between steps, also in place; functions of the time [s] are followed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stark._core import InvalidArgument
+from stark.arguments import real_array
+from stark.courses import at_start, set_courses
+from stark.handle import BodyHandle, SimulationLink
+from stark.scene_record import Call
+
+Floats = NDArray[np.float64]
+
+
+class Value:
+    """Numbers of a field, an entry for each element."""
+
+    __slots__ = ("array", "given")
+
+    def __init__(self, array: Floats) -> None:
+        self.array: Floats = array.copy()  #: may be changed in place
+        self.given: Floats = array.copy()  #: what the scene of the core has, with which simulations start
+
+
+def _tensors(array: Floats) -> Floats:
+    """Plain numbers as multiples of the identity."""
+    return array if array.ndim > 1 else np.where(np.eye(3, dtype=bool), array[:, None, None], 0.0)
+
+
+class RestState(BodyHandle):
+    """What bodies with a rest state have in common."""
+
+    _shared: dict[str, Any]
+
+    def _require_of_scene(self, what: str) -> None:
+        raise NotImplementedError  # of Body
+
+    def _element_count(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def growth(self) -> Floats:
+        """Stretch of the rest shape, a value for each element; 1 where it was never given.
+
+        Solids: numbers (n,), the same in all directions, or tensors (n, 3, 3) in the axes of the mesh. Cloth:
+        numbers (n,), in both directions of the sheet. Rods: numbers (n,), of the length. Assign a number, a
+        tensor, an array, or a function of the time [s], before the simulation is made; then it may change at
+        any time, also in place. What has grown has the same mass."""
+        return self._rest_value("growth")
+
+    @growth.setter
+    def growth(self, value: Any) -> None:
+        self._set_rest_value("growth", value)
+
+    @property
+    def temperature(self) -> Floats:
+        """Temperature of each element above that of the rest shape (n,) [K]. The rest shape is stretched by
+        1 + ``thermal_expansion`` of the material times temperature. Assign it as ``growth``."""
+        return self._rest_value("temperature")
+
+    @temperature.setter
+    def temperature(self, value: Any) -> None:
+        self._set_rest_value("temperature", value)
+
+    # --- details ---
+
+    def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
+        """Shapes that a value of one element may have."""
+        return ((),)
+
+    @property
+    def _rest_values(self) -> dict[str, Value]:
+        """By name, in the order in which they were given."""
+        values: dict[str, Value] = self._shared.setdefault("rest_state", {})
+        return values
+
+    def _rest_value(self, name: str) -> Floats:
+        """Of fields that were never given what they stand for, as an array that cannot be written to."""
+        value = self._rest_values.get(name)
+        if value is not None:
+            return value.array
+        array = np.full((self._element_count(), *self._rest_shapes(name)[0]), float(name == "growth"))
+        array.setflags(write=False)
+        return array
+
+    def _set_rest_value(self, name: str, given: Any) -> None:
+        self._write_rest_value(name, at_start(given, f"'{self.name}': {name}") if callable(given) else given)
+        set_courses("body", self, {name: given})
+
+    def _follow(self, simulation: SimulationLink, name: str, value: Any) -> None:
+        self._write_rest_value(name, value)
+
+    def _write_rest_value(self, name: str, given: ArrayLike) -> None:
+        array, known = self._expanded(name, given), self._rest_values.get(name)
+        if known is not None and known.array.ndim == 3:
+            array = _tensors(array)
+        core, numbers = self._scene._core, {name: (self._rest_numbers(name, array), True)}
+        if known is None or known.array.shape != array.shape:
+            self._require_of_scene(name)
+            if known is not None and self._simulation() is not None:
+                raise InvalidArgument(
+                    f"'{self.name}': {name} has the shape {known.array.shape}: must keep it while there is a "
+                    f"simulation, got {array.shape}; give tensors before the simulation is made"
+                )
+            core.set_rest_state(self._index, numbers)
+            self._rest_values[name] = Value(array)
+            self._scene._warn_of_simulation(self, name)
+            return
+        core.check_rest_state(self._index, numbers)
+        known.array[...] = array  # in place: arrays that were handed out stay live
+
+    def _rest_numbers(self, name: str, array: Floats) -> Floats:
+        """As the core takes them."""
+        tensors = _tensors(array) if (3, 3) in self._rest_shapes(name) else array
+        return np.ascontiguousarray(tensors.reshape(-1))
+
+    def _expanded(self, name: str, given: ArrayLike) -> Floats:
+        """With an entry for each element."""
+        array, count = real_array(given, f"'{self.name}': {name}"), self._element_count()
+        if not np.isfinite(array).all():
+            raise InvalidArgument(f"'{self.name}': {name} = {given!r}: must be of finite numbers")
+        for shape in self._rest_shapes(name):
+            if array.shape == (count, *shape):
+                return array
+            if array.shape == shape:
+                return np.broadcast_to(array, (count, *shape)).copy()
+        known = " or ".join(str((count, *shape)) for shape in self._rest_shapes(name))
+        raise InvalidArgument(
+            f"'{self.name}': {name} has the shape {array.shape}: must be {known}, a value for each element, "
+            f"or one for all"
+        )
+
+
+class LiveRestState:
+    """What one simulation knows of the rest state of a body; as LiveValues of an energy."""
+
+    def __init__(self, body: RestState) -> None:
+        self.body = body
+        self._known = {name: value.given.copy() for name, value in body._rest_values.items()}
+
+    @property
+    def name(self) -> str:
+        return f"rest state of {self.body.name}"
+
+    def push(self, core: Any) -> None:
+        """Hands what changed since the last call to the simulation."""
+        for name, known in self._known.items():
+            array = self.body._rest_values[name].array
+            if not np.array_equal(array, known):
+                core.set_rest_state(self.body._index, name, self.body._rest_numbers(name, array))
+                known[...] = array
+
+    def present(self) -> dict[str, Floats]:
+        """Copies of the values that the next step takes."""
+        return {name: self.body._rest_values[name].array.copy() for name in self._known}
+
+    def pushed(self) -> dict[str, Floats]:
+        """The values that the last step took."""
+        return {name: known.copy() for name, known in self._known.items()}
+
+    def calls(self) -> list[Call]:
+        """On the scene of the core, which give its body those values."""
+        fields = {name: (self.body._rest_numbers(name, known), True) for name, known in self._known.items()}
+        return [("set_rest_state", (self.body._index, fields))]
+
+    def check(self, owner: str, given: Mapping[str, Floats]) -> None:
+        """Raises InvalidArgument for values out of range."""
+        for name, array in given.items():
+            numbers = self.body._rest_numbers(name, array)
+            self.body._scene._core.check_rest_state(self.body._index, {name: (numbers, True)})
+
+    def assign(self, given: Mapping[str, Floats]) -> None:
+        """Makes these the values of the body, for every simulation of its scene."""
+        for name, array in given.items():
+            self.body._rest_values[name].array[...] = array

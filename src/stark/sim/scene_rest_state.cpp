@@ -1,0 +1,124 @@
+// Scene: rest states that change. What a body may have, ranges of its values.
+#include <algorithm>
+#include <array>
+
+#include <stark/base/error.h>
+#include <stark/mechanics/rest_state.h>
+#include <stark/sim/body_checks.h>
+#include <stark/sim/material_fields.h>
+
+namespace stark {
+
+namespace {
+
+std::vector<std::string> known_fields(BodyKind kind) {
+  std::vector<std::string> names{rest_state::kGrowth, rest_state::kTemperature};
+  if (kind == BodyKind::Solid)
+    names.insert(names.end(), {rest_state::kFiberDirection, rest_state::kActiveStress});
+  if (kind == BodyKind::Rod)
+    names.insert(names.end(), {rest_state::kNaturalCurvature, rest_state::kNaturalTwist});
+  return names;
+}
+
+/// What of the stretch of the rest shape must be positive: the determinant in solids.
+double measure_of_growth(const FieldValues& growth, size_t element, bool is_tensor) {
+  if (!is_tensor) return growth.values[element];
+  Mat3 G;
+  for (int i = 0; i < 9; ++i) G.m[i] = growth.values[9 * element + i];
+  return determinant(G);
+}
+
+void check_growth(std::string_view owner, const FieldValues& growth, bool is_tensor) {
+  const size_t width = is_tensor ? 9 : 1;
+  for (size_t e = 0; e < growth.values.size() / width; ++e)
+    if (const double value = measure_of_growth(growth, e, is_tensor); !(value > 0.0))
+      throw InvalidArgument(std::string(owner) + ": growth[" + std::to_string(e) + "]" +
+                            (is_tensor ? " has the determinant " : " = ") + to_text(value) +
+                            ": must be > 0; it is the stretch of the rest shape, 1 for none");
+}
+
+void check_heat(std::string_view owner, const FieldValues& temperature, const FieldValues& expansion) {
+  for (size_t e = 0; e < temperature.values.size(); ++e) {
+    const double alpha = expansion.values[expansion.per_element ? e : 0];
+    if (!(1.0 + alpha * temperature.values[e] > 0.0))
+      throw InvalidArgument(std::string(owner) + ": temperature[" + std::to_string(e) +
+                            "] = " + quantity_text(temperature.values[e], "K") +
+                            " with a thermal expansion of " + quantity_text(alpha, "1/K") +
+                            ": must leave a positive stretch 1 + expansion * temperature");
+  }
+}
+
+template <typename Description>
+void merge(std::string_view owner, Description& body, const ParameterValues& values) {
+  if (body.law)
+    for (const ParameterDeclaration& own : law_parameters(body))
+      if (values.contains(own.name))
+        throw InvalidArgument(std::string(owner) + ": " + own.name + ": the law '" + body.law->name +
+                              "' has a parameter of this name: must be another law; give it to the material");
+  for (const auto& [name, value] : values) body.rest_state[name] = value;
+  check_fields(owner, body);
+}
+
+}  // namespace
+
+void Scene::set_rest_state(BodyId id, const ParameterValues& values) {
+  const BodyKind body_kind = kind(id);
+  const std::string owner = owner_text(body_kind, name(id));
+  if (body_kind == BodyKind::Rigid)
+    throw InvalidArgument(owner + ": has no rest state that could change: must be a cloth, a solid or a rod");
+  const std::vector<std::string> known = known_fields(body_kind);
+  for (const auto& [field, value] : values)
+    if (std::ranges::find(known, field) == known.end())
+      throw InvalidArgument(owner + ": rest state '" + field + "'" + nearest_name_hint(field, known) +
+                            ": is not one of such a body");
+  const auto set = [&](auto& description) {
+    auto changed = description;
+    merge(owner, changed, values);
+    check_rest_state(id, values);
+    description = std::move(changed);
+  };
+  const int32_t index = index_in_kind(id);
+  if (body_kind == BodyKind::Cloth) set(cloths_[index]);
+  if (body_kind == BodyKind::Solid) set(solids_[index]);
+  if (body_kind == BodyKind::Rod) set(rods_[index]);
+}
+
+const ParameterValues& Scene::rest_state(BodyId id) const {
+  static const ParameterValues none;
+  switch (kind(id)) {
+    case BodyKind::Cloth:
+      return cloth(id).rest_state;
+    case BodyKind::Solid:
+      return solid(id).rest_state;
+    case BodyKind::Rod:
+      return rod(id).rest_state;
+    case BodyKind::Rigid:
+      break;
+  }
+  return none;
+}
+
+void Scene::check_rest_state(BodyId id, const ParameterValues& values) const {
+  const std::string owner = owner_text(kind(id), name(id));
+  if (const auto growth = values.find(rest_state::kGrowth); growth != values.end())
+    check_growth(owner, growth->second, kind(id) == BodyKind::Solid);
+  if (const auto fibers = values.find(rest_state::kFiberDirection); fibers != values.end())
+    for (size_t e = 0; e + 2 < fibers->second.values.size(); e += 3) {
+      const double* a = fibers->second.values.data() + e;
+      if (a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0)
+        throw InvalidArgument(owner + ": fiber_direction[" + std::to_string(e / 3) +
+                              "] = (0, 0, 0): must not be zero; give any vector in that direction");
+    }
+  const auto heat = values.find(rest_state::kTemperature);
+  if (heat == values.end()) return;
+  const auto expansion = [](const auto& body) {
+    const auto found = body.fields.find(rest_state::kThermalExpansion);
+    return found != body.fields.end() ? found->second : FieldValues{{body.material.thermal_expansion}, false};
+  };
+  check_heat(owner, heat->second,
+             kind(id) == BodyKind::Cloth   ? expansion(cloth(id))
+             : kind(id) == BodyKind::Solid ? expansion(solid(id))
+                                           : expansion(rod(id)));
+}
+
+}  // namespace stark
