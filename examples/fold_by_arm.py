@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import curves
+import hand_paths
 import numpy as np
 import pictures
 import running
@@ -23,7 +24,7 @@ import stark
 until = 3.6  # [s]
 options: dict[str, Any] = {"cells": 24, "time_step": 0.01}  # along the towel; [s]
 FILE = Path(__file__).with_name("robot_arm.urdf")
-ARM = ("turn", "shoulder", "elbow", "pitch", "roll")
+ARM = ["turn", "shoulder", "elbow", "pitch", "roll"]
 STIFFNESS, DAMPING = (900.0, 900.0, 700.0, 300.0, 100.0), (40.0, 40.0, 30.0, 10.0, 4.0)
 LENGTH, WIDTH, TAB = 0.24, 0.15, 0.04  # of the towel, of the edge that stands up [m]
 REACH, GRIP, FRICTION, OWN_FRICTION = 0.34, 1.6, 0.8, 0.5  # [m], of both fingers together [N], [1]
@@ -35,7 +36,7 @@ BOARD = (0.30, 0.42, 0.55)
 EDGE = 0.003  # by which edges may be off [m]
 FOLDED, RELEASED, RAISED = 2.2, 2.4, 3.0  # when [s]
 DOWN = np.diag([-1.0, 1.0, -1.0])
-path: dict[str, np.ndarray] = {}  # times (k,) and q of the arm (k, 5)
+path: dict[str, np.ndarray] = {}  # times (k,) and rows, q of the arm (k, 5)
 
 
 def settings():
@@ -50,11 +51,8 @@ def build():
     scene.disable_contact("board", floor)
     times, places = hand_path()
     model = stark.Scene().add_robot(FILE)
-    q, rows = np.array([0.0, 0.5, 1.6, 1.0, 0.0, 0.0]), []
-    for place in places:
-        q = model.inverse_kinematics("grip", place, DOWN, joints=ARM, start=q).q
-        rows.append(q[:5])
-    path.update(times=times, q=np.array(rows))
+    rows = hand_paths.of_joints(model, "grip", places, DOWN, ARM, (0.0, 0.5, 1.6, 1.0, 0.0, 0.0))[:, :5]
+    path.update(times=times, rows=rows)
     robot = scene.add_robot(FILE, q=[*rows[0], 0.006], position=(0, 0, 0.001))
     robot.add_servos(ARM, stiffness=STIFFNESS, damping=DAMPING, gravity_compensation=True)
     robot.add_servos("left_slide", stiffness=4000.0, damping=40.0, cap=GRIP, target=0.006)
@@ -95,7 +93,7 @@ def drive(sim):
     (robot,) = sim.robots
     arm, fingers = robot.drives
     time = sim.time + sim.time_step
-    arm.target = [np.interp(time, path["times"], column) for column in path["q"].T]
+    arm.target = hand_paths.at(time, **path)
     closing, opening = 0.006 - 0.03 * time, 0.05 * (time - RELEASED)
     fingers.target = max(closing, 0.0) if time < RELEASED else min(opening, 0.012)
 

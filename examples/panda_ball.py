@@ -18,6 +18,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import curves
+import hand_paths
 import numpy as np
 import pictures
 import running
@@ -84,7 +85,8 @@ def build():
         place = {"position": (base, 0, 0), "rotation": stark.rotation(axis="z", angle=turn)}
         model = stark.Scene().add_robot(description, **place)
         times, path = hand_path(name)
-        knots[name] = times, joint_path(model, path, name)
+        arm = (path, TURNED[name], "panda_joint*", HOME[name])
+        knots[name] = times, hand_paths.of_joints(model, "panda_hand_tcp", *arm)[:, :7]
         robot = scene.add_robot(
             description, name=name, q=[*knots[name][1][0], OPEN], exclude=folder / "srdf/panda.srdf",
             self_contact=False, color=WHITE, **place,
@@ -112,22 +114,11 @@ def hand_path(name):
     return np.array(times), np.array(places)
 
 
-def joint_path(model, path, name):
-    """q of the arm (k, 7) along places of its hand, each from the one before."""
-    q, rows = np.array(HOME[name]), []
-    for place in path:
-        goal = ("panda_hand_tcp", place, TURNED[name])
-        q = model.inverse_kinematics(*goal, joints="panda_joint*", start=q).q
-        rows.append(q[:7])
-    return np.array(rows)
-
-
 def drive(sim):
     time = sim.time + sim.time_step
     for robot in sim.robots:
         arm, fingers = robot.drives
-        times, rows = knots[robot.name]
-        arm.target = [np.interp(time, times, column) for column in rows.T]
+        arm.target = hand_paths.at(time, *knots[robot.name])
         closes, opens = FINGERS[robot.name]
         closed = OPEN - CLOSING * max(time - closes, 0.0)
         fingers.target = max(closed, 0.0) if time < opens else min(OPEN, 0.02 + CLOSING * (time - opens))
@@ -146,8 +137,7 @@ def measure(sim):
         series |= {f"{robot.name}_{axis}": value for axis, value in zip("xyz", seen, strict=True)}
         series[f"{robot.name}_grip"] = 0.5 * sum(abs(force @ hand.rotation[:, 1]) for force in forces)
         series[f"{robot.name}_carries"] = sum(forces)[2]
-        times, rows = knots[robot.name]
-        wanted = [np.interp(sim.time, times, column) for column in rows.T]
+        wanted = hand_paths.at(sim.time, *knots[robot.name])
         series[f"{robot.name}_error"] = np.abs(robot.q[:7] - wanted).max()
     series["weight"] = ball.mass * GRAVITY
     return series

@@ -1,4 +1,4 @@
-"""Pictures of the tutorials: bodies of several moments side by side, robots, toothed wheels, points on curves."""
+"""Pictures of examples: bodies of several moments side by side, robots, toothed wheels, points on curves."""
 
 from __future__ import annotations
 

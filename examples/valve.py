@@ -132,7 +132,7 @@ def results(run):
     phase = t["time"] % PERIOD
     turning, back = (phase > 0.5) & (phase < 0.95), (phase > 1.32) & (phase < PERIOD - 0.02)
     grip = np.mean([t[f"grip_{name}"][turning] for name in FINGERS], axis=0)
-    torque, strokes = options["torque"], until / PERIOD
+    torque, strokes = options["torque"], round(t["time"][-1] / PERIOD)
     return {
         # Tips roll on the wheel, which turns more than they do; servos give way by a few degrees.
         "angle": (t["angle"][-1], strokes * STROKE * (1.0 + TIP / RADIUS), strokes * 8 * stark.deg),

@@ -40,7 +40,7 @@ def test_a_ball_of_tetrahedra_fills_its_sphere(shells: tuple[float, ...]) -> Non
 
 def test_shells_of_a_ball_grow_to_its_surface() -> None:
     for shells in ((), (0.5,), (0.5, 0.5, 1.0), (0.0, 1.0), (0.5, 1.2), 1.0, (0.5, float("nan"), 1.0)):
-        with pytest.raises(stark.InvalidArgument, match="tet_ball: shells = .* must grow from above 0 to 1"):
+        with pytest.raises(stark.InvalidArgument, match=r"tet_ball: shells = .* must grow from above 0 to 1"):
             mesh.tet_ball(0.1, 1, shells)
     with pytest.raises(stark.InvalidArgument, match="tet_ball: radius = -1"):
         mesh.tet_ball(-1.0)
