@@ -12,9 +12,7 @@ rabbit and hangs clear of the floor; nothing creeps.
                                   needs pip install 'stark-sim[examples]'
 """
 
-import importlib.util
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,14 +37,10 @@ def settings():
 
 def rabbit():
     """The clean model, refined, about the origin with its feet down and its nose along x [m]."""
-    if not importlib.util.find_spec("pybullet_data") or not importlib.util.find_spec("trimesh"):
-        raise ImportError(
-            "hammock needs the packages pybullet and trimesh: pip install 'stark-sim[examples]'"
-        )
+    coarse = stark.mesh.load(running.installed("pybullet_data", "pybullet_data") / "bunny.obj")
+    assert isinstance(coarse, stark.mesh.TriangleMesh)
     import trimesh
 
-    (folder,) = importlib.util.find_spec("pybullet_data").submodule_search_locations
-    coarse = stark.mesh.load(Path(folder) / "bunny.obj")
     vertices, triangles = trimesh.remesh.subdivide_loop(coarse.vertices, coarse.triangles, iterations=2)
     vertices = vertices[:, [2, 0, 1]] * (SIZE / np.ptp(coarse.vertices[:, 2]))  # z of the file is forwards
     return stark.mesh.TriangleMesh(vertices, triangles.astype(np.int32)).centered()

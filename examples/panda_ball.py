@@ -10,10 +10,8 @@ weight; it ends up where the second hand is to bring it; no joint leaves its pat
                                      needs pip install 'stark-sim[examples]'
 """
 
-import importlib.util
 import sys
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -36,6 +34,7 @@ HOME = {
 }
 OPEN, CLOSING, GRAVITY = 0.0399, 0.06, 9.81  # of a finger [m], its speed [m/s], [m/s^2]
 APART, START, MEET, END = 1.30, (0.60, 0.0, 0.66), (0.65, 0.0, 0.80), (0.74, 0.0, 0.70)  # [m]
+RING = (0.018, 0.004)  # that the ball lies on, radii [m]
 BACK = 0.09  # how far behind the ball a hand waits [m]
 MOMENTS = (1.5, 2.45)  # of the pictures [s]
 LIFTED, GIVEN, LET_GO = 1.6, 2.5, 3.0  # when [s]: it is at the meeting place, both hold it, one is away
@@ -64,41 +63,33 @@ def settings():
     }
 
 
-def panda():
-    """The folder of the robot in the package example-robot-data."""
-    package = importlib.util.find_spec("cmeel")
-    (site,) = {Path(place).parent for place in package.submodule_search_locations} if package else {Path()}
-    folder = site / "cmeel.prefix/share/example-robot-data/robots/panda_description"
-    if not folder.is_dir():
-        raise ImportError(
-            "panda_ball needs the package example-robot-data: pip install 'stark-sim[examples]'"
-        )
-    return folder
-
-
 def build():
-    scene, folder = stark.Scene(), panda()
+    folder = running.installed("cmeel", "cmeel.prefix/share/example-robot-data/robots/panda_description")
+    scene = stark.Scene()
     scene.default_friction = FRICTION
     scene.add_floor(3.0)
     description = stark.robots.read(folder / "urdf/panda.urdf")
     for name, base, turn in (("giver", 0.0, 0.0), ("taker", APART, np.pi)):
-        place = {"position": (base, 0, 0), "rotation": stark.rotation(axis="z", angle=turn)}
-        model = stark.Scene().add_robot(description, **place)
+        at, rotation = (base, 0.0, 0.0), stark.rotation(axis="z", angle=turn)
+        model = stark.Scene().add_robot(description, position=at, rotation=rotation)
         times, path = hand_path(name)
         arm = (path, TURNED[name], "panda_joint*", HOME[name])
         knots[name] = times, hand_paths.of_joints(model, "panda_hand_tcp", *arm)[:, :7]
         robot = scene.add_robot(
             description, name=name, q=[*knots[name][1][0], OPEN], exclude=folder / "srdf/panda.srdf",
-            self_contact=False, color=WHITE, **place,
+            self_contact=False, color=WHITE, position=at, rotation=rotation,
         )  # fmt: skip
         robot.add_servos("panda_joint*", stiffness=STIFFNESS, damping=DAMPING, gravity_compensation=True)
         robot.add_servos("panda_finger_joint1", stiffness=4000.0, damping=40.0, cap=GRIP)
     ball = stark.mesh.tet_ball(RADIUS, options["subdivisions"])
     scene.add_solid(ball, BALL, name="ball", position=START, color=ORANGE)
-    top = START[2] - RADIUS - 0.001
-    scene.add_box(
-        (0.05, 0.05, top), name="stand", motion="fixed", position=(*START[:2], 0.5 * top), color=DARK
+    # It lies on a ring: on a plane a ball of triangles would tip over to the next one, and roll away.
+    top = START[2] - np.sqrt((RADIUS + RING[1] + 0.0005) ** 2 - RING[0] ** 2)
+    scene.add_rigid(
+        stark.mesh.torus(*RING), name="ring", motion="fixed", position=(*START[:2], top), color=DARK
     )
+    post = (0.05, 0.05, top - RING[1])
+    scene.add_box(post, name="stand", motion="fixed", position=(*START[:2], 0.5 * post[2]), color=DARK)
     return scene
 
 
@@ -136,7 +127,7 @@ def measure(sim):
         forces = [pairs.forces.sum(axis=0) for pairs in sides]
         series |= {f"{robot.name}_{axis}": value for axis, value in zip("xyz", seen, strict=True)}
         series[f"{robot.name}_grip"] = 0.5 * sum(abs(force @ hand.rotation[:, 1]) for force in forces)
-        series[f"{robot.name}_carries"] = sum(forces)[2]
+        series[f"{robot.name}_carries"] = np.sum(forces, axis=0)[2]
         wanted = hand_paths.at(sim.time, *knots[robot.name])
         series[f"{robot.name}_error"] = np.abs(robot.q[:7] - wanted).max()
     series["weight"] = ball.mass * GRAVITY
@@ -151,10 +142,10 @@ def results(run):
     """What came out, what is expected and how far it may be off, by name, in SI units."""
     t = running.measured(run)
     time, weight = t["time"], t["weight"][0]
-    found = {}
+    found: dict[str, tuple[float, float, float]] = {}
     alone = {"giver": (time > 0.95) & (time < 1.95), "taker": time > LET_GO + 0.1}
     for name, held in alone.items():
-        slid = np.linalg.norm([np.ptp(t[f"{name}_{axis}"][held]) for axis in ("x", "y", "z")])
+        slid = float(np.linalg.norm([np.ptp(t[f"{name}_{axis}"][held]) for axis in ("x", "y", "z")]))
         found |= {
             f"grip of the {name}": (t[f"{name}_grip"][held].mean(), 0.5 * GRIP, 0.02 * GRIP),
             f"slip in the {name}": (slid, 0.0, 2e-3),  # the ball sways and sags by a part of that
@@ -189,7 +180,7 @@ def on_step(sim, report):
     """Keeps what is where, with the surfaces that the file shows, at two moments."""
     if len(taken) < len(MOMENTS) and sim.time > MOMENTS[len(taken)] - 1e-9:
         arms = [part for robot in sim.robots for part in pictures.visuals(robot, {"finger": DARK}, WHITE)]
-        taken.append([*arms, *(pictures.snapshot(sim[name]) for name in ("ball", "stand"))])
+        taken.append([*arms, *(pictures.snapshot(sim[name]) for name in ("ball", "ring", "stand"))])
 
 
 def draw(run, path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -37,6 +38,15 @@ def main(file: str) -> int:
             print(module.plot(run, run.folder / "curves.svg"))
         print(module.draw(run, run.folder / f"{Path(file).stem}.png"))
     return result.exit_code
+
+
+def installed(package: str, folder: str) -> Path:
+    """A folder of files that came with a package, as seen from the folder in which packages are."""
+    spec = importlib.util.find_spec(package)
+    found = Path(spec.origin).parents[1] / folder if spec is not None and spec.origin else None
+    if found is None or not found.is_dir():
+        raise ImportError(f"this example reads files of {folder}: pip install 'stark-sim[examples]'")
+    return found
 
 
 def assert_close(found: Results) -> None:

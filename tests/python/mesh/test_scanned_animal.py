@@ -37,6 +37,6 @@ def test_the_rabbit_rests_in_the_hammock(tmp_path: Path) -> None:
 
 def test_the_hammock_names_the_extra_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     module = scenes.load(EXAMPLE).module
-    monkeypatch.setattr(module.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(module.running.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(ImportError, match=r"pip install 'stark-sim\[examples\]'"):
         module.rabbit()
