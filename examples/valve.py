@@ -132,15 +132,16 @@ def results(run):
     phase = t["time"] % PERIOD
     turning, back = (phase > 0.5) & (phase < 0.95), (phase > 1.32) & (phase < PERIOD - 0.02)
     grip = np.mean([t[f"grip_{name}"][turning] for name in FINGERS], axis=0)
+    needed = options["torque"] / (FRICTION * RADIUS * len(FINGERS))  # at the least
     torque, strokes = options["torque"], round(t["time"][-1] / PERIOD)
     return {
         # Tips roll on the wheel, which turns more than they do; servos give way by a few degrees.
         "angle": (t["angle"][-1], strokes * STROKE * (1.0 + TIP / RADIUS), strokes * 8 * stark.deg),
         "moment": (np.median(t["moment"][turning]), torque, 0.02 * torque),
-        # Of the middle of the contact: tips that roll at a gap of half a millimetre are a little off.
+        # Of the middle of the contact, about which tips spin while the fingers swing, and so drift a little.
         "slip": (t["slip"][turning].max(), 0.0, 0.03 * RADIUS * t["rate"].max()),
         "friction used": (t["use"][turning].max(), 0.5, 0.5),
-        "grip": (grip.mean(), torque / (FRICTION * RADIUS * len(FINGERS)) * 2.0, 5.0),
+        "grip": (grip.mean(), 3.0 * needed, 2.0 * needed),
         "back": (np.ptp(t["angle"][back & (t["time"] < PERIOD)]), 0.0, 1e-3),
     }
 
