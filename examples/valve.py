@@ -3,7 +3,7 @@
 What it shows: a robot without a file (stark.robots.RobotDescription), inverse kinematics of a finger, servos
 with caps, a hinge with dry friction, grip and slip from the contacts.
 The check: two strokes turn the wheel as far as the fingers go; while they turn it, the torque of the
-fingertips is that of the friction of the stem; they hold without slipping, within Coulomb's limit; the wheel
+fingertips is that of the friction of the stem; they stay within Coulomb's limit, and drift little; the wheel
 stays where it is while they go back.
 
     python examples/valve.py    leaves a recording, plots and a picture in out/valve
@@ -112,13 +112,11 @@ def measure(sim):
         series[f"grip_{name}"] = normal
         series["moment"] += np.cross(pairs.points_a, pairs.forces).sum(axis=0)[2]
         if normal > 0.5:
-            share = (
-                np.linalg.norm(pairs.normal_forces, axis=1) / normal
-            )  # tips also spin about where they touch
-            series["slip"] = max(series["slip"], np.linalg.norm(share @ pairs.slips))
-            series["use"] = max(
-                series["use"], np.linalg.norm(pairs.frictions.sum(axis=0)) / (FRICTION * normal)
-            )
+            # Tips also spin about where they touch: the middle of the contact counts.
+            shares = np.linalg.norm(pairs.normal_forces, axis=1) / normal
+            series["slip"] = max(series["slip"], np.linalg.norm(shares @ pairs.slips))
+            used = np.linalg.norm(pairs.frictions.sum(axis=0)) / (FRICTION * normal)
+            series["use"] = max(series["use"], used)
     return series
 
 
