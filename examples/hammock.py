@@ -27,7 +27,7 @@ options: dict[str, Any] = {"edge": 0.016, "cells": 44, "seed": 1}
 SIZE, SOFT, GRAVITY = 0.28, 6e4, 9.81  # length of the rabbit [m], Young's modulus [Pa]
 LENGTH, WIDTH, SPAN, HEIGHT = 0.80, 0.46, 0.66, 0.40  # of the hammock [m]; of its ends above the floor [m]
 NOISE, HOLES, CRUMBS = 2e-4, 12, 8  # of the scanner [m]
-CLOTH = stark.materials.towel.replace(youngs_modulus=1e5, bending_stiffness=2e-4)
+CLOTH = stark.materials.towel.replace(youngs_modulus=1e5, bending_stiffness=2e-4, mass_damping=4.0)
 FUR, COTTON, WOOD = (0.80, 0.66, 0.52), (0.36, 0.52, 0.72), (0.62, 0.44, 0.28)
 
 
@@ -80,7 +80,9 @@ def build():
     scene = stark.Scene()
     scene.default_friction = 0.4
     add_hammock(scene)
-    rubber = stark.materials.soft_rubber.replace(youngs_modulus=SOFT, poissons_ratio=0.4, strain_damping=20.0)
+    rubber = stark.materials.soft_rubber.replace(
+        youngs_modulus=SOFT, poissons_ratio=0.4, strain_damping=200.0, mass_damping=1.0
+    )
     scene.add_solid(
         solid.mesh, rubber, name="rabbit", position=(0.0, 0.04, HEIGHT - 0.03),
         rotation=stark.rotation(axis="z", angle=-90 * stark.deg), color=FUR,
