@@ -84,7 +84,7 @@ def build():
         youngs_modulus=SOFT, poissons_ratio=0.4, strain_damping=200.0, mass_damping=1.0
     )
     scene.add_solid(
-        solid.mesh, rubber, name="rabbit", position=(0.0, 0.04, HEIGHT - 0.03),
+        solid.mesh, rubber, name="rabbit", position=(-0.03, 0.04, HEIGHT - 0.03),
         rotation=stark.rotation(axis="z", angle=-90 * stark.deg), color=FUR,
     )  # fmt: skip
     scene.add_floor(3.0)
@@ -155,7 +155,7 @@ def draw(run, path):
     """At rest."""
     frame = run.frame(-1)
     shown = [pictures.part(body) for body in frame.bodies if body.name != "floor"]
-    return pictures.compose(path, shown, azimuth=-68, elevation=24, height=600)
+    return pictures.compose(path, shown, azimuth=-112, elevation=26, height=600)
 
 
 if __name__ == "__main__":
