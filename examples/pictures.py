@@ -1,8 +1,8 @@
-"""Pictures of the tutorials: bodies of several moments side by side, toothed wheels, points on curves."""
+"""Pictures of examples: bodies of several moments side by side, robots, toothed wheels, points on curves."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -60,6 +60,25 @@ def part(body: Any, *, shift: ArrayLike = (0.0, 0.0, 0.0), keep: ArrayLike | Non
         positions=body.positions + np.asarray(shift, dtype=np.float64),
         triangles=body.triangles if keep is None else body.triangles[np.asarray(keep)],
     )
+
+
+def visuals(
+    robot: stark.robots.Robot, colors: Mapping[str, Sequence[float]], others: Sequence[float]
+) -> list[SimpleNamespace]:
+    """The links of a robot where they are now, with the surfaces that its file shows and the colour of the
+    first word that is in their name."""
+    return [
+        SimpleNamespace(
+            name=name,
+            kind="rigid",
+            motion="dynamic",
+            color=next((color for word, color in colors.items() if word in name), others),
+            positions=link.visual.vertices @ link.rotation.T + link.position,
+            triangles=link.visual.triangles,
+        )
+        for name, link in robot.links.items()
+        if link.visual is not None
+    ]
 
 
 def compose(

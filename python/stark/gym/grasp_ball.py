@@ -30,21 +30,8 @@ LIFT = 0.06
 
 
 def ball_mesh() -> stark.TetMesh:
-    """Shells of prisms around a core, each prism in three tetrahedra."""
-    surface = stark.mesh.sphere(1.0, subdivisions=1)
-    count = len(surface.vertices)
-    vertices = np.concatenate([np.zeros((1, 3)), *(RADIUS * r * surface.vertices for r in SHELLS)])
-    a, b, c = np.sort(surface.triangles, axis=1).T + 1  # neighbours then cut their common side alike
-    tets = [np.stack([np.zeros_like(a), a, b, c], axis=1)]
-    for _ in SHELLS[1:]:
-        outer = [side + count for side in (a, b, c)]
-        tets += [np.stack(rows, axis=1) for rows in ((a, b, c, outer[2]), (a, b, *outer[1:]), (a, *outer))]
-        a, b, c = outer
-    elements = np.concatenate(tets).astype(np.int32)
-    x = vertices[elements]
-    inverted = np.einsum("ni,ni->n", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x[:, 3] - x[:, 0]) < 0.0
-    elements[inverted] = elements[inverted][:, [0, 2, 1, 3]]
-    return stark.TetMesh(vertices, elements)
+    """The ball, coarse."""
+    return stark.mesh.tet_ball(RADIUS, 1, SHELLS)
 
 
 class GraspBallTask(Task):

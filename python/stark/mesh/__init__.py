@@ -18,6 +18,7 @@ from stark.mesh.shapes import (
     helix,
     polyline,
     sphere,
+    tet_ball,
     tet_box,
     torus,
 )
@@ -78,6 +79,7 @@ __all__ = [
     "simplified",
     "solid_from_scan",
     "sphere",
+    "tet_ball",
     "tet_box",
     "tetrahedralise",
     "to_quadratic",

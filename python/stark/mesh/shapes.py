@@ -110,6 +110,36 @@ def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMe
     )
 
 
+def tet_ball(radius: float, subdivisions: int = 2, shells: ArrayLike = (0.4, 0.7, 1.0)) -> TetMesh:
+    """Solid ball about the origin: the triangles of ``sphere`` on shells, prisms of three tetrahedra between
+    them, a core of one tetrahedron each. ``shells``: their radii over that of the ball, growing, the last 1.
+
+    Raises InvalidArgument for other shells and numbers out of range."""
+    shares = numbers_of(shells)
+    if (
+        shares.ndim != 1
+        or not len(shares)
+        or not np.all(np.diff(shares, prepend=0.0) > 0.0)
+        or shares[-1] != 1.0
+    ):
+        raise InvalidArgument(f"tet_ball: shells = {shells!r}: must grow from above 0 to 1, as (0.5, 1.0)")
+    edge = positive(radius, "tet_ball: radius")
+    surface = sphere(1.0, count_of(subdivisions, "tet_ball: subdivisions", 0))
+    count = len(surface.vertices)
+    vertices = np.concatenate([np.zeros((1, 3)), *(edge * share * surface.vertices for share in shares)])
+    a, b, c = np.sort(surface.triangles, axis=1).T + 1  # neighbours then cut their common side alike
+    tets = [np.stack([np.zeros_like(a), a, b, c], axis=1)]
+    for _ in shares[1:]:
+        outer = [side + count for side in (a, b, c)]
+        tets += [np.stack(rows, axis=1) for rows in ((a, b, c, outer[2]), (a, b, *outer[1:]), (a, *outer))]
+        a, b, c = outer
+    elements = np.concatenate(tets).astype(np.int32)
+    x = vertices[elements]
+    inverted = np.einsum("ni,ni->n", np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), x[:, 3] - x[:, 0]) < 0.0
+    elements[inverted] = elements[inverted][:, [0, 2, 1, 3]]
+    return TetMesh(vertices, elements)
+
+
 def box_hexahedra(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> SolidMesh:
     """Solid box about the origin of cuboid elements with 8 nodes."""
     return SolidMesh(

@@ -172,9 +172,9 @@ class _Builder:
             )
         placement = self.frames[group.root]
         given = dict(self.options.body)
-        color = next(
-            (s.color for name in group.frames for s in self.robot.links[name].visuals if s.color), None
-        )
+        links = [self.robot.links[name] for name in group.frames]
+        shapes = [s for link in links for s in link.visuals] + [s for link in links for s in link.collisions]
+        color = next((s.color for s in shapes if s.color), None)
         if color is not None:
             given.setdefault("color", color)
         if motion == "dynamic":

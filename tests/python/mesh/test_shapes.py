@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import stark
 from stark import mesh
 
 SHAPES = {
@@ -24,6 +25,27 @@ def test_shapes_are_closed_and_enclose_their_volume(name: str) -> None:
     assert shape.volume == pytest.approx(volume, rel=tolerance)
     assert shape.volume <= volume * (1 + 1e-12)
     np.testing.assert_allclose(shape.bounds.mean(axis=0), 0, atol=1e-3)
+
+
+@pytest.mark.parametrize("shells", [(1.0,), (0.5, 1.0), (0.3, 0.55, 0.8, 1.0)])
+def test_a_ball_of_tetrahedra_fills_its_sphere(shells: tuple[float, ...]) -> None:
+    ball, sphere = mesh.tet_ball(0.1, 2, shells), mesh.sphere(0.1, 2)
+    assert ball.vertices.shape == (1 + len(shells) * 162, 3)
+    assert len(ball.tets) == 320 * (3 * len(shells) - 2)
+    assert (ball.volumes > 0.0).all() and ball.volume == pytest.approx(sphere.volume, rel=1e-12)
+    # Prisms cut the sides that they share alike: the surface is the sphere, nothing is open inside.
+    surface = ball.surface()
+    assert surface.is_closed and surface.area == pytest.approx(sphere.area, rel=1e-12)
+
+
+def test_shells_of_a_ball_grow_to_its_surface() -> None:
+    for shells in ((), (0.5,), (0.5, 0.5, 1.0), (0.0, 1.0), (0.5, 1.2), 1.0, (0.5, float("nan"), 1.0)):
+        with pytest.raises(stark.InvalidArgument, match=r"tet_ball: shells = .* must grow from above 0 to 1"):
+            mesh.tet_ball(0.1, 1, shells)
+    with pytest.raises(stark.InvalidArgument, match="tet_ball: radius = -1"):
+        mesh.tet_ball(-1.0)
+    with pytest.raises(stark.InvalidArgument, match="tet_ball: subdivisions"):
+        mesh.tet_ball(1.0, -1)
 
 
 def test_grids_and_tet_boxes_have_the_documented_counts() -> None:

@@ -211,3 +211,14 @@ def test_what_starts_beyond_zero_is_reported() -> None:
     robot = stark.Scene().add_robot(RobotDescription("late", links, [joint]))
     assert robot.q.tolist() == [0.3]
     assert "joint 'hinge': starts at its limit 0.3 rad, as 0 is beyond" in str(robot.report)
+
+
+def test_bodies_have_the_colour_of_their_shapes() -> None:
+    red, blue = (0.8, 0.1, 0.1), (0.1, 0.1, 0.8)
+    seen, touched = (Geometry("box", (0.1, 0.1, 0.1), color=color) for color in (red, blue))
+    links = [Link("both", BALL, (seen,), (touched,)), Link("touches", BALL, (), (touched,))]
+    joint = RobotJoint("joint", "continuous", "both", "touches", position=np.array([0.0, 0.0, 1.0]))
+    robot = stark.Scene().add_robot(RobotDescription("pair", links, [joint]))
+    for link, color in (("both", red), ("touches", blue)):
+        body = robot.links[link].body
+        assert body is not None and body.color == pytest.approx(color)
