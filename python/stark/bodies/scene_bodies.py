@@ -118,7 +118,7 @@ class SceneBodies(SceneLink):
     ) -> Solid:
         """Adds a soft volume of tetrahedra (TetMesh) or of quadratic or hexahedral elements (SolidMesh, see
         ``stark.mesh.to_quadratic`` and ``box_hexahedra``); arguments as in ``add_cloth``. Surfaces become
-        volumes with ``stark.mesh.tetrahedralise``."""
+        volumes with ``stark.mesh.tetrahedralise``, or in a coarse lattice with ``stark.mesh.lattice``."""
         _require(material, SolidMaterial, "solid", "stark.materials.soft_rubber")
         volume = meshes.as_solid_mesh(mesh, _title("solid", name))
         if mass is not None:
@@ -138,6 +138,7 @@ class SceneBodies(SceneLink):
         )
         given |= {
             "elements": volume.tets if isinstance(volume, meshes.TetMesh) else volume.elements,
+            **({"embedding": volume._embedding()} if isinstance(volume, meshes.EmbeddedMesh) else {}),
             "initial_positions": initial_positions,
             "self_contact": given_flag(self_contact, f"{_title('solid', name)}: self_contact"),
             **material._description(),
