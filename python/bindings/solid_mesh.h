@@ -25,8 +25,8 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
                         " nodes an element, need 4, 8, 10 or 27");
 }
 
-/// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7): part,
-/// mean and mean square of each element.
+/// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7):
+/// part, mean and mean square of each element.
 inline Embedding embedding_of(const nb::dict& given, const std::string& owner) {
   Embedding embedding;
   const auto cells = array<Column<int32_t>>(given["cells"], owner + ": cells", "an array of shape (k,)");

@@ -60,7 +60,8 @@ TEST_CASE("full cells have Gauss's rule and the weights of whole nodes") {
     const auto& rule = reference_element(type).quadrature;
     std::vector<double> weights(rule.size());
     filled_rule(points_of(type), {}, weights);
-    for (size_t q = 0; q < rule.size(); ++q) CHECK(weights[q] == doctest::Approx(rule[q].weight).epsilon(1e-12));
+    for (size_t q = 0; q < rule.size(); ++q)
+      CHECK(weights[q] == doctest::Approx(rule[q].weight).epsilon(1e-12));
   }
 }
 

@@ -35,8 +35,7 @@ std::array<double, 3> weights_at(std::span<const double> places, double mean, do
   const double middle = places[1], reach = places[2] - middle;
   const double variance = mean_square - 2.0 * middle * mean + middle * middle;
   const double difference = std::clamp((mean - middle) / reach, -1.0 + 3.0 * least, 1.0 - 3.0 * least);
-  const double sum =
-      std::clamp(variance / (reach * reach), std::fabs(difference) + 2.0 * least, 1.0 - least);
+  const double sum = std::clamp(variance / (reach * reach), std::fabs(difference) + 2.0 * least, 1.0 - least);
   return {0.5 * (sum - difference), 1.0 - sum, 0.5 * (sum + difference)};
 }
 
@@ -76,12 +75,12 @@ void filled_rule(std::span<const Vec3> points, const CellFilling& filling, std::
   std::fill(out.begin(), out.end(), 1.0);
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> places = places_of(points, axis);
-    const std::array<double, 3> weights =
-        weights_at(places, filling.mean[axis], filling.mean_square[axis]);
+    const std::array<double, 3> weights = weights_at(places, filling.mean[axis], filling.mean_square[axis]);
     for (size_t q = 0; q < points.size(); ++q) {
       size_t nearest = 0;
       for (size_t k = 1; k < places.size(); ++k)
-        if (std::fabs(points[q][axis] - places[k]) < std::fabs(points[q][axis] - places[nearest])) nearest = k;
+        if (std::fabs(points[q][axis] - places[k]) < std::fabs(points[q][axis] - places[nearest]))
+          nearest = k;
       out[q] *= weights[nearest];
     }
   }

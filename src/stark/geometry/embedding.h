@@ -8,8 +8,8 @@
 
 namespace stark {
 
-/// Reference coordinates of a point [m] in an element, by Newton's method on its shape functions; exact in one
-/// step for cuboids. Coordinates of points that cannot be found are not finite.
+/// Reference coordinates of a point [m] in an element, by Newton's method on its shape functions; exact in
+/// one step for cuboids. Coordinates of points that cannot be found are not finite.
 Vec3 find_reference_position(const SolidMesh& mesh, int64_t element, const Vec3& position);
 
 /// Shape functions of its element at embedded vertex k, counted from the first one: [node_count()].

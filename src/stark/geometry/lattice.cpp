@@ -155,7 +155,8 @@ class Filler {
       if (is_inside(corner + s * grid_.size)) inside.add(s);
     if (inside.count == kFillingSamples) return {};
     const bool has_vertices = of_vertices_[number].count > 0.0;
-    if (inside.count == 0.0) return has_vertices ? of_vertices_[number].filling(kLeastPart) : CellFilling{0.0};
+    if (inside.count == 0.0)
+      return has_vertices ? of_vertices_[number].filling(kLeastPart) : CellFilling{0.0};
     return inside.filling(std::max(kLeastPart, inside.count / kFillingSamples));
   }
 
@@ -187,8 +188,8 @@ void correct_volume(const TriangleMesh& surface, double cell_volume, std::vector
   double exact = 0.0;
   const Vec3 from = surface.vertices[0];
   for (const auto& [i, j, k] : surface.triangles)
-    exact += dot(surface.vertices[i] - from,
-                 cross(surface.vertices[j] - from, surface.vertices[k] - from)) / 6.0;
+    exact +=
+        dot(surface.vertices[i] - from, cross(surface.vertices[j] - from, surface.vertices[k] - from)) / 6.0;
   double total = 0.0, room = 0.0;
   for (const CellFilling& f : fillings) {
     total += f.part;
@@ -201,12 +202,12 @@ void correct_volume(const TriangleMesh& surface, double cell_volume, std::vector
 
 void require_inside(const Filler& filler) {
   if (filler.found_inside()) return;
-  throw InvalidMesh(
-      "lattice: winding numbers of the surface are between " + filler.range_text() +
-      " and nowhere above 0.5: must be so inside; " +
-      (filler.is_inside_out() ? "it is oriented inwards, use mesh.flipped()"
-                              : "it is open or oriented differently from place to place, close it with "
-                                "stark.mesh.cleaned(mesh)"));
+  throw InvalidMesh("lattice: winding numbers of the surface are between " + filler.range_text() +
+                    " and nowhere above 0.5: must be so inside; " +
+                    (filler.is_inside_out()
+                         ? "it is oriented inwards, use mesh.flipped()"
+                         : "it is open or oriented differently from place to place, close it with "
+                           "stark.mesh.cleaned(mesh)"));
 }
 
 }  // namespace
@@ -230,7 +231,8 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
         element_at[grid.at({x, y, z})] = static_cast<int32_t>(mesh.embedding.fillings.size());
         mesh.embedding.fillings.push_back(filling);
         for (const int32_t k : {z, z + 1})
-          for (const auto& [i, j] : {Index2{x, y}, Index2{x + 1, y}, Index2{x + 1, y + 1}, Index2{x, y + 1}}) {
+          for (const auto& [i, j] :
+               {Index2{x, y}, Index2{x + 1, y}, Index2{x + 1, y + 1}, Index2{x, y + 1}}) {
             int32_t& v = vertex_at[node(i, j, k)];
             if (v < 0) {
               v = static_cast<int32_t>(mesh.vertices.size());
@@ -242,7 +244,8 @@ SolidMesh make_lattice(const TriangleMesh& surface, double cell_size, bool quadr
   require_inside(filler);
   correct_volume(surface, cell_size * cell_size * cell_size, mesh.embedding.fillings);
   Embedding embedding = std::move(mesh.embedding);
-  if (quadratic) mesh = to_quadratic(SolidMesh(std::move(mesh.vertices), mesh.type, std::move(mesh.elements)));
+  if (quadratic)
+    mesh = to_quadratic(SolidMesh(std::move(mesh.vertices), mesh.type, std::move(mesh.elements)));
   const auto first = static_cast<int32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), surface.vertices.begin(), surface.vertices.end());
   for (const Vec3& v : surface.vertices) embedding.elements.push_back(element_at[grid.at(grid.cell_of(v))]);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int32_t kLeafTriangles = 8;
 
-/// Distance over reach from which triangles count as a dipole: numbers are off by 0.03 at most, far from one half.
+/// Distance over reach from which triangles count as a dipole: numbers are off by 0.03 at most, far from one
+/// half.
 constexpr double kFar = 2.5;
 
 Vec3 area_vector(const std::array<Vec3, 3>& t) { return cross(t[1] - t[0], t[2] - t[0]) * 0.5; }

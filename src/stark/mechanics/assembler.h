@@ -15,9 +15,9 @@
 #include <stark/linalg/block_matrix.h>
 #include <stark/mechanics/chunk_colouring.h>
 #include <stark/mechanics/element_scatter.h>
+#include <stark/mechanics/embedded_assembly.h>
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/kinematic_map.h>
-#include <stark/mechanics/embedded_assembly.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/mechanics/quadrature_plan.h>
 

@@ -28,8 +28,7 @@ void append_terms(const SiteJacobian& jacobian, std::vector<Term>& out) {
 /// Adds weight * H, transposed where the block pair is the one that is not stored.
 void add_block(BlockMatrix& hessian, const Term& a, const Mat3& H, const Term& b) {
   const bool is_upper = a.block <= b.block;
-  const int64_t slot =
-      hessian.pattern.slot(is_upper ? a.block : b.block, is_upper ? b.block : a.block);
+  const int64_t slot = hessian.pattern.slot(is_upper ? a.block : b.block, is_upper ? b.block : a.block);
   double* values = hessian.values.data() + 9 * slot;
   const double weight = a.weight * b.weight;
   for (int i = 0; i < 3; ++i)

@@ -43,7 +43,8 @@ struct EmbeddedPoints {
     return {points.data() + first_point[s], static_cast<size_t>(first_point[s + 1] - first_point[s])};
   }
   std::span<const double> weights_of(int32_t row) const {
-    return {weights.data() + first_weight[row], static_cast<size_t>(first_weight[row + 1] - first_weight[row])};
+    return {weights.data() + first_weight[row],
+            static_cast<size_t>(first_weight[row + 1] - first_weight[row])};
   }
   int32_t add_support(std::span<const int32_t> of) {
     points.insert(points.end(), of.begin(), of.end());

@@ -80,7 +80,8 @@ struct Model::Builder {
   /// Whether a site follows nodes, as embedded vertices do.
   bool follows(int32_t site) const { return sites[site].kind == SiteKind::Embedded; }
   /// Row of what a point between vertices, some of them embedded, follows.
-  int32_t add_combined_row(const ModelBody& body, const Index4& vertices, const std::array<double, 4>& weights);
+  int32_t add_combined_row(const ModelBody& body, const Index4& vertices,
+                           const std::array<double, 4>& weights);
   std::vector<int32_t> add_point_sites(const PointSet& points);
   void add_energy_sites();
   void add_energies();
@@ -155,8 +156,8 @@ struct Model::Builder {
   const Scene& scene;
   const Settings& settings;
   std::vector<Site> sites;
-  EmbeddedPoints embedded;             ///< that sites follow
-  std::vector<bool> point_prescribed;  ///< without unknowns
+  EmbeddedPoints embedded;                                 ///< that sites follow
+  std::vector<bool> point_prescribed;                      ///< without unknowns
   std::vector<bool> body_prescribed, rotation_prescribed;  ///< by index in the state's body arrays
   std::vector<double> point_damping;
   std::vector<int32_t>

@@ -57,7 +57,8 @@ std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
       break;
     case PointKind::Embedded:
       for (size_t k = 0; k < points.supports.size(); ++k) {
-        if (std::ranges::any_of(points.supports[k], [&](int32_t v) { return follows(body.first_site + v); })) {
+        if (std::ranges::any_of(points.supports[k],
+                                [&](int32_t v) { return follows(body.first_site + v); })) {
           const int32_t row = add_combined_row(body, points.supports[k], points.weights[k]);
           Vec3 rest;
           for (int i = 0; i < 4; ++i)

@@ -231,7 +231,8 @@ void check_embedding(std::string_view owner, const SolidMesh& mesh) {
   const auto elements = static_cast<int32_t>(mesh.element_count());
   if (mesh.type != ElementType::Hex8 && mesh.type != ElementType::Hex27)
     fail_mesh(owner, "has an embedded surface in tetrahedra: must be in hexahedra; use stark.mesh.lattice");
-  if (embedding.elements.size() >= mesh.vertices.size() || embedding.fillings.size() != static_cast<size_t>(mesh.element_count()))
+  if (embedding.elements.size() >= mesh.vertices.size() ||
+      embedding.fillings.size() != static_cast<size_t>(mesh.element_count()))
     fail_mesh(owner, "has " + count_text(embedding.elements.size(), "embedded vertex", "embedded vertices") +
                          " and " + count_text(embedding.fillings.size(), "filling", "fillings") + " for " +
                          std::to_string(mesh.vertices.size()) + " vertices and " +

@@ -49,7 +49,7 @@ def test_long_edges_are_split_conformally() -> None:
 def test_cells_are_along_the_longest_side_and_only_where_the_body_is() -> None:
     mesh = lattice(stark.mesh.box((0.4, 0.2, 0.1)), cells=8)
     assert len(mesh.elements) == 8 * 4 * 2 and (mesh.filling[:, 0] == 1.0).all()
-    ring = lattice(stark.mesh.torus(0.2, 0.02), cell_size=0.01)
+    ring = lattice(stark.mesh.torus(0.2, 0.02, 24, 8), cell_size=0.02)
     middle = np.linalg.norm(ring.vertices[: ring.node_count, :2], axis=1)
     assert middle.min() > 0.15  # nothing in the hole
 

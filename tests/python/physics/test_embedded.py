@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from _helpers import G, Judge, advance
+from _helpers import G, Judge
 from mesh._scans import animal
 
 import stark
@@ -20,7 +20,7 @@ STATIC = {
     "newton.step_tolerance": 1e-12,
     "newton.acceleration_tolerance": 1e-9,
 }
-RUBBER = stark.materials.soft_rubber.replace(youngs_modulus=5e4, density=1000.0)
+RUBBER = stark.materials.soft_rubber.replace(youngs_modulus=5e4, density=1000.0, mass_damping=0.0)
 
 
 def ball(order: int = 1, cells: int = 5, subdivisions: int = 3) -> EmbeddedMesh:
@@ -82,8 +82,11 @@ def beam_tip(cell: float, order: int) -> float:
 
 
 def test_a_beam_across_the_lattice_bends_as_one_with_quadratic_cells() -> None:
-    assert beam_tip(0.1, 2) == pytest.approx(1.0, abs=0.08)
-    assert beam_tip(0.05, 2) == pytest.approx(1.0, abs=0.03)
+    coarse, fine = beam_tip(0.1, 2), beam_tip(0.05, 2)
+    # Four cells around the middle, each filled by a third: positive weights at three Gauss points are too
+    # far apart for the second moments of what is filled.
+    assert 0.8 < coarse < 1.0
+    assert fine == pytest.approx(1.0, abs=0.01)
 
 
 @pytest.mark.slow
@@ -97,7 +100,7 @@ def test_a_beam_across_the_lattice_converges_with_trilinear_cells() -> None:
 @pytest.mark.parametrize("order", [1, 2])
 def test_mass_falls_freely_and_keeps_its_momenta(order: int) -> None:
     surface = animal(3)
-    mesh = lattice(surface, cells=6, order=order)
+    mesh = lattice(surface, cells=6 if order == 1 else 3, order=order)
     mass = RUBBER.density * surface.volume
     scene = stark.Scene()
     scene.add_solid(mesh, RUBBER, velocity=(0.3, 0.0, 1.0))
@@ -116,18 +119,18 @@ def test_mass_falls_freely_and_keeps_its_momenta(order: int) -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_body_that_rests_pushes_with_its_weight(order: int) -> None:
-    mesh = ball(order)
+    mesh = ball(order, 5 if order == 1 else 2)
     scene = stark.Scene()
-    floor = scene.add_floor()
-    body = scene.add_solid(mesh, RUBBER.replace(strain_damping=200.0), position=(0.0, 0.0, 0.1015))
+    scene.add_floor()
+    body = scene.add_solid(mesh, RUBBER.replace(mass_damping=10.0), position=(0.0, 0.0, 0.1015))
     sim = stark.Simulation(scene, time_step=0.01, contact_distance=1e-3)
-    sim.run_until(1.0)
+    sim.run_until(0.8)
     weight = RUBBER.density * mesh.volume * G
-    assert sim.contacts.between(body, floor).total_force[2] == pytest.approx(weight, rel=2e-3)
+    assert body.contact_force[2] == pytest.approx(weight, rel=2e-3)
     forces = body.contact_forces
     assert forces.shape == mesh.vertices.shape and not forces[: mesh.node_count].any()
     assert forces[:, 2].sum() == pytest.approx(weight, rel=2e-3)
-    assert 0.0 < body.surface_positions[:, 2].min() < 1e-3
+    assert 0.0 < body.surface_positions[:, 2].min() < 2e-3
 
 
 def test_friction_holds_and_lets_go() -> None:
@@ -158,12 +161,15 @@ def test_a_drop_is_free_of_intersections_and_the_same_on_any_number_of_threads(o
         scene.add_floor()
         scene.add_box(0.08, position=(0.02, 0.0, 0.045), density=300.0)
         body = scene.add_solid(
-            lattice(animal(3), cells=6, order=order), RUBBER, position=(0, 0, 0.23), velocity=(0, 0, -2.0)
+            lattice(animal(3), cells=6 if order == 1 else 3, order=order),
+            RUBBER,
+            position=(0, 0, 0.23),
+            velocity=(0, 0, -2.0),
         )
         sim = stark.Simulation(scene, time_step=0.01, threads=threads)
         judge = Judge(sim) if judged else None
-        for report in advance(sim, 0.15):
-            assert report.contact_count >= 0
+        for report in sim.run(until=0.12):
+            assert not report.failed, report.message
             if judge is not None:
                 assert not judge.intersects()
         return body.positions
