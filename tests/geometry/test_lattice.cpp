@@ -59,7 +59,7 @@ TEST_CASE("volume and centre of mass of bodies that are not aligned with the lat
     }
 }
 
-TEST_CASE("second moments of a body not aligned with the lattice converge") {
+TEST_CASE("second moments of a body not aligned with the lattice are exact but for the samples") {
   // Of the ball: 1/5 r^2 V in each direction.
   const TriangleMesh ball = make_icosphere(0.5, 5);
   std::vector<double> errors;
@@ -69,9 +69,10 @@ TEST_CASE("second moments of a body not aligned with the lattice converge") {
     double moment = 0.0, volume = 0.0;
     for (int64_t e = 0; e < mesh.element_count(); ++e) {
       quadrature_volumes(mesh, e, volumes);
+      const std::vector<Vec3> positions = quadrature_positions(mesh, e);
       std::array<double, 8> N;
       for (int q = 0; q < 8; ++q) {
-        shape_functions(mesh.type, reference_element(mesh.type).quadrature[q].position, N);
+        shape_functions(mesh.type, positions[q], N);
         Vec3 x;
         for (int a = 0; a < 8; ++a) x += mesh.vertices[mesh.element(e)[a]] * N[a];
         moment += volumes[q] * x.x * x.x;
@@ -80,8 +81,8 @@ TEST_CASE("second moments of a body not aligned with the lattice converge") {
     }
     errors.push_back(std::fabs(moment / volume / (0.05) - 1.0));
   }
-  CHECK(errors[0] < 0.02);
-  CHECK(errors[1] < 0.4 * errors[0]);
+  // Of 256 points in each cell that is cut, and of the polyhedron, which is 2e-4 lighter far out than a ball.
+  for (const double error : errors) CHECK(error < 2e-3);
 }
 
 TEST_CASE("embedded vertices are in their cells, and cells that hold nothing are left out") {

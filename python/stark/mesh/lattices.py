@@ -62,10 +62,10 @@ def lattice(
 
 
 def _size(surface: TriangleMesh, cells: int | None, cell_size: float | None) -> float:
-    if (cells is None) == (cell_size is None):
-        raise InvalidArgument("lattice: give one of cells, along the longest side, and cell_size [m]")
-    if cell_size is not None:
+    if cell_size is not None and cells is None:
         return positive(cell_size, "lattice: cell_size")
+    if cells is None or cell_size is not None:
+        raise InvalidArgument("lattice: give one of cells, along the longest side, and cell_size [m]")
     longest = float((surface.bounds[1] - surface.bounds[0]).max())
     if not longest > 0.0:
         raise InvalidMesh("lattice: the surface is a point: must enclose a volume")

@@ -9,8 +9,11 @@ namespace stark {
 
 namespace {
 
-/// Least weight of a point in a direction: it keeps every motion of an element stiff and every node heavy.
+/// Least weight of a node in a direction: it keeps every node heavy.
 constexpr double kLeastWeight = 0.01;
+
+/// Least width of what is filled over that of the cell: it keeps every motion of an element stiff.
+constexpr double kLeastWidth = 0.1;
 
 constexpr int kMaxIterations = 30;
 
@@ -69,6 +72,24 @@ Vec3 find_reference_position(const SolidMesh& mesh, int64_t element, const Vec3&
 void embedding_weights(const SolidMesh& mesh, size_t k, std::span<double> out) {
   const Vec3& x = mesh.vertices[mesh.first_embedded() + k];
   shape_functions(mesh.type, find_reference_position(mesh, mesh.embedding.elements[k], x), out);
+}
+
+Vec3 filled_position(const CellFilling& filling, const Vec3& position) {
+  Vec3 result;
+  for (int k = 0; k < 3; ++k) {
+    const double variance = filling.mean_square[k] - filling.mean[k] * filling.mean[k];
+    const double width = std::sqrt(std::max(12.0 * variance, kLeastWidth * kLeastWidth));
+    result[k] = filling.mean[k] + (position[k] - 0.5) * width;
+  }
+  return result;
+}
+
+std::vector<Vec3> quadrature_positions(const SolidMesh& mesh, int64_t element) {
+  std::vector<Vec3> positions;
+  const bool is_cut = mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0;
+  for (const QuadraturePoint& q : reference_element(mesh.type).quadrature)
+    positions.push_back(is_cut ? filled_position(mesh.embedding.fillings[element], q.position) : q.position);
+  return positions;
 }
 
 void filled_rule(std::span<const Vec3> points, const CellFilling& filling, std::span<double> out) {

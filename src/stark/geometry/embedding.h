@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <stark/geometry/solid_mesh.h>
 
@@ -14,6 +15,13 @@ Vec3 find_reference_position(const SolidMesh& mesh, int64_t element, const Vec3&
 
 /// Shape functions of its element at embedded vertex k, counted from the first one: [node_count()].
 void embedding_weights(const SolidMesh& mesh, size_t k, std::span<double> out);
+
+/// Where a point of a rule on the cell is in what is filled: the rule is that of the box with the centre and the
+/// second moments of the filling, at least a tenth of the cell wide.
+Vec3 filled_position(const CellFilling& filling, const Vec3& position);
+
+/// Positions of the quadrature points of an element in its reference coordinates, those of filled_position().
+std::vector<Vec3> quadrature_positions(const SolidMesh& mesh, int64_t element);
 
 /// Positive weights of a product rule at `points` of the reference cell, two or three in each direction,
 /// that sum to one and have the mean, and with three points the mean square, of a filling. Where positive

@@ -28,12 +28,6 @@ double jacobian_determinant(const SolidMesh& mesh, int64_t element, const Vec3& 
   return determinant(jacobian(mesh, element, gradients));
 }
 
-std::vector<Vec3> positions_of(std::span<const QuadraturePoint> points) {
-  std::vector<Vec3> positions;
-  for (const QuadraturePoint& p : points) positions.push_back(p.position);
-  return positions;
-}
-
 /// Filled volume of a hexahedron.
 double filled_volume(const SolidMesh& mesh, int64_t element) {
   double volume = 0.0;
@@ -73,9 +67,8 @@ double smallest_jacobian(const SolidMesh& mesh, int64_t element) {
 void quadrature_volumes(const SolidMesh& mesh, int64_t element, std::span<double> out) {
   const std::vector<QuadraturePoint>& rule = reference_element(mesh.type).quadrature;
   if (mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0) {
-    filled_rule(positions_of(rule), mesh.embedding.fillings[element], out);
     const double volume = filled_volume(mesh, element);
-    for (size_t q = 0; q < rule.size(); ++q) out[q] *= volume;
+    for (size_t q = 0; q < rule.size(); ++q) out[q] = rule[q].weight * volume;
     return;
   }
   for (size_t q = 0; q < rule.size(); ++q)

@@ -55,9 +55,8 @@ double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& positi
 /// computed with where it is positive.
 double smallest_jacobian(const SolidMesh& mesh, int64_t element);
 
-/// Volumes that the quadrature points of an element stand for [m^3]. Of elements that are filled in part they
-/// have the volume and the centre of that part, of 27-node ones also its mean squares, as far as they can be
-/// positive. [theory eq. 10h]
+/// Volumes that the quadrature points of an element stand for [m^3]; of elements that are filled in part the
+/// points are elsewhere, see quadrature_positions(). [theory eq. 10h]
 void quadrature_volumes(const SolidMesh& mesh, int64_t element, std::span<double> out);
 
 /// Volume of each element [m^3], of what is filled of it.

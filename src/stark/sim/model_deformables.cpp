@@ -208,8 +208,9 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
   std::vector<Vec3> gradients(rule.size() * nodes);
   std::vector<double> weights(rule.size());
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
+    const std::vector<Vec3> positions = quadrature_positions(mesh, e);
     for (size_t q = 0; q < rule.size(); ++q)
-      rest_gradients(mesh, e, rule[q].position, std::span(gradients).subspan(q * nodes, nodes));
+      rest_gradients(mesh, e, positions[q], std::span(gradients).subspan(q * nodes, nodes));
     quadrature_volumes(mesh, e, weights);
     batch.set_geometry(e, gradients, weights);
   }
