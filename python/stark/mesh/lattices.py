@@ -33,11 +33,11 @@ def lattice(
     of the surface, whose vertices follow the cubes (docs/meshes.md).
 
     ``cells`` along the longest side of its bounds, or ``cell_size`` [m]. ``order`` 1: trilinear cells of 8
-    nodes, 2: triquadratic ones of 27. With ``split`` edges of the surface that are longer than a cell are
-    split, so that it can bend as the cells do. Inside is where the winding number is above one half: the
-    surface may have holes and overlap itself, but where it is to collide it must not cross itself at the
-    start. The volume of a closed surface is met exactly, that of others by samples. Pieces that share a cell
-    are joined by it. What was made is added to ``report``.
+    nodes, 2: triquadratic ones of 27. With ``split`` edges of the surface that are longer than the distance
+    of nodes are split, so that it can bend as the cells do; contact acts at its vertices, so finer is better.
+    Inside is where the winding number is above one half: the surface may have holes and overlap itself, but
+    where it is to collide it must not cross itself at the start. The volume of a closed surface is met
+    exactly, that of others by samples. Pieces that share a cell are joined by it. What was made is added to ``report``.
 
     Raises InvalidArgument for values out of range and more than two million cells, InvalidMesh for vertices
     that are not finite and surfaces that enclose nothing."""
@@ -51,7 +51,7 @@ def lattice(
         raise InvalidArgument(f"lattice: order = {order!r}: must be 1 (trilinear) or 2 (triquadratic)")
     given, size = compact(given), _size(given, cells, cell_size)
     if given_flag(split, "lattice: split"):
-        given = _split(given, size)
+        given = _split(given, size / order)
     (vertices, elements), of_vertices, triangles, filling = _core.make_lattice(
         given.vertices, given.triangles, size, order == 2
     )
