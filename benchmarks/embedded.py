@@ -18,7 +18,7 @@ import numpy as np
 import stark
 
 SIZE, DROP, UNTIL, STEP = 0.2, 0.03, 0.25, 1 / 100
-MATERIAL = stark.materials.soft_rubber.replace(youngs_modulus=3e4, strain_damping=20.0)
+MATERIAL = stark.materials.soft_rubber.replace(youngs_modulus=8e3, strain_damping=20.0)
 #: Turn of the cube against the lattice [rad].
 TURN = stark.rotation(axis=(1.0, 2.0, 3.0), angle=0.6)
 

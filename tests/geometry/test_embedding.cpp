@@ -59,7 +59,8 @@ TEST_CASE("full cells have Gauss's rule, and masses of whole nodes") {
     std::vector<double> whole(element.node_count), weights(element.node_count);
     lump_volume(mesh, 0, whole);
     filled_rule(element.nodes, {}, weights);
-    for (int a = 0; a < element.node_count; ++a) CHECK(weights[a] == doctest::Approx(whole[a]).epsilon(1e-12));
+    for (int a = 0; a < element.node_count; ++a)
+      CHECK(weights[a] == doctest::Approx(whole[a]).epsilon(1e-12));
   }
 }
 
