@@ -130,7 +130,7 @@ def _tell(mesh: EmbeddedMesh, surface: TriangleMesh, size: float, report: MeshRe
         f"{math.ceil(thinnest)} cells along the shortest side",
     )
     exact = f" of {surface.volume:.6g} m^3 inside of the surface" if surface.is_closed else ", by samples"
-    report.add("filled", len(mesh.elements), f"{mesh.volume:.6g} m^3{exact}")
+    report.add("volume", len(mesh.elements), f"{mesh.volume:.6g} m^3{exact}")
     kind = "closed" if surface.is_closed else "open"
     report.add(
         "embedded",
