@@ -92,6 +92,8 @@ SolidDescription solid_of(const nb::dict& given, const SolidMaterial& material) 
   std::string owner;
   auto body = description_of<SolidDescription>(given, owner, "solid");
   read_elements(given["elements"], owner + ": elements", body.mesh);
+  if (given.contains("embedding") && !given["embedding"].is_none())
+    body.mesh.embedding = embedding_of(nb::cast<nb::dict>(given["embedding"]), owner);
   body.material = material;
   if (given.contains("formulation"))
     body.formulation =

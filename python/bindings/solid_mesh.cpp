@@ -4,6 +4,9 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
+#include <stark/geometry/embedding.h>
+#include <stark/geometry/lattice.h>
+
 #include "solid_mesh.h"
 
 namespace {
@@ -44,6 +47,53 @@ void bind_solid_mesh(nb::module_& m) {
         return to_arrays(make_hex_box({size[0], size[1], size[2]}, cells));
       },
       "size"_a, "cells"_a, "(vertices, elements) of a box of hexahedra with 8 nodes.");
+  m.def(
+      "make_lattice",
+      [](nb::handle vertices, nb::handle triangles, double cell_size, bool quadratic) {
+        TriangleMesh surface;
+        const auto x = array<Rows<double, 3>>(vertices, "vertices", "an (n, 3) array of positions [m]");
+        const auto t = array<Rows<int32_t, 3>>(triangles, "triangles", "an (m, 3) array of vertices");
+        surface.vertices.assign(rows<Vec3>(x).begin(), rows<Vec3>(x).end());
+        surface.triangles.assign(rows<Index3>(t).begin(), rows<Index3>(t).end());
+        SolidMesh mesh;
+        {
+          const nb::gil_scoped_release release;
+          mesh = make_lattice(surface, cell_size, quadratic);
+        }
+        Embedding embedding = std::move(mesh.embedding);
+        std::vector<double> filling;
+        for (const CellFilling& f : embedding.fillings)
+          filling.insert(filling.end(), {f.part, f.mean.x, f.mean.y, f.mean.z, f.mean_square.x,
+                                         f.mean_square.y, f.mean_square.z});
+        const auto cells = embedding.fillings.size();
+        return nb::make_tuple(to_arrays(std::move(mesh)), to_numpy<int32_t>(std::move(embedding.elements)),
+                              to_numpy<int32_t>(std::move(embedding.triangles)),
+                              nb::cast(to_numpy<double>(std::move(filling))).attr("reshape")(cells, 7));
+      },
+      "vertices"_a, "triangles"_a, "cell_size"_a, "quadratic"_a,
+      "((vertices, elements), cells, triangles, filling) of a surface in a lattice of cubes.");
+  m.def(
+      "filled_volumes",
+      [](nb::handle vertices, nb::handle elements, const nb::dict& embedding) {
+        SolidMesh mesh = solid_mesh(vertices, elements);
+        mesh.embedding = embedding_of(embedding, "filled_volumes");
+        if (mesh.embedding.fillings.size() != static_cast<size_t>(mesh.element_count()))
+          throw InvalidMesh("filled_volumes: filling: must have a row for each element");
+        return to_numpy<double>(compute_element_volumes(mesh));
+      },
+      "vertices"_a, "elements"_a, "embedding"_a, "Volume of what is filled of each element [m^3].");
+  m.def(
+      "embedding_weights",
+      [](nb::handle vertices, nb::handle elements, const nb::dict& embedding) {
+        SolidMesh mesh = solid_mesh(vertices, elements);
+        mesh.embedding = embedding_of(embedding, "embedding_weights");
+        const size_t nodes = mesh.node_count(), count = mesh.embedding.elements.size();
+        std::vector<double> weights(count * nodes);
+        for (size_t k = 0; k < count; ++k)
+          embedding_weights(mesh, k, std::span(weights).subspan(k * nodes, nodes));
+        return nb::cast(to_numpy<double>(std::move(weights))).attr("reshape")(count, nodes);
+      },
+      "vertices"_a, "elements"_a, "embedding"_a, "Shape functions of its element at each embedded vertex.");
   m.def(
       "to_quadratic",
       [](nb::handle vertices, nb::handle elements) {

@@ -5,6 +5,7 @@
 #include <stark/base/math.h>
 #include <stark/base/rotation.h>
 #include <stark/base/settings.h>
+#include <stark/geometry/lattice.h>
 #include <stark/geometry/mass_properties.h>
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/shapes.h>

@@ -73,6 +73,9 @@ TEST_CASE("mapped elements are J^T g and J^T H J, also when sites share bodies a
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c) J[(3 * p + r) * n + 3 * term.block + c] += block(r, c);
       }
+      for (size_t k = 0; k < jacobians[p].support_blocks.size(); ++k)
+        if (const int32_t block = jacobians[p].support_blocks[k]; block != kNoBlock)
+          for (int r = 0; r < 3; ++r) J[(3 * p + r) * n + 3 * block + r] += jacobians[p].support_weights[k];
       if (jacobians[p].body >= 0)
         moment[jacobians[p].body] += outer(element.view().point_gradient(p), jacobians[p].lever);
     }
@@ -81,7 +84,9 @@ TEST_CASE("mapped elements are J^T g and J^T H J, also when sites share bodies a
     BlockMatrix hessian;
     hessian.pattern = BlockPattern::from_pairs(blocks, all_pairs);
     hessian.set_zero();
-    add_mapped_element(element.view(), jacobians, {}, gradient, hessian, body_moment);
+    SitePairs pairs;
+    add_mapped_element(element.view(), sites, jacobians, {}, gradient, hessian, body_moment, pairs);
+    pairs.scatter(scene.map, scene.configuration, hessian);
     const std::vector<double> dense = to_dense(hessian);
     double worst = 0.0;
     for (int i = 0; i < n; ++i) {

@@ -21,6 +21,9 @@ std::vector<double> dense_jacobian(const MixedScene& scene, int32_t site) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) J[r * n + 3 * term.block + c] += block(r, c);
   }
+  for (size_t k = 0; k < jacobian.support_blocks.size(); ++k)
+    if (const int32_t block = jacobian.support_blocks[k]; block != kNoBlock)
+      for (int r = 0; r < 3; ++r) J[r * n + 3 * block + r] += jacobian.support_weights[k];
   return J;
 }
 
@@ -59,7 +62,7 @@ TEST_CASE("prescribed sites are those that no unknown moves") {
         ((site.kind == SiteKind::RigidPoint || site.kind == SiteKind::RigidDirection) && site.index == 2) ||
         i == scene.first_barycentric + 2;
     CHECK(scene.map.is_prescribed(i) == expected);
-    CHECK((scene.map.jacobian(i, scene.configuration).term_count == 0) == expected);
+    CHECK(scene.map.jacobian(i, scene.configuration).is_zero() == expected);
   }
 }
 
@@ -69,6 +72,12 @@ TEST_CASE("blocks of a site are those of its Jacobian") {
     std::vector<int32_t> blocks;
     scene.map.append_blocks(i, blocks);
     const SiteJacobian jacobian = scene.map.jacobian(i, scene.configuration);
+    if (jacobian.is_embedded()) {
+      std::vector<int32_t> of_support(jacobian.support_blocks.begin(), jacobian.support_blocks.end());
+      std::erase(of_support, kNoBlock);
+      CHECK(blocks == of_support);
+      continue;
+    }
     REQUIRE(static_cast<int>(blocks.size()) == jacobian.term_count);
     for (int k = 0; k < jacobian.term_count; ++k) CHECK(jacobian.terms[k].block == blocks[k]);
   }
@@ -92,6 +101,25 @@ TEST_CASE("Jacobians agree with differences of the retraction for every kind of 
       for (int r = 0; r < 3; ++r) CHECK(std::fabs(column[r] - J[r * n + i]) < 1e-11);
     }
   }
+}
+
+TEST_CASE("points that are embedded sites follow the points of their support") {
+  EmbeddedPoints embedded;
+  embedded.add_row(embedded.add_support(std::array{0, 1, 2}), std::array{0.5, 0.75, -0.25});
+  std::vector<Site> sites(4);
+  for (int32_t p = 0; p < 3; ++p) sites[p].index = p;
+  sites[3].kind = SiteKind::Embedded;
+  const KinematicMap map(DofLayout::build({false, false, true, true}, {}), sites, embedded);
+  CHECK_FALSE(map.is_prescribed(3));
+  std::vector<Vec3> values{{1, 0, 0}, {0, 2, 0}, {0, 0, 4}, {7, 7, 7}};
+  map.follow(values);
+  CHECK(values[3] == Vec3{0.5, 1.5, -1.0});
+  Configuration start{values, {}, {}}, moved;
+  map.retract(start, std::vector<double>{1, 1, 1, 0, 0, 8}, 0.5, moved);
+  CHECK(moved.point_position[3] == Vec3{0.75, 1.75, 2.25});
+  std::vector<Vec3> x(4);
+  map.positions(moved, x);
+  CHECK(x[3] == moved.point_position[3]);
 }
 
 TEST_CASE("curvature of the map: the sum of force moments predicts the second derivative along rotations") {

@@ -95,8 +95,19 @@ class MixedScene {
                      .local = {},
                      .points = {5, 6, 5, 6},
                      .weights = {0.4, 0.6, 0.0, 0.0}});
-    map = KinematicMap(
-        DofLayout::build({false, false, false, false, false, true, true}, {false, false, true}), sites);
+    EmbeddedPoints embedded;
+    for (const auto& points : {std::array{0, 1, 2, 3, 4}, std::array{5, 2, 6, 0, 1}})
+      embedded.add_support(points);
+    for (const int32_t support : {0, 1, 0})
+      sites.push_back(
+          {.kind = SiteKind::Embedded,
+           .index = embedded.add_row(support, std::array{0.3, 0.1 + 0.1 * support, 0.25, -0.1, 0.45}),
+           .local = {},
+           .points = {},
+           .weights = {}});
+    map =
+        KinematicMap(DofLayout::build({false, false, false, false, false, true, true}, {false, false, true}),
+                     sites, embedded);
 
     // Every potential on stencils of many combinations of sites; elements may meet a body or a point twice.
     const auto stencils = [&](int count, int points) {

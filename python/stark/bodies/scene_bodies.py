@@ -119,7 +119,7 @@ class SceneBodies(SceneLink):
     ) -> Solid:
         """Adds a soft volume of tetrahedra (TetMesh) or of quadratic or hexahedral elements (SolidMesh, see
         ``stark.mesh.to_quadratic`` and ``box_hexahedra``); arguments as in ``add_cloth``. Surfaces become
-        volumes with ``stark.mesh.tetrahedralise``.
+        volumes with ``stark.mesh.tetrahedralise``, or in a coarse lattice with ``stark.mesh.lattice``.
 
         ``formulation``: "displacement", or "mean_dilatation" for nearly incompressible solids, Poisson's
         ratios from 0.45 on: the law sees the change of volume of the element instead of that at each of its
@@ -143,6 +143,7 @@ class SceneBodies(SceneLink):
         )
         given |= {
             "elements": volume.tets if isinstance(volume, meshes.TetMesh) else volume.elements,
+            **({"embedding": volume._embedding()} if isinstance(volume, meshes.EmbeddedMesh) else {}),
             "initial_positions": initial_positions,
             "formulation": given_word(formulation, f"{_title('solid', name)}: formulation"),
             "self_contact": given_flag(self_contact, f"{_title('solid', name)}: self_contact"),

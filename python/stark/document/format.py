@@ -89,6 +89,13 @@ _DEFORMABLE = {
     "pins": Field(Array((None,), integers=True), [], "vertices with prescribed positions"),
     "rest_state": Field(Named(AnyArray()), {}, "growth, temperature, ...: values of each element"),
 }
+EMBEDDING = Record(
+    {
+        "triangles": Field(_indices(3), doc="of the last vertices"),
+        "cells": Field(Array((None,), integers=True), doc="element of each of those vertices"),
+        "filling": Field(Array((None, 7)), doc="of each element: part, means of coordinates and of squares"),
+    }
+)
 BODY = Tagged(
     "kind",
     {
@@ -104,6 +111,7 @@ BODY = Tagged(
             {
                 "vertices": Field(_points()),
                 "elements": Field(Array((None, None), integers=True), doc="nodes of 4, 8, 10, 20 or 27"),
+                "embedding": Field(Maybe(EMBEDDING), None, "surface that the elements carry along"),
                 **_DEFORMABLE,
                 "formulation": Field(Text(("displacement", "mean_dilatation")), "displacement"),
             }

@@ -22,7 +22,7 @@ from stark.formulas.parameters import Value, read_value
 from stark.joints.definition import built_in as built_in_joint
 from stark.joints.handle import Joint
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
-from stark.mesh import Polyline, SolidMesh, TetMesh, TriangleMesh
+from stark.mesh import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import check_places
 from stark.selections import (
     Points,
@@ -104,6 +104,8 @@ class Rebuilding:
         elements = given.pop("elements")
         if elements.shape[1] not in _COUNTS:
             raise DocumentError(f"{where}.elements have {elements.shape[1]} nodes: must be one of {_COUNTS}")
+        if (embedding := given.pop("embedding")) is not None:
+            return self.scene.add_solid(EmbeddedMesh(vertices, elements, **embedding), **given)
         mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
         return self.scene.add_solid(mesh(vertices, elements), **given)
 

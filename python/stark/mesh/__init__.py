@@ -22,13 +22,14 @@ from stark.mesh.shapes import (
     tet_box,
     torus,
 )
-from stark.mesh.types import Mesh, Polyline, SolidMesh, TetMesh, TriangleMesh, compact
+from stark.mesh.types import EmbeddedMesh, Mesh, Polyline, SolidMesh, TetMesh, TriangleMesh, compact
 
 if TYPE_CHECKING:
     from stark.mesh.cleaning import cleaned, joined
+    from stark.mesh.lattices import lattice
     from stark.mesh.reduction import convex_hull, convex_parts, simplified
     from stark.mesh.report import MeshChange, MeshReport
-    from stark.mesh.scans import SolidFromScan, solid_from_scan
+    from stark.mesh.scans import LatticeFromScan, SolidFromScan, lattice_from_scan, solid_from_scan
     from stark.mesh.tetrahedra import edge_lengths, tetrahedralise
 else:
     from stark.on_demand import attach
@@ -38,15 +39,18 @@ else:
         __name__,
         {
             "stark.mesh.cleaning": "cleaned joined",
+            "stark.mesh.lattices": "lattice",
             "stark.mesh.reduction": "convex_hull convex_parts simplified",
             "stark.mesh.report": "MeshChange MeshReport",
-            "stark.mesh.scans": "SolidFromScan solid_from_scan",
+            "stark.mesh.scans": "LatticeFromScan SolidFromScan lattice_from_scan solid_from_scan",
             "stark.mesh.tetrahedra": "edge_lengths tetrahedralise",
         },
     )
 
 __all__ = [
+    "EmbeddedMesh",
     "Indices",
+    "LatticeFromScan",
     "Mesh",
     "MeshChange",
     "MeshReport",
@@ -72,6 +76,8 @@ __all__ = [
     "grid",
     "helix",
     "joined",
+    "lattice",
+    "lattice_from_scan",
     "load",
     "merged",
     "oriented",
@@ -87,5 +93,5 @@ __all__ = [
 ]
 
 # Messages and pickles name the public place.
-for _type in (Polyline, SolidMesh, TetMesh, TriangleMesh):
+for _type in (EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh):
     _type.__module__ = "stark.mesh"

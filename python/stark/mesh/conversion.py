@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from stark import _core
 from stark._core import InvalidMesh
-from stark.mesh.types import Polyline, SolidMesh, TetMesh, TriangleMesh
+from stark.mesh.types import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
 
 
 def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
@@ -85,5 +85,7 @@ def to_quadratic(mesh: Any) -> SolidMesh:
     hexahedra. Nodes of a curved boundary may be moved onto it afterwards, ``SolidMesh(vertices,
     mesh.elements)``."""
     solid = as_solid_mesh(mesh, "to_quadratic")
+    if isinstance(solid, EmbeddedMesh):
+        raise InvalidMesh("to_quadratic: got an EmbeddedMesh: must have its order from lattice(order=2)")
     elements = solid.tets if isinstance(solid, TetMesh) else solid.elements
     return SolidMesh(*_core.to_quadratic(solid.vertices, elements))

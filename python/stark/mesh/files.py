@@ -17,7 +17,7 @@ from stark._core import InvalidMesh
 from stark.arguments import given_path
 from stark.files import read_bytes
 from stark.mesh.repair import merged, oriented
-from stark.mesh.types import Mesh, SolidMesh, TetMesh, TriangleMesh
+from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
 
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
@@ -190,11 +190,16 @@ def _read_stl(data: bytes) -> TriangleMesh:
     return merged(TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
 
 
+_EMBEDDED = ("vertices", "elements", "triangles", "cells", "filling")
+
+
 def _read_npz(data: bytes) -> Mesh:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         _require_sizes(arrays)
         if "tets" in arrays:
             return TetMesh(arrays["vertices"], arrays["tets"])
+        if "filling" in arrays:
+            return EmbeddedMesh(**{name: arrays[name] for name in _EMBEDDED})
         if "elements" in arrays:
             return SolidMesh(arrays["vertices"], arrays["elements"])
         return TriangleMesh(arrays["vertices"], arrays["triangles"])

@@ -181,6 +181,102 @@ class SolidMesh(MeshBase):
         return f"SolidMesh({len(self.vertices)} vertices, {len(self.elements)} elements: {kind})"
 
 
+class EmbeddedMesh(SolidMesh):
+    """A surface in a lattice of hexahedra, as ``stark.mesh.lattice`` makes it: elasticity is that of the
+    lattice, contact and pictures are of the surface, which follows it.
+
+    ``vertices`` (n, 3) [m]: first the nodes, then the vertices of the surface. ``elements`` (m, 8 | 27):
+    nodes of each cell. ``triangles`` (t, 3): the surface, as indices of ``vertices``. ``cells`` (k,): the
+    element of each vertex of the surface. ``filling`` (m, 7): the part of each cell that is inside, and
+    the means of the coordinates and of their squares there, in units of the cell."""
+
+    triangles: Indices
+    cells: Indices
+    filling: NDArray[np.float64]
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        elements: ArrayLike,
+        triangles: ArrayLike,
+        cells: ArrayLike,
+        filling: ArrayLike,
+    ) -> None:
+        super().__init__(vertices, elements)
+        where = "EmbeddedMesh: "
+        if self.elements.shape[1] not in (8, 27):
+            raise InvalidMesh(f"{where}elements have {self.elements.shape[1]} nodes: must have 8 or 27")
+        self.__dict__["triangles"] = indices_of(triangles, 3, where + "triangles")
+        self.__dict__["cells"] = indices_of(np.reshape(cells, (-1, 1)), 1, where + "cells")[:, 0]
+        parts = numbers_of(filling)
+        if parts.shape != (len(self.elements), 7):
+            raise InvalidMesh(
+                f"{where}filling: got the shape {parts.shape}, need ({len(self.elements)}, 7): the part and "
+                f"six means of each element"
+            )
+        self.__dict__["filling"] = np.ascontiguousarray(parts, dtype=np.float64)
+        if not 0 < len(self.cells) < len(self.vertices):
+            raise InvalidMesh(
+                f"{where}cells: {len(self.cells)} of {len(self.vertices)} vertices are of the surface: must "
+                f"be some, not all"
+            )
+
+    def _with(self, vertices: Points) -> EmbeddedMesh:
+        return EmbeddedMesh(vertices, self.elements, self.triangles, self.cells, self.filling)
+
+    def _embedding(self) -> dict[str, Any]:
+        return {"cells": self.cells, "triangles": self.triangles, "filling": self.filling}
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes: vertices from it on are of the surface."""
+        return len(self.vertices) - len(self.cells)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volume that is inside of the surface in each element [m^3], shape (m,)."""
+        return _core.filled_volumes(self.vertices, self.elements, self._embedding())
+
+    def surface_triangles(self) -> Indices:
+        """The surface (t, 3), as indices of ``vertices``."""
+        return self.triangles
+
+    def nodes_around(self, vertices: ArrayLike) -> Indices:
+        """Nodes of the cells in which some vertices are, given by index or by a mask, and those among them
+        that are nodes: what to pin to hold a part of the surface. Sorted, (k,)."""
+        chosen = np.asarray(vertices)
+        if chosen.dtype == bool and chosen.shape == (len(self.vertices),):
+            chosen = np.flatnonzero(chosen)
+        count = len(self.vertices)
+        is_whole = chosen.dtype.kind in "iu" or chosen.size == 0
+        if not is_whole or (chosen.size and not 0 <= chosen.min() <= chosen.max() < count):
+            raise InvalidArgument(
+                f"nodes_around: vertices: must be indices in [0, {count}) or a mask of them"
+            )
+        chosen = np.atleast_1d(chosen).astype(np.int64)
+        inside = chosen[chosen >= self.node_count] - self.node_count
+        nodes = [chosen[chosen < self.node_count], self.elements[self.cells[inside]].ravel()]
+        return np.unique(np.concatenate(nodes)).astype(np.int32)
+
+    def carried(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Values at all vertices of values at the nodes (``node_count``, ...): vertices of the surface get
+        those of the shape functions of their cells."""
+        given = np.asarray(values, dtype=np.float64)
+        if given.shape[:1] != (self.node_count,):
+            raise InvalidArgument(
+                f"carried: got the shape {given.shape}: must be ({self.node_count}, ...), a row for each node"
+            )
+        weights = _core.embedding_weights(self.vertices, self.elements, self._embedding())
+        of_cells = given[self.elements[self.cells]]
+        return np.concatenate([given, np.einsum("kn,kn...->k...", weights, of_cells)])
+
+    def __repr__(self) -> str:
+        return (
+            f"EmbeddedMesh({len(self.triangles)} triangles in {len(self.elements)} cells, {self.node_count} "
+            f"nodes: {_core.element_name(self.elements)})"
+        )
+
+
 class Polyline(MeshBase):
     """Chain of points for rods: ``vertices`` (n, 3) float64 [m], each joined to the next."""
 
@@ -211,6 +307,8 @@ Mesh: TypeAlias = TriangleMesh | TetMesh | SolidMesh
 def compact(mesh: Any) -> Any:
     """Copy without the vertices that no element uses."""
     name = next((n for n in ("tets", "elements", "triangles") if hasattr(mesh, n)), None)
+    if isinstance(mesh, EmbeddedMesh):
+        raise InvalidMesh("compact: got an EmbeddedMesh: must be compact already, as lattice() makes them")
     if not isinstance(mesh, MeshBase) or name is None:
         raise InvalidMesh(f"compact: got {type(mesh).__name__}, need a TriangleMesh, TetMesh or SolidMesh")
     elements = getattr(mesh, name)

@@ -59,6 +59,14 @@ def at_vertices(deformation: Deformation, values: np.ndarray, count: int) -> np.
     return np.asarray(total / np.where(weight > 0.0, weight, 1.0).reshape(-1, *[1] * (values.ndim - 2)))
 
 
+def at_body(body: Any, deformation: Deformation, values: np.ndarray) -> np.ndarray:
+    """At all vertices of a body, as ``at_vertices``; embedded ones have what their cells have there."""
+    mesh, count = body.mesh, len(body.positions)
+    if not isinstance(mesh, meshes.EmbeddedMesh):
+        return at_vertices(deformation, values, count)
+    return mesh.carried(at_vertices(deformation, values, mesh.node_count))
+
+
 @functools.cache
 def shape_slopes(nodes: int) -> np.ndarray:
     """Gradients of the shape functions of solid elements in their own coordinates at each node, (k, n, 3);

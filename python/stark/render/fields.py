@@ -10,7 +10,7 @@ import numpy as np
 from .._core import InvalidArgument
 from ..arguments import real_array
 from .choosing import matching
-from .deformation import Deformation, at_vertices, of_cloth, of_solid
+from .deformation import Deformation, at_body, of_cloth, of_solid
 
 
 class Field(NamedTuple):
@@ -145,7 +145,7 @@ def _strain(body: Any) -> np.ndarray:
         normals = np.cross(F[..., 0], F[..., 1])
         normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
         left = left + normals[..., :, None] * normals[..., None, :]  # no stretch across the sheet
-    squares = np.linalg.eigvalsh(at_vertices(deformation, left, len(body.positions)))
+    squares = np.linalg.eigvalsh(at_body(body, deformation, left))
     return np.asarray(np.abs(np.sqrt(np.maximum(squares, 0.0)) - 1.0).max(axis=1))
 
 
@@ -156,7 +156,7 @@ def _stress(body: Any) -> np.ndarray:
     warp = material._fields.get("warp_direction")
     deformation = of_solid(body) if body.kind == "solid" else of_cloth(body, warp)
     cauchy = cauchy_stress(material, deformation, body.name)
-    return von_mises(at_vertices(deformation, cauchy, len(body.positions)))
+    return von_mises(at_body(body, deformation, cauchy))
 
 
 def cauchy_stress(material: Any, deformation: Deformation, owner: str) -> np.ndarray:

@@ -114,7 +114,7 @@ def _tetrahedra(body: Any) -> np.ndarray | None:
     if tets is not None:
         return np.asarray(tets)
     elements = getattr(mesh, "elements", None)
-    if elements is None:
+    if elements is None or hasattr(mesh, "filling"):  # cells of a lattice reach beyond the surface in them
         return None
     if elements.shape[1] in (4, 10):
         return np.asarray(elements[:, :4])

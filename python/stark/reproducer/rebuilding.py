@@ -11,7 +11,7 @@ from stark import _core
 from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.checkpoint import memory
 from stark.errors import StarkWarning
-from stark.mesh import Polyline, SolidMesh, TetMesh, TriangleMesh
+from stark.mesh import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
 
 from .errors import ReproducerError
 from .parts import from_data
@@ -58,6 +58,8 @@ def _repeat(scene: Any, name: str, arguments: list[Any]) -> None:
 
 def _mesh_of_solid(given: dict[str, Any]) -> Any:
     elements = np.asarray(given["elements"])
+    if given.get("embedding") is not None:
+        return EmbeddedMesh(given["vertices"], elements, **given["embedding"])
     mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
     return mesh(given["vertices"], elements)
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include <stark/geometry/embedding.h>
 #include <stark/geometry/topology.h>
 
 namespace stark {
@@ -25,6 +26,14 @@ double jacobian_determinant(const SolidMesh& mesh, int64_t element, const Vec3& 
   std::array<Vec3, 27> gradients;
   shape_gradients(mesh.type, position, gradients);
   return determinant(jacobian(mesh, element, gradients));
+}
+
+/// Filled volume of a hexahedron.
+double filled_volume(const SolidMesh& mesh, int64_t element) {
+  double volume = 0.0;
+  for (const QuadraturePoint& p : reference_element(mesh.type).quadrature)
+    volume += p.weight * jacobian_determinant(mesh, element, p.position);
+  return volume * mesh.embedding.fillings[element].part;
 }
 
 }  // namespace
@@ -63,8 +72,23 @@ double smallest_jacobian(const SolidMesh& mesh, int64_t element) {
   return smallest;
 }
 
+void quadrature_volumes(const SolidMesh& mesh, int64_t element, std::span<double> out) {
+  const std::vector<QuadraturePoint>& rule = reference_element(mesh.type).quadrature;
+  if (mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0) {
+    const double volume = filled_volume(mesh, element);
+    for (size_t q = 0; q < rule.size(); ++q) out[q] = rule[q].weight * volume;
+    return;
+  }
+  for (size_t q = 0; q < rule.size(); ++q)
+    out[q] = rule[q].weight * jacobian_determinant(mesh, element, rule[q].position);
+}
+
 std::vector<double> compute_element_volumes(const SolidMesh& mesh) {
   std::vector<double> volumes(mesh.element_count(), 0.0);
+  if (mesh.is_embedded()) {
+    for (int64_t e = 0; e < mesh.element_count(); ++e) volumes[e] = filled_volume(mesh, e);
+    return volumes;
+  }
   for (int64_t e = 0; e < mesh.element_count(); ++e)
     for (const QuadraturePoint& p : reference_element(mesh.type).quadrature)
       volumes[e] += p.weight * jacobian_determinant(mesh, e, p.position);
@@ -75,6 +99,12 @@ void lump_volume(const SolidMesh& mesh, int64_t element, std::span<double> out) 
   const int nodes = mesh.node_count();
   if (mesh.type == ElementType::Tet4) {
     std::fill(out.begin(), out.end(), jacobian_determinant(mesh, element, {}) / 24.0);
+    return;
+  }
+  if (mesh.is_embedded() && mesh.embedding.fillings[element].part < 1.0) {
+    filled_rule(reference_element(mesh.type).nodes, mesh.embedding.fillings[element], out);
+    const double volume = filled_volume(mesh, element);
+    for (int a = 0; a < nodes; ++a) out[a] *= volume;
     return;
   }
   std::array<double, 27> N;
@@ -91,6 +121,7 @@ void lump_volume(const SolidMesh& mesh, int64_t element, std::span<double> out) 
 }
 
 std::vector<Index3> find_boundary_triangles(const SolidMesh& mesh) {
+  if (mesh.is_embedded()) return mesh.embedding.triangles;
   const auto& faces = reference_element(mesh.type).faces;
   struct Face {
     std::array<int32_t, 4> sorted;

@@ -9,17 +9,38 @@
 
 namespace stark {
 
-/// Vertices in metres; all elements of one type, nodes in the order of VTK, Jacobians positive.
+/// What of a hexahedron is filled, in its reference coordinates: a part of its volume, and the means of the
+/// coordinates and of their squares over that part. [theory eq. 10m]
+struct CellFilling {
+  double part = 1.0;  ///< of the volume of the cell, in (0, 1]
+  Vec3 mean{0.5, 0.5, 0.5};
+  Vec3 mean_square{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
+};
+
+/// A surface that elements carry along: the last vertices of a mesh, each at its rest position in an
+/// element. It is what the solid shows and touches with, and says how far elements are filled.
+struct Embedding {
+  std::vector<int32_t> elements;      ///< by embedded vertex
+  std::vector<Index3> triangles;      ///< of embedded vertices, by number in the mesh
+  std::vector<CellFilling> fillings;  ///< by element
+};
+
+/// Vertices in metres; all elements of one type, nodes in the order of VTK, Jacobians positive. Embedded
+/// vertices come after the nodes.
 struct SolidMesh {
   std::vector<Vec3> vertices;
   ElementType type = ElementType::Tet4;
   std::vector<int32_t> elements;  ///< [element_count()][node_count()]
+  Embedding embedding{};          ///< of hexahedra; empty: the solid shows the boundary of its elements
 
   SolidMesh() = default;
   SolidMesh(const TetMesh& mesh);  // NOLINT: implicit on purpose, a tetrahedron mesh is a solid mesh
   SolidMesh(std::vector<Vec3> vertices, ElementType type, std::vector<int32_t> elements);
 
   int node_count() const { return reference_element(type).node_count; }
+  bool is_embedded() const { return !embedding.triangles.empty(); }
+  /// Number of the first vertex that is no node.
+  size_t first_embedded() const { return vertices.size() - embedding.elements.size(); }
   int64_t element_count() const { return static_cast<int64_t>(elements.size()) / node_count(); }
   std::span<const int32_t> element(int64_t e) const {
     return {elements.data() + e * node_count(), static_cast<size_t>(node_count())};
@@ -37,15 +58,21 @@ Vec3 rest_position(const SolidMesh& mesh, int64_t element, const Vec3& position)
 /// computed with where it is positive.
 double smallest_jacobian(const SolidMesh& mesh, int64_t element);
 
-/// Volume of each element [m^3].
+/// Volumes that the quadrature points of an element stand for [m^3]; of elements that are filled in part the
+/// points are elsewhere, see quadrature_positions(). [theory eq. 10m]
+void quadrature_volumes(const SolidMesh& mesh, int64_t element, std::span<double> out);
+
+/// Volume of each element [m^3], of what is filled of it.
 std::vector<double> compute_element_volumes(const SolidMesh& mesh);
 
 /// Parts of the volume of an element that its nodes stand for [m^3], all positive: a quarter each on linear
 /// tetrahedra, otherwise in proportion to the integrals of N_a^2 [Hinton, Rock, Zienkiewicz 1976], because
-/// row sums are negative at the corners of quadratic tetrahedra.
+/// row sums are negative at the corners of quadratic tetrahedra; of elements that are filled in part with the
+/// volume and the centre of that part.
 void lump_volume(const SolidMesh& mesh, int64_t element, std::span<double> out);
 
-/// Triangles of faces that belong to one element only, outwards, in the order of the elements.
+/// Triangles of faces that belong to one element only, outwards, in the order of the elements; of embedded
+/// surfaces theirs.
 std::vector<Index3> find_boundary_triangles(const SolidMesh& mesh);
 
 /// Unique edges between neighbouring nodes, each (low, high), sorted.

@@ -43,14 +43,21 @@ Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), poo
 void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
                              std::vector<std::pair<int32_t, int32_t>>& out) const {
   std::vector<int32_t> blocks;
+  SupportPairs of_supports(map_);
   for (size_t first = 0; first < stencils.size(); first += nodes) {
+    const auto stencil = stencils.subspan(first, nodes);
+    if (std::ranges::any_of(stencil, [&](int32_t site) { return map_.is_embedded(site); })) {
+      of_supports.add(stencil);
+      continue;
+    }
     blocks.clear();
-    for (const int32_t site : stencils.subspan(first, nodes)) map_.append_blocks(site, blocks);
+    for (const int32_t site : stencil) map_.append_blocks(site, blocks);
     for (size_t a = 0; a < blocks.size(); ++a)
       for (size_t b = a + 1; b < blocks.size(); ++b)
         if (blocks[a] != blocks[b])
           out.emplace_back(std::min(blocks[a], blocks[b]), std::max(blocks[a], blocks[b]));
   }
+  of_supports.append_to(out);
 }
 
 void Assembler::set_static_batches(std::vector<const PotentialBatch*> batches,
@@ -124,6 +131,7 @@ void Assembler::assemble(const Configuration& configuration, std::span<const Vec
     for (int a = 0; a < 3; ++a) out_gradient[3 * b + a] += padded_gradient_[4 * b + a];
   for (const PotentialBatch* batch : dynamic_batches_)
     assemble_mapped(*batch, configuration, x, options, out_gradient, out_hessian, nullptr);
+  site_pairs_.scatter(map_, configuration, out_hessian);
   add_rigid_curvature(options, out_hessian);
 }
 
@@ -241,7 +249,7 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
       continue;
     }
     for (int p = 0; p < points; ++p) jacobians[p] = map_.jacobian(sites[p], configuration);
-    add_mapped_element(element, jacobians, extra, gradient, hessian, body_moment_);
+    add_mapped_element(element, sites, jacobians, extra, gradient, hessian, body_moment_, site_pairs_);
   }
 }
 

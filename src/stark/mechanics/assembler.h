@@ -15,6 +15,7 @@
 #include <stark/linalg/block_matrix.h>
 #include <stark/mechanics/chunk_colouring.h>
 #include <stark/mechanics/element_scatter.h>
+#include <stark/mechanics/embedded_assembly.h>
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/kinematic_map.h>
 #include <stark/mechanics/potential_batch.h>
@@ -93,6 +94,7 @@ class Assembler {
   AlignedVector<double> buffer_;
   AlignedVector<double> padded_gradient_;  ///< [block][4] of plain static batches
   std::vector<Vec3> site_gradient_;        ///< [N] by site
+  SitePairs site_pairs_;                   ///< of embedded sites, to be scattered at the end
   std::vector<Mat3> body_moment_;          ///< sum of g r^T per body
   std::atomic<int64_t> projected_count_{0};
 };

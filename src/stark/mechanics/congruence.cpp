@@ -52,23 +52,33 @@ void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<
     const Vec3 f = (term.is_identity ? g : transpose(term.J) * g) * term.weight;
     for (int c = 0; c < 3; ++c) gradient[3 * term.block + c] += f[c];
   }
+  for (size_t k = 0; k < jacobian.support_blocks.size(); ++k) {
+    const int32_t block = jacobian.support_blocks[k];
+    if (block == kNoBlock) continue;
+    for (int c = 0; c < 3; ++c) gradient[3 * block + c] += g[c] * jacobian.support_weights[k];
+  }
 }
 
-void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
-                        std::span<const Vec3> extra_gradient, std::span<double> gradient,
-                        BlockMatrix& hessian, std::span<Mat3> body_moment) {
+void add_mapped_element(const ElementView& element, std::span<const int32_t> sites,
+                        std::span<const SiteJacobian> jacobians, std::span<const Vec3> extra_gradient,
+                        std::span<double> gradient, BlockMatrix& hessian, std::span<Mat3> body_moment,
+                        SitePairs& pairs) {
   const int points = static_cast<int>(jacobians.size());
   for (int p = 0; p < points; ++p) {
     const SiteJacobian& site = jacobians[p];
-    if (site.term_count == 0) continue;
+    if (site.is_zero()) continue;
     Vec3 g = element.point_gradient(p);
     if (site.body >= 0) body_moment[site.body] += outer(g, site.lever);
     if (!extra_gradient.empty()) g += extra_gradient[p];
     add_mapped_gradient(site, g, gradient);
     for (int q = 0; q < points; ++q) {
       const SiteJacobian& other = jacobians[q];
-      if (other.term_count == 0) continue;
+      if (other.is_zero()) continue;
       const Mat3 H = element.point_hessian(p, q);
+      if (site.is_embedded() || other.is_embedded()) {
+        if (sites[p] == sites[q] || p < q) pairs.add(sites[p], sites[q], H);
+        continue;
+      }
       for (int k = 0; k < site.term_count; ++k)
         for (int l = 0; l < other.term_count; ++l) {
           const JacobianTerm &a = site.terms[k], &b = other.terms[l];

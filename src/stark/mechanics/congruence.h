@@ -6,6 +6,7 @@
 
 #include <stark/linalg/block_matrix.h>
 #include <stark/mechanics/element_view.h>
+#include <stark/mechanics/embedded_assembly.h>
 #include <stark/mechanics/kinematic_map.h>
 
 namespace stark {
@@ -25,9 +26,10 @@ void add_point_element(const ElementView& element, std::span<const int32_t> bloc
 void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<double> gradient);
 
 /// Adds the mapped element. extra_gradient is added to the point gradients for the gradient only (empty:
-/// none).
-void add_mapped_element(const ElementView& element, std::span<const SiteJacobian> jacobians,
-                        std::span<const Vec3> extra_gradient, std::span<double> gradient,
-                        BlockMatrix& hessian, std::span<Mat3> body_moment);
+/// none). Hessian blocks of embedded sites go to `pairs`, which has to be scattered after the last element.
+void add_mapped_element(const ElementView& element, std::span<const int32_t> sites,
+                        std::span<const SiteJacobian> jacobians, std::span<const Vec3> extra_gradient,
+                        std::span<double> gradient, BlockMatrix& hessian, std::span<Mat3> body_moment,
+                        SitePairs& pairs);
 
 }  // namespace stark

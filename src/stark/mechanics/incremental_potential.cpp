@@ -14,6 +14,11 @@ Vec3 block_of(std::span<const double> values, int32_t block) {
   return {values[3 * block], values[3 * block + 1], values[3 * block + 2]};
 }
 
+/// Whether a point is an embedded site, which has no position of its own.
+bool follows(const KinematicMap& map, int32_t point) {
+  return point < map.site_count() && map.is_embedded(point);
+}
+
 /// Forces of rounding, over those of positions that are known to their last bit: sums of terms that cancel.
 constexpr double kRoundingFactor = 4.0;
 
@@ -43,13 +48,14 @@ IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& a
     if (map_.is_prescribed(i)) prescribed_sites_.push_back(i);
   // Points embedded between free and prescribed ones follow both, as do levers on pinned nodes of rods.
   for (int32_t i = 0; i < map_.site_count(); ++i)
-    if (map_.site(i).kind == SiteKind::Barycentric && !map_.is_prescribed(i)) embedded_sites_.push_back(i);
+    if (!map_.support(i).points.empty() && !map_.is_prescribed(i)) embedded_sites_.push_back(i);
   for (int32_t i = 0; i < map_.site_count(); ++i)
     if (map_.site(i).kind == SiteKind::RigidPoint && !map_.is_prescribed(i) &&
         layout.body_block[map_.site(i).index] == kNoBlock)
       lever_sites_.push_back(i);
   for (size_t p = 0; p < layout.point_block.size(); ++p)
-    if (layout.point_block[p] == kNoBlock) prescribed_points_.push_back(static_cast<int32_t>(p));
+    if (layout.point_block[p] == kNoBlock && !follows(map_, static_cast<int32_t>(p)))
+      prescribed_points_.push_back(static_cast<int32_t>(p));
   x_.resize(map_.site_count());
   x_trial_.resize(map_.site_count());
   block_positions_.resize(block_count());
@@ -111,10 +117,10 @@ void IncrementalPotential::linearize(bool project, std::span<double> out_gradien
     for (size_t k = 0; k < prescribed_sites_.size(); ++k)
       pending_[prescribed_sites_[k]] = prescribed_target_[k] - x_[prescribed_sites_[k]];
     for (const int32_t i : embedded_sites_) {
-      const Site& site = map_.site(i);
-      for (int k = 0; k < 4; ++k)
-        if (const int32_t p = site.points[k]; map_.layout().point_block[p] == kNoBlock)
-          pending_[i] += (target_.point_position[p] - iterate_.point_position[p]) * site.weights[k];
+      const SiteSupport s = map_.support(i);
+      for (size_t k = 0; k < s.points.size(); ++k)
+        if (const int32_t p = s.points[k]; map_.layout().point_block[p] == kNoBlock)
+          pending_[i] += (target_.point_position[p] - iterate_.point_position[p]) * s.weights[k];
     }
     for (const int32_t i : lever_sites_) {
       const int32_t b = map_.site(i).index;
@@ -163,6 +169,7 @@ void IncrementalPotential::set_trial(std::span<const double> direction, double a
         trial_progress_ >= 1.0 ? target_.point_position[p]
                                : start_.point_position[p] +
                                      (target_.point_position[p] - start_.point_position[p]) * trial_progress_;
+  if (!prescribed_points_.empty()) map_.follow(trial_.point_position);
   for (const int32_t b : pinned_bodies_)
     trial_.body_position[b] =
         trial_progress_ >= 1.0 ? target_.body_position[b]

@@ -1,5 +1,7 @@
 #include <stark/mechanics/kinematic_map.h>
 
+#include <algorithm>
+
 #include <stark/base/rotation.h>
 
 namespace stark {
@@ -11,14 +13,28 @@ bool is_centre(const Site& site) { return site.local == Vec3{}; }
 
 }  // namespace
 
-KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites)
-    : layout_(std::move(layout)), sites_(std::move(sites)) {
+KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded)
+    : layout_(std::move(layout)), sites_(std::move(sites)), embedded_(std::move(embedded)) {
+  for (const int32_t p : embedded_.points) support_block_.push_back(layout_.point_block[p]);
+  for (int32_t p = 0; p < static_cast<int32_t>(std::min(layout_.point_block.size(), sites_.size())); ++p)
+    if (is_embedded(p)) followers_.push_back(p);
   std::vector<int32_t> blocks;
   for (int32_t i = 0; i < site_count(); ++i) {
     blocks.clear();
     append_blocks(i, blocks);
     prescribed_.push_back(blocks.empty());
   }
+}
+
+SiteSupport KinematicMap::support(int32_t i) const {
+  const Site& site = sites_[i];
+  if (site.kind == SiteKind::Barycentric) return {site.points, site.weights};
+  if (site.kind != SiteKind::Embedded) return {};
+  return {embedded_.points_of(embedded_.support[site.index]), embedded_.weights_of(site.index)};
+}
+
+void KinematicMap::follow(std::span<Vec3> by_point) const {
+  for (const int32_t p : followers_) by_point[p] = point_sum(support(p), by_point);
 }
 
 void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x) const {
@@ -41,6 +57,9 @@ void KinematicMap::positions(const Configuration& configuration, std::span<Vec3>
         out_x[i] = x;
         break;
       }
+      case SiteKind::Embedded:
+        out_x[i] = point_sum(support(i), configuration.point_position);
+        break;
       case SiteKind::World:
         out_x[i] = site.local;
         break;
@@ -78,6 +97,10 @@ SiteJacobian KinematicMap::jacobian(int32_t i, const Configuration& configuratio
     case SiteKind::Barycentric:
       for (int k = 0; k < 4; ++k) add(layout_.point_block[site.points[k]], site.weights[k]);
       break;
+    case SiteKind::Embedded:
+      jacobian.support_blocks = support_blocks(support_index(i));
+      jacobian.support_weights = embedded_.weights_of(site.index);
+      break;
     case SiteKind::World:
       break;
   }
@@ -102,6 +125,9 @@ void KinematicMap::append_blocks(int32_t i, std::vector<int32_t>& out_blocks) co
       for (int k = 0; k < 4; ++k)
         if (site.weights[k] != 0.0) add(layout_.point_block[site.points[k]]);
       break;
+    case SiteKind::Embedded:
+      for (const int32_t block : support_blocks(support_index(i))) add(block);
+      break;
     case SiteKind::World:
       break;
   }
@@ -116,6 +142,7 @@ void KinematicMap::retract(const Configuration& configuration, std::span<const d
   for (size_t p = 0; p < out.point_position.size(); ++p)
     if (const int32_t block = layout_.point_block[p]; block != kNoBlock)
       out.point_position[p] += increment(block);
+  follow(out.point_position);
   for (size_t b = 0; b < out.body_position.size(); ++b) {
     if (const int32_t block = layout_.body_block[b]; block != kNoBlock)
       out.body_position[b] += increment(block);

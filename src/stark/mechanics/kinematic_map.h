@@ -31,21 +31,54 @@ struct JacobianTerm {
   Mat3 J{};  ///< used when not is_identity
 };
 
+/// Points and weights that a site follows.
+struct SiteSupport {
+  std::span<const int32_t> points;
+  std::span<const double> weights;
+};
+
+/// Sum of weights times values of points.
+inline Vec3 point_sum(const SiteSupport& support, std::span<const Vec3> by_point) {
+  Vec3 sum;
+  for (size_t k = 0; k < support.points.size(); ++k) sum += by_point[support.points[k]] * support.weights[k];
+  return sum;
+}
+
 struct SiteJacobian {
   int term_count = 0;
   std::array<JacobianTerm, 4> terms;
+  /// Of embedded sites, which have no terms: blocks of their support, kNoBlock among them, and weights.
+  std::span<const int32_t> support_blocks;
+  std::span<const double> support_weights;
   int32_t body = -1;  ///< free rigid body whose rotation the site follows, or -1
   Vec3 lever{};       ///< world lever of that body [m]
+
+  bool is_embedded() const { return !support_blocks.empty(); }
+  bool is_zero() const { return term_count == 0 && !is_embedded(); }
 };
 
 class KinematicMap {
  public:
   KinematicMap() = default;
-  KinematicMap(DofLayout layout, std::vector<Site> sites);
+  /// Sites come in the order of the points, then others: site i is where point i is.
+  KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPoints embedded = {});
 
   int32_t site_count() const { return static_cast<int32_t>(sites_.size()); }
   const DofLayout& layout() const { return layout_; }
   const Site& site(int32_t i) const { return sites_[i]; }
+
+  /// Points and weights of a barycentric or embedded site, nothing of others.
+  SiteSupport support(int32_t site) const;
+  bool is_embedded(int32_t site) const { return sites_[site].kind == SiteKind::Embedded; }
+  /// Number of the support of an embedded site, and blocks of a support, kNoBlock for prescribed points.
+  int32_t support_index(int32_t site) const { return embedded_.support[sites_[site].index]; }
+  std::span<const int32_t> support_blocks(int32_t support) const {
+    return {support_block_.data() + embedded_.first_point[support],
+            static_cast<size_t>(embedded_.first_point[support + 1] - embedded_.first_point[support])};
+  }
+  /// Sets the values of points that follow others, as embedded vertices do, to the sums over those; values
+  /// are positions, velocities or displacements by point.
+  void follow(std::span<Vec3> by_point) const;
 
   /// Positions of all sites [m]; prescribed ones included.
   void positions(const Configuration& configuration, std::span<Vec3> out_x) const;
@@ -68,6 +101,9 @@ class KinematicMap {
  private:
   DofLayout layout_;
   std::vector<Site> sites_;
+  EmbeddedPoints embedded_;
+  std::vector<int32_t> support_block_;  ///< by entry of embedded_.points
+  std::vector<int32_t> followers_;      ///< points that are embedded sites
   std::vector<bool> prescribed_;
 };
 

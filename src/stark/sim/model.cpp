@@ -30,7 +30,7 @@ void Model::Builder::build() {
   add_energy_sites();
   add_joint_sites();
   add_attachment_sites();
-  model.map_ = KinematicMap(std::move(layout), std::move(sites));
+  model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     if (scene.kind(BodyId{i}) == BodyKind::Cloth) add_cloth_energies(BodyId{i});
     if (scene.kind(BodyId{i}) == BodyKind::Solid) add_solid_energies(BodyId{i});
@@ -92,6 +92,8 @@ void Model::Builder::set_initial_state() {
   }
   for (size_t p = 0; p < point_prescribed.size(); ++p)
     if (point_prescribed[p]) state.point_velocity[p] = {};
+  model.map_.follow(state.point_position);
+  model.map_.follow(state.point_velocity);
   for (const int32_t i : rigid_bodies) {
     const RigidDescription& rigid = scene.rigid(BodyId{i});
     const ModelBody& body = model.bodies_[i];

@@ -64,10 +64,10 @@ JointSide Model::Builder::side_of_sites(std::span<const int32_t> some) const {
     if (site.kind == SiteKind::Point) add(layout.point_block[site.index], model.point_masses_[site.index]);
     if (site.kind == SiteKind::RigidPoint)
       add(layout.body_block[site.index], model.rigid_masses_[site.index].mass);
-    if (site.kind != SiteKind::Barycentric) continue;
-    for (size_t k = 0; k < site.points.size(); ++k)
-      if (site.weights[k] != 0.0)
-        add(layout.point_block[site.points[k]], model.point_masses_[site.points[k]]);
+    const SiteSupport support = model.map_.support(s);
+    for (size_t k = 0; k < support.points.size(); ++k)
+      if (support.weights[k] != 0.0)
+        add(layout.point_block[support.points[k]], model.point_masses_[support.points[k]]);
   }
   return side;
 }

@@ -38,6 +38,8 @@ struct Model::Builder {
 
   // Points and rigid bodies (model_deformables.cpp, model_rigids.cpp, model_rods.cpp)
   void add_deformables();
+  /// Vertices that follow elements (geometry/embedding.h).
+  void add_embedded_sites(const SolidMesh& mesh, const ModelBody& body);
   void set_masses(const ModelBody& body, std::span<const double> masses, double damping);
   void add_rigids();
   void add_rigid_sites();
@@ -78,6 +80,11 @@ struct Model::Builder {
   void add_inertia();
 
   // The user's own energies (model_energies.cpp)
+  /// Whether a site follows nodes, as embedded vertices do.
+  bool follows(int32_t site) const { return sites[site].kind == SiteKind::Embedded; }
+  /// Row of what a point between vertices, some of them embedded, follows.
+  int32_t add_combined_row(const ModelBody& body, const Index4& vertices,
+                           const std::array<double, 4>& weights);
   std::vector<int32_t> add_point_sites(const PointSet& points);
   void add_energy_sites();
   void add_energies();
@@ -92,6 +99,8 @@ struct Model::Builder {
                         const std::string& prefix) const;
   std::vector<double> placement(const FrameDescription& frame) const;
   JointSide side_of(const FrameDescription& frame) const;
+  /// The point of a vertex, or those that it follows.
+  std::vector<int32_t> carriers_of(int32_t site) const;
   static FrameKind kind_of(const FrameDescription& frame);
   /// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
   static std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p);
@@ -150,7 +159,8 @@ struct Model::Builder {
   const Scene& scene;
   const Settings& settings;
   std::vector<Site> sites;
-  std::vector<bool> point_prescribed;
+  EmbeddedPoints embedded;                                 ///< that sites follow
+  std::vector<bool> point_prescribed;                      ///< without unknowns
   std::vector<bool> body_prescribed, rotation_prescribed;  ///< by index in the state's body arrays
   std::vector<double> point_damping;
   std::vector<int32_t>

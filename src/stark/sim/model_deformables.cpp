@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stark/geometry/embedding.h>
 #include <stark/geometry/topology.h>
 #include <stark/sim/lumped_mass.h>
 #include <stark/sim/material_fields.h>
@@ -65,6 +66,7 @@ void Model::Builder::add_deformables() {
       model.point_masses_.push_back(0.0);
       point_damping.push_back(0.0);
     }
+    if (body.kind == BodyKind::Solid) add_embedded_sites(scene.solid(id).mesh, body);
     for (const int32_t pin : body.pins) point_prescribed[body.first_site + pin] = true;
     if (body.kind == BodyKind::Cloth) {
       body.triangles = scene.cloth(id).mesh.triangles;
@@ -73,6 +75,24 @@ void Model::Builder::add_deformables() {
       body.triangles = find_boundary_triangles(scene.solid(id).mesh);
       set_masses(body, lumped_masses(scene.solid(id)), scene.solid(id).material.mass_damping);
     }
+  }
+}
+
+void Model::Builder::add_embedded_sites(const SolidMesh& mesh, const ModelBody& body) {
+  std::vector<double> weights(mesh.node_count());
+  std::vector<int32_t> support_of(mesh.is_embedded() ? mesh.element_count() : 0, -1);
+  for (size_t k = 0; k < mesh.embedding.elements.size(); ++k) {
+    const int32_t element = mesh.embedding.elements[k];
+    if (support_of[element] < 0) {
+      std::vector<int32_t> nodes(mesh.element(element).begin(), mesh.element(element).end());
+      for (int32_t& node : nodes) node += body.first_site;
+      support_of[element] = embedded.add_support(nodes);
+    }
+    embedding_weights(mesh, k, weights);
+    const size_t p = body.first_site + mesh.first_embedded() + k;
+    sites[p].kind = SiteKind::Embedded;
+    sites[p].index = embedded.add_row(support_of[element], weights);
+    point_prescribed[p] = true;  // it has no unknowns of its own
   }
 }
 
@@ -150,11 +170,12 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
   std::vector<double> weights(rule.size());
   std::vector<Vec3> positions(rule.size());
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
+    const std::vector<Vec3> places = quadrature_positions(mesh, e);
     for (size_t q = 0; q < rule.size(); ++q) {
-      weights[q] = rule[q].weight *
-                   rest_gradients(mesh, e, rule[q].position, std::span(gradients).subspan(q * nodes, nodes));
-      positions[q] = rest_position(mesh, e, rule[q].position);
+      rest_gradients(mesh, e, places[q], std::span(gradients).subspan(q * nodes, nodes));
+      positions[q] = rest_position(mesh, e, places[q]);
     }
+    quadrature_volumes(mesh, e, weights);
     batch.set_geometry(e, gradients, weights, positions);
   }
   batch.set_values(elastic.values);

@@ -5,6 +5,28 @@
 
 namespace stark {
 
+int32_t Model::Builder::add_combined_row(const ModelBody& body, const Index4& vertices,
+                                         const std::array<double, 4>& weights) {
+  std::map<int32_t, double> sum;
+  for (int i = 0; i < 4; ++i) {
+    const int32_t p = body.first_site + vertices[i];
+    if (!follows(p)) {
+      sum[p] += weights[i];
+      continue;
+    }
+    const std::span<const int32_t> nodes = embedded.points_of(embedded.support[sites[p].index]);
+    const std::span<const double> of_nodes = embedded.weights_of(sites[p].index);
+    for (size_t k = 0; k < nodes.size(); ++k) sum[nodes[k]] += weights[i] * of_nodes[k];
+  }
+  std::vector<int32_t> support;
+  std::vector<double> row;
+  for (const auto& [p, weight] : sum) {
+    support.push_back(p);
+    row.push_back(weight);
+  }
+  return embedded.add_row(embedded.add_support(support), row);
+}
+
 std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
   std::vector<int32_t> result;
   const auto add = [&](Site site, const Vec3& rest) {
@@ -35,6 +57,15 @@ std::vector<int32_t> Model::Builder::add_point_sites(const PointSet& points) {
       break;
     case PointKind::Embedded:
       for (size_t k = 0; k < points.supports.size(); ++k) {
+        if (std::ranges::any_of(points.supports[k],
+                                [&](int32_t v) { return follows(body.first_site + v); })) {
+          const int32_t row = add_combined_row(body, points.supports[k], points.weights[k]);
+          Vec3 rest;
+          for (int i = 0; i < 4; ++i)
+            rest += model.rest_positions_[body.first_site + points.supports[k][i]] * points.weights[k][i];
+          add_local(SiteKind::Embedded, row, {}, rest);
+          continue;
+        }
         Site site{.kind = SiteKind::Barycentric, .index = 0, .local = {}, .points = {}, .weights = {}};
         Vec3 rest;
         for (int i = 0; i < 4; ++i) {

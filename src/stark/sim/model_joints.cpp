@@ -153,6 +153,11 @@ void Model::Builder::set_initial_rates(std::span<const Vec3> x) {
     }
 }
 
+std::vector<int32_t> Model::Builder::carriers_of(int32_t site) const {
+  const std::span<const int32_t> support = model.map_.support(site).points;
+  return support.empty() ? std::vector{site} : std::vector(support.begin(), support.end());
+}
+
 JointSide Model::Builder::side_of(const FrameDescription& frame) const {
   JointSide side;
   const DofLayout& layout = model.map_.layout();
@@ -174,10 +179,11 @@ JointSide Model::Builder::side_of(const FrameDescription& frame) const {
     const std::vector<Vec3> x = scene.initial_positions(frame.body);
     for (int k = 0; k < 3; ++k) {
       const int32_t p = body.first_site + frame.vertices[k];
-      if (const int32_t block = layout.point_block[p]; block != kNoBlock) {
-        side.blocks.push_back(block);
-        side.mass += model.point_masses_[p];
-      }
+      for (const int32_t q : carriers_of(p))
+        if (const int32_t block = layout.point_block[q]; block != kNoBlock) {
+          side.blocks.push_back(block);
+          side.mass += model.point_masses_[q];
+        }
       const double edge = norm(x[frame.vertices[k]] - x[frame.vertices[(k + 1) % 3]]);
       side.reach = std::max(side.reach, edge);
     }

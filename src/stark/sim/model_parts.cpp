@@ -70,6 +70,9 @@ void Model::Builder::append_places(Hash64& hash, std::span<const int32_t> stenci
     if (site.kind == SiteKind::Point) continue;
     hash.append(site.local);
     if (site.kind == SiteKind::Barycentric) hash.append(site.points), hash.append(site.weights);
+    if (site.kind != SiteKind::Embedded) continue;
+    append_all(hash, model.map_.support(id).points);
+    append_all(hash, model.map_.support(id).weights);
   }
 }
 

@@ -140,7 +140,13 @@ void Placing::put_points(int32_t body, std::span<const Vec3> positions) {
     state_.pin_target[b.first_site + i] = positions[i];  // it rests there until it is sent elsewhere
     state_.point_velocity[b.first_site + i] = {};
   }
+  follow();
   moved_.insert(body);
+}
+
+void Placing::follow() {
+  for (std::vector<Vec3>* values : {&state_.point_position, &state_.point_velocity, &state_.pin_target})
+    model_.map().follow(*values);
 }
 
 void Placing::push_rigid(int32_t body, const Vec3& velocity, const Vec3& angular_velocity) {
@@ -162,6 +168,7 @@ void Placing::push_points(int32_t body, std::span<const Vec3> velocities) {
       state_.point_velocity[b.first_site + i] = velocities[i];
     }
   }
+  follow();
   pushed_.insert(body);
 }
 

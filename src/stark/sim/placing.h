@@ -47,6 +47,7 @@ class Placing : private StepPart {
 
   /// Pose of the body frame of a free rigid body: centre of mass [m], rotation from the principal axes.
   void put_rigid(int32_t body, const Vec3& centre, const Mat3& rotation);
+  /// Embedded vertices follow the others, whatever is given for them.
   void put_points(int32_t body, std::span<const Vec3> positions);
   /// Velocity of the centre of mass [m/s], angular velocity [rad/s].
   void push_rigid(int32_t body, const Vec3& velocity, const Vec3& angular_velocity);
@@ -74,6 +75,8 @@ class Placing : private StepPart {
   };
 
   // Of bodies (placing.cpp).
+  /// Sets embedded vertices to where the others bring them.
+  void follow();
   void require_matching(int32_t body, size_t rows, const char* what) const;
   std::pair<int32_t, int32_t> rigid_range(int32_t body) const;  ///< first and count in the body arrays
   std::vector<int32_t> fibre_frames(int32_t body) const;

@@ -172,6 +172,12 @@ void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
         ": has no vertices of its own to pin: only cloth, solids and rods do; use motion = fixed or "
         "scripted for the whole body");
   check_vertices(body, "pinned", vertices);
+  if (kind(body) == BodyKind::Solid)
+    for (const int32_t v : vertices)
+      if (const auto first = static_cast<int32_t>(solid(body).mesh.first_embedded()); v >= first)
+        throw InvalidArgument(owner_text(kind(body), name(body)) + ": pinned vertex " + std::to_string(v) +
+                              " is embedded and follows the nodes of its cell: must be below " +
+                              std::to_string(first) + "; pin those nodes, mesh.nodes_around(vertices)");
   append_new(pins_[at_index(body)].vertices, vertices);
 }
 

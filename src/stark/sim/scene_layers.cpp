@@ -78,6 +78,11 @@ std::string Scene::name_layer(const std::string& kind, BodyId body, std::string&
     throw InvalidArgument(kind + of_body +
                           ": the body must be a cloth or a solid, whose vertices a layer shares; use an "
                           "attachment");
+  if (this->kind(body) == BodyKind::Solid && solid(body).mesh.is_embedded())
+    throw InvalidArgument(
+        kind + of_body +
+        ": its surface is embedded and follows the nodes of a lattice: the body must have a "
+        "mesh of its own for layers; use tetrahedra, or a cloth and an attachment");
   const bool is_given = !layer.empty();
   if (!is_given) layer = free_name(name(body) + "_" + kind);
   const std::string owner = kind + " '" + layer + "'" + of_body;

@@ -30,7 +30,8 @@ std::vector<uint8_t> blocks_in_solids(const Model& model) {
   for (const ModelBody& body : model.bodies()) {
     if (body.kind != BodyKind::Solid) continue;
     for (int32_t k = 0; k < body.site_count; ++k)
-      if (const int32_t block = map.point_block(body.first_site + k); block != kNoBlock) in_solid[block] = 1;
+      if (const int32_t block = map.layout().point_block[body.first_site + k]; block != kNoBlock)
+        in_solid[block] = 1;
   }
   return in_solid;
 }

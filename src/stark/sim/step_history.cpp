@@ -29,6 +29,7 @@ std::vector<Vec3> StepMotion::free_motion(double h) const {
       free.body_rotation[b] =
           free_rotation(state_.body_rotation[b], model_.rigid_masses()[b].moments, spin(b), h);
   }
+  model_.map().follow(free.point_position);
   std::vector<Vec3> x(model_.map().site_count());
   model_.map().positions(free, x);
   return x;
@@ -67,6 +68,10 @@ void StepMotion::begin(double h) {
       r.place.point_position, r.point_velocity);
   set(s.body_position, s.body_velocity, s.body_increment, s.body_contact_increment, s.body_lag,
       r.place.body_position, r.body_velocity);
+  if (has_history) {
+    model_.map().follow(r.place.point_position);
+    model_.map().follow(r.point_velocity);
+  }
   r.place.body_rotation = s.body_rotation;
   r.joint_rate = s.joint_rate;
   if (has_history) {
@@ -139,6 +144,9 @@ std::vector<Vec3> StepMotion::impulses_of(std::span<const PotentialBatch* const>
       const Vec3 force = term.is_identity ? gradient[i] * term.weight : transpose(term.J) * gradient[i];
       impulses[term.block] += force * factor;
     }
+    for (size_t k = 0; k < jacobian.support_blocks.size(); ++k)
+      if (const int32_t block = jacobian.support_blocks[k]; block != kNoBlock)
+        impulses[block] += gradient[i] * (jacobian.support_weights[k] * factor);
   }
   return impulses;
 }

@@ -121,10 +121,10 @@ double StepLedger::prescribed_work() {
     const Site& site = map.site(i);
     if (map.is_prescribed(i)) {
       motion[i] = x[i] - step_start_[i];
-    } else if (site.kind == SiteKind::Barycentric) {
-      for (int k = 0; k < 4; ++k)
-        if (map.layout().point_block[site.points[k]] == kNoBlock)
-          motion[i] += (x[site.points[k]] - step_start_[site.points[k]]) * site.weights[k];
+    } else if (const SiteSupport s = map.support(i); !s.points.empty()) {
+      for (size_t k = 0; k < s.points.size(); ++k)
+        if (map.layout().point_block[s.points[k]] == kNoBlock)
+          motion[i] += (x[s.points[k]] - step_start_[s.points[k]]) * s.weights[k];
     } else if (site.kind == SiteKind::RigidPoint && map.layout().body_block[site.index] == kNoBlock) {
       motion[i] = body_motion[site.index];  // a lever on a pinned node of a rod: its rotation is free
     }

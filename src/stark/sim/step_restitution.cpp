@@ -14,6 +14,8 @@ std::vector<Vec3> StepMotion::site_velocities() const {
       v[i] = state_.body_velocity[site.index] + turning_velocity(site.index, site.local);
     else if (site.kind == SiteKind::Point)
       v[i] = state_.point_velocity[site.index];
+    else if (site.kind == SiteKind::Embedded)
+      v[i] = point_sum(map.support(i), state_.point_velocity);
   }
   return v;
 }

@@ -9,6 +9,7 @@
 
 #include <stark/base/error.h>
 #include <stark/geometry/edge_directions.h>
+#include <stark/geometry/embedding.h>
 #include <stark/geometry/polyline.h>
 #include <stark/geometry/topology.h>
 
@@ -220,6 +221,58 @@ void check_jacobians(std::string_view owner, const SolidMesh& mesh) {
 
 }  // namespace
 
+namespace {
+
+/// How far embedded vertices may be outside of their elements, in reference coordinates: rounding.
+constexpr double kOutside = 1e-6;
+
+void check_embedding(std::string_view owner, const SolidMesh& mesh) {
+  const Embedding& embedding = mesh.embedding;
+  const auto elements = static_cast<int32_t>(mesh.element_count());
+  if (mesh.type != ElementType::Hex8 && mesh.type != ElementType::Hex27)
+    fail_mesh(owner, "has an embedded surface in tetrahedra: must be in hexahedra; use stark.mesh.lattice");
+  if (embedding.elements.size() >= mesh.vertices.size() ||
+      embedding.fillings.size() != static_cast<size_t>(mesh.element_count()))
+    fail_mesh(owner, "has " + count_text(embedding.elements.size(), "embedded vertex", "embedded vertices") +
+                         " and " + count_text(embedding.fillings.size(), "filling", "fillings") + " for " +
+                         std::to_string(mesh.vertices.size()) + " vertices and " +
+                         count_text(static_cast<size_t>(mesh.element_count()), "element", "elements") +
+                         ": must be fewer than vertices, and one filling for each element");
+  const auto first = static_cast<int32_t>(mesh.first_embedded());
+  for (size_t k = 0; k < mesh.elements.size(); ++k)
+    if (mesh.elements[k] >= first)
+      fail_mesh(owner, "element " + std::to_string(k / mesh.node_count()) + " refers to vertex " +
+                           std::to_string(mesh.elements[k]) + ", which is embedded: must refer to nodes");
+  for (size_t e = 0; e < embedding.fillings.size(); ++e)
+    if (const CellFilling& f = embedding.fillings[e];
+        !(f.part > 0.0 && f.part <= 1.0) || !is_finite(f.mean) || !is_finite(f.mean_square))
+      fail_mesh(owner, "element " + std::to_string(e) + " is filled by a part of " + to_text(f.part) +
+                           ": must be in (0, 1], with finite means");
+  TriangleMesh surface{mesh.vertices, embedding.triangles};
+  check_triangles(owner, surface, kThinnestRigidTriangle);
+  std::vector<char> used(embedding.elements.size(), 0);
+  for (const Index3& t : embedding.triangles)
+    for (const int32_t v : t) {
+      if (v < first)
+        fail_mesh(owner, "a triangle of its surface refers to vertex " + std::to_string(v) +
+                             ", a node: must refer to embedded vertices");
+      used[v - first] = 1;
+    }
+  for (size_t k = 0; k < used.size(); ++k) {
+    const int32_t e = embedding.elements[k];
+    const std::string vertex = "embedded vertex " + std::to_string(first + static_cast<int32_t>(k));
+    if (!used[k]) fail_mesh(owner, vertex + " is in no triangle of the surface: must be in one");
+    if (e < 0 || e >= elements)
+      fail_mesh(owner, vertex + " is in element " + std::to_string(e) + ": must be in [0, " +
+                           std::to_string(elements) + ")");
+    const Vec3 xi = find_reference_position(mesh, e, mesh.vertices[first + k]);
+    if (!is_finite(xi) || max_abs(xi - Vec3{0.5, 0.5, 0.5}) > 0.5 + kOutside)
+      fail_mesh(owner, vertex + " is outside of its element " + std::to_string(e) + ": must be inside");
+  }
+}
+
+}  // namespace
+
 void check_solid_mesh(std::string_view owner, const SolidMesh& mesh) {
   const std::string_view kind = reference_element(mesh.type).name;
   if (mesh.elements.empty())
@@ -234,7 +287,8 @@ void check_solid_mesh(std::string_view owner, const SolidMesh& mesh) {
     check_tet_volumes(owner, mesh);
   else
     check_jacobians(owner, mesh);
-  check_all_used(owner, kind, mesh.elements, mesh.vertices.size());
+  if (mesh.is_embedded() || !mesh.embedding.elements.empty()) check_embedding(owner, mesh);
+  check_all_used(owner, kind, mesh.elements, mesh.first_embedded());
 }
 
 void check_layer_triangles(std::string_view owner, const TriangleMesh& mesh,
