@@ -19,7 +19,7 @@ from .settings_arguments import add_setting_arguments, parse_settings
 #: Of a step that takes longer, the bar shows the iterations [s].
 LONG_STEP = 2.0
 
-#: Fields that are recorded where nothing is said.
+#: Fields that are recorded for the page where nothing is said.
 FIELDS = ("stress", "pressure")
 
 
@@ -130,6 +130,7 @@ def _run(args: argparse.Namespace, shown: Shown) -> Any:
     }
     if args.resume is not None:
         return scenes.resume(args.resume, scene=args.scene, **common)
+    looked_at = not args.no_fields and not args.no_replay
     period = scenes.CHECKPOINT_PERIOD if args.checkpoint_every is None else args.checkpoint_every
     return scenes.run(
         scenes.load(args.scene, dict(_option(text) for text in args.option)),
@@ -137,8 +138,8 @@ def _run(args: argparse.Namespace, shown: Shown) -> Any:
         fps=60.0 if args.fps is None else args.fps,
         checkpoint_every=None if args.no_checkpoint else period,
         certify=args.certify,
-        fields=() if args.no_fields else args.fields or FIELDS,
-        contacts=not args.no_fields,
+        fields=args.fields or (FIELDS if looked_at else ()),
+        contacts=args.fields is not None or looked_at,
         **common,
     )
 
