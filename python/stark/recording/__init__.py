@@ -16,6 +16,7 @@ leaves a half-written file: it only lacks the frames of its last chunk.
 """
 
 from .export import export
+from .fields import Contacts, FieldEntry
 from .format import FORMAT_NAME, FORMAT_VERSION, BodyEntry, Frame, FrameBody, RecordingError
 from .reader import Recording
 from .writer import Recorder
@@ -24,6 +25,8 @@ __all__ = [
     "FORMAT_NAME",
     "FORMAT_VERSION",
     "BodyEntry",
+    "Contacts",
+    "FieldEntry",
     "Frame",
     "FrameBody",
     "Recorder",
