@@ -164,7 +164,9 @@ class Selection {
     return [0, 1, 2].map((a) => contacts.sums[3 * (k * contacts.bodies + i) + a]);
   }
   describe(k, field) {
-    const { body, triangle } = this.pin, vector = (v) => v.map((c) => shortNumber(Math.abs(c) < 5e-7 ? 0 : c)).join(", ");
+    const { body, triangle } = this.pin;
+    // Components that are nothing beside the largest one are 0.
+    const vector = (v) => v.map((c) => shortNumber(Math.abs(c) < 5e-4 * Math.hypot(...v) ? 0 : c)).join(", ");
     const lines = [[triangle === undefined ? "Middle [m]" : "Position [m]", vector(placeOf(this.pin))]];
     const force = this.force(k), value = valueAt(this.pin);
     if (force) lines.push(["Contact force", forceText(Math.hypot(...force))], ["Along x, y, z [N]", vector(force)]);

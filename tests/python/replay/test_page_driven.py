@@ -259,6 +259,34 @@ def test_old_recordings_offer_what_they_have(tmp_path: Path) -> None:
         assert browser.errors == []
 
 
+def test_many_bodies_are_in_groups(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    for k in range(5):
+        scene.add_box(0.08, name=f"brick_{k}", mass=0.1, position=(0.1 * k, 0, 0))
+        scene.add_box(0.08, name=f"robot/link{k}", mass=0.1, position=(0.1 * k, 0, 0.1))
+    sim = stark.Simulation(scene)
+    with Recorder(tmp_path / "run", sim) as recorder:
+        recorder.record(sim)
+    script = """
+const groups = [...document.querySelectorAll(".group")], box = groups[0].querySelector("summary input");
+const told = { groups: groups.map((group) => group.querySelector("summary").textContent) };
+await press(box);
+told.shown = [shown(), box.checked, count(view, (r, g, b, a) => a > 250)];
+await press(boxes()[1]);
+told.some = [box.checked, box.indeterminate, count(view, (r, g, b, a) => a > 250)];
+await choose("filter", "LINK*");
+told.hidden = groups.map((group) => group.hidden);
+return told;
+"""
+    with Browser(write_page(Recording(tmp_path / "run")), tmp_path) as browser:
+        told = browser.run(PARTS + script)
+        assert browser.errors == []
+    assert told["groups"] == ["brick5", "robot5"]
+    assert told["shown"][:2] == [[False] * 5 + [True] * 5, False]
+    assert told["some"][:2] == [False, True] and told["some"][2] > told["shown"][2] > 1000
+    assert told["hidden"] == [True, False]
+
+
 def test_a_narrow_page_has_room_for_all(run: Recording, tmp_path: Path) -> None:
     script = """
 await choose("field", "stress");
