@@ -18,6 +18,7 @@ from pathlib import Path
 import docs_api
 import docs_headers
 import docs_math
+import notebooks
 from repository import ROOT
 
 #: Pages outside of docs/, and their names in the site.
@@ -57,6 +58,9 @@ def page_names(root: Path) -> dict[str, str]:
     """Every page of the repository that the site has, and its name there."""
     inside = {path.relative_to(root).as_posix(): path for path in sorted((root / "docs").rglob("*.md"))}
     names = {page: page.removeprefix("docs/") for page in inside}
+    for path in notebooks.notebooks(root):
+        page = path.relative_to(root)
+        names[page.as_posix()] = page.relative_to("docs").with_suffix(".md").as_posix()
     return names | {CONTENTS: "index.md"} | ELSEWHERE
 
 
@@ -82,7 +86,9 @@ def _write(path: Path, text: str) -> None:
 
 def with_links(root: Path, page: str, names: dict[str, str], folder: Path) -> str:
     """A page of the repository with links that lead to where things are in the site."""
-    parts = _CODE.split((root / page).read_text(encoding="utf-8"))
+    path = root / page
+    text = notebooks.as_markdown(path) if path.suffix == ".ipynb" else path.read_text(encoding="utf-8")
+    parts = _CODE.split(text)
     parts[::2] = [
         _LINK.sub(lambda found: _link(root, page, names, folder, found), prose) for prose in parts[::2]
     ]

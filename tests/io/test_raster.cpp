@@ -258,3 +258,45 @@ TEST_CASE("bad input is refused with what, why and where") {
   refuse([](auto&, auto& c) { c.eye = c.target; }, "eye and target are the same");
   refuse([](auto&, auto& c) { c.vertical_fov = 4.0; }, "field of view");
 }
+
+TEST_CASE("the border between light and shade of a coarse sphere is that of a round one") {
+  // Triangles of 22 degrees, whose corner normals are those of the sphere. What is interpolated differs by up
+  // to 12 of 255 levels; shadows that end at edges of triangles are off by more in one of 100 pixels.
+  stark::RasterSettings settings = plain(240);
+  settings.light = {0.1, 1.0, 0.2};  // from the right: the border is in the middle of the picture
+  settings.key_lights = 24;
+  const auto camera = camera_on_x(3.0);
+  const auto coarse = stark::rasterise(std::vector{draw(sphere(0.5, {}, 8), kRed)}, camera, settings);
+  const auto round = stark::rasterise(std::vector{draw(sphere(0.5, {}, 200), kRed)}, camera, settings);
+  const double radius =
+      120.0 * (0.5 / 3.0) / std::tan(0.5 * camera.vertical_fov);  // of the silhouette, about
+  int compared = 0, off = 0;
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 240; ++x) {
+      if (std::hypot(x - 119.5, y - 119.5) > 0.85 * radius) continue;
+      ++compared;
+      off += std::abs(pixel(coarse, x, y)[0] - pixel(round, x, y)[0]) > 12;
+    }
+  CHECK(compared > 5000);
+  CHECK(off < compared / 1000);
+}
+
+TEST_CASE("the lines of the ground are as fine as samples make them, its light is that of the pixel") {
+  stark::RasterSettings fine = plain(240);
+  fine.ground = true;
+  fine.ground_height = -0.5;
+  fine.grid_spacing = 0.1;
+  fine.sky_lights = 8;
+  stark::RasterSettings few = fine;
+  few.width = few.height = 80;
+  few.samples = 3;
+  const auto large = stark::rasterise({}, camera_on_x(3.0), fine);
+  const auto small = stark::rasterise({}, camera_on_x(3.0), few);
+  // Lines are wider in the smaller picture, so only the means of blocks of pixels are the same, within a
+  // level.
+  double sum_large = 0.0, sum_small = 0.0;
+  for (size_t i = 0; i < large.pixels.size(); ++i) sum_large += large.pixels[i];
+  for (size_t i = 0; i < small.pixels.size(); ++i) sum_small += small.pixels[i];
+  CHECK(sum_small / static_cast<double>(small.pixels.size()) ==
+        doctest::Approx(sum_large / static_cast<double>(large.pixels.size())).epsilon(0.01));
+}

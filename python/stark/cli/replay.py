@@ -14,6 +14,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=path_argument, metavar="FILE", help="the page; default: RUN/replay.html"
     )
     parser.add_argument("--stride", type=int, metavar="N", help="keep every Nth frame; default: by size")
+    parser.add_argument(
+        "--overlay", type=path_argument, metavar="RUN", help="another run, whose numbers the plots show, too"
+    )
     parser.add_argument("--max-megabytes", type=float, default=60.0, help="size to stay below (60)")
 
 
@@ -21,6 +24,12 @@ def run(args: argparse.Namespace) -> int:
     from ..recording import Recording
     from ..replay import write_page
 
-    path = write_page(Recording(args.run), args.out, stride=args.stride, max_megabytes=args.max_megabytes)
+    path = write_page(
+        Recording(args.run),
+        args.out,
+        stride=args.stride,
+        max_megabytes=args.max_megabytes,
+        overlay=None if args.overlay is None else Recording(args.overlay),
+    )
     say(f"{path}  {path.stat().st_size / 1e6:.1f} MB")
     return 0

@@ -19,6 +19,9 @@ from .settings_arguments import add_setting_arguments, parse_settings
 #: Of a step that takes longer, the bar shows the iterations [s].
 LONG_STEP = 2.0
 
+#: Fields that are recorded for the page where nothing is said.
+FIELDS = ("stress", "pressure")
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -54,6 +57,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--certify", action="store_true", help="record every step in double precision, for stark verify"
     )
     parser.add_argument(
+        "--fields",
+        nargs="+",
+        metavar="FIELD",
+        help="recorded for replay, stills and exports: stress, strain, pressure, contact_force, speed "
+        "(stress pressure)",
+    )
+    parser.add_argument("--no-fields", action="store_true", help="record neither fields nor contacts")
+    parser.add_argument(
         "--view", action="store_true", help="watch and handle it in a browser; records when the page asks"
     )
     parser.add_argument("--host", help="address of the page of --view (127.0.0.1: this machine only)")
@@ -75,6 +86,8 @@ def _check(args: argparse.Namespace) -> None:
     """Which arguments go together."""
     if not args.view and (args.host is not None or args.port is not None):
         raise InvalidArgument("run: --host and --port are of the page: give --view, too")
+    if args.no_fields and args.fields is not None:
+        raise InvalidArgument("run: --fields and --no-fields: give one of them")
     if args.resume is None:
         if args.scene is None:
             raise InvalidArgument("run: give a scene, or --resume DIR to go on with a run")
@@ -86,6 +99,8 @@ def _check(args: argparse.Namespace) -> None:
         "--checkpoint-every": args.checkpoint_every is not None,
         "--no-checkpoint": args.no_checkpoint,
         "--certify": args.certify,
+        "--fields": args.fields is not None,
+        "--no-fields": args.no_fields,
     }
     if given := [name for name, is_given in fixed.items() if is_given]:
         raise InvalidArgument(f"run: {given[0]} is that of the run in {args.resume}; leave it out")
@@ -115,6 +130,7 @@ def _run(args: argparse.Namespace, shown: Shown) -> Any:
     }
     if args.resume is not None:
         return scenes.resume(args.resume, scene=args.scene, **common)
+    looked_at = not args.no_fields and not args.no_replay
     period = scenes.CHECKPOINT_PERIOD if args.checkpoint_every is None else args.checkpoint_every
     return scenes.run(
         scenes.load(args.scene, dict(_option(text) for text in args.option)),
@@ -122,6 +138,8 @@ def _run(args: argparse.Namespace, shown: Shown) -> Any:
         fps=60.0 if args.fps is None else args.fps,
         checkpoint_every=None if args.no_checkpoint else period,
         certify=args.certify,
+        fields=args.fields or (FIELDS if looked_at else ()),
+        contacts=args.fields is not None or looked_at,
         **common,
     )
 

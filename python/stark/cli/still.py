@@ -34,6 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="POINT:NORMAL",
         help="takes away the side of a plane that the normal points to: --clip=0,0,0.1:0,-1,0",
     )
+    parser.add_argument("--field", metavar="FIELD", help="colours bodies by a field that was recorded")
+    parser.add_argument("--limits", metavar="LOW,HIGH", help="of the colours; default: those of the values")
+    parser.add_argument("--colormap", default="viridis", choices=("viridis", "magma", "coolwarm"))
+    parser.add_argument("--contacts", action="store_true", help="draws forces of contact that were recorded")
 
 
 def add_picture_arguments(parser: argparse.ArgumentParser, quality: str) -> None:
@@ -109,7 +113,21 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
         "hide": args.hide,
         "opacity": parse_opacities(args.opacity),
         "clip": args.clip and _plane(args.clip),
+        "field": args.field,
+        "limits": args.limits and _limits(args.limits),
+        "colormap": args.colormap,
+        "contacts": args.contacts,
     }
+
+
+def _limits(text: str) -> tuple[float, float]:
+    from .._core import InvalidArgument
+
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InvalidArgument(f"--limits '{text}': must be two numbers like 0,2000") from None
+    return low, high
 
 
 def _target(text: str) -> Any:

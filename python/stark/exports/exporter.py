@@ -118,11 +118,12 @@ def export_recording(
     format: str = "usd",
     *,
     frames: Iterable[int] | None = None,
-    fields: Sequence[str] = tuple(MOTION),
+    fields: Sequence[str] | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[Path]:
     """Writes frames of a recording (all if left out) into ``folder`` and returns the files. ``fields`` are
-    those that positions give: displacement, velocity; PLY and OBJ have none. "parquet" and "mcap" are the
+    displacement and velocity, which positions give, and those that were recorded; all of them if left out.
+    PLY and OBJ have none. "parquet" and "mcap" are the
     numbers of every step. ``progress(done, total)`` is called after each frame. Raises RecordingError for
     unknown formats and empty recordings."""
     if format not in FORMATS:
@@ -139,9 +140,11 @@ def export_recording(
     if format in _SERIES:
         return [write_series(recording.telemetry, place / f"{stem}.{format}")]
     path = place / f"{stem}{_SUFFIX[format]}"
+    recorded = [entry.name for entry in recording.fields]
+    names = check_fields([*MOTION, *recorded] if fields is None else fields, live=False, recorded=recorded)
     writer = _writer(path, format, 60.0, each=True)
     try:
-        for done, shot in enumerate(frames_of(recording, chosen, check_fields(fields, live=False)), start=1):
+        for done, shot in enumerate(frames_of(recording, chosen, names), start=1):
             writer.add(shot)
             if progress is not None:
                 progress(done, len(chosen))

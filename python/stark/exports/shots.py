@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -52,15 +53,19 @@ class Shot:
         return merged
 
 
-def check_fields(names: Sequence[str], *, live: bool) -> tuple[str, ...]:
-    """Raises InvalidArgument for fields that are unknown, and for those that need a simulation."""
+def check_fields(names: Sequence[str], *, live: bool, recorded: Sequence[str] = ()) -> tuple[str, ...]:
+    """Raises InvalidArgument for fields that are unknown, and for those that need a simulation and are not
+    ``recorded``."""
     if isinstance(names, str):
         raise InvalidArgument(f"export: fields = '{names}': must be several names: ('{names}',)")
     for name in names:
+        if name in recorded:
+            continue
         if name in FIELDS and not live:
             raise InvalidArgument(
                 f"export: field '{name}': needs a simulation; a recording has positions only: "
-                f"{_words(MOTION)}; export with stark.exports.Exporter while the simulation runs"
+                f"{_words(MOTION)}, and what was recorded with them: {_words(recorded) or 'nothing'}; run it "
+                f"with --fields {name}, or export with stark.exports.Exporter while the simulation runs"
             )
         if name not in FIELDS and name not in MOTION:
             raise InvalidArgument(f"export: field '{name}': must be one of {_words([*MOTION, *FIELDS])}")
@@ -81,7 +86,8 @@ class Camera:
         shot = Shot(time, tuple(map(_body, parts)), tuple(body_colors(parts)), {})
         fields: dict[str, dict[str, Array]] = {}
         for name in self._names:
-            fields[name] = self._moved(name, shot) if name in MOTION else _computed(source, parts, name)
+            moved = name in MOTION
+            fields[_plain(name)] = self._moved(name, shot) if moved else _computed(source, parts, name)
         shot = replace(shot, fields=fields, index=index)
         self._first = shot if self._first is None else self._first
         self._before = shot
@@ -119,7 +125,10 @@ def pose_between(start: Array, now: Array) -> Pose:
 
 
 def _computed(source: Any, parts: Sequence[Any], name: str) -> dict[str, Array]:
-    """A field of the house, at the drawn vertices."""
+    """A field of the house, or one that was recorded, at the drawn vertices."""
+    recording = getattr(source, "recorded", None)
+    if recording is not None:
+        return dict(recording.field(name, source.index))
     every = field_values(source, name)
     return {b.name: np.asarray(at_surface(b, every[b.name])) for b in parts if b.name in every}
 
@@ -130,6 +139,11 @@ def _body(part: Any) -> FrameBody:
     return FrameBody(
         str(part.name), _word(part.kind), motion, positions.astype(np.float32), triangles.astype(np.int32)
     )
+
+
+def _plain(name: str) -> str:
+    """A name that all formats take: that of ``height [m]`` is ``height_m``."""
+    return re.sub(r"\W+", "_", name).strip("_") or "field"
 
 
 def _word(value: Any) -> str:

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 from ..array_file import is_leftover, naming, remove_leftovers
-from .format import CERTIFICATE, CHECKPOINT, LOCK, MANIFEST, PAGE, STATES, TELEMETRY, RecordingError
+from .format import CERTIFICATE, CHECKPOINT, FIELDS, LOCK, MANIFEST, PAGE, STATES, TELEMETRY, RecordingError
 from .lock import FolderLock
 
 
@@ -46,7 +46,7 @@ def _empty(folder: Path) -> None:
     stays until it is replaced: the folder is known as that of a recording."""
     for name in (CHECKPOINT, CERTIFICATE, TELEMETRY, PAGE):
         (folder / name).unlink(missing_ok=True)
-    for name in ("frames", STATES):
+    for name in ("frames", STATES, FIELDS):
         if (folder / name).is_symlink():
             (folder / name).unlink()
         shutil.rmtree(folder / name, ignore_errors=True)

@@ -17,6 +17,7 @@ MANIFEST = "manifest.json"
 TELEMETRY = "telemetry.jsonl"
 TOPOLOGY = "frames/topology.npz"
 STATES = "states"
+FIELDS = "fields"
 CERTIFICATE = "certificate.json"
 PAGE = "replay.html"
 #: Held by the process that writes the folder, see stark.recording.lock.
@@ -65,10 +66,16 @@ class Frame:
     index: int
     time: float
     bodies: tuple[FrameBody, ...]
+    recorded: Any = None
+    """The recording that it is of, which knows its fields and contacts."""
 
 
 def chunk_path(index: int) -> str:
     return f"frames/chunk_{index:06d}.npz"
+
+
+def field_path(index: int) -> str:
+    return f"{FIELDS}/chunk_{index:06d}.npz"
 
 
 def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -16,6 +16,7 @@ from ..array_file import DamageError, read_arrays
 from ..files import read_text, resolved
 from ..telemetry import Telemetry, TelemetryError
 from .chain import ARRAY
+from .fields import Contacts, FieldEntry, read_chunk, read_entries, row_of
 from .format import (
     CHUNK_FRAMES,
     FORMAT_NAME,
@@ -28,6 +29,7 @@ from .format import (
     FrameBody,
     RecordingError,
     chunk_path,
+    field_path,
 )
 
 
@@ -85,10 +87,15 @@ class Recording:
             size = self.manifest.get("chunk_frames", CHUNK_FRAMES)
             if type(size) is not int or size < 1:
                 raise ValueError(f"chunk_frames = {size} must be an integer >= 1")
+            #: Fields that were recorded, and whether contacts were.
+            self.fields: list[FieldEntry]
+            self.has_contacts: bool
+            self.fields, self.has_contacts = read_entries(self.manifest, len(self.bodies))
         except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
             raise RecordingError(f"'{self.folder / MANIFEST}' lacks or breaks an entry: {error}") from error
         self._triangles = self._read_topology()
         self._cache: dict[int, dict[str, np.ndarray]] = {}
+        self._field_cache: dict[int, dict[str, np.ndarray]] = {}
         times = [self._chunk(index)["times"] for index in range(chunk_count)]
         if self.status == "running" and times:
             # The last chunk grows at checkpoints; frames that the manifest does not count yet are not there.
@@ -230,6 +237,43 @@ class Recording:
         chunk_index = int(np.searchsorted(self._starts, index, side="right")) - 1
         return self._chunk(chunk_index), index - int(self._starts[chunk_index])
 
+    def field_row(self, frame: int) -> dict[str, np.ndarray]:
+        """Fields and contacts of a frame as they are stored, see ``stark.recording.fields``."""
+        frame = self._frame_index(frame)
+        index = int(np.searchsorted(self._starts, frame, side="right")) - 1
+        if index not in self._field_cache:
+            path, counts = self.folder / field_path(index), [body.vertex_count for body in self.bodies]
+            length = int(self._starts[index + 1] - self._starts[index])
+            chunk = read_chunk(self._place / field_path(index), path, self.manifest, counts, length)
+            if len(self._field_cache) >= 2:
+                self._field_cache.pop(next(iter(self._field_cache)))
+            self._field_cache[index] = chunk
+        return row_of(self._field_cache[index], frame - int(self._starts[index]))
+
+    def field(self, name: str, frame: int) -> dict[str, np.ndarray]:
+        """A recorded field in a frame: values (n,) float32 at the drawn vertices, by name of body. Raises
+        RecordingError for fields that were not recorded."""
+        numbers = [k for k, entry in enumerate(self.fields) if entry.name == name]
+        if not numbers:
+            known = ", ".join(entry.name for entry in self.fields) or "none"
+            raise RecordingError(
+                f"'{self.folder}' has no field '{name}'; it has: {known}. Record it: stark run --fields "
+                f"{name}, or Recorder(fields=('{name}',))"
+            )
+        row = self.field_row(frame)
+        return {
+            self.bodies[i].name: row[f"values_{numbers[0]:02d}_{i:04d}"]
+            for i in self.fields[numbers[0]].bodies
+        }
+
+    def contacts(self, frame: int) -> Contacts:
+        """Contacts of a frame; RecordingError if they were not recorded."""
+        if not self.has_contacts:
+            raise RecordingError(f"'{self.folder}' has no contacts: record them, Recorder(contacts=True)")
+        row = self.field_row(frame)
+        names = ("contact_points", "contact_forces", "contact_bodies", "body_forces")
+        return Contacts(*(row[name] for name in names))
+
     def digest(self, frame: int) -> np.ndarray:
         """Digest of a frame and all before it (32,) uint8, see ``stark.recording.chain``."""
         chunk, row = self._place_of(self._frame_index(frame))
@@ -244,7 +288,7 @@ class Recording:
             FrameBody(b.name, b.kind, b.motion, self._positions_at(i, index), self._triangles[i], b.color)
             for i, b in enumerate(self.bodies)
         )
-        return Frame(index, float(self.times[index]), bodies)
+        return Frame(index, float(self.times[index]), bodies, self)
 
     def frames(self) -> Iterator[Frame]:
         """All frames in order of time."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import time as clock
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -19,9 +19,11 @@ from ..files import resolved
 from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_lines
 from . import chain
 from .chain import RowChain
+from .fields import Arrays, FieldWriter, write_chunk
 from .folder import drop_chunks_after, prepare
 from .format import (
     CHUNK_FRAMES,
+    FIELDS,
     FORMAT_NAME,
     FORMAT_VERSION,
     MANIFEST,
@@ -87,6 +89,7 @@ class _Pending:
     time: float  # [s]
     positions: list[np.ndarray]
     digest: np.ndarray | None
+    values: dict[str, np.ndarray] = field(default_factory=dict)  # fields and contacts
 
 
 class Recorder:
@@ -98,6 +101,13 @@ class Recorder:
     ``settings`` are those of ``sim`` when not given.
     With ``certify``, ``record_state(sim)`` has to be called at the start and after every accepted step, for
     ``stark verify``.
+
+    ``fields`` are recorded at the vertices of every frame, for replays, pictures and exports: "stress",
+    "strain", "pressure", "contact_force", "speed" (``stark.render.field_values`` says what they are), of
+    bodies that move. ``arrays`` are fields of your own: by name, with the unit in brackets, a function of the
+    simulation that gives values (n,) at the vertices of some bodies, always the same ones:
+    ``{"height [m]": lambda sim: {"jelly": sim["jelly"].positions[:, 2]}}``. ``contacts`` records points and
+    forces of contact, up to 1000 of a frame, those of the largest forces.
     """
 
     def __init__(
@@ -110,6 +120,9 @@ class Recorder:
         chunk_frames: int = CHUNK_FRAMES,
         stark_version: str = "",
         certify: bool = False,
+        fields: Sequence[str] = (),
+        arrays: Mapping[str, Arrays] | None = None,
+        contacts: bool = False,
     ) -> None:
         if chunk_frames < 1:
             raise RecordingError(f"chunk_frames = {chunk_frames}; must be at least 1")
@@ -143,6 +156,10 @@ class Recorder:
             "summary": {},
         }
         self._states: StateWriter | None = None
+        self._fields: FieldWriter | None = None
+        if fields or arrays or contacts:
+            self._fields = FieldWriter(sim, fields, arrays or {}, contacts)
+            self._manifest["fields"] = self._fields.manifest
         self._telemetry: TelemetryWriter | None = None
         self._kept_lines = 0
         try:
@@ -235,6 +252,7 @@ class Recorder:
                 f"'{folder}' is a recording of other bodies; give the scene it was made with"
             )
         recorder._chunk_frames = int(recording.manifest.get("chunk_frames", CHUNK_FRAMES))
+        recorder._fields = FieldWriter.resumed(sim, recording)
         recorder._take_up_frames(recording, frames)
         recorder._states = None
         if certified:
@@ -243,7 +261,7 @@ class Recorder:
             recorder._states = StateWriter.resume(
                 folder, sim, recorder._chunk_frames, states, chained="chain" in recorder._manifest
             )
-        for part in (folder, folder / "frames", folder / STATES):
+        for part in (folder, folder / "frames", folder / STATES, folder / FIELDS):
             remove_leftovers(part)
         recorder._closed = False
         recorder._go_on(lines)
@@ -260,6 +278,7 @@ class Recorder:
                 float(recording.times[k]),
                 [recording.positions(i, k) for i in range(len(recording.bodies))],
                 recording.digest(k) if chained else None,
+                {} if self._fields is None else recording.field_row(k),
             )
             for k in range(frames - rest, frames)
         ]
@@ -283,6 +302,8 @@ class Recorder:
         drop_chunks_after(self.folder / "frames", self._chunks_on_disk())
         if self._states is not None:
             drop_chunks_after(self.folder / STATES, self._states.manifest["chunk_count"])
+        if self._fields is not None:
+            drop_chunks_after(self.folder / FIELDS, self._chunks_on_disk())
 
     @staticmethod
     def _entry(body: Any) -> BodyEntry:
@@ -326,13 +347,16 @@ class Recorder:
                     f"body '{entry.name}': {positions.shape} positions, recorded as {(entry.vertex_count, 3)}"
                 )
             frame.append(positions)
+        values = {} if self._fields is None else self._fields.take(sim)
         at = float(sim.time if time is None else time)
         row: dict[str, Any] = {
             "times": np.float64(at),
             **{f"positions_{i:04d}": x for i, x in enumerate(frame)},
         }
         digest = None if self._frame_chain is None else self._frame_chain.add_arrays(row)
-        self._pending.append(_Pending(at, frame, digest))  # at once: an interrupt leaves no half frame
+        self._pending.append(
+            _Pending(at, frame, digest, values)
+        )  # at once: an interrupt leaves no half frame
         self.last_time = at
         if len(self._pending) >= self._chunk_frames:
             self._flush_frames()
@@ -392,6 +416,8 @@ class Recorder:
         if digests:
             arrays[chain.ARRAY] = np.stack(digests)
             self._frame_head = digests[-1].tobytes().hex()
+        if self._fields is not None:
+            write_chunk(self.folder, self._chunk_index, [frame.values for frame in self._pending])
         write_arrays(self.folder / chunk_path(self._chunk_index), arrays)
         self._synced = self.frame_count
 

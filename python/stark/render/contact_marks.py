@@ -10,6 +10,7 @@ import numpy as np
 
 from .._core import InvalidArgument
 from .camera import Bounds, Camera
+from .choosing import matching
 from .colorbar import numbers
 from .lettering import strokes
 from .overlay import PAPER, Color, Overlay, rectangle
@@ -52,6 +53,8 @@ def draw_contacts(
 def forces_of(sim: Any, which: Any, shown: Collection[str] | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Places (n, 3) [m] and forces (n, 3) [N] of the contacts of the last step, as ``draw_contacts`` has
     them."""
+    if getattr(sim, "recorded", None) is not None:
+        return _recorded_forces(sim, which, shown)
     if not hasattr(sim, "contacts"):
         raise InvalidArgument("contacts: need a simulation; a recording has positions only")
     contacts = sim.contacts if which is True else sim.contacts.of(which)
@@ -63,6 +66,25 @@ def forces_of(sim: Any, which: Any, shown: Collection[str] | None = None) -> tup
         turned = ~moves[contacts.bodies[:, 0]] & moves[contacts.bodies[:, 1]]
         forces = np.where(turned[:, None], -forces, forces)
     return 0.5 * (contacts.points_a + contacts.points_b), forces
+
+
+def _recorded_forces(frame: Any, which: Any, shown: Collection[str] | None) -> tuple[np.ndarray, np.ndarray]:
+    """Of a frame of a recording."""
+    if not frame.recorded.has_contacts:
+        raise InvalidArgument(
+            "contacts: the recording has none; record them: stark run, or Recorder(contacts=True)"
+        )
+    found = frame.recorded.contacts(frame.index)
+    a, b = found.bodies[:, 0], found.bodies[:, 1]
+    seen = np.array([shown is None or body.name in shown for body in frame.bodies], dtype=bool)
+    moves = np.array([body.motion == "dynamic" for body in frame.bodies], dtype=bool)
+    drawn, turned = seen[a] | seen[b], ~moves[a] & moves[b]
+    if which is not True:
+        own = matching(which, [body.name for body in frame.bodies], "contacts: body")
+        drawn &= np.isin(a, own) | np.isin(b, own)
+        turned = ~np.isin(a, own)
+    forces = np.where(turned[:, None], -found.forces, found.forces)
+    return found.points[drawn].astype(np.float64), forces[drawn].astype(np.float64)
 
 
 def draw_arrow(overlay: Overlay, start: np.ndarray, end: np.ndarray, thick: float) -> None:

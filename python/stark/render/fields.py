@@ -57,6 +57,8 @@ def field_of(source: Any, field: Any, shown: Collection[str] | None = None) -> F
     pattern) with arrays of a value for each vertex (n,), or with the name of a field. Bodies whose kind does
     not have the field are left out, and of those that are not named fixed ones and all but the ``shown``."""
     if isinstance(field, str):
+        if _is_recorded(source, field):
+            return _recorded(source, field, shown)
         kind = _known(field)
         bodies = [b for b in _with_handles(source, field).bodies if shown is None or b.name in shown]
         moving = [b for b in bodies if b.motion != "fixed"]
@@ -74,12 +76,30 @@ def field_of(source: Any, field: Any, shown: Collection[str] | None = None) -> F
         raise InvalidArgument(f"field = {field!r}: must name one field: a picture has one scale of colours")
     for key, given in field.items():
         for i in matching(key, names, "field: body"):
-            if isinstance(given, str):
+            if isinstance(given, str) and _is_recorded(source, given):
+                values |= _recorded(source, given, {names[i]}).values
+            elif isinstance(given, str):
                 values |= field_values(_with_handles(source, given), given, names[i])
             else:
                 values[names[i]] = _given(bodies[i], given)
+    if words and _is_recorded(source, words[0]):
+        return _recorded(source, words[0], ())._replace(values=values)
     label, unit = (_known(words[0]).label, _known(words[0]).unit) if words else ("", "")
     return Field(values, label, unit)
+
+
+def _is_recorded(source: Any, name: str) -> bool:
+    """Whether ``source`` is a frame of a recording with this field."""
+    recording = getattr(source, "recorded", None)
+    return recording is not None and any(entry.name == name for entry in recording.fields)
+
+
+def _recorded(frame: Any, name: str, shown: Collection[str] | None) -> Field:
+    """What was recorded at the drawn vertices."""
+    entry = next(entry for entry in frame.recorded.fields if entry.name == name)
+    every = frame.recorded.field(name, frame.index)
+    values = {body: v for body, v in every.items() if shown is None or body in shown}
+    return Field(values, entry.label, entry.unit)
 
 
 def _known(name: Any) -> _Kind:
@@ -94,8 +114,8 @@ def _known(name: Any) -> _Kind:
 def _with_handles(source: Any, name: str) -> Any:
     if not all(hasattr(body, "contact_forces") for body in source.bodies):
         raise InvalidArgument(
-            f"field '{name}': needs a simulation; a recording has positions only: give arrays, "
-            f"field={{'body': values}}"
+            f"field '{name}': needs a simulation, or a recording that has it (stark run --fields {name}); "
+            f"else give arrays, field={{'body': values}}"
         )
     return source
 

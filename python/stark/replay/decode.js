@@ -23,7 +23,7 @@ function decodeRange(bytes, frameCount, vertexCount) {
 }
 
 async function readBody(entry, block) {
-  const body = { ...entry, visible: true, triangles: new Uint32Array((await block(entry.index)).buffer) };
+  const body = { ...entry, visible: true, opacity: 1, marked: false, triangles: new Uint32Array((await block(entry.index)).buffer) };
   if (entry.mode === "mesh") {
     body.ranges = [];
     for (const range of entry.ranges) {
@@ -130,4 +130,47 @@ function renderMesh(triangles, positions, creaseCosine) {
     index[i] = seen.get(root);
   }
   return { index, source: new Uint32Array(source), lines: new Uint32Array(lines.map((corner) => index[corner])) };
+}
+
+// Fields of the header with their numbers: values of body i at frame k are low + step * q[i][k * vertices + vertex].
+async function readFields(header, block) {
+  const fields = [];
+  for (const entry of header.fields || []) {
+    const q = {};
+    for (const [i, number] of Object.entries(entry.blocks)) {
+      const bytes = await block(number), n = header.bodies[i].vertices, total = bytes.length / 2;
+      q[i] = new Uint16Array(total);
+      for (let k = 0; k < total; ++k) q[i][k] = (bytes[k] | (bytes[total + k] << 8)) + (k >= n ? q[i][k - n] : 0);
+    }
+    fields.push({ ...entry, q, limits: [...entry.limits], given: [...entry.limits] });
+  }
+  return fields;
+}
+
+// Values of a field at the vertices of a body between frames k and k + 1, null where it has none.
+function valuesBetween(field, body, k, f) {
+  const q = field.q[body.number], n = body.vertices;
+  if (!q) return null;
+  const out = new Float32Array(n), now = k * n, next = f > 0 ? now + n : now;
+  for (let i = 0; i < n; ++i) out[i] = field.low + field.step * (q[now + i] + f * (q[next + i] - q[now + i]));
+  return out;
+}
+
+// Contacts by frame, or null where none were recorded.
+async function readContacts(header, block) {
+  const given = header.contacts;
+  if (!given) return null;
+  const floats = async (number) => new Float32Array((await block(number)).buffer);
+  const starts = [0];
+  for (const count of given.counts) starts.push(starts[starts.length - 1] + count);
+  return {
+    ...given, starts, points: await floats(given.points), forces: await floats(given.forces),
+    sums: await floats(given.sums), pairs: new Uint16Array((await block(given.pairs)).buffer),
+  };
+}
+
+// Colour at a share in [0, 1] of evenly spaced colours.
+function colorAt(points, share) {
+  const at = share * (points.length - 1), i = Math.min(points.length - 2, Math.floor(at));
+  return points[i].map((c, a) => c + (at - i) * (points[i + 1][a] - c));
 }

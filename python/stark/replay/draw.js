@@ -1,106 +1,6 @@
-// The WebGL2 renderer: shadow map, hemisphere light with one soft-shadowed key light, two-sided surfaces, ground grid.
+// The WebGL2 renderer: shadow map, two-sided surfaces, opaque ones first, then those that are seen through, ground grid.
 
 const LIGHT = normalize3([0.42, -0.38, 0.86]);
-const SHADOW_SIZE = 2048;
-
-const SURFACE_VERTEX = `#version 300 es
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-uniform mat4 viewProjection, model, shadowMatrix;
-out vec3 worldPosition, worldNormal, shadowPosition;
-void main() {
-  vec4 p = model * vec4(position, 1.0);
-  worldPosition = p.xyz;
-  worldNormal = mat3(model) * normal;
-  shadowPosition = (shadowMatrix * p).xyz;
-  gl_Position = viewProjection * p;
-}`;
-
-const SHADOW_LOOKUP = `
-uniform highp sampler2DShadow shadowMap;
-uniform float shadowStrength;
-float lit(vec3 p, float bias) {
-  if (shadowStrength == 0.0 || any(lessThan(p, vec3(0.0))) || any(greaterThan(p, vec3(1.0)))) return 1.0;
-  float sum = 0.0, texel = 1.6 / ${SHADOW_SIZE}.0;
-  for (int i = -2; i <= 2; ++i)
-    for (int j = -2; j <= 2; ++j) sum += texture(shadowMap, vec3(p.xy + texel * vec2(i, j), p.z - bias));
-  return mix(1.0, sum / 25.0, shadowStrength);
-}`;
-
-const SURFACE_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 worldPosition, worldNormal, shadowPosition;
-uniform vec3 color, eye, light;
-uniform float flatShading, backTint;
-uniform vec4 horizon;
-out vec4 fragment;
-${SHADOW_LOOKUP}
-void main() {
-  vec3 view = normalize(eye - worldPosition);
-  vec3 face = normalize(cross(dFdx(worldPosition), dFdy(worldPosition)));
-  vec3 n = flatShading > 0.5 ? face : normalize(worldNormal);
-  if (dot(face, view) < 0.0) face = -face;
-  if (dot(n, face) < 0.0) n = -n;
-  vec3 base = pow(color, vec3(2.2));
-  if (!gl_FrontFacing) base = mix(base, vec3(dot(base, vec3(0.3, 0.55, 0.15))) * 1.15, backTint);
-  float key = max(dot(n, light), 0.0);
-  float shadow = lit(shadowPosition, 0.0008 + 0.004 * (1.0 - key)) * smoothstep(-0.05, 0.12, dot(face, light));
-  vec3 sky = vec3(0.50, 0.54, 0.60), earth = vec3(0.30, 0.28, 0.27);
-  vec3 ambient = mix(earth, sky, 0.5 + 0.5 * n.z);
-  float fill = 0.10 * max(dot(n, view), 0.0);
-  vec3 halfway = normalize(light + view);
-  float gloss = 0.10 * pow(max(dot(n, halfway), 0.0), 42.0) * shadow;
-  vec3 c = base * (ambient + fill + vec3(0.80, 0.77, 0.73) * key * shadow) + gloss;
-  c = 1.12 * c / (1.0 + 0.22 * c);
-  float alpha = 1.0;
-  if (horizon.w > 0.0) alpha -= smoothstep(0.35, 1.0, distance(worldPosition, horizon.xyz) / horizon.w);
-  fragment = vec4(pow(min(c, vec3(1.0)), vec3(1.0 / 2.2)) * alpha, alpha);
-}`;
-
-const LINE_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 worldPosition, worldNormal, shadowPosition;
-uniform vec4 lineColor;
-out vec4 fragment;
-void main() { fragment = vec4(lineColor.rgb * lineColor.a, lineColor.a); }`;
-
-const DEPTH_FRAGMENT = `#version 300 es
-precision highp float;
-void main() {}`;
-
-const GROUND_VERTEX = `#version 300 es
-uniform mat4 viewProjection, shadowMatrix;
-uniform vec4 ground;
-out vec3 worldPosition, shadowPosition;
-void main() {
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-  worldPosition = vec3(ground.xy + corner * ground.w, ground.z);
-  shadowPosition = (shadowMatrix * vec4(worldPosition, 1.0)).xyz;
-  gl_Position = viewProjection * vec4(worldPosition, 1.0);
-}`;
-
-const GROUND_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 worldPosition, shadowPosition;
-uniform vec4 ground;
-uniform float spacing, onFloor;
-out vec4 fragment;
-${SHADOW_LOOKUP}
-float lines(float every) {
-  vec2 p = worldPosition.xy / every, w = fwidth(p);
-  vec2 d = abs(fract(p - 0.5) - 0.5) / max(w, 1e-6);
-  vec2 fade = clamp(1.0 - w * 2.5, 0.0, 1.0);
-  vec2 on = (1.0 - clamp(d - 0.1, 0.0, 1.0)) * fade;
-  return max(on.x, on.y);
-}
-void main() {
-  float r = length(worldPosition.xy - ground.xy) / ground.w;
-  float fade = 1.0 - smoothstep(0.25, 1.0, r);
-  float a = max(0.13 * lines(spacing), 0.26 * lines(10.0 * spacing)) * fade;
-  float dark = onFloor > 0.5 ? 0.0 : 0.30 * (1.0 - lit(shadowPosition, 0.0005)) * fade;
-  float alpha = 1.0 - (1.0 - a) * (1.0 - dark);
-  fragment = vec4(vec3(0.28, 0.33, 0.40) * alpha, alpha);
-}`;
 
 function normalize3(v) {
   const s = 1 / Math.hypot(...v);
@@ -108,6 +8,7 @@ function normalize3(v) {
 }
 const cross3 = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const NEUTRAL = [0.8, 0.81, 0.83]; // of bodies without values, where a field is shown
 const IDENTITY = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
 
 function multiply(a, b) {
@@ -149,6 +50,8 @@ class Renderer {
     this.depth = this.program(SURFACE_VERTEX, DEPTH_FRAGMENT);
     this.ground = this.program(GROUND_VERTEX, GROUND_FRAGMENT);
     this.makeShadowMap();
+    this.colormap = gl.createTexture();
+    this.clip = [0, 0, 0, 1];
     for (const body of bodies) this.upload(body);
     this.emptyArray = gl.createVertexArray();
   }
@@ -170,6 +73,16 @@ class Renderer {
       uniforms[name] = gl.getUniformLocation(program, name);
     }
     return { program, ...uniforms };
+  }
+
+  // Colours [[r, g, b], ...] in [0, 1], evenly spaced, as a texture of 256 pixels.
+  setColormap(points) {
+    const gl = this.gl, pixels = new Uint8Array(4 * 256);
+    for (let i = 0; i < 256; ++i) pixels.set([...colorAt(points, i / 255).map((c) => Math.round(255 * c)), 255], 4 * i);
+    gl.bindTexture(gl.TEXTURE_2D, this.colormap);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
   }
 
   makeShadowMap() {
@@ -202,6 +115,8 @@ class Renderer {
     body.positions = new Float32Array(body.rest);
     body.scratch = new Float32Array(body.rest.length);
     body.vertexData = new Float32Array(6 * mesh.source.length);
+    body.values = null;
+    body.valueData = new Float32Array(mesh.source.length);
     body.model = IDENTITY;
     body.array = gl.createVertexArray();
     gl.bindVertexArray(body.array);
@@ -211,6 +126,11 @@ class Renderer {
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 24, 0);
     gl.enableVertexAttribArray(1);
     gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 24, 12);
+    body.valueBuffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, body.valueBuffer);
+    gl.bufferData(gl.ARRAY_BUFFER, body.valueData, gl.DYNAMIC_DRAW);
+    gl.enableVertexAttribArray(2);
+    gl.vertexAttribPointer(2, 1, gl.FLOAT, false, 4, 0);
     body.triangleBuffer = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, body.triangleBuffer);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.index, gl.STATIC_DRAW);
@@ -246,9 +166,17 @@ class Renderer {
     this.gl.bufferData(this.gl.ARRAY_BUFFER, v, this.gl.DYNAMIC_DRAW);
   }
 
-  // Moves all bodies to frame k + f.
-  setFrame(k, f) {
+  // Moves all bodies to frame k + f, with the values of a field, if there is one.
+  setFrame(k, f, field) {
+    this.field = field;
     for (const body of this.bodies) {
+      body.values = field ? valuesBetween(field, body, k, f) : null;
+      if (body.values && body.visible) {
+        const { source } = body.mesh;
+        for (let i = 0; i < source.length; ++i) body.valueData[i] = body.values[source[i]];
+        this.gl.bindBuffer(this.gl.ARRAY_BUFFER, body.valueBuffer);
+        this.gl.bufferData(this.gl.ARRAY_BUFFER, body.valueData, this.gl.DYNAMIC_DRAW);
+      }
       if (body.mode === "mesh" && body.visible) {
         positionsBetween(body, k, f, body.positions, body.scratch);
         this.fill(body);
@@ -258,15 +186,21 @@ class Renderer {
     }
   }
 
-  drawBodies(program, matrix, lines) {
+  // Bodies that `wanted` keeps; ground and grid are not cut.
+  drawBodies(program, matrix, lines, wanted) {
     const gl = this.gl;
     gl.uniformMatrix4fv(program.viewProjection, false, matrix);
     const { center, radius } = this.bounds;
     for (const body of this.bodies) {
-      if (!body.visible || (lines && body.scenery)) continue;
+      if (!body.visible || !wanted(body) || (lines && body.scenery)) continue;
+      const values = body.values !== null;
       if (program.horizon) gl.uniform4f(program.horizon, ...center, body.scenery ? 9 * radius : 0);
+      gl.uniform4fv(program.clip, body.scenery ? [0, 0, 0, 1] : this.clip);
       gl.uniformMatrix4fv(program.model, false, body.model);
-      if (program.color) gl.uniform3fv(program.color, body.color);
+      if (program.color) gl.uniform3fv(program.color, this.field && !values ? NEUTRAL : body.color);
+      if (program.hasField) gl.uniform1f(program.hasField, values ? 1 : 0);
+      if (program.opacity) gl.uniform1f(program.opacity, body.opacity);
+      if (program.marked) gl.uniform1f(program.marked, body.marked && !values ? 1 : 0);
       if (program.backTint) gl.uniform1f(program.backTint, body.kind === "cloth" ? 0.35 : 0);
       gl.bindVertexArray(body.array);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, lines ? body.lineBuffer : body.triangleBuffer);
@@ -287,7 +221,7 @@ class Renderer {
       gl.useProgram(this.depth.program);
       gl.enable(gl.POLYGON_OFFSET_FILL);
       gl.polygonOffset(1.5, 2);
-      this.drawBodies(this.depth, this.lightMatrix, false);
+      this.drawBodies(this.depth, this.lightMatrix, false, (body) => body.opacity >= 0.5);
       gl.disable(gl.POLYGON_OFFSET_FILL);
       gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     }
@@ -300,7 +234,7 @@ class Renderer {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const eye = camera.eye();
     const far = camera.distance + 30 * radius, near = Math.max(camera.distance * 0.02, 1e-3 * radius);
-    const matrix = multiply(perspective(camera.fov, width / height, near, far), lookAt(eye, camera.target, camera.up()));
+    const matrix = (this.matrix = multiply(perspective(camera.fov, width / height, near, far), lookAt(eye, camera.target, camera.up())));
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.shadowTexture);
     const surface = this.surface;
@@ -315,13 +249,19 @@ class Renderer {
     gl.polygonOffset(1, 1);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    this.drawBodies(surface, matrix, false);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, this.colormap);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.uniform1i(surface.colormap, 1);
+    gl.uniform2fv(surface.limits, this.field ? this.field.limits : [0, 1]);
+    this.drawBodies(surface, matrix, false, (body) => body.opacity >= 1);
     gl.disable(gl.POLYGON_OFFSET_FILL);
     if (options.edges) {
       gl.useProgram(this.line.program);
       gl.uniform4f(this.line.lineColor, 0.06, 0.09, 0.14, 0.38);
-      this.drawBodies(this.line, matrix, true);
+      this.drawBodies(this.line, matrix, true, (body) => body.opacity > 0);
     }
+    this.drawThin(matrix);
     if (options.grid) {
       const program = this.ground;
       gl.useProgram(program.program);
@@ -339,5 +279,19 @@ class Renderer {
       gl.depthMask(true);
     }
     gl.disable(gl.BLEND);
+  }
+
+  // Bodies that are seen through: first their depth, so that each shows its nearest surface only.
+  drawThin(matrix) {
+    const gl = this.gl, thin = (body) => body.opacity > 0 && body.opacity < 1;
+    if (!this.bodies.some((body) => body.visible && thin(body))) return;
+    gl.colorMask(false, false, false, false);
+    gl.useProgram(this.depth.program);
+    this.drawBodies(this.depth, matrix, false, thin);
+    gl.colorMask(true, true, true, true);
+    gl.depthFunc(gl.LEQUAL);
+    gl.useProgram(this.surface.program);
+    this.drawBodies(this.surface, matrix, false, thin);
+    gl.depthFunc(gl.LESS);
   }
 }

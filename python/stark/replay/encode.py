@@ -22,6 +22,7 @@ import numpy as np
 
 from ..palette import body_colors
 from ..recording import Recording, RecordingError
+from .encode_fields import encode_contacts, encode_fields, split_bytes
 
 RANGE_FRAMES = 64
 #: Bytes of one vertex and frame after compression, measured on cloth; used to choose the frame stride.
@@ -59,7 +60,10 @@ _LARGEST = 1e18
 def choose_stride(recording: Recording, max_megabytes: float) -> int:
     """Smallest frame stride whose estimated page size stays below ``max_megabytes``."""
     vertices = sum(body.vertex_count for body in recording.bodies if body.kind != "rigid")
-    estimate = vertices * len(recording) * _BYTES_PER_VERTEX * 4.0 / 3.0  # base64 adds a third
+    estimate = vertices * len(recording) * _BYTES_PER_VERTEX
+    for entry in recording.fields:
+        estimate += sum(recording.bodies[i].vertex_count for i in entry.bodies) * len(recording)
+    estimate *= 4.0 / 3.0  # base64 adds a third
     return max(1, int(np.ceil(estimate / (max_megabytes * 1e6))))
 
 
@@ -103,11 +107,6 @@ def _quaternions(rotations: np.ndarray) -> np.ndarray:
     return quaternions
 
 
-def _split_bytes(values: np.ndarray) -> bytes:
-    values = np.ascontiguousarray(values, dtype="<u2").reshape(-1)
-    return (values & 255).astype(np.uint8).tobytes() + (values >> 8).astype(np.uint8).tobytes()
-
-
 def _join_bytes(data: bytes) -> np.ndarray:
     planes = np.frombuffer(data, dtype=np.uint8).reshape(2, -1).astype(np.uint16)
     return planes[0] | (planes[1] << 8)
@@ -124,7 +123,7 @@ def _encode_range(positions: np.ndarray) -> tuple[list[float], float, bytes]:
     delta[1:] = np.diff(q, axis=0)
     if len(q) > 2:
         delta[2:] = np.diff(q, n=2, axis=0)
-    return [float(value) for value in low], step, _deflate(_split_bytes(delta & 0xFFFF))
+    return [float(value) for value in low], step, _deflate(split_bytes(delta & 0xFFFF))
 
 
 def _decode_range(data: bytes, frame_count: int, vertex_count: int) -> np.ndarray:
@@ -178,6 +177,8 @@ def encode(recording: Recording, *, stride: int | None = None, max_megabytes: fl
         "stride": stride,
         "times": [round(float(recording.times[k]), 9) for k in kept],
         "bodies": bodies,
+        "fields": encode_fields(recording, kept, add, _deflate),
+        "contacts": encode_contacts(recording, kept, add, _deflate),
     }
     return EncodedReplay(header, blocks)
 

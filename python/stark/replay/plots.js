@@ -1,6 +1,30 @@
 // Small line plots on 2D canvases, all with the same time axis and a cursor at the time on show.
 
-const PLOT_COLORS = ["#2f6fde", "#e0663f", "#2a9d8f", "#9b6bd0", "#d9a021", "#5f6b7a"];
+const PLOT_COLORS = ["#2f6fde", "#e0663f", "#2a9d8f", "#9b6bd0", "#d9a021", "#5f6b7a", "#c2387f", "#5d8f1f"];
+
+// Colours that do not repeat: a small palette, then hues by the golden angle, each as far as can be from those before.
+function plotColor(i) {
+  if (i < PLOT_COLORS.length) return PLOT_COLORS[i];
+  return `hsl(${((i - PLOT_COLORS.length) * 137.508 + 20) % 360}, 62%, ${[34, 58, 46][i % 3]}%)`;
+}
+
+// All plots, those of another run over the first ones as dashed lines of the same colours.
+function makePlots(parent, header, seek) {
+  const { time, plots } = header.telemetry, other = header.overlay;
+  const charts = plots.map((spec) => {
+    const same = other && other.plots.find((plot) => plot.title === spec.title);
+    return new Plot(parent, spec, time, seek, same && { ...same, time: other.time });
+  });
+  if (other) {
+    const legend = byId("overlay-legend");
+    legend.hidden = false;
+    element("i", "", "", legend);
+    legend.append("this run");
+    element("i", "dashed", "", legend);
+    legend.append(other.name);
+  }
+  return charts;
+}
 
 function shortNumber(value, digits = 3) {
   if (value === null || value === undefined) return "–";
@@ -11,33 +35,28 @@ function shortNumber(value, digits = 3) {
 }
 
 class Plot {
-  constructor(parent, spec, time, seek) {
-    this.spec = spec;
+  constructor(parent, spec, time, seek, overlay) {
     this.time = time;
-    const make = (tag, className, text, inside) => {
-      const element = document.createElement(tag);
-      if (className) element.className = className;
-      if (text) element.textContent = text;
-      inside.append(element);
-      return element;
-    };
-    const box = make("div", "plot", "", parent), title = make("div", "title", "", box);
-    make("b", "", spec.title, title);
-    make("i", "", [spec.unit, spec.scale === "log" ? "log" : ""].filter(Boolean).join(", "), title);
-    this.value = make("span", "", "", title);
-    this.canvas = make("canvas", "", "", box);
-    if (spec.series.length > 1) {
-      const legend = make("div", "legend", "", box);
-      spec.series.forEach((series, i) => {
-        const item = make("span", "", "", legend);
-        make("i", "", "", item).style.background = PLOT_COLORS[i % PLOT_COLORS.length];
-        item.append(series.label);
-      });
+    this.spec = spec;
+    this.begin = Math.min(time[0], overlay && overlay.time.length ? overlay.time[0] : Infinity);
+    this.end = Math.max(time[time.length - 1], overlay && overlay.time.length ? overlay.time[overlay.time.length - 1] : -Infinity);
+    this.lines = spec.series.map((series, i) => ({ ...series, time, color: plotColor(i), shown: true, dashed: false }));
+    for (const series of overlay ? overlay.series : []) {
+      let i = spec.series.findIndex((own) => own.label === series.label);
+      if (i < 0) i = this.lines.length;
+      this.lines.push({ ...series, time: overlay.time, color: plotColor(i), shown: true, dashed: true });
     }
+    this.hideGiants();
+    const box = element("div", "plot", "", parent), title = element("div", "title", "", box);
+    element("b", "", spec.title, title);
+    element("i", "", [spec.unit, spec.scale === "log" ? "log" : ""].filter(Boolean).join(", "), title);
+    this.value = element("span", "", "", title);
+    this.canvas = element("canvas", "", "", box);
+    if (spec.series.length > 1) this.legend(element("div", "legend", "", box));
     const seekAt = (event) => {
       const area = this.canvas.getBoundingClientRect();
       const f = (event.clientX - area.left - this.left) / Math.max(1, area.width - this.left - 2);
-      seek(time[0] + Math.min(1, Math.max(0, f)) * (time[time.length - 1] - time[0]));
+      seek(this.begin + Math.min(1, Math.max(0, f)) * (this.end - this.begin));
     };
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
@@ -48,9 +67,37 @@ class Plot {
     this.range();
   }
 
+  // A series that would flatten all others is left to be switched on.
+  hideGiants() {
+    const span = ({ values }) => {
+      const known = values.filter((v) => v !== null);
+      return known.length ? Math.max(...known.map(Math.abs)) : 0;
+    };
+    const own = this.lines.filter((line) => !line.dashed).map((line) => [span(line), line.label]).sort((a, b) => b[0] - a[0]);
+    if (this.spec.scale === "log" || own.length < 2 || own[0][0] < 8 * own[1][0] || own[1][0] === 0) return;
+    for (const line of this.lines) if (line.label === own[0][1]) line.shown = false;
+  }
+
+  legend(parent) {
+    for (const label of new Set(this.lines.map((line) => line.label))) {
+      const own = this.lines.filter((line) => line.label === label), item = element("button", "", "", parent);
+      element("i", "", "", item).style.background = own[0].color;
+      item.append(label);
+      item.title = "Show or hide " + label;
+      item.classList.toggle("off", !own[0].shown);
+      item.addEventListener("click", () => {
+        for (const line of own) line.shown = !line.shown;
+        item.classList.toggle("off", !own[0].shown);
+        this.range();
+        this.back = null;
+        this.draw(this.now);
+      });
+    }
+  }
+
   range() {
     const log = this.spec.scale === "log";
-    const values = this.spec.series.flatMap((s) => s.values).filter((v) => v !== null && (!log || v > 0));
+    const values = this.lines.filter((line) => line.shown).flatMap((line) => line.values).filter((v) => v !== null && (!log || v > 0));
     this.map = (v) => (log ? Math.log10(v) : v);
     let low = Infinity, high = -Infinity;
     for (const v of values) {
@@ -59,6 +106,7 @@ class Plot {
     }
     if (!values.length) [low, high] = [0, 1];
     if (!log && low > 0 && low < 0.6 * high) low = 0;
+    if (!log && low < 0 && -low < 1e-3 * high) low = 0;
     if (log) [low, high] = [Math.floor(low + 1e-9), Math.ceil(high - 1e-9)];
     if (high - low < 1e-12) high = low + (log ? 1 : Math.abs(low) || 1);
     [this.low, this.high] = [low, high];
@@ -76,7 +124,7 @@ class Plot {
     c.textAlign = "right";
     const log = this.spec.scale === "log";
     const y = (v) => height - 7 - ((v - this.low) / (this.high - this.low)) * (height - 14);
-    const t0 = this.time[0], span = this.time[this.time.length - 1] - t0 || 1;
+    const t0 = this.begin, span = this.end - t0 || 1;
     this.x = (t) => this.left + ((t - t0) / span) * (width - this.left - 2);
     for (const f of [0, 0.5, 1]) {
       const v = this.low + f * (this.high - this.low);
@@ -90,25 +138,27 @@ class Plot {
       c.fillStyle = "#8a94a1";
       c.fillText(shortNumber(log ? Math.pow(10, v) : v, 2), this.left - 6, y(v));
     }
-    this.spec.series.forEach((series, i) => {
-      c.strokeStyle = PLOT_COLORS[i % PLOT_COLORS.length];
-      c.lineWidth = 1.5;
+    for (const line of this.lines.filter((entry) => entry.shown)) {
+      c.strokeStyle = line.color;
+      c.lineWidth = line.dashed ? 1.2 : 1.5;
+      c.setLineDash(line.dashed ? [4, 3] : []);
       c.lineJoin = "round";
       c.beginPath();
       let down = false;
-      series.values.forEach((v, k) => {
+      line.values.forEach((v, k) => {
         if (v === null || (log && v <= 0)) {
           down = false;
           return;
         }
-        c[down ? "lineTo" : "moveTo"](this.x(this.time[k]), y(this.map(v)));
+        c[down ? "lineTo" : "moveTo"](this.x(line.time[k]), y(this.map(v)));
         down = true;
       });
       c.stroke();
-    });
+    }
   }
 
   draw(now) {
+    this.now = now;
     const ratio = devicePixelRatio, width = this.canvas.clientWidth, height = this.canvas.clientHeight;
     if (!width) return;
     if (!this.back || this.back.width !== Math.floor(width * ratio) || this.back.height !== Math.floor(height * ratio)) {

@@ -1,5 +1,5 @@
 // The page: reads the data, then joins camera, transport, panel and plots. The address may carry a view after "#":
-// t (seconds), view (oblique, front, side, top), edges=1, flat=1, grid=0, bare=1, play=1.
+// t (seconds), view (oblique, front, side, top), edges=1, flat=1, grid=0, contacts=1, field=NAME, bare=1, play=1.
 
 const byId = (id) => document.getElementById(id);
 const VIEWS = { oblique: [-0.9, 0.42], front: [-Math.PI / 2, 0.08], side: [0, 0.08], top: [-Math.PI / 2, 1.5] };
@@ -93,37 +93,6 @@ function sceneBounds(bodies, frameCount) {
   return { center, radius, ground, low: box.low, high: box.high };
 }
 
-function hexColor(color) {
-  return "#" + color.map((c) => Math.round(255 * c).toString(16).padStart(2, "0")).join("");
-}
-
-function bodyRow(body, redraw) {
-  const row = document.createElement("div"), swatch = document.createElement("input");
-  const name = document.createElement("span"), kind = document.createElement("span"), box = document.createElement("input");
-  row.className = "body";
-  swatch.type = "color";
-  swatch.value = hexColor(body.color);
-  swatch.title = "Colour of " + body.name;
-  swatch.addEventListener("input", () => {
-    body.color = [1, 3, 5].map((i) => parseInt(swatch.value.slice(i, i + 2), 16) / 255);
-    redraw();
-  });
-  name.className = "name";
-  name.textContent = name.title = body.name;
-  kind.className = "kind";
-  kind.textContent = body.kind === "rigid" && body.motion !== "dynamic" ? body.motion : body.kind;
-  box.type = "checkbox";
-  box.checked = true;
-  box.title = "Show " + body.name;
-  box.addEventListener("change", () => {
-    body.visible = box.checked;
-    row.classList.toggle("off", !box.checked);
-    redraw();
-  });
-  row.append(swatch, name, kind, box);
-  return row;
-}
-
 // The sum of all grid coordinates, fitted poses and still vertices, so that a test can compare the decoded motion.
 function checksum(bodies) {
   let grid = 0, numbers = 0;
@@ -139,7 +108,8 @@ async function start() {
   const texts = [...document.querySelectorAll("script.block")];
   const block = async (i) => inflate(texts[i].textContent);
   const bodies = [];
-  for (const entry of header.bodies) bodies.push(await readBody(entry, block));
+  for (const [number, entry] of header.bodies.entries()) bodies.push({ ...(await readBody(entry, block)), number });
+  const fields = await readFields(header, block), contacts = await readContacts(header, block);
   for (const element of texts) element.remove();
   const times = header.times, begin = times[0], end = times[times.length - 1];
   for (const body of bodies) {
@@ -150,12 +120,21 @@ async function start() {
   const renderer = new Renderer(byId("view"), bodies, bounds);
   const camera = new Camera(bounds);
   const wanted = new URLSearchParams(location.hash.slice(1));
-  const options = { edges: false, flat: false, grid: true, shadows: true, loop: true };
+  const options = { edges: false, flat: false, grid: true, shadows: true, contacts: false, loop: true };
   const state = { now: begin, playing: false, last: 0, waiting: false, moved: true };
   // A picture is drawn only when something changed; an idle page costs nothing.
   const redraw = () => {
     if (!state.waiting) requestAnimationFrame(tick);
     state.waiting = true;
+  };
+  const changed = () => {
+    state.moved = true;
+    redraw();
+  };
+  const selection = new Selection(bodies, contacts), marks = new Marks(byId("marks"), bounds);
+  const select = (pin) => {
+    selection.select(pin);
+    bodyPanel.refresh();
   };
   const seek = (time) => {
     state.now = Math.min(end, Math.max(begin, time));
@@ -169,13 +148,22 @@ async function start() {
   };
   const draw = () => {
     const [k, f] = frameAt(state.now);
-    if (state.moved) renderer.setFrame(k, f);
+    if (state.moved) renderer.setFrame(k, f, fieldPanel.field);
     renderer.draw(camera, options);
+    drawMarks(k, f);
     for (const chart of charts) chart.draw(state.now);
     scrub.value = state.now;
     byId("time").textContent = `${state.now.toFixed(2)} / ${end.toFixed(2)} s`;
     byId("clock").innerHTML = `<b>${state.now.toFixed(3)} s</b>frame ${k + 1} of ${times.length}`;
     state.moved = false;
+  };
+  const drawMarks = (k, f) => {
+    const nearest = f < 0.5 ? k : Math.min(k + 1, times.length - 1), { pin } = selection;
+    marks.begin(renderer.matrix);
+    if (contacts && options.contacts) marks.contacts(contacts, nearest, bodies, renderer.clip, pin && pin.body);
+    if (pin && pin.body.visible && pin.triangle !== undefined) marks.point(placeOf(pin));
+    if (fieldPanel.field) marks.colorbar(fieldPanel.field, fieldPanel.points);
+    if (pin) selection.describe(nearest, fieldPanel.field);
   };
   const tick = (clock) => {
     state.waiting = false;
@@ -215,14 +203,15 @@ async function start() {
     byId("badge").classList.toggle("failed", header.status === "failed");
     byId("badge").hidden = false;
   }
-  byId("bodies").append(...bodies.map((body) => bodyRow(body, () => { state.moved = true; redraw(); })));
-  const { time, plots } = header.telemetry;
-  const charts = plots.map((spec) => new Plot(byId("plots"), spec, time, seek));
   const scrub = byId("scrub");
+  const charts = makePlots(byId("plots"), header, seek);
+  const fieldPanel = new FieldPanel(fields, header.colormaps, renderer, changed);
+  const bodyPanel = new BodyPanel(bodies, changed, select);
+  byId("contacts-option").hidden = !contacts;
   [scrub.min, scrub.max, scrub.value] = [begin, end, begin];
   scrub.addEventListener("input", () => seek(Number(scrub.value)));
   byId("play").addEventListener("click", () => setPlaying(!state.playing));
-  for (const name of ["edges", "flat", "grid", "shadows", "loop"])
+  for (const name of ["edges", "flat", "grid", "shadows", "contacts", "loop"])
     byId(name).addEventListener("change", (event) => setOption(name, event.target.checked));
   const toggle = (name) => setOption(name, !options[name]);
   const togglePanel = () => { document.body.classList.toggle("bare"); redraw(); };
@@ -232,8 +221,24 @@ async function start() {
   byId("snapshot").addEventListener("click", () => {
     const link = document.createElement("a");
     link.download = `${header.scene || "stark"}_${state.now.toFixed(3)}s.png`;
-    link.href = byId("view").toDataURL("image/png");
+    link.href = snapshot().toDataURL("image/png");
     link.click();
+  });
+  for (const id of ["clip-axis", "clip-at", "clip-flip"])
+    byId(id).addEventListener("input", () => {
+      renderer.clip = clipPlane(bounds);
+      redraw();
+    });
+  const solo = () => {
+    const own = selection.pin && selection.pin.body, alone = own && own.visible && bodies.every((b) => b === own || !b.visible);
+    if (own) bodyPanel.showOnly((body) => alone || body === own);
+  };
+  byId("unselect").addEventListener("click", () => select(null));
+  byId("solo").addEventListener("click", solo);
+  byId("hide").addEventListener("click", () => bodyPanel.showOnly((body) => body.visible && body !== selection.pin.body));
+  byId("opacity").addEventListener("input", (event) => {
+    selection.pin.body.opacity = Number(event.target.value);
+    redraw();
   });
   const reset = (view) => { camera.reset(view); redraw(); };
   const stepFrames = (count) => {
@@ -242,11 +247,12 @@ async function start() {
     seek(times[Math.min(times.length - 1, Math.max(0, k + count + (count < 0 && f > 1e-6 ? 1 : 0)))]);
   };
   addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT") return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select, input:not([type=range], [type=checkbox])")) return;
     const actions = {
       " ": () => setPlaying(!state.playing), ArrowLeft: () => stepFrames(event.shiftKey ? -10 : -1),
       ArrowRight: () => stepFrames(event.shiftKey ? 10 : 1), Home: () => seek(begin), End: () => seek(end),
       e: () => toggle("edges"), f: () => toggle("flat"), g: () => toggle("grid"), s: () => toggle("shadows"),
+      c: () => contacts && toggle("contacts"), o: solo, Escape: () => select(null),
       l: () => toggle("loop"), r: () => reset(), p: togglePanel, h: toggleHelp,
       1: () => reset("oblique"), 2: () => reset("front"), 3: () => reset("side"), 4: () => reset("top"),
     };
@@ -256,12 +262,16 @@ async function start() {
       action();
     }
   });
-  listenToPointer(byId("view"), camera, redraw, reset);
+  listenToPointer(byId("view"), camera, redraw, reset, (x, y) => {
+    const { clientWidth, clientHeight } = byId("view");
+    select(pick(bodies, rayAt(camera, x, y, clientWidth, clientHeight), renderer.clip));
+  });
   addEventListener("resize", redraw);
 
   if (wanted.has("t")) seek(Number(wanted.get("t")));
   if (wanted.has("view")) camera.reset(wanted.get("view"));
-  for (const name of ["edges", "flat", "grid", "shadows"]) if (wanted.has(name)) setOption(name, wanted.get(name) === "1");
+  if (wanted.has("field")) fieldPanel.show(wanted.get("field"));
+  for (const name of ["edges", "flat", "grid", "shadows", "contacts"]) if (wanted.has(name)) setOption(name, wanted.get(name) === "1");
   if (wanted.get("bare") === "1") document.body.classList.add("bare");
   if (wanted.get("play") === "1") setPlaying(true);
   byId("message").hidden = true;
@@ -271,14 +281,28 @@ async function start() {
   if (wanted.has("selftest")) document.body.dataset.selftest = JSON.stringify(checksum(bodies));
 }
 
-function listenToPointer(view, camera, redraw, reset) {
+// The picture with all that lies over it.
+function snapshot() {
+  const view = byId("view"), both = document.createElement("canvas");
+  [both.width, both.height] = [view.width, view.height];
+  for (const layer of [view, byId("marks")]) both.getContext("2d").drawImage(layer, 0, 0, view.width, view.height);
+  return both;
+}
+
+// A press that does not move is a click: `choose` gets its place in the view.
+function listenToPointer(view, camera, redraw, reset, choose) {
   const pointers = new Map();
-  let spread = 0;
+  let spread = 0, moved = 0;
   view.addEventListener("pointerdown", (event) => {
     view.setPointerCapture(event.pointerId);
     view.classList.add("turning");
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     spread = 0;
+    moved = pointers.size > 1 || event.button !== 0 ? Infinity : 0;
+  });
+  view.addEventListener("pointerup", (event) => {
+    const area = view.getBoundingClientRect();
+    if (moved < 5) choose(event.clientX - area.left, event.clientY - area.top);
   });
   const release = (event) => {
     pointers.delete(event.pointerId);
@@ -292,6 +316,8 @@ function listenToPointer(view, camera, redraw, reset) {
     if (!before) return;
     const dx = event.clientX - before[0], dy = event.clientY - before[1];
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    moved += Math.abs(dx) + Math.abs(dy);
+    if (moved < 5) return;
     if (pointers.size === 2) {
       const [a, b] = [...pointers.values()], now = Math.hypot(a[0] - b[0], a[1] - b[1]);
       if (spread) camera.zoom(spread / now);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from os import PathLike
@@ -100,6 +100,8 @@ def run(
     check: bool = True,
     checkpoint_every: float | None = CHECKPOINT_PERIOD,
     certify: bool = False,
+    fields: Sequence[str] = (),
+    contacts: bool = False,
     on_step: OnStep | None = None,
     on_progress: OnProgress | None = None,
 ) -> RunResult:
@@ -110,7 +112,8 @@ def run(
     number of recorded frames per simulated second; the last state is always recorded. ``checkpoint_every``
     [s] of wall-clock time: how often ``checkpoint.stark`` is written, 0 after each step, None never;
     ``resume`` goes on from it. ``certify`` records every accepted step in double precision, too, for
-    ``stark.verify``. ``on_step(sim, report)`` is called after each step, ``on_progress(p)`` while one is
+    ``stark.verify``. ``fields`` and ``contacts`` are recorded in every frame, as by ``Recorder``, also after
+    the run is resumed. ``on_step(sim, report)`` is called after each step, ``on_progress(p)`` while one is
     under way, as ``progress`` of ``Simulation.step``. The run stops cleanly on KeyboardInterrupt: the
     recording is complete up to the last accepted step. A check is made only when the run went to the file's
     own end.
@@ -137,6 +140,8 @@ def run(
             settings=sim.settings.to_dict(),
             stark_version=stark.__version__,
             certify=certify,
+            fields=fields,
+            contacts=contacts,
         )
         recorder.record(sim)
         recorder.record_state(sim)

@@ -72,9 +72,9 @@ class Lighting {
       for (int i = 0; i < key_count_; ++i) visible += maps_[i].visibility(point, face);
       visible /= key_count_;
     }
-    // A smooth normal may see the light although its triangle does not: fade instead of a hard, jagged
-    // border.
-    visible *= smoothstep(-0.05, 0.12, dot(face, key_));
+    // A smooth normal may see the light although its triangle does not: both have a say, or the border would
+    // be jagged.
+    visible *= smoothstep(-0.05, 0.12, dot(normal, key_));
     out_key = visible;
     const int sky_count = static_cast<int>(maps_.size()) - key_count_;
     double sky = 0.5 + 0.5 * normal.z, openness = 1.0;
@@ -122,7 +122,7 @@ class Shader {
   /// Linear colour of the sample at picture coordinates x, y in [0, 1] that shows a triangle (-1: none).
   Vec3 shade(double x, double y, int32_t triangle) const {
     const Vec3 ray = frame_.ray(x, y), background = mix(top_, bottom_, y);
-    if (triangle < 0) return shade_ground(ray, background);
+    if (triangle < 0) return shade_ground(ray, background, lit_ground(ray));
     const raster::Triangle& t = scene_.triangles[triangle];
     const RasterMesh& mesh = meshes_[t.mesh];
     const double along = dot(ray, t.normal);
@@ -140,13 +140,26 @@ class Shader {
     if (back && mesh.pale_back) base = mix(base, 1.15 * dot(base, {0.3, 0.55, 0.15}) * Vec3{1, 1, 1}, 0.35);
     if (settings_.edges && !mesh.fades_out) base = base * (1.0 - 0.45 * edge_coverage(t, point));
     double key = 1.0;
-    const Vec3 light = lighting_.diffuse(point, normal, face, key);
+    const Vec3 light = lighting_.diffuse(rounded(t, n, b, point, face), normal, face, key);
     const Vec3 view = normalized(-ray);
     const double gloss =
         0.10 * key * std::pow(std::max(0.0, dot(normal, normalized(lighting_.key() + view))), 42.0);
     Vec3 color = tone(multiply(base, light) + Vec3{gloss, gloss, gloss});
     if (mesh.fades_out) color = mix(color, background, horizon(point));
     return color;
+  }
+
+  /// Linear colour of a pixel of samples x samples that shows no triangle, with its upper left corner at x, y
+  /// and of the size dx, dy: the light of its middle, the lines of the ground at every sample.
+  Vec3 shade_empty(double x, double y, double dx, double dy) const {
+    const int n = settings_.samples;
+    const Vec3 ground = lit_ground(frame_.ray(x + 0.5 * dx, y + 0.5 * dy));
+    Vec3 color;
+    for (int i = 0; i < n * n; ++i) {
+      const double sx = x + (i % n + 0.5) / n * dx, sy = y + (i / n + 0.5) / n * dy;
+      color += shade_ground(frame_.ray(sx, sy), mix(top_, bottom_, sy), ground);
+    }
+    return 1.0 / (n * n) * color;
   }
 
  private:
@@ -167,6 +180,19 @@ class Shader {
     return {std::max(0.0, 1.0 - b1 - b2), b1, b2};
   }
 
+  /// A point of a triangle, moved out to the round surface that its corner normals (towards the viewer on the
+  /// side of `face`) describe, so that shadows end where the surface turns from the light, not at edges of
+  /// triangles. [Hanika 2021, "Hacking the shadow terminator", in Ray Tracing Gems II]
+  static Vec3 rounded(const raster::Triangle& t, const std::array<Vec3, 3>& normals,
+                      const std::array<double, 3>& weights, const Vec3& point, const Vec3& face) {
+    Vec3 shift;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 n = dot(normals[i], face) < 0.0 ? -normals[i] : normals[i];
+      shift += (weights[i] * std::max(0.0, -dot(point - t.corners[i], n))) * n;
+    }
+    return point + shift;
+  }
+
   /// 1 on a mesh edge, falling to 0 within about a pixel.
   double edge_coverage(const raster::Triangle& t, const Vec3& p) const {
     const double pixel = pixel_angle_ * dot(p - frame_.eye, frame_.forward);  // [m]
@@ -179,17 +205,29 @@ class Shader {
     return 1.0 - smoothstep(0.25 * pixel, 0.9 * pixel, nearest);
   }
 
-  Vec3 shade_ground(const Vec3& ray, const Vec3& background) const {
+  /// Where a ray meets the ground before it fades out; false where it does not.
+  bool on_ground(const Vec3& ray, Vec3& out_point, double& out_fade) const {
     const double height = frame_.eye.z - settings_.ground_height;
-    if (!settings_.ground || ray.z * height >= 0.0) return background;
-    const double distance = -height / ray.z;
-    const Vec3 point = frame_.eye + distance * ray;
-    const double fade = horizon(point);
-    if (fade >= 1.0) return background;
-    const Vec3 normal{0.0, 0.0, height > 0.0 ? 1.0 : -1.0};
-    double key = 1.0;
-    const Vec3 color = tone(multiply(ground_, lighting_.diffuse(point, normal, normal, key)));
-    return mix((1.0 - grid_darkness(point, ray)) * color, background, fade);
+    if (!settings_.ground || ray.z * height >= 0.0) return false;
+    out_point = frame_.eye - (height / ray.z) * ray;
+    out_fade = horizon(out_point);
+    return out_fade < 1.0;
+  }
+
+  /// Light of the ground without its lines.
+  Vec3 lit_ground(const Vec3& ray) const {
+    Vec3 point;
+    double fade = 1.0, key = 1.0;
+    if (!on_ground(ray, point, fade)) return ground_;
+    const Vec3 normal{0.0, 0.0, frame_.eye.z > settings_.ground_height ? 1.0 : -1.0};
+    return tone(multiply(ground_, lighting_.diffuse(point, normal, normal, key)));
+  }
+
+  Vec3 shade_ground(const Vec3& ray, const Vec3& background, const Vec3& lit) const {
+    Vec3 point;
+    double fade = 1.0;
+    if (!on_ground(ray, point, fade)) return background;
+    return mix((1.0 - grid_darkness(point, ray)) * lit, background, fade);
   }
 
   double grid_darkness(const Vec3& point, const Vec3& ray) const {
@@ -264,10 +302,13 @@ Image rasterise(std::span<const RasterMesh> meshes, const RasterCamera& camera,
           return visible.triangle[static_cast<size_t>(y * n + i / n) * visible.width + x * n + i % n];
         };
         // A pixel that shows one triangle only is shaded once, in its middle, unless lines cross it.
-        bool uniform = !settings.edges && triangle_at(0) >= 0;
+        bool uniform = !settings.edges || triangle_at(0) < 0;
         for (int i = 1; i < n * n && uniform; ++i) uniform = triangle_at(i) == triangle_at(0);
         Vec3 color;
-        if (uniform) {
+        if (uniform && triangle_at(0) < 0) {
+          color = shader.shade_empty(static_cast<double>(x) / width, static_cast<double>(y) / height,
+                                     1.0 / width, 1.0 / height);
+        } else if (uniform) {
           color = shader.shade((x + 0.5) / width, (y + 0.5) / height, triangle_at(0));
         } else {
           for (int i = 0; i < n * n; ++i)

@@ -269,3 +269,28 @@ def test_a_bar_on_a_terminal_and_silence_in_a_pipe(fall: Path, tmp_path: Path) -
     assert "━" in shown.decode() and " % " in shown.decode() and shown.endswith(b"\r\x1b[K")
     done = subprocess.run([*command, str(tmp_path / "b")], capture_output=True, env=environment(), timeout=60)
     assert done.returncode == 0 and done.stderr == b""
+
+
+def test_a_run_records_fields_for_its_page(fall: Path, tmp_path: Path, capsys) -> None:
+    run, other = tmp_path / "run", tmp_path / "other"
+    words = ("--until", "0.03", "--quiet", "--no-picture")
+    assert command("run", fall, "--out", run, *words) == 0
+    recording = Recording(run)
+    assert [entry.name for entry in recording.fields] == ["stress", "pressure"] and recording.has_contacts
+    assert recording.field("stress", -1)["patch"].shape == (9,)
+    assert "von Mises stress" in (run / "replay.html").read_text()
+    assert command("run", fall, "--out", other, *words, "--no-replay", "--fields", "speed", "strain") == 0
+    recording = Recording(other)
+    assert [entry.name for entry in recording.fields] == ["speed", "strain"]
+    # Free fall by implicit Euler: 3 steps of 0.01 s.
+    assert recording.field("speed", -1)["patch"] == pytest.approx(0.03 * 9.81, rel=0.01)
+    assert command("replay", run, "--overlay", other, "--out", tmp_path / "two.html") == 0
+    assert '"overlay":{"name":"other"' in (tmp_path / "two.html").read_text()
+    assert command("run", fall, "--out", other, *words, "--no-fields") == 0
+    assert Recording(other).fields == [] and not (other / "fields").exists()
+    capsys.readouterr()
+    assert command("run", fall, "--out", other, "--no-fields", "--fields", "speed") == 2
+    assert command("run", fall, "--out", other, "--fields", "sped") == 2
+    assert command("run", "--resume", run, "--fields", "speed") == 2
+    errors = capsys.readouterr().err
+    assert "give one of them" in errors and "field 'sped' is unknown" in errors and "leave it out" in errors

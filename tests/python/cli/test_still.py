@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from _commands import command
-from fake_simulation import record
+from fake_simulation import FakeSimulation, record
 
-from stark.recording import Recording
+from stark.recording import Recorder, Recording
 from stark.render import read_png
 
 SMALL = ("--size", "80x45", "--quality", "draft")
@@ -59,3 +59,20 @@ def test_bad_options_are_one_line_and_2(tmp_path: Path, capsys, words, message: 
     assert command("still", tmp_path / "run", *SMALL, *words) == 2
     err = capsys.readouterr().err
     assert err.count("\n") == 1 and message in err
+
+
+def test_a_still_shows_a_recorded_field(tmp_path: Path, capsys) -> None:  # type: ignore[no-untyped-def]
+    sim, run, file = FakeSimulation(), tmp_path / "run", tmp_path / "a.png"
+    height = {"height [m]": lambda s: {"cloth": s.bodies[0].positions[:, 2]}}
+    with Recorder(run, sim, arrays=height) as recorder:
+        recorder.record(sim)
+    words = ("--field", "height [m]", "--limits=-0.05,0.05", "--colormap", "magma")
+    assert command("still", run, *SMALL, *words, "--out", file) == 0
+    expected = Recording(run).still(
+        0.0, width=80, height=45, quality="draft", field="height [m]", limits=(-0.05, 0.05), colormap="magma"
+    )
+    assert np.array_equal(read_png(file), expected)
+    assert command("still", run, *SMALL, "--limits", "low", "--out", file) == 2
+    assert "must be two numbers" in capsys.readouterr().err
+    assert command("still", run, *SMALL, "--contacts", "--out", file) == 2
+    assert "the recording has none" in capsys.readouterr().err

@@ -60,6 +60,7 @@ _VERBS = (
     ("verify",),
     ("export", "--format", "obj", "--csv"),
     ("still", "--size", "16x16", "--quality", "draft"),
+    ("still", "--size", "16x16", "--quality", "draft", "--field", "stress", "--contacts"),
     ("replay", "--stride", "1"),
     ("run", "--no-replay", "--no-picture", "--until", "0.04", "--resume"),
 )
@@ -78,8 +79,8 @@ def _good() -> Path:
     _good.keep = keep  # type: ignore[attr-defined]
     folder = Path(keep.name)
     (folder / "fall.py").write_text(_SCENE)
-    words = ["run", str(folder / "fall.py"), "--certify", "--checkpoint-every", "0", "--quiet"]
-    assert main([*words, "--no-replay", "--no-picture", "--out", str(folder / "run")]) == 0
+    words = ["run", str(folder / "fall.py"), "--certify", "--checkpoint-every", "0", "--fields", "stress"]
+    assert main([*words, "--quiet", "--no-replay", "--no-picture", "--out", str(folder / "run")]) == 0
     return folder / "run"
 
 
