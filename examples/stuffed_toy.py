@@ -1,5 +1,5 @@
-"""stuffed_toy: a stuffed animal falls into a hammock of cotton. It is a surface of 5,120 triangles in a lattice
-of some hundred cells: the lattice is elastic, the surface touches.
+"""stuffed_toy: a stuffed animal falls into a hammock of cotton. It is a surface of 5,120 triangles in a
+lattice of some hundred cells: the lattice is elastic, the surface touches.
 
 python examples/stuffed_toy.py             simulates 0.8 s, checks itself, prints what it costs
 python examples/stuffed_toy.py stuffed_toy.png and saves a picture

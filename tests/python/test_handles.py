@@ -113,7 +113,7 @@ def test_what_is_added_too_late_to_act_is_warned_about() -> None:
     early = scene.add(weight(box.points((0, 0, 0))))
     sim = stark.Simulation(scene)
     with pytest.warns(
-        stark.StarkWarning, match=r"'weight_2': was added after the simulation was made and does not affect it"
+        stark.StarkWarning, match="'weight_2': was added after the simulation was made and does"
     ):
         late = scene.add(weight(box.points((0, 0, 0))))
     with pytest.warns(stark.StarkWarning, match="joint 'ball': was added after"):

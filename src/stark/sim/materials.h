@@ -41,7 +41,7 @@ struct ShellMaterial {
   double mass_damping = 0.0;          ///< [1/s]
   double strain_damping = 0.0;        ///< [N s/m]
   double bending_damping = 0.0;       ///< [J s]
-  double thermal_expansion = 0.0;   ///< [1/K] of bodies with a temperature
+  double thermal_expansion = 0.0;     ///< [1/K] of bodies with a temperature
   static const FieldTable& fields();
 };
 
@@ -81,7 +81,7 @@ struct RodMaterial {
   double yield_torque = 0.0;       ///< [N m]
   double mass_damping = 0.0;       ///< [1/s]
   double strain_damping = 0.0;     ///< [s] relaxation time of stretch, bending and twist
-  double thermal_expansion = 0.0;    ///< [1/K] of bodies with a temperature
+  double thermal_expansion = 0.0;  ///< [1/K] of bodies with a temperature
   static const FieldTable& fields();
 };
 
