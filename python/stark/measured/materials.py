@@ -10,9 +10,8 @@ from stark.materials import RodMaterial, ShellMaterial, SolidMaterial, plate
 from stark.measured.laws import carroll, dispersed_fibres
 
 _STEEL_MODULUS, _STEEL_RATIO, _STEEL_YIELD = 210e9, 0.3, 235e6
-#: EN 1993-1-5 C.6: beyond yielding, the slope of stress over strain is E/100; without the elastic part of
-#: the strain
-#: that is H = E Et / (E - Et).
+#: EN 1993-1-5 C.6: beyond yielding, the slope of stress over strain is Et = E/100. Over the plastic strain
+#: alone that is H = E Et / (E - Et).
 _STEEL_HARDENING = _STEEL_MODULUS / 99.0
 
 rubber: SolidMaterial = carroll(

@@ -101,8 +101,9 @@ CASES: dict[str, tuple[Any, list[curves.Curve], dict[str, float], dict[str, Any]
     ),
     "cyclic plasticity": (
         stark.j2_plasticity, [blank("uniaxial", PATH)],
-        {"shear_modulus": 8e10, "yield_stress": 2.4e8, "hardening_modulus": 3e9},
-        {"shear_modulus": 6e10, "yield_stress": 4e8, "hardening_modulus": 1e9}, {"bulk_modulus": 1.7e11},
+        {"shear_modulus": 8e10, "yield_stress": 2.4e8, "hardening_modulus": 3e9, "kinematic_modulus": 2e9},
+        {"shear_modulus": 6e10, "yield_stress": 4e8, "hardening_modulus": 1e9, "kinematic_modulus": 5e8},
+        {"bulk_modulus": 1.7e11},
     ),
     "Prony series": (
         maxwell(), [curves.relaxation(TIMES, 1.0 + TIMES, stretch=1.2)],

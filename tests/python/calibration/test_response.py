@@ -173,7 +173,13 @@ def test_bending_of_plates_and_rods() -> None:
         np.testing.assert_allclose(response(stark.RodMaterial, test, **rod)[0][:, 0], expected, rtol=1e-12)
 
 
-STEEL = {"shear_modulus": 8e10, "bulk_modulus": 1.7e11, "yield_stress": 2.4e8, "hardening_modulus": 3e9}
+STEEL = {
+    "shear_modulus": 8e10,
+    "bulk_modulus": 1.7e11,
+    "yield_stress": 2.4e8,
+    "hardening_modulus": 3e9,
+    "kinematic_modulus": 0.0,
+}
 YOUNG = 9.0 * 1.7e11 * 8e10 / (3.0 * 1.7e11 + 8e10)
 PATH = np.concatenate(
     [np.linspace(0.0, 0.02, 11)[1:], np.linspace(0.02, -0.015, 21)[1:]]

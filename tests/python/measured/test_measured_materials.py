@@ -81,7 +81,13 @@ def test_steel_has_the_modulus_yield_stress_and_slope_of_the_standard() -> None:
     strain = np.array([0.5e-3, 1.0e-3, 0.01, 0.02])
     values = {
         name: measured.steel.to_dict()[name]
-        for name in ("shear_modulus", "bulk_modulus", "yield_stress", "hardening_modulus")
+        for name in (
+            "shear_modulus",
+            "bulk_modulus",
+            "yield_stress",
+            "hardening_modulus",
+            "kinematic_modulus",
+        )
     }
     point = np.array(list(values.values()))
     test = curves.uniaxial(np.exp(strain), strain)
