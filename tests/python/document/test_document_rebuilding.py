@@ -21,11 +21,16 @@ WITHOUT = {
     **dict.fromkeys(
         ("drape", "drop", "hello_cloth", "soft_column", "soft_drop", "stack"), "a packaged scene"
     ),
-    **dict.fromkeys(("curves", "pictures", "robot_parts", "towel"), "functions for other examples"),
+    **dict.fromkeys(
+        ("curves", "hand_paths", "pictures", "robot_parts", "running", "three_fingers", "towel"),
+        "functions for other examples",
+    ),
     "learning": "environments, whose scenes are below",
     "fit_ellipse": "derivatives without a scene",
     "fold_towel": "a program of two simulations",
 }
+#: Examples that read files of other packages.
+PACKAGES = {"panda_ball": ["example_robot_data"], "hammock": ["pybullet_data", "pytetwild"]}
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py"))
 
 
@@ -57,6 +62,8 @@ def same_steps(scene: Any, settings: Any, steps: int, folder: Path) -> None:
 
 def scene_of(name: str) -> tuple[Any, Any]:
     """Scene and settings of an example: a scene file, or a program, run up to its first simulation."""
+    for package in PACKAGES.get(name, []):
+        pytest.importorskip(package)
     if name == "robot_arm":
         pytest.importorskip("yourdfpy")
     module = importlib.import_module(name)
