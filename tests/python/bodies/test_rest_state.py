@@ -400,6 +400,13 @@ def test_refused_rest_states() -> None:
         sim.step()
 
 
+def test_a_temperature_without_expansion_is_said_to_change_nothing() -> None:
+    scene = stark.Scene()
+    body = add_bar(scene, "hexahedra", MATERIAL.replace(thermal_expansion=0.0), name="bar")
+    with pytest.warns(stark.StarkWarning, match="changes nothing, as thermal_expansion of the material is 0"):
+        body.temperature = 10.0
+
+
 def test_laws_with_a_parameter_of_the_same_name_keep_it() -> None:
     @stark.material
     def hot(F: stark.DeformationGradient, temperature: float = stark.parameter(1.0, unit="K")):
