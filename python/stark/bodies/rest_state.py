@@ -5,6 +5,7 @@ may change between steps, also in place; functions of the time [s] are followed.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import real_array
 from stark.courses import at_start, set_courses
+from stark.errors import StarkWarning
 from stark.handle import BodyHandle, SimulationLink
 from stark.scene_record import Call
 
@@ -105,6 +107,14 @@ class RestState(BodyHandle):
         core, numbers = self._scene._core, {name: (self._rest_numbers(name, array), True)}
         if known is None or known.array.shape != array.shape:
             self._require_of_scene(name)
+            expansion = getattr(self._shared["material"], "thermal_expansion", 1.0)
+            if known is None and name == "temperature" and not np.any(expansion):
+                warnings.warn(
+                    f"'{self.name}': temperature: changes nothing, as thermal_expansion of the material is 0; "
+                    f"give it: material.replace(thermal_expansion=...) [1/K]",
+                    StarkWarning,
+                    stacklevel=4,
+                )
             if known is not None and self._simulation() is not None:
                 raise InvalidArgument(
                     f"'{self.name}': {name} has the shape {known.array.shape}: must keep it while there is a "

@@ -98,6 +98,8 @@ class _Problem:
         rows, slopes = [], []
         for response, weight in zip(self._responses, self._weights, strict=True):
             predicted, derivatives = response(parameters)
+            if not np.isfinite(derivatives).all():
+                predicted = np.full_like(predicted, np.nan)  # the search goes back from there
             rows.append(((predicted - response.curve.measured) / weight).reshape(-1))
             slopes.append((derivatives / weight).reshape(-1, len(parameters)))
         return np.concatenate(rows), np.concatenate(slopes)
@@ -188,9 +190,9 @@ def _limits(parameter: FitParameter, given: Any) -> tuple[float, float]:
             f"fit: bounds['{parameter.name}'] = {given!r}: must be (lowest, highest)"
         ) from None
     name = f"fit: bounds['{parameter.name}']"
-    low = max(low, real_number(first, f"{name}[0]"))
-    high = min(high, real_number(last, f"{name}[1]"))
-    if not low < high:
+    given_low, given_high = real_number(first, f"{name}[0]"), real_number(last, f"{name}[1]")
+    low, high = max(low, given_low), min(high, given_high)
+    if np.isnan([given_low, given_high]).any() or not low < high:
         raise InvalidArgument(
             f"{name} = {given!r}: must leave a range; the law allows {parameter.range[0]:g} to "
             f"{parameter.range[1]:g}"

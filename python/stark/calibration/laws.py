@@ -95,12 +95,30 @@ def law_formula(law: Any) -> LawFormula:
         return _of_recorded(found, base)
     if isinstance(found, _CORE_LAWS):
         return _of_core(found, base, found)
+    _refuse_yielding(base)
     if found is RodMaterial:
         linear = next(law for law in _core.rod_laws() if law.name == "linear_rod")
         return _of_core(linear, base, None)
     if found is SolidMaterial:
         return _of_core(materials.solid_laws["stable_neo_hookean"], base, None)
     return _of_membrane(base)
+
+
+def _refuse_yielding(base: Any) -> None:
+    """The laws of shells and rods that yield are not those that are fitted."""
+    if base is None:
+        return
+    limits = {
+        ShellMaterial: ("yield_stress", "bending_yield_moment"),
+        RodMaterial: ("yield_stress", "yield_force", "yield_moment_1", "yield_moment_2", "yield_torque"),
+    }
+    for name in limits.get(type(base), ()):
+        if (value := float(np.min(getattr(base, name)))) > 0.0 and np.isfinite(value):
+            otherwise = "inf" if "stress" in name or type(base) is ShellMaterial else "0"
+            raise InvalidArgument(
+                f"fit: law = a material with {name} = {value:g}: must be elastic, as yielding of sheets and "
+                f"rods is not fitted; use .replace({name}={otherwise}) and the part of the curves below it"
+            )
 
 
 def _named(law: Any) -> Any:

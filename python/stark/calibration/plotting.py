@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stark.array_file import naming, refuse_special
 from stark.curves import Curve, Floats
 
 _LEFT, _WIDTH, _HEIGHT, _PITCH, _TOP = 86.0, 560.0, 220.0, 290.0, 34.0  # of a panel, in pixels
@@ -38,7 +39,8 @@ class Panel:
 
 
 def written(path: Path, panels: Sequence[Panel]) -> Path:
-    """Writes one panel for each curve, below each other: circles are measured, lines predicted."""
+    """Writes one panel for each curve, below each other: circles are measured, lines predicted.
+    Raises WriteError."""
     width, height = _LEFT + _WIDTH + 24, _PITCH * len(panels) + 10
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}"',
@@ -47,7 +49,9 @@ def written(path: Path, panels: Sequence[Panel]) -> Path:
     ]
     for k, panel in enumerate(panels):
         lines += _panel(_TOP + _PITCH * k, panel)
-    path.write_text("\n".join([*lines, "</svg>\n"]), encoding="utf-8")
+    with naming(path):
+        refuse_special(path)
+        path.write_text("\n".join([*lines, "</svg>\n"]), encoding="utf-8")
     return path
 
 

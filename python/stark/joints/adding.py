@@ -55,6 +55,7 @@ def add_joint(
         "break_force": _limit(owner, "break_force", break_force, "N"),
         "break_torque": _limit(owner, "break_torque", break_torque, "N m"),
     }
+    _require_held(owner, formula, given)
     index = scene._core.add_joint(
         {
             "name": given_name(name),
@@ -77,6 +78,17 @@ def _limit(owner: str, what: str, given: float | None, unit: str) -> float:
             f"not break"
         )
     return number
+
+
+def _require_held(owner: str, formula: JointFormula, given: dict[str, Any]) -> None:
+    """A joint that holds nothing has no reaction, and cannot break."""
+    holds = bool(formula.groups) if formula.residuals is not None else formula.name not in ("span", "tilt")
+    what = next((name for name in ("break_force", "break_torque") if math.isfinite(given[name])), None)
+    if what is not None and not holds:
+        raise InvalidArgument(
+            f"{owner}: {what} = {given[what]:g}: must be left out, as the joint holds nothing that could "
+            f"break; add_distance holds two points"
+        )
 
 
 def place_side(scene: SceneLink, owner: str, label: str, side: Any, position: Floats) -> FrameHandle:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from stark import curves
+from stark._core import InvalidArgument
+from stark.arguments import real_number
 from stark.curves import Curve
 
 _MPA = 1e6
@@ -34,14 +36,21 @@ def treloar(largest_stretch: float = 10.0) -> list[Curve]:
     """Treloar's rubber (1944): the curves uniaxial, equibiaxial and planar, up to a stretch.
 
     Nominal stresses of vulcanised natural rubber with 8 % sulphur at 20 degrees Celsius, as tabulated by
-    Steinmann, Hossain and Possart (2012)."""
+    Steinmann, Hossain and Possart (2012). InvalidArgument for a stretch below the second point of a curve."""
     tables = (
         (curves.uniaxial, _TRELOAR_UNIAXIAL),
         (curves.equibiaxial, _TRELOAR_EQUIBIAXIAL),
         (curves.planar, _TRELOAR_PLANAR),
     )
+    largest = real_number(largest_stretch, "measured.treloar: largest_stretch")
+    least = max(table[1][0] for _, table in tables)
+    if not largest >= least:
+        raise InvalidArgument(
+            f"measured.treloar: largest_stretch = {largest:g}: must be {least:g} or more, so that every "
+            f"curve has two points"
+        )
     found = []
     for make, table in tables:
-        stretch, stress = np.array([row for row in table if row[0] <= largest_stretch]).T
+        stretch, stress = np.array([row for row in table if row[0] <= largest]).T
         found.append(make(stretch, _MPA * stress))
     return found

@@ -63,13 +63,19 @@ def lattice(
 
 
 def _size(surface: TriangleMesh, cells: int | None, cell_size: float | None) -> float:
-    if cell_size is not None and cells is None:
-        return positive(cell_size, "lattice: cell_size")
-    if cells is None or cell_size is not None:
+    if (cells is None) == (cell_size is None):
         raise InvalidArgument("lattice: give one of cells, along the longest side, and cell_size [m]")
     longest = float((surface.bounds[1] - surface.bounds[0]).max())
     if not longest > 0.0:
         raise InvalidMesh("lattice: the surface is a point: must enclose a volume")
+    if cell_size is not None:
+        size = positive(cell_size, "lattice: cell_size")
+        if size > 2.0 * longest:
+            raise InvalidArgument(
+                f"lattice: cell_size = {size:g} m: must be at most twice the longest side of the surface, "
+                f"which is {longest:.3g} m; its vertices must be metres, too"
+            )
+        return size
     return longest / count_of(cells, "lattice: cells", 1)
 
 

@@ -41,10 +41,11 @@ def field_values(sim: Any, name: str, bodies: Any = None) -> dict[str, np.ndarra
 
     Strains and stresses are means over the elements at a vertex. Stresses are those of the constitutive law
     and of limits of Green strain, without damping; cloth has them in its middle surface (its bending is left
-    out), with the thickness at rest. Skins and fibres are not counted.
+    out), with the thickness at rest. Skins and fibres are not counted. Growth and thermal expansion are
+    strains, counted from the mesh, but free of stress; muscles have their active stress.
 
     Raises InvalidArgument for fields that are unknown, and for the stress of laws other than the built-in
-    ones."""
+    ones, among them those that yield and relax."""
     kind = _known(name)
     every = list(sim.bodies)
     indices = range(len(every)) if bodies is None else matching(bodies, [b.name for b in every], "bodies")
@@ -175,8 +176,34 @@ def _stress(body: Any) -> np.ndarray:
         return _rod_stress(body, material)
     warp = material._fields.get("warp_direction")
     deformation = of_solid(body) if body.kind == "solid" else of_cloth(body, warp)
-    cauchy = cauchy_stress(material, deformation, body.name)
+    elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
+    cauchy = cauchy_stress(material, elastic, body.name)
+    if body.kind == "solid" and body.active_stress.any():
+        cauchy = cauchy + _active_stress(body, deformation.gradients)
     return von_mises(at_body(body, deformation, cauchy))
+
+
+def _rest_stretch(body: Any) -> np.ndarray:
+    """G* (m,) or (m, 3, 3): growth times thermal stretch of each element. [theory eq. 15d]"""
+    growth = body.growth
+    thermal = 1.0 + np.asarray(body._shared["material"].thermal_expansion) * body.temperature
+    return np.asarray(growth * thermal.reshape(-1, *[1] * (growth.ndim - 1)))
+
+
+def beyond_rest(body: Any, gradients: np.ndarray) -> np.ndarray:
+    """Deformation gradients (m, k, 3, d) beyond growth and thermal expansion, which are free of stress."""
+    stretch = _rest_stretch(body)
+    if stretch.ndim == 3:
+        return np.asarray(gradients @ np.linalg.inv(stretch)[:, None])
+    return np.asarray(gradients / stretch[:, None, None, None])
+
+
+def _active_stress(body: Any, F: np.ndarray) -> np.ndarray:
+    """Cauchy stress (m, k, 3, 3) of a muscle: S |F a| f f^T / J along its fibres f. [theory eq. 15e]"""
+    directions = body.fiber_direction / np.linalg.norm(body.fiber_direction, axis=1, keepdims=True)
+    fibres = np.einsum("mkij,mj->mki", F, directions)
+    along = body.active_stress[:, None] / (np.linalg.norm(fibres, axis=-1) * np.linalg.det(F))
+    return np.asarray(along[..., None, None] * fibres[..., :, None] * fibres[..., None, :])
 
 
 def cauchy_stress(material: Any, deformation: Deformation, owner: str) -> np.ndarray:
@@ -198,14 +225,17 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
 
 
 def _rod_stress(rod: Any, material: Any) -> np.ndarray:
-    if material.law is not None or material._fields:
+    limits = ("yield_stress", "yield_force", "yield_moment_1", "yield_moment_2", "yield_torque")
+    yields = any(0.0 < np.min(getattr(material, name)) < np.inf for name in limits)
+    if material.law is not None or material._fields or yields:
         raise InvalidArgument(
-            f"'{rod.name}': stress: is known of rods of the built-in law with one value for all edges; "
-            f"compute it and give an array: field={{'{rod.name}': values}}"
+            f"'{rod.name}': stress: is known of elastic rods of the built-in law with one value for all "
+            f"edges; compute it and give an array: field={{'{rod.name}': values}}"
         )
     section = material.section
     area = section["mass"] / material.density
-    return np.abs(_at_nodes(section["axial_stiffness"] / area * (_stretches(rod) - 1.0)))
+    stretches = _stretches(rod) / _rest_stretch(rod)
+    return np.abs(_at_nodes(section["axial_stiffness"] / area * (stretches - 1.0)))
 
 
 def _stretches(rod: Any) -> np.ndarray:

@@ -47,6 +47,11 @@ void set_internal(Energies& energies, std::span<const double> values) {
     elements.batch.set_internal(take(elements.batch.law()));
 }
 
+InternalOfState::InternalOfState(Energies& energies, std::span<const double> values)
+    : energies_(energies), before_(internal_values(energies)) {
+  set_internal(energies_, values);
+}
+
 std::vector<double> updated_internal(const Energies& energies, std::span<const Vec3> x) {
   std::vector<double> all;
   for (const ModelBatch& batch : energies.batches) append(all, batch.batch.updated_internal(x));

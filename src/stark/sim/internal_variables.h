@@ -16,6 +16,20 @@ std::vector<double> internal_values(const Energies& energies);
 /// Gives the batches the values of a state; nothing to do where there are none.
 void set_internal(Energies& energies, std::span<const double> values);
 
+/// Batches have the values of a state as long as this lives, and then again those that they had: between steps
+/// those at the start of the last one, whose forces sensors read.
+class InternalOfState {
+ public:
+  InternalOfState(Energies& energies, std::span<const double> values);
+  ~InternalOfState() { set_internal(energies_, before_); }
+  InternalOfState(const InternalOfState&) = delete;
+  InternalOfState& operator=(const InternalOfState&) = delete;
+
+ private:
+  Energies& energies_;
+  std::vector<double> before_;
+};
+
 /// Values after a step that ends at x; x by site [m].
 std::vector<double> updated_internal(const Energies& energies, std::span<const Vec3> x);
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <stark/base/error.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/simulation_parts.h>
 
@@ -107,6 +108,7 @@ void Simulation::set_energy_value(EnergyId id, const std::string& name, std::spa
     throw InvalidArgument(owner + ": number " + std::to_string(bad) + " is " + to_text(values[bad]) +
                           ": must be finite; check where it is computed");
   const std::vector<Vec3> x = site_positions();
+  const InternalOfState stored(energies_, state_.internal_variable);
   const double before = parts_->ledger.stored_energy(elements, x);
   if (per_element) {
     const int field = batch.field_index(name);

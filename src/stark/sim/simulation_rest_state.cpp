@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <stark/base/error.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/simulation_parts.h>
 
@@ -34,6 +35,7 @@ void Simulation::set_rest_state(BodyId body, const std::string& name, std::span<
   const ParameterValues changed{{name, {{values.begin(), values.end()}, true}}};
   scene_.check_rest_state(body, changed);
   const std::vector<Vec3> x = site_positions();
+  const InternalOfState stored(energies_, state_.internal_variable);
   double before = 0.0, after = 0.0;
   const auto set = [&](auto& elements, const Potential& potential, const std::string& of) {
     if (of != scene_.name(body) || !has_field(potential, name)) return;

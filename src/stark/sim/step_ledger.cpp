@@ -63,11 +63,8 @@ EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
     ledger.gravity -= mass.mass * dot(settings_.gravity, state_.body_position[b]);
   }
   if (!has_inertia(settings_.time.integrator)) ledger.kinetic = 0.0;
-  // Sensors read the forces of the last step, which are those of the internal variables at its start.
-  const std::vector<double> at_start = internal_values(energies_);
-  set_internal(energies_, state_.internal_variable);
+  const InternalOfState after(energies_, state_.internal_variable);
   ledger.elastic = elastic_energy(x);
-  set_internal(energies_, at_start);
   return ledger;
 }
 

@@ -349,6 +349,28 @@ def test_energy_that_a_change_brings_is_in_the_ledger() -> None:
     assert report.energy["placed"] == pytest.approx(4.5 * bulk * (10 * ALPHA) ** 2 * np.prod(BAR), rel=0.02)
 
 
+def test_energy_of_a_change_while_the_material_yields() -> None:
+    """What growth brings is counted with what the material remembers at the end of the last step, not at its
+    start: the ledger closes from step to step. [theory eq. 10c]"""
+    scene = stark.Scene()
+    mesh = stark.mesh.grid(0.1, 0.02, cells=(5, 1))
+    foil = stark.ShellMaterial(
+        density=0.135, thickness=5e-4, youngs_modulus=7e9, poissons_ratio=0.3, yield_stress=2e7
+    )
+    ends = np.flatnonzero(np.abs(np.asarray(mesh.vertices)[:, 0]) > 0.0499)
+    strip = scene.add_cloth(mesh, foil, pins=ends)
+    strip.growth = 1.0
+    sim = stark.Simulation(scene, **STATIC)
+    elastic = 0.0
+    for growth in (0.999, 0.995, 0.99):
+        strip.growth = growth
+        energy = sim.step().energy
+        gained = energy["placed"] + energy["external"] - energy["damping"] - energy["numerical"]
+        assert energy["elastic"] - elastic == pytest.approx(gained, abs=1e-12 * energy["elastic"])
+        elastic = energy["elastic"]
+    assert energy["damping"] > 0.0
+
+
 def test_refused_rest_states() -> None:
     scene = stark.Scene()
     body = add_bar(scene, "hexahedra", name="bar")
@@ -376,6 +398,13 @@ def test_refused_rest_states() -> None:
     body.growth[0] = -2.0
     with pytest.raises(stark.InvalidArgument, match=r"growth\[0\]"):
         sim.step()
+
+
+def test_a_temperature_without_expansion_is_said_to_change_nothing() -> None:
+    scene = stark.Scene()
+    body = add_bar(scene, "hexahedra", MATERIAL.replace(thermal_expansion=0.0), name="bar")
+    with pytest.warns(stark.StarkWarning, match="changes nothing, as thermal_expansion of the material is 0"):
+        body.temperature = 10.0
 
 
 def test_laws_with_a_parameter_of_the_same_name_keep_it() -> None:

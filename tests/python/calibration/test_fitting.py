@@ -213,6 +213,15 @@ def test_a_search_that_was_cut_off_says_so() -> None:
     assert not fit.converged and len(fit.warnings) == 1 and "! not converged" in str(fit)
 
 
+def test_a_search_goes_back_from_where_there_are_no_derivatives() -> None:
+    """Noise about zero leads to moduli of nearly nothing beside a bulk modulus of 1 GPa."""
+    noise = np.random.default_rng(0).normal(size=12)
+    curve = curves.uniaxial(np.linspace(1.05, 2.0, 12), noise)
+    with pytest.warns(stark.StarkWarning, match="of the variance of the curve 'uniaxial'"):
+        fit = stark.fit(stark.materials.mooney_rivlin, curve, start={"c10": 1e4, "c01": 1e3}, fixed=FIXED)
+    assert abs(fit["c10"]) < 10.0 and abs(fit["c01"]) < 10.0
+
+
 def test_the_section_of_a_rod_is_where_a_fit_of_it_starts() -> None:
     wire = stark.RodMaterial(youngs_modulus=1e9, radius=1e-3, density=8000.0)
     fixed = {
@@ -271,6 +280,15 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "bounds": ({"bounds": {"c10": 3.0}}, "bounds['c10'] = 3.0: must be (lowest, highest)"),
     "empty bounds": ({"bounds": {"c10": (3.0, 2.0)}}, "bounds['c10'] = (3.0, 2.0): must leave a range"),
+    "bounds of nan": ({"bounds": {"c10": (np.nan, 1e6)}}, "bounds['c10'] = (nan, 1000000.0): must leave"),
+    "sheet that yields": (
+        {"law": stark.materials.cotton.replace(yield_stress=1e6), "start": {}, "fixed": {}},
+        "yield_stress = 1e+06: must be elastic",
+    ),
+    "wire that yields": (
+        {"law": stark.materials.steel_wire.replace(yield_torque=1.0), "start": {}, "fixed": {}},
+        "use .replace(yield_torque=0)",
+    ),
     "outside": ({"bounds": {"c10": (1.0, 2.0)}}, "start['c10'] = 100000: must be within its bounds, 1 to 2"),
     "start is no dict": ({"start": [1.0]}, "start = [1.0]: must be a dict"),
     "evaluations": ({"max_evaluations": 0}, "max_evaluations = 0: must be a whole number >= 1"),

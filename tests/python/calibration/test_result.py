@@ -143,6 +143,8 @@ def test_a_plot_is_a_picture_of_all_curves(tmp_path: Path) -> None:
     assert all(0 < float(c.attrib["cx"]) < box[2] and 0 < float(c.attrib["cy"]) < box[3] for c in circles)
     with pytest.raises(stark.InvalidArgument, match="must end in"):
         fit.plot(tmp_path / "fit.png")
+    with pytest.raises(stark.Error, match="cannot be written"):
+        fit.plot(tmp_path / "nowhere" / "fit.svg")
 
 
 def test_unknown_names_are_refused() -> None:

@@ -98,3 +98,21 @@ def test_wrong_limits_are_named(value: Any) -> None:
     box = scene.add_box(0.1, mass=1.0)
     with pytest.raises(stark.InvalidArgument, match="joint 'ball': break_torque"):
         scene.add_ball(None, box, anchor=(0, 0, 0), break_torque=value)
+
+
+def test_what_holds_nothing_cannot_break() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=MASS, position=(0, 0, 0))
+
+    @stark.joint
+    def gauge(a: stark.Frame, b: stark.Frame):
+        return stark.hold(displacement={"distance": stark.norm(b.origin - a.origin)})
+
+    for add in (
+        lambda: scene.add_span(None, box, (0, 0, 1), (0, 0, 0.05), break_force=5.0),
+        lambda: scene.add_tilt(None, box, anchor=(0, 0, 0), axis=(0, 0, 1), break_torque=5.0),
+        lambda: scene.add_joint(gauge, None, box, anchor=(0, 0, 1), break_force=5.0),
+    ):
+        with pytest.raises(stark.InvalidArgument, match="holds nothing that could break"):
+            add()
+    assert len(scene.joints) == 0

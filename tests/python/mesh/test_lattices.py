@@ -95,6 +95,7 @@ def test_nodes_around_vertices() -> None:
         (stark.mesh.box(1.0), {"cells": 2, "cell_size": 0.1}, stark.InvalidArgument, "give one of cells"),
         (stark.mesh.box(1.0), {"cells": 0}, stark.InvalidArgument, "cells = 0"),
         (stark.mesh.box(1.0), {"cell_size": float("nan")}, stark.InvalidArgument, "cell_size = nan"),
+        (stark.mesh.box(1.0), {"cell_size": 30.0}, stark.InvalidArgument, "at most twice the longest side"),
         (stark.mesh.box(1.0), {"cells": 2, "order": 3}, stark.InvalidArgument, "order = 3: must be 1"),
         (stark.mesh.box(1.0), {"cells": 300, "split": False}, stark.InvalidArgument, "at most 2000000"),
         (stark.mesh.box(1.0).flipped(), {"cells": 2}, stark.InvalidMesh, "oriented inwards"),

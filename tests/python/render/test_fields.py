@@ -58,6 +58,73 @@ def test_stress_and_strain_of_a_hanging_rod() -> None:
     assert strain[1:-1] == pytest.approx(cord.density * G * below[1:-1] / cord.youngs_modulus, rel=0.01)
 
 
+STATIC = {"time.integrator": "quasistatic", "contact.enabled": False}
+
+
+def add_held_bar(scene: stark.Scene, kind: str):
+    """A bar of 1 MPa between two walls, a sheet in a frame; "free": nothing holds it."""
+    shape, E, alpha = (0.1, 0.02, 0.02), 1e6, 1e-4
+    rubber = stark.SolidMaterial(
+        youngs_modulus=E, poissons_ratio=0.0, density=1000.0, thermal_expansion=alpha, strain_limit=np.inf
+    )
+    if kind == "cloth":
+        sheet = stark.mesh.grid(0.1, 0.02, cells=(5, 1))
+        material = stark.ShellMaterial(
+            density=0.1, thickness=1e-3, youngs_modulus=E, poissons_ratio=0.0, thermal_expansion=alpha
+        )
+        return scene.add_cloth(sheet, material, pins=range(len(sheet.vertices)), name="bar")
+    if kind == "rod":
+        cord = stark.RodMaterial(density=1000.0, youngs_modulus=E, radius=5e-3, thermal_expansion=alpha)
+        return scene.add_rod(stark.mesh.polyline((0, 0, 0), (0.1, 0, 0), 5), cord, clamps=[0, 5], name="bar")
+    if kind == "lattice":
+        mesh = stark.mesh.lattice(stark.mesh.box(shape), cells=5)
+        count = mesh.node_count
+    else:
+        mesh = stark.mesh.box_hexahedra(shape, (5, 1, 1))
+        count = len(mesh.vertices)
+    ends = np.flatnonzero(np.abs(mesh.vertices[:count, 0]) > 0.0499)
+    return scene.add_solid(mesh, rubber, pins=() if kind == "free" else ends, name="bar")
+
+
+def with_rest_state(kind: str, **rest: object) -> tuple[stark.Simulation, np.ndarray]:
+    """Of a bar with this rest state: stresses."""
+    scene = stark.Scene()
+    body = add_held_bar(scene, kind)
+    for name, value in rest.items():
+        setattr(body, name, value)
+    sim = stark.Simulation(scene, gravity=(0, 0, 0), **STATIC)
+    assert not sim.step().failed
+    return sim, field_values(sim, "stress")["bar"]
+
+
+@pytest.mark.parametrize("kind", ["solid", "lattice", "cloth", "rod"])
+def test_what_is_held_while_it_shrinks_has_stress(kind: str) -> None:
+    """E times what it would shrink by, of which the shape shows nothing."""
+    cold = {"growth": np.diag([1.0 - 1e-3, 1.0, 1.0])} if kind in ("solid", "lattice") else {"temperature": -10.0}
+    sim, stress = with_rest_state(kind, **cold)
+    assert stress == pytest.approx(np.full(len(stress), 1e6 * 1e-3), rel=5e-3)
+    assert field_values(sim, "strain")["bar"].max() < 2e-3
+
+
+def test_what_grows_freely_has_strain_and_no_stress() -> None:
+    sim, stress = with_rest_state("free", growth=np.diag([1.2, 1.0, 0.9]))
+    assert stress.max() < 1e-2
+    assert field_values(sim, "strain")["bar"] == pytest.approx(np.full(len(stress), 0.2), abs=1e-6)
+
+
+def test_a_muscle_that_is_held_has_its_active_stress() -> None:
+    _, stress = with_rest_state("solid", fiber_direction=(2.0, 0.0, 0.0), active_stress=1e4)
+    assert stress == pytest.approx(np.full(len(stress), 1e4), rel=1e-6)
+
+
+def test_rods_that_yield_have_no_stress_of_elastic_ones() -> None:
+    scene = stark.Scene()
+    wire = stark.materials.steel_wire.replace(yield_stress=1e9)
+    scene.add_rod(stark.mesh.polyline((0, 0, 0), (0.1, 0, 0), 5), wire, name="wire")
+    with pytest.raises(stark.InvalidArgument, match="known of elastic rods"):
+        field_values(stark.Simulation(scene), "stress")
+
+
 def test_stress_of_a_large_stretch_is_that_of_the_deformed_area() -> None:
     """F = diag(1, 1, s) of St. Venant and Kirchhoff: the second Piola-Kirchhoff stress is linear in
     e = (s^2 - 1)/2, Cauchy's is F S F^T / s."""
