@@ -173,6 +173,15 @@ def test_tolerances_below_round_off() -> None:
     assert "newton.acceleration_tolerance = 1e-12 m/s^2" in diagnosis.finding
 
 
+def test_a_box_that_nothing_holds_is_told_once_what_quasistatic_steps_cannot_do() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    report = stark.Simulation(scene, **ONCE, **{"time.integrator": "quasistatic"}).step()
+    assert report.diagnosis.cause == "singular_system"
+    assert report.message.count("could not be solved") == 1
+    assert "quasistatic" in report.diagnosis.remedy
+
+
 def test_a_cloth_that_nothing_holds_has_no_equilibrium() -> None:
     scene = stark.Scene()
     scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), name="sheet")

@@ -261,8 +261,9 @@ Verdict judge_status(const StepEvidence& e) {
       return judge_detour(e);
     case SolveStatus::LinearSolveFailed:
       if (e.stiffness_ratio > kContrastOfSolve) break;
-      return {FailureCause::SingularSystem, "the linear system could not be solved; " + force_text(e),
-              "look for free bodies without inertia or support, and use linear.solver = 'cholesky'"};
+      return {FailureCause::SingularSystem, force_text(e),
+              "look for free bodies without inertia or support, which quasistatic steps cannot move, and use "
+              "linear.solver = 'cholesky'"};
     default:
       break;
   }

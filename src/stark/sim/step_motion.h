@@ -35,7 +35,8 @@ class StepMotion : private StepPart {
  public:
   explicit StepMotion(const StepContext& context) : StepPart(context) {}
 
-  /// Length of a step in which no scripted body turns by more than a sixteenth of a turn [s].
+  /// Length of a step in which no scripted body turns by more than a sixteenth of a turn, and free ones not
+  /// by more than their integrator stands [s].
   double longest_turning_step() const;
   Configuration start_configuration() const;
   Configuration target_configuration(double h) const;

@@ -21,6 +21,12 @@ constexpr double kLargestTurn = std::numbers::pi / 8.0;
 /// falls again from a quarter turn on.
 constexpr double kLargestFreeTurn = std::numbers::pi / 2.0;
 
+/// Angle by which a free body turns about its angular momentum in a step at most. What holds its axis, as
+/// bearings hold that of a gyroscope, acts at the end of the step only: from about 2.3 rad on with implicit
+/// Euler, and 1.2 rad with bdf2, it drives the nutation instead of damping it.
+constexpr double kLargestNutation = std::numbers::pi / 2.0;
+constexpr double kLargestBdf2Nutation = std::numbers::pi / 4.0;
+
 /// Parts of a full step that a free body may ask for. A needle that turns faster, a million times a second
 /// after an impact, is left to its momentum: it would hold up everything else.
 constexpr double kMostTurningSteps = 256.0;
@@ -28,20 +34,30 @@ constexpr double kMostTurningSteps = 256.0;
 /// Scale that switches inertia and damping off in quasistatic steps [s].
 constexpr double kQuasistaticStep = 1e150;
 
+/// Rate at which a body turns about its angular momentum L, |L|/J_t [rad/s]. J_t is the moment across the
+/// axis of the symmetric top that is nearest to it: of discs and of needles the middle one of the three.
+double nutation_rate(const Vec3& J, double L) {
+  const double middle = std::max(std::min(J.x, J.y), std::min(std::max(J.x, J.y), J.z));
+  return middle > 0.0 ? L / middle : 0.0;
+}
+
 }  // namespace
 
 double StepMotion::longest_turning_step() const {
   const DofLayout& layout = model_.map().layout();
   double longest = std::numeric_limits<double>::infinity();
+  const double nutation = has_history(settings_.time.integrator) ? kLargestBdf2Nutation : kLargestNutation;
   for (size_t b = 0; b < state_.body_rotation.size(); ++b) {
     if (model_.rigid_masses()[b].is_frame) continue;
     const bool is_free = layout.rotation_block[b] != kNoBlock;
     const bool is_at_velocity = script_phase(state_.script_remaining[b]) == ScriptPhase::Velocity;
     if (is_free ? !has_inertia(settings_.time.integrator) : !is_at_velocity) continue;
-    const double speed = norm(state_.body_angular_velocity[b]);
-    const double turn = is_free ? kLargestFreeTurn : kLargestTurn;
-    if (is_free && turn / speed < settings_.time.step / kMostTurningSteps) continue;
-    longest = std::min(longest, std::max(settings_.time.min_step, turn / speed));
+    const auto limit = [&](double step) {
+      if (is_free && step < settings_.time.step / kMostTurningSteps) return;
+      longest = std::min(longest, std::max(settings_.time.min_step, step));
+    };
+    limit((is_free ? kLargestFreeTurn : kLargestTurn) / norm(state_.body_angular_velocity[b]));
+    if (is_free) limit(nutation / nutation_rate(model_.rigid_masses()[b].moments, norm(spin(b))));
   }
   return longest;
 }
