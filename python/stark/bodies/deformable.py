@@ -49,8 +49,8 @@ class DeformableBody(Body, RestState):
     @property
     def positions(self) -> Floats:
         """Positions of all vertices in the world (n, 3) [m], in the order of ``mesh.vertices``; a copy.
-        Assign them to place the body at once (docs/state.md); pinned vertices rest where they are placed, embedded ones must go where their cells
-        carry them (``mesh.carried``)."""
+        Assign them to place the body at once (docs/state.md); pinned vertices rest where they are placed,
+        embedded ones must go where their cells carry them (``mesh.carried``)."""
         return super().positions
 
     @positions.setter

@@ -110,8 +110,8 @@ class RestState(BodyHandle):
             expansion = getattr(self._shared["material"], "thermal_expansion", 1.0)
             if known is None and name == "temperature" and not np.any(expansion):
                 warnings.warn(
-                    f"'{self.name}': temperature: changes nothing, as thermal_expansion of the material is 0; "
-                    f"give it: material.replace(thermal_expansion=...) [1/K]",
+                    f"'{self.name}': temperature: changes nothing, as thermal_expansion of the material is "
+                    f"0: must be given, material.replace(thermal_expansion=...) [1/K]",
                     StarkWarning,
                     stacklevel=4,
                 )

@@ -16,8 +16,8 @@ std::vector<double> internal_values(const Energies& energies);
 /// Gives the batches the values of a state; nothing to do where there are none.
 void set_internal(Energies& energies, std::span<const double> values);
 
-/// Batches have the values of a state as long as this lives, and then again those that they had: between steps
-/// those at the start of the last one, whose forces sensors read.
+/// Batches have the values of a state as long as this lives, and then again those that they had: between
+/// steps those at the start of the last one, whose forces sensors read.
 class InternalOfState {
  public:
   InternalOfState(Energies& energies, std::span<const double> values);

@@ -100,8 +100,9 @@ def with_rest_state(kind: str, **rest: object) -> tuple[stark.Simulation, np.nda
 @pytest.mark.parametrize("kind", ["solid", "lattice", "cloth", "rod"])
 def test_what_is_held_while_it_shrinks_has_stress(kind: str) -> None:
     """E times what it would shrink by, of which the shape shows nothing."""
-    cold = {"growth": np.diag([1.0 - 1e-3, 1.0, 1.0])} if kind in ("solid", "lattice") else {"temperature": -10.0}
-    sim, stress = with_rest_state(kind, **cold)
+    shrunk = np.diag([1.0 - 1e-3, 1.0, 1.0])
+    rest = {"growth": shrunk} if kind in ("solid", "lattice") else {"temperature": -10.0}
+    sim, stress = with_rest_state(kind, **rest)
     assert stress == pytest.approx(np.full(len(stress), 1e6 * 1e-3), rel=5e-3)
     assert field_values(sim, "strain")["bar"].max() < 2e-3
 
