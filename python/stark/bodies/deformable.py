@@ -12,12 +12,11 @@ from stark.arguments import as_array, real_array
 from stark.bodies.body import Body
 from stark.bodies.following import follow_pins
 from stark.bodies.rest_state import RestState
-from stark.mesh import EmbeddedMesh, Indices
+from stark.mesh import Indices
 from stark.rotations import check_places
 from stark.selections import FrameHandle, Points, embedded_points, patch_frame
 
 Floats = NDArray[np.float64]
-_CARRIED = 1e-6  #: of the largest number: what embedded vertices may be off when they are placed
 
 
 class DeformableBody(Body, RestState):
@@ -49,8 +48,7 @@ class DeformableBody(Body, RestState):
     @property
     def positions(self) -> Floats:
         """Positions of all vertices in the world (n, 3) [m], in the order of ``mesh.vertices``; a copy.
-        Assign them to place the body at once (docs/state.md); pinned vertices rest where they are placed,
-        embedded ones must go where their cells carry them (``mesh.carried``)."""
+        Assign them to place the body at once (docs/state.md); pinned vertices rest where they are placed."""
         return super().positions
 
     @positions.setter
@@ -80,19 +78,7 @@ class DeformableBody(Body, RestState):
                 f"vertex of the mesh"
             )
         check_places(array, f"'{self.name}': {what}")
-        if isinstance(self._mesh, EmbeddedMesh):
-            self._require_carried(self._mesh, array, what)
         return np.ascontiguousarray(array)
-
-    def _require_carried(self, mesh: EmbeddedMesh, array: Floats, what: str) -> None:
-        """Embedded vertices go where their cells do, wherever they are put."""
-        off = np.abs(mesh.carried(array[: mesh.node_count]) - array).max(axis=1)
-        k = int(np.argmax(off))
-        if off[k] > _CARRIED * np.abs(array).max():
-            raise InvalidArgument(
-                f"'{self.name}': {what}[{k}], of an embedded vertex, is off by {off[k]:.3g} from what its "
-                f"cell carries there: must follow the nodes; give body.mesh.carried(values of the nodes)"
-            )
 
     @property
     def pins(self) -> Indices:

@@ -76,6 +76,7 @@ def _size(surface: TriangleMesh, cells: int | None, cell_size: float | None) -> 
                 f"which is {longest:.3g} m; its vertices must be metres, too"
             )
         return size
+    assert cells is not None  # one of the two is given
     return longest / count_of(cells, "lattice: cells", 1)
 
 

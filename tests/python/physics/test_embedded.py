@@ -297,22 +297,3 @@ def test_recordings_are_certified_and_drawn(tmp_path: Path) -> None:
     result = scenes.run(scene_file, out=tmp_path / "run", certify=True, replay=True, picture=True)
     assert result.status == "ok" or result.exit_code == 0, result.message
     assert verify(tmp_path / "run").verdict == "certified"
-
-
-def test_embedded_vertices_are_placed_where_their_cells_carry_them() -> None:
-    scene = stark.Scene()
-    mesh = stark.mesh.lattice(stark.mesh.sphere(0.1, 2), cells=3)
-    ball = scene.add_solid(mesh, stark.materials.soft_rubber, name="ball")
-    sim = stark.Simulation(scene, gravity=(0, 0, 0), time_step=0.01)
-    nodes = ball.positions[: mesh.node_count] * (1.1, 1.0, 1.0) + (0.0, 0.0, 0.5)
-    ball.positions = mesh.carried(nodes)
-    ball.velocities = (1.0, 0.0, 0.0)
-    sim.step()
-    wrong = ball.positions
-    wrong[-1, 2] += 0.01
-    with pytest.raises(stark.InvalidArgument, match=r"is off by 0.01 from what its cell carries"):
-        ball.positions = wrong
-    moved = ball.velocities
-    moved[mesh.node_count :] = 0.0
-    with pytest.raises(stark.InvalidArgument, match="of an embedded vertex, is off"):
-        ball.velocities = moved
