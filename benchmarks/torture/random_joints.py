@@ -105,7 +105,7 @@ def _switching(
                 continue
             own = sim.attachments if isinstance(handle, stark.attachments.Attachment) else sim.joints
             mine = own[handle._index]
-            if mine.enabled != passed[-1] and not (passed[-1] and getattr(mine, "broken", np.False_).any()):
+            if mine.enabled != passed[-1] and not (passed[-1] and np.any(getattr(mine, "broken", False))):
                 mine.enabled = passed[-1]
 
     return drive
