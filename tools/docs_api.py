@@ -101,7 +101,7 @@ INTERNAL = frozenset(
 )
 #: Types in signatures that other projects document.
 FOREIGN_TYPES = [
-    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect|gymnasium|Box)(\..*)?"),
+    (r"py:.*", r"(numpy|np|collections|typing|pathlib|os|types|enum|inspect|gymnasium|Box|NDArray)(\..*)?"),
     # Of what environments inherit from Gymnasium.
     (r"py:.*", r"_np_random(_seed)?|set_np_random_through_seed"),
 ]

@@ -50,6 +50,11 @@ GENERATED = {
         "cpp.md": ("C++ interface", "the public headers"),
     }
 }
+#: Page of pictures, and the packaged scenes whose replays it embeds.
+GALLERY = "docs/gallery.md"
+REPLAYS = {
+    "hello_cloth": "A cotton cloth over a turning box. Drag to turn the view, click on a body to pick it."
+}
 _LINK = re.compile(r"(!?)\[((?:[^][]|\[[^][]*\])*)\]\(([^)\s]+)\)")
 _CODE = re.compile(r"(^ *```.*?^ *```$)", re.MULTILINE | re.DOTALL)
 
@@ -72,6 +77,8 @@ def gather(root: Path, folder: Path) -> None:
         if page == CONTENTS:
             text = with_generated(text)
             text += "\n" + contents(text)
+        if page == GALLERY:
+            text += embedded_replays()
         if page == "docs/theory.md":
             text = docs_math.with_mathml(text)
         _write(folder / name, text)
@@ -123,6 +130,31 @@ def with_generated(text: str) -> str:
     return text
 
 
+def embedded_replays() -> str:
+    """A section that shows the pages of add_replays()."""
+    frames = "\n".join(
+        f"{text}\n\n```{{raw}} html\n"
+        f'<iframe src="replays/{name}.html" title="{name}" width="100%" height="560" loading="lazy" '
+        f'style="border: 1px solid #8886; border-radius: 6px"></iframe>\n```\n'
+        for name, text in REPLAYS.items()
+    )
+    return f"\n## Replays\n\n{frames}"
+
+
+def add_replays(html: Path) -> int:
+    """Runs the packaged scenes of REPLAYS and puts their pages into the site; returns the exit status."""
+    (html / "replays").mkdir(exist_ok=True)
+    local = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    for name in REPLAYS:
+        run = html.parent / "runs" / name
+        shutil.rmtree(run, ignore_errors=True)
+        command = [sys.executable, "-m", "stark", "run", name, "--quiet", "--no-picture", "--out", str(run)]
+        if status := subprocess.run(command, env=local, check=False).returncode:
+            return status
+        shutil.copyfile(run / "replay.html", html / "replays" / f"{name}.html")
+    return 0
+
+
 def contents(text: str) -> str:
     """Navigation in the order of the page's own list: a table of contents for each section."""
     tables = []
@@ -150,7 +182,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "docs", help="folder of the site")
     out = parser.parse_args().out.resolve()
     docs_api.use_local_package()
-    status = build(out)
+    status = build(out) or add_replays(out / "html")
     print(f"Open {out / 'html' / 'index.html'}" if status == 0 else "The site has defects, see above")
     return status
 

@@ -190,6 +190,7 @@ class EmbeddedMesh(SolidMesh):
     element of each vertex of the surface. ``filling`` (m, 7): the part of each cell that is inside, and
     the means of the coordinates and of their squares there, in units of the cell."""
 
+    elements: Indices
     triangles: Indices
     cells: Indices
     filling: NDArray[np.float64]
