@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -48,9 +48,9 @@ PROGRESS_PERIOD = 0.25
 class Simulation(Pictures, Stepping, KnownAttributes):
     """A scene being simulated.
 
-    ``Simulation(scene, settings)`` or ``Simulation(scene, time_step=1/30, contact_distance=2e-3,
-    **{"newton.step_tolerance": 1e-4})``: keyword arguments are settings by name, see ``stark.Settings``; both
-    may be given, keywords win. The scene is copied: later changes to it do not reach the simulation. Initial
+    ``Simulation(scene, settings)`` or ``Simulation(scene, {"time.integrator": "bdf2"}, time_step=1/30)``:
+    ``settings`` is a ``stark.Settings`` or values by dotted name, keyword arguments are settings by name, see
+    ``stark.Settings``; both may be given, keywords win. The scene is copied: later changes to it do not reach the simulation. Initial
     intersections raise ``InitialIntersection``.
 
     Several simulations of one scene may live side by side. ``sim[body]``, ``sim.joints`` and the like are
@@ -58,14 +58,19 @@ class Simulation(Pictures, Stepping, KnownAttributes):
 
     _scene: Scene
 
-    def __init__(self, scene: Scene, settings: Settings | None = None, **options: Any) -> None:
+    def __init__(
+        self, scene: Scene, settings: Settings | Mapping[str, Any] | None = None, **options: Any
+    ) -> None:
         if not isinstance(scene, Scene):
             raise InvalidArgument(f"scene = {scene!r}: must be a stark.Scene")
-        if settings is not None and not isinstance(settings, Settings):
+        self._settings = settings.copy() if isinstance(settings, Settings) else Settings()
+        if isinstance(settings, Mapping):
+            self._settings.update(settings)
+        elif settings is not None and not isinstance(settings, Settings):
             raise InvalidArgument(
-                f"settings = {settings!r}: must be a stark.Settings, or give settings as keywords"
+                f"settings = {settings!r}: must be a stark.Settings, or values by dotted name: "
+                f'{{"time.integrator": "bdf2"}}'
             )
-        self._settings = Settings() if settings is None else settings.copy()
         self._settings.update(options)
         self._settings.validate()
         if len(scene) == 0:

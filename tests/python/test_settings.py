@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import stark
 
@@ -56,3 +57,14 @@ def test_the_reference_document_is_up_to_date() -> None:
     tool = Path(__file__).resolve().parents[2] / "tools" / "reference.py"
     run = subprocess.run([sys.executable, tool, "--check"], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
+
+
+def test_a_simulation_takes_settings_as_a_mapping_by_dotted_name() -> None:
+    scene = stark.Scene()
+    scene.add_box(size=0.1, mass=1.0)
+    sim = stark.Simulation(scene, {"time.integrator": "bdf2", "time_step": 0.02}, time_step=0.01)
+    assert (sim.settings["time.integrator"], sim.settings["time.step"]) == ("bdf2", 0.01)
+    with pytest.raises(
+        stark.InvalidArgument, match="settings = 3: must be a stark.Settings, or values by dotted name"
+    ):
+        stark.Simulation(scene, 3)  # type: ignore[arg-type]

@@ -24,6 +24,7 @@ constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, abov
 constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
 constexpr double kTinyStep = 1e-6;                         ///< step lengths below it make no progress ...
 constexpr int kTinyStepLimit = 12;                         ///< ... and so many in a row end the minimisation
+constexpr int kCutShortLimit = 12;      ///< iterations beyond the tolerances for directions cut short
 constexpr int kLagUpdateLimit = 100;    ///< updates of lagged quantities; joints need a few
 constexpr int kEarlyRefreshLimit = 12;  ///< updates of friction before the first solution
 constexpr double kModelled =
@@ -84,9 +85,10 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   const SolveStatus searched = line_search(objective);
   if (searched == SolveStatus::Interrupted) return searched;
   trust_hessian(searched, pending);
-  if (!converged) ++report_.iterations;
+  const bool is_last = converged && !is_cut_short(searched);
+  if (!is_last) ++report_.iterations;
   if (searched == SolveStatus::RoundOff) ++progress_.round_off_steps;
-  if (converged) return refresh_lagged(objective, SolveStatus::Converged);
+  if (is_last) return refresh_lagged(objective, SolveStatus::Converged);
   if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
     return refresh_lagged(objective, SolveStatus::RoundOff);
   if (!pending) refresh_early(objective);
@@ -113,6 +115,13 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
   const bool is_full = searched == SolveStatus::Converged && report_.last_step_length == 1.0;
   const bool is_near = report_.last_motion < kNear * settings_.step_tolerance * time_step_;
   progress_.simplified_limit = !pending && is_full && is_near ? kContraction * report_.last_motion : 0.0;
+}
+
+// Slow bodies meet the tolerances before they have met each other: what stands in the way of the last
+// direction has not pushed back yet, and would take momentum without giving it to anything.
+bool NewtonSolver::is_cut_short(SolveStatus searched) {
+  return searched == SolveStatus::Converged && report_.last_step_length < 1.0 &&
+         report_.iterations < settings_.max_iterations && progress_.cut_short++ < kCutShortLimit;
 }
 
 // Lagged quantities of the start of the step are far off, and what is minimised with them is far from what

@@ -45,6 +45,7 @@ class NewtonSolver {
     SolveReport settled;            ///< when lagged quantities were refreshed last
     int tiny_steps = 0;             ///< in a row
     int round_off_steps = 0;        ///< since the last refresh
+    int cut_short = 0;              ///< directions since the tolerances were met first
     int unsure_steps_left = 0;      ///< of take_unsure_step()
     int projected_left = 0;         ///< iterations for which Hessians stay projected after a failure
     int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
@@ -78,6 +79,8 @@ class NewtonSolver {
   bool has_converged(const Objective& objective);
   /// All tolerances times a factor.
   bool meets_tolerances(const SolveReport& report, double factor = 1.0) const;
+  /// Whether something stood in the way of the last direction.
+  bool is_cut_short(SolveStatus searched);
   /// Whether nothing but rounding keeps the tolerances from being met.
   bool is_at_rounding(const Objective& objective);
 
