@@ -29,8 +29,15 @@ RestitutionSet make_set(double coefficient, const Vec3& gravity = {}) {
           restitution_potential()};
 }
 
+/// Of bodies that do not turn.
 RestitutionSet::Motion motion(std::span<const Vec3> positions, std::span<const Vec3> velocities) {
-  return {.positions = positions, .velocities = velocities, .duration = kStep, .step = kStep};
+  static const std::vector<Vec3> no_lead(6);
+  return {.turned = positions,
+          .velocities = velocities,
+          .references = positions,
+          .lead = no_lead,
+          .duration = kStep,
+          .step = kStep};
 }
 
 /// An approach of 1 kg at 2 m/s that has ended: 2 N s, 2 J.
@@ -98,7 +105,8 @@ TEST_CASE("an impact is an approach with a force, a load that lasts is none") {
   const Vec3 gravity{0, 0, -10};
   RestitutionSet set = make_set(0.5, gravity);
   const std::vector<Vec3> x = sites();
-  std::vector<Vec3> v(x.size()), end = x;
+  const std::vector<Vec3> still(x.size());
+  std::vector<Vec3> v(x.size());
   Contact contact;
   contact.group_a = 0;
   contact.group_b = 1;
@@ -107,7 +115,7 @@ TEST_CASE("an impact is an approach with a force, a load that lasts is none") {
   const std::vector<Vec3> force{{0, 0, 100}};
   SUBCASE("at rest") {
     set.begin_step({}, x, motion(x, v));
-    const RestitutionMemory memory = set.end_step({contact}, force, end, v);
+    const RestitutionMemory memory = set.end_step({contact}, force, x, {v, v, still});
     REQUIRE(memory.bodies.size() == 1);
     CHECK(memory.speed[0] == 0.0);
     CHECK(memory.load[0] > 0.0);
@@ -118,12 +126,12 @@ TEST_CASE("an impact is an approach with a force, a load that lasts is none") {
     set.begin_step({}, x, motion(x, v));
     std::vector<Vec3> slower = v;
     for (int i = 0; i < 3; ++i) slower[i] = {0, 0, -1};
-    const RestitutionMemory memory = set.end_step({contact}, force, end, slower);
+    const RestitutionMemory memory = set.end_step({contact}, force, x, {v, slower, still});
     CHECK(memory.speed[0] == doctest::Approx(3.0));
     CHECK(memory.impulse[0] == doctest::Approx(100 * kStep));
     CHECK(memory.work[0] == doctest::Approx(100 * kStep * 2.0));
     CHECK(memory.due[0] == 0.0);  // still approaching
-    const RestitutionMemory over = set.end_step({contact}, force, end, std::vector<Vec3>(x.size()));
+    const RestitutionMemory over = set.end_step({contact}, force, x, {v, still, still});
     CHECK(over.due[0] == 1.0);
     CHECK(norm(over.normal[0] - Vec3{0, 0, 1}) < 1e-15);
     // What is left carries the weight: 10 m/s^2 times 1 N s over 3 m/s, of 100 N.

@@ -65,6 +65,6 @@ def test_a_simulation_takes_settings_as_a_mapping_by_dotted_name() -> None:
     sim = stark.Simulation(scene, {"time.integrator": "bdf2", "time_step": 0.02}, time_step=0.01)
     assert (sim.settings["time.integrator"], sim.settings["time.step"]) == ("bdf2", 0.01)
     with pytest.raises(
-        stark.InvalidArgument, match="settings = 3: must be a stark.Settings, or values by dotted name"
+        stark.InvalidArgument, match=r"settings = 3: must be a stark\.Settings, or values by dotted name"
     ):
         stark.Simulation(scene, 3)  # type: ignore[arg-type]

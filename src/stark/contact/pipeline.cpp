@@ -132,11 +132,11 @@ bool ContactPipeline::lower_separations() {
 }
 
 ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration,
-                                        std::span<const Vec3> velocities) {
+                                        const RestitutionSet::End& motion) {
   settle(x);
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
-  RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, velocities);
+  RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, motion);
   friction_residual_ =
       friction_.residual(contacts(), pushing_forces(contacts(), std::move(all)), friction_coefficient_);
   ContactMemory memory{friction_.end_step(x), std::move(load)};

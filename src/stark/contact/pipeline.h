@@ -81,9 +81,9 @@ class ContactPipeline final : public ActiveSet {
   /// Freezes areas and friction for a step that starts at site positions x.
   void begin_step(std::span<const Vec3> x, const VelocityReference& reference, ContactMemory memory);
   /// Takes the end of a step at site positions x: contacts are those there. duration: see ContactLaw;
-  /// velocities: by site, where has_restitution() [m/s].
+  /// motion: where has_restitution().
   ContactMemory end_step(std::span<const Vec3> x, double duration = 1.0,
-                         std::span<const Vec3> velocities = {});
+                         const RestitutionSet::End& motion = {});
   bool has_restitution() const { return !restitution_.empty(); }
 
   /// Pairs of bodies that are within their contact distance at x, with the gaps between them; of a body with

@@ -39,9 +39,8 @@ void RestitutionSet::begin_step(RestitutionMemory memory, std::span<const Vec3> 
   if (empty()) return;
   impacts_.clear();
   motion_ = motion;
-  x_start_.assign(x.begin(), x.end());
-  v_start_.assign(motion.velocities.begin(), motion.velocities.end());
-  positions_.assign(motion.positions.begin(), motion.positions.end());
+  references_.assign(motion.references.begin(), motion.references.end());
+  if (references_.empty()) memory = {};
   std::vector<int32_t> stencils;
   for (size_t k = 0; k < memory.bodies.size(); ++k) {
     const int64_t bodies = memory.bodies[k];
@@ -50,6 +49,7 @@ void RestitutionSet::begin_step(RestitutionMemory memory, std::span<const Vec3> 
                         memory.load[k],  memory.stiffness[k], memory.due[k],
                         memory.rate[k],  memory.normal[k],    memory.moment[k]};
     if (memory.due[k] == 0.0) continue;
+    impacts_[bodies].rate = along(bodies, impacts_[bodies], motion.turned, motion.velocities);
     for (const int64_t group : {bodies >> 32, bodies & 0xffffffff})
       for (const int32_t site : table_.frame[group]) stencils.push_back(site);
   }
@@ -58,22 +58,19 @@ void RestitutionSet::begin_step(RestitutionMemory memory, std::span<const Vec3> 
   batch.set_uniform("duration", motion.duration);
   int64_t element = 0;
   for (const auto& [bodies, impact] : impacts_)
-    if (impact.due != 0.0) set_element(element++, bodies, impact, x);
-  batch.set_previous(positions_);
+    if (impact.due != 0.0) set_element(element++, bodies, impact);
+  batch.set_previous(references_);
   remember(x);
 }
 
-void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& impact,
-                                 std::span<const Vec3> x) {
+void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& impact) {
   const double e = table_.coefficient.at(bodies), V = impact.speed, u0 = impact.rate;
   const double h = motion_.step, sigma = motion_.duration, a = fall(bodies, impact.normal);
   const double mass = impact.impulse / (V + u0);
   // u^2/2 + a (way(u) - delay u h/2) = e^2 V^2/2 with way(u) = d + sigma u: the speed with which the bodies
   // would have left where the approach ended.
-  std::vector<Vec3> lead(x.size());
-  for (const int64_t group : {bodies >> 32, bodies & 0xffffffff})
-    for (const int32_t site : table_.frame[group]) lead[site] = positions_[site] - x[site];
-  const double d = along(bodies, impact, x, lead), b = a * (sigma - 0.5 * motion_.delay * h);
+  const double d = along(bodies, impact, motion_.turned, motion_.lead);
+  const double b = a * (sigma - 0.5 * motion_.delay * h);
   const double target = -b + std::sqrt(std::max(0.0, b * b + e * e * V * V - 2.0 * a * d));
   // What the layer has given back by itself before the end of the step is part of what is due.
   const double back = 0.5 * mass * std::max(0.0, u0) * u0;
@@ -90,7 +87,8 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
   double side = 1.0;
   int i = 0;
   for (const int64_t group : {bodies >> 32, bodies & 0xffffffff}) {
-    for (const Vec3& share : shares(static_cast<int32_t>(group), impact.normal, impact.moment, x)) {
+    for (const Vec3& share :
+         shares(static_cast<int32_t>(group), impact.normal, impact.moment, motion_.turned)) {
       const Vec3 g = share * side;
       const int field = batch.field_index("share" + std::to_string(i++));
       batch.set(field, element, {&g.x, 3});
@@ -143,7 +141,7 @@ std::vector<RestitutionSet::Return> RestitutionSet::returns(std::span<const Vec3
     for (int i = 0; i < kPoints; ++i) {
       const int share = batch.field_index("share" + std::to_string(i));
       const int32_t site = batch.stencil(element)[i];
-      const Vec3 motion = x[site] - positions_[site];
+      const Vec3 motion = x[site] - references_[site];
       for (int c = 0; c < 3; ++c) way += batch.get(share, element, c) * motion[c];
     }
     const double rate = way / motion_.duration, wanted = field("gain") * (field("target") - rate);
@@ -223,8 +221,7 @@ double RestitutionSet::fall(int64_t bodies, const Vec3& normal) const {
 
 std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Contact>& contacts,
                                                             std::span<const Vec3> forces,
-                                                            std::span<const Vec3> x,
-                                                            std::span<const Vec3> v) const {
+                                                            std::span<const Vec3> x, const End& end) const {
   std::map<int64_t, Sum> sums;
   for (size_t c = 0; c < contacts.size(); ++c) {
     const Contact& contact = contacts[c];
@@ -238,9 +235,9 @@ std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Co
     sum.force += dot(force, normalized(gap));
     sum.normal += force;
     sum.moment += cross(at, force);
-    sum.rate_start += dot(forces[c], gap_vector(contact, v_start_));
-    sum.rate_end += dot(forces[c], gap_vector(contact, v));
-    sum.way += dot(forces[c], gap_vector(contact, x) - gap_vector(contact, x_start_));
+    sum.rate_start += dot(forces[c], gap_vector(contact, end.before));
+    sum.rate_end += dot(forces[c], gap_vector(contact, end.after));
+    sum.way += dot(forces[c], gap_vector(contact, end.way));
   }
   for (auto& [bodies, sum] : sums) {
     if (!(sum.force > 0.0)) continue;
@@ -289,14 +286,14 @@ RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum s
 }
 
 RestitutionMemory RestitutionSet::end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                                           std::span<const Vec3> x, std::span<const Vec3> v) const {
+                                           std::span<const Vec3> x, const End& end) const {
   RestitutionMemory memory;
-  if (empty()) return memory;
-  std::map<int64_t, Sum> now = sums(contacts, forces, x, v);
+  if (empty() || references_.empty()) return memory;
+  std::map<int64_t, Sum> now = sums(contacts, forces, x, end);
   for (const auto& [bodies, impact] : impacts_)
     if (const auto [entry, is_new] = now.try_emplace(bodies); is_new && impact.speed > 0.0) {
-      entry->second.rate_start = along(bodies, impact, x_start_, v_start_);
-      entry->second.rate_end = along(bodies, impact, x, v);
+      entry->second.rate_start = along(bodies, impact, x, end.before);
+      entry->second.rate_end = along(bodies, impact, x, end.after);
     }
   for (const auto& [bodies, sum] : now) {
     const auto found = impacts_.find(bodies);

@@ -51,18 +51,27 @@ class RestitutionSet {
 
   bool empty() const { return table_.coefficient.empty(); }
 
-  /// How velocities of a step follow from positions.
+  /// A step, by site of the rigid bodies. Where nothing pushes they turn by it to `turned`.
   struct Motion {
-    std::span<const Vec3> positions;   ///< by site, that displacements are measured from [m]
-    std::span<const Vec3> velocities;  ///< by site, at the start [m/s]
-    double duration = 0.0;             ///< over which they are displacements [s]
+    std::span<const Vec3> turned;      ///< start, with the rotation that free motion ends with [m]
+    std::span<const Vec3> velocities;  ///< there, before anything has pushed [m/s]
+    std::span<const Vec3> references;  ///< from where velocities are displacements [m]
+    std::span<const Vec3> lead;        ///< of the centres of mass there over the start [m]
+    double duration = 0.0;             ///< over which velocities are displacements [s]
     double step = 0.0;                 ///< [s]
     double weight = 1.0;               ///< of contact beside other forces: see TimeStencil
     /// Part of g h by which free fall is late: 1 of implicit Euler, 0 of what is exact.
     double delay = 0.0;
   };
-  /// Starts a step at site positions x.
+  /// Starts a step at site positions x. Empty motions, of steps without inertia, forget all impacts.
   void begin_step(RestitutionMemory memory, std::span<const Vec3> x, const Motion& motion);
+
+  /// The end of a step, by site of the rigid bodies and at the place where it ends.
+  struct End {
+    std::vector<Vec3> before;  ///< velocities with the momentum at the start of the step [m/s]
+    std::vector<Vec3> after;   ///< at its end [m/s]
+    std::vector<Vec3> way;     ///< along the mean of both [m]
+  };
 
   /// Layers that have taken up an impact.
   std::map<int64_t, SpentLayer> spent() const;
@@ -78,10 +87,9 @@ class RestitutionSet {
   void remember(std::span<const Vec3> x);
   EnergyDifference energy_difference(std::span<const Vec3> x) const;
 
-  /// Takes the end of the step: site positions x and velocities v there, contacts with their forces on sides
-  /// A [N].
+  /// Takes the end of the step at site positions x, with contacts and their forces on sides A [N].
   RestitutionMemory end_step(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                             std::span<const Vec3> x, std::span<const Vec3> v) const;
+                             std::span<const Vec3> x, const End& end) const;
 
  private:
   /// An impact, or what is left of one, of two bodies: a row of the memory.
@@ -111,15 +119,15 @@ class RestitutionSet {
   /// Acceleration with which gravity brings the bodies together along the normal [m/s^2].
   double fall(int64_t bodies, const Vec3& normal) const;
   std::map<int64_t, Sum> sums(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                              std::span<const Vec3> x, std::span<const Vec3> v) const;
+                              std::span<const Vec3> x, const End& end) const;
   Impact next(int64_t bodies, Impact impact, Sum sum) const;
-  void set_element(int64_t element, int64_t bodies, const Impact& impact, std::span<const Vec3> x);
+  void set_element(int64_t element, int64_t bodies, const Impact& impact);
 
   RestitutionTable table_;
   std::vector<std::pair<Contact, Vec3>> contacts_;  ///< of pairs that give back, with shares of the force
   std::vector<PotentialBatch> batch_;               ///< one, or none without coefficients
   std::map<int64_t, Impact> impacts_;               ///< at the start of the step
-  std::vector<Vec3> x_start_, v_start_, positions_;
+  std::vector<Vec3> references_;
   Motion motion_;
   std::vector<double> remembered_;
 };

@@ -25,10 +25,15 @@ struct MotionReference {
   std::vector<Vec3> sites;                          ///< positions of the sites at `place` [m]
   std::vector<Vec3> friction_sites;                 ///< what slip is measured from [m]
   double friction_duration = 0.0;                   ///< and over what time [s]
-  std::vector<Vec3> site_velocities;                ///< at the start of the step, with restitution [m/s]
   // Empty without a history:
   std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
   std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
+};
+
+/// Rigid bodies at the start of a step with restitution, and their sites as RestitutionSet::Motion has them.
+struct ImpactReference {
+  std::vector<Vec3> position, velocity, angular_velocity, spin;  ///< by body [m, m/s, rad/s, kg m^2/s]
+  std::vector<Vec3> turned, velocities, references, lead;
 };
 
 class StepMotion : private StepPart {
@@ -61,6 +66,8 @@ class StepMotion : private StepPart {
   }
   /// What restitution needs of a step of length h, what it remembers and keeps.
   RestitutionSet::Motion restitution_motion(double h);
+  /// How rigid bodies have moved in it; call it after commit().
+  RestitutionSet::End restitution_end(double h) const;
   RestitutionMemory restitution_memory() const;
   void remember_impacts(RestitutionMemory memory);
 
@@ -71,8 +78,6 @@ class StepMotion : private StepPart {
   Vec3 spin(size_t b) const;
   /// Velocity of a point of body b given in its principal frame, relative to the centre of mass [m/s].
   Vec3 turning_velocity(int32_t b, const Vec3& local) const;
-  /// By site [m/s].
-  std::vector<Vec3> site_velocities() const;
 
  private:
   /// What the step of length h that starts from the state has of the integrator.
@@ -103,7 +108,14 @@ class StepMotion : private StepPart {
   /// Keeps what the velocities that were there `before` the step have gained, and how.
   void remember_increments(const Motions& before, const Impulses& impulses, double h);
 
+  /// Angular velocity of body b with rotation R and the angular momentum that it has started the step with.
+  Vec3 unpushed_angular_velocity(size_t b, const Mat3& R) const;
+  /// value(body, place in its principal frame) of all sites of rigid bodies, zero of others.
+  template <typename Value>
+  std::vector<Vec3> by_rigid_site(const Value& value) const;
+
   MotionReference reference_;
+  ImpactReference impact_;
   std::vector<double> scratch_gradient_;
 };
 

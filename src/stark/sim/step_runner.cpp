@@ -348,9 +348,9 @@ void StepRunner::commit_contact(double h) {
   const PhaseTimer::Scope scope(timer_, Phase::Commit);
   const bool has_time = has_inertia(settings_.time.integrator);
   const double duration = has_time ? h / kLoadTime : kQuasistaticLoad;
-  std::vector<Vec3> velocities;
-  if (contact_->has_restitution()) velocities = motion_.site_velocities();
-  ContactMemory memory = contact_->end_step(potential_.site_positions(), duration, velocities);
+  RestitutionSet::End motion;
+  if (contact_->has_restitution() && has_time) motion = motion_.restitution_end(h);
+  ContactMemory memory = contact_->end_step(potential_.site_positions(), duration, motion);
   state_.friction_pair = std::move(memory.friction.pair);
   state_.friction_deflection = std::move(memory.friction.deflection);
   state_.friction_force = std::move(memory.friction.force);
