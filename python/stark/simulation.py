@@ -50,8 +50,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
 
     ``Simulation(scene, settings)`` or ``Simulation(scene, {"time.integrator": "bdf2"}, time_step=1/30)``:
     ``settings`` is a ``stark.Settings`` or values by dotted name, keyword arguments are settings by name, see
-    ``stark.Settings``; both may be given, keywords win. The scene is copied: later changes to it do not reach the simulation. Initial
-    intersections raise ``InitialIntersection``.
+    ``stark.Settings``; both may be given, keywords win. The scene is copied: later changes to it do not reach
+    the simulation. Initial intersections raise ``InitialIntersection``.
 
     Several simulations of one scene may live side by side. ``sim[body]``, ``sim.joints`` and the like are
     handles of one simulation; those that ``scene.add_*`` returned are of the newest one that is alive."""
