@@ -55,6 +55,8 @@ Description description_of(const nb::dict& given, std::string& out_owner, const 
   body.contact_distance = number_of(given["contact_distance"], owner + ": contact_distance");
   if (given.contains("contact_stiffness"))  // descriptions of older recordings have none
     body.contact_stiffness = number_of(given["contact_stiffness"], owner + ": contact_stiffness");
+  if (given.contains("contact_core"))
+    body.contact_core = number_of(given["contact_core"], owner + ": contact_core").value_or(0.0);
   body.friction = number_of(given["friction"], owner + ": friction");
   if (!given["color"].is_none()) {
     const Vec3 c = vector_of(given["color"], owner + ": color");

@@ -205,6 +205,8 @@ void bind_scene_class(nb::module_& m) {
           "contact_stiffness", [](const Scene& s, int32_t body) { return s.contact_stiffness({body}); },
           "body"_a)
       .def(
+          "contact_core", [](const Scene& s, int32_t body) { return s.contact_core({body}); }, "body"_a)
+      .def(
           "initial_positions",
           [](const Scene& s, int32_t body) { return to_numpy<double>(s.initial_positions({body})); },
           "body"_a)

@@ -107,6 +107,11 @@ class Body(ContactSensors, KnownAttributes):
         return self._scene._core.contact_stiffness(self._index)
 
     @property
+    def contact_core(self) -> float:
+        """Part of the contact distance [m] that no pressure takes: ``stark.Surface.core``; 0 without one."""
+        return self._scene._core.contact_core(self._index)
+
+    @property
     def surface_direction(self) -> NDArray[np.float64] | None:
         """Direction of the surface, for ``stark.Anisotropic`` friction: the nap of a fabric, the grooves of a
         belt. One vector (3,), or one for each of the ``surface_triangles`` (m, 3), in the frame of the mesh;

@@ -344,6 +344,7 @@ class SceneBodies(SceneLink):
             contact_stiffness = surface.stiffness if contact_stiffness is None else contact_stiffness
         return {
             "name": given_name(name),
+            "contact_core": 0.0 if surface is None else surface.core,
             "vertices": vertices,
             "position": position,
             "rotation": as_matrix(rotation, f"{'body' if name is None else repr(name)}: rotation"),

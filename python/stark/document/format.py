@@ -77,6 +77,7 @@ _PLACE = {
     "angular_velocity": Field(vector("rad/s"), ZERO),
     "contact_distance": Field(Maybe(Number("m")), None),
     "contact_stiffness": Field(Maybe(Number("Pa")), None),
+    "contact_core": Field(Number("m"), 0.0, "part of contact_distance that no pressure takes"),
     "friction": Field(Maybe(Number()), None),
     "color": Field(Maybe(vector("1")), None, "red, green, blue in [0, 1]"),
     "surface_direction": Field(Maybe(_points()), None, "nap: one vector, or one for each triangle"),

@@ -34,6 +34,7 @@ from stark.selections import (
     world_points,
 )
 from stark.settings import Settings
+from stark.surfaces import Surface
 
 from . import recorded
 from .errors import DocumentError
@@ -42,6 +43,13 @@ from .robots import add_robot
 _MATERIALS: dict[str, Any] = {kind.__name__: kind for kind in (ShellMaterial, SolidMaterial, RodMaterial)}
 _INFINITE = {"inf": math.inf, "-inf": -math.inf}
 _COUNTS = (4, 8, 10, 20, 27)
+
+
+def _surface(given: dict[str, Any], core: float, where: str) -> Surface:
+    distance, stiffness = given["contact_distance"], given["contact_stiffness"]
+    if distance is None or stiffness is None:
+        raise DocumentError(f"{where}.contact_core = {core} m: needs contact_distance and contact_stiffness")
+    return Surface("recorded", distance, stiffness, "", core=core)
 
 
 class Rebuilding:
@@ -80,6 +88,8 @@ class Rebuilding:
         kind, direction = given.pop("kind"), given.pop("surface_direction")
         vertices = given.pop("vertices")
         check_places(vertices, f"{where}.vertices")
+        if core := given.pop("contact_core"):
+            given["surface"] = _surface(given, core, where)
         if kind == "rigid":
             inertia = given.pop("inertia")
             packed = None if inertia is None else tuple(inertia.values())

@@ -20,6 +20,8 @@ constexpr int64_t kCandidatesPerTask = 2048;
 /// Where barriers are infinite, over the distance that collision detection keeps: the force there is 10^4
 /// times that at half the contact distance, and what pushes harder is blocked instead of pushed to rounding.
 constexpr double kPole = 0.9;
+/// The same for cores, which are met by loads of every day.
+constexpr double kCorePole = 0.9999;
 
 struct Box {
   Vec3 low, high;
@@ -81,7 +83,7 @@ class Classifier {
   bool classify(PairTag<PairKind::EdgeEdge> kind, const PrimitivePair& c, Contact& contact) const {
     const Index2 a = mesh_.edges[c.first], b = mesh_.edges[c.second];
     begin(contact, kind, c);
-    contact.contact_distance *= geometry_.edge_ranges(c.first, c.second);
+    contact.contact_distance = geometry_.edge_distance(contact, geometry_.edge_ranges(c.first, c.second));
     if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance))
       return false;
     auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);
@@ -207,9 +209,20 @@ double ContactGeometry::distance(int32_t group_a, int32_t group_b) const {
   return group_distance[group_a] + group_distance[group_b];
 }
 
+double ContactGeometry::core(int32_t group_a, int32_t group_b) const {
+  return group_core.empty() ? 0.0 : group_core[group_a] + group_core[group_b];
+}
+
+double ContactGeometry::edge_distance(const Contact& edges, double part) const {
+  const double distance = edges.contact_distance * part;
+  if (core(edges.group_a, edges.group_b) == 0.0) return distance;
+  return std::max(distance, 2.0 * least_distance(edges.group_a, edges.group_b));
+}
+
 double ContactGeometry::least_distance(int32_t group_a, int32_t group_b) const {
   if (!has_least_distance || group_separation.empty()) return 0.0;
-  return kPole * Separations{group_separation, pair_separation}(group_a, group_b);
+  const double pole = core(group_a, group_b) > 0.0 ? kCorePole : kPole;
+  return pole * Separations{group_separation, pair_separation}(group_a, group_b);
 }
 
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,

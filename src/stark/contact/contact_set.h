@@ -87,6 +87,8 @@ struct ContactGeometry {
   std::vector<int32_t> face{};
   CloseBodies close{};
   std::vector<uint8_t> prescribed{};  ///< by site, 1 where no force moves it; none: all are free
+  /// By group, what no pressure takes of its contact distance [m], at most half of it; none: 0 for all.
+  std::vector<double> group_core{};
   /// What collision detection keeps between two groups: the sum over both [m], or that of the pair.
   std::vector<double> group_separation{};
   std::vector<Separations::Pair> pair_separation{};
@@ -94,6 +96,11 @@ struct ContactGeometry {
 
   /// Contact distance of two groups [m].
   double distance(int32_t group_a, int32_t group_b) const;
+  /// Core of two groups [m].
+  double core(int32_t group_a, int32_t group_b) const;
+  /// Within which two edges act whose flatness leaves them a part of the contact distance [m]. Where there is
+  /// a core they bear on it as vertices do: collision detection would stop them there before they push.
+  double edge_distance(const Contact& edges, double part) const;
   /// Where their barrier is infinite [m], which is just below what collision detection keeps.
   double least_distance(int32_t group_a, int32_t group_b) const;
 };

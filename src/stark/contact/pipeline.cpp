@@ -71,8 +71,13 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   geometry_.face = std::move(surfaces.face);
   for (int32_t site = 0; site < map.site_count(); ++site)
     geometry_.prescribed.push_back(map.is_prescribed(site) ? 1 : 0);
-  for (const double d : surfaces.group_distance)
-    geometry_.group_separation.push_back(settings.min_separation_factor * d);
+  const auto is_positive = [](double core) { return core > 0.0; };
+  if (std::ranges::any_of(surfaces.core, is_positive)) geometry_.group_core = std::move(surfaces.core);
+  for (size_t g = 0; g < surfaces.group_distance.size(); ++g) {
+    const double separation = settings.min_separation_factor * surfaces.group_distance[g];
+    const double core = geometry_.group_core.empty() ? 0.0 : geometry_.group_core[g];
+    geometry_.group_separation.push_back(std::max(separation, core));
+  }
   broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
   geometry_.mesh = &broad_phase_.mesh();
   geometry_.edge_ranges = law_.areas().edge_ranges(mesh());
@@ -110,9 +115,14 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
 void ContactPipeline::set_close_bodies(CloseBodies close) {
   geometry_.close = std::move(close);
   geometry_.pair_separation.clear();
-  for (size_t k = 0; k < geometry_.close.bodies.size(); ++k)
-    geometry_.pair_separation.push_back(
-        pair_of(geometry_.close.bodies[k], settings_.min_separation_factor * geometry_.close.distance[k]));
+  for (size_t k = 0; k < geometry_.close.bodies.size(); ++k) {
+    const int64_t code = geometry_.close.bodies[k];
+    const double distance = geometry_.close.distance[k];
+    // Of a core there is as much as the gap at the start leaves room for.
+    const double core = std::min(0.5 * distance, geometry_.core(code >> 32, code & 0xffffffff));
+    const double separation = std::max(settings_.min_separation_factor * distance, core);
+    geometry_.pair_separation.push_back(pair_of(code, separation));
+  }
 }
 
 bool ContactPipeline::lower_separations() {

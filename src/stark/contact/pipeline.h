@@ -26,6 +26,7 @@ struct ContactSurfaces {
   std::vector<TangentComponents> directions;  ///< by triangle; none where no surface has a direction
   std::vector<int32_t> face;                  ///< by triangle, see ContactGeometry; none: each is a face
   std::vector<BodyStiffness> stiffness{};     ///< by group; none: 1 Pa for all
+  std::vector<double> core{};                 ///< by group, see ContactGeometry [m]; none: 0 for all
   std::vector<int32_t> patch{};               ///< by triangle, see AreaWeights; none: each is a patch
   std::vector<uint8_t> is_sheet{};            ///< by group, see AreaWeights
   RestitutionTable restitution{};
@@ -132,8 +133,8 @@ class ContactPipeline final : public ActiveSet {
   double bristle_energy_at_start() const { return friction_.energy_at_start(); }
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Whether the least distance is a bound from the next begin_step() on, or motions may take nine tenths of
-  /// any gap.
-  void set_bound(bool is_bound) { is_bound_ = is_bound; }
+  /// any gap. It always is where a body has a core.
+  void set_bound(bool is_bound) { is_bound_ = is_bound || !geometry_.group_core.empty(); }
   /// Energy that restitution has given back in the step that ended at x [J].
   double restitution_work(std::span<const Vec3> x) const { return restitution_.work(x); }
   std::vector<const PotentialBatch*> restitution_batches() const { return restitution_.batches(); }

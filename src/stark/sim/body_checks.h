@@ -30,6 +30,10 @@ void check_common(const std::string& owner, const Description& body) {
   if (body.contact_stiffness)
     check_number(owner, "contact_stiffness", *body.contact_stiffness, "Pa", positive(),
                  "leave it out to use contact.stiffness of the settings");
+  if (body.contact_core != 0.0)
+    check_number(owner, "contact_core", body.contact_core, "m",
+                 closed_interval(0.0, 0.5 * body.contact_distance.value_or(0.0)),
+                 "give a contact_distance of at least twice the core");
   if (body.friction)
     check_number(owner, "friction", *body.friction, "1", non_negative(),
                  "leave it out to use the scene's default");

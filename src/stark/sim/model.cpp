@@ -237,6 +237,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     add_surface(bodies_[b], id.index, rest_positions_, has_faces, surfaces);
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
+    surfaces.core.push_back(scene.contact_core(id));
     surfaces.is_sheet.push_back(bodies_[b].kind == BodyKind::Cloth || bodies_[b].kind == BodyKind::Rod);
   }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.

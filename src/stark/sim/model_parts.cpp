@@ -163,11 +163,14 @@ void Model::Builder::list_energies() {
 }
 
 void Model::Builder::list_contact() {
-  Hash64 friction, pairs, distances, stiffness, restitution;
+  Hash64 friction, pairs, distances, stiffness, cores, restitution;
+  bool has_core = false;
   for (int32_t a = 0; a < scene.body_count(); ++a) {
     // Unset: the one of the settings, which are not a part of the model.
     distances.append(scene.contact_distance(BodyId{a}).value_or(-1.0));
     stiffness.append(scene.contact_stiffness(BodyId{a}).value_or(-1.0));
+    cores.append(scene.contact_core(BodyId{a}));
+    has_core = has_core || scene.contact_core(BodyId{a}) > 0.0;
     for (int32_t b = 0; b <= a; ++b) {
       append_friction(friction, scene.friction(BodyId{a}, BodyId{b}));
       if (const auto e = scene.restitution(BodyId{a}, BodyId{b})) {
@@ -185,6 +188,7 @@ void Model::Builder::list_contact() {
   add_part("pairs of bodies without contact", false, pairs);
   add_part("contact distances of bodies", false, distances);
   add_part("contact stiffness of bodies", false, stiffness);
+  if (has_core) add_part("contact cores of bodies", false, cores);
   if (!scene.has_anisotropic_friction()) return;
   Hash64 directions;
   for (int32_t a = 0; a < scene.body_count(); ++a) {

@@ -151,7 +151,8 @@ Numbers ReleaseWatch::find_overlapping(const Numbers& released, std::span<const 
   // Those nearer than collision detection keeps bodies apart: barriers would be infinite, or noise.
   set_regained(together(watch_.regained, without(released, {blocked.begin(), blocked.end()})));
   for (const Contact& contact : contact_->find_contacts_at(x)) {
-    const double kept = settings_.contact.min_separation_factor * contact.contact_distance;
+    const double kept =
+        std::max(contact.least_distance, settings_.contact.min_separation_factor * contact.contact_distance);
     if (contact.distance >= kept && !is_touching(contact, x)) continue;
     const auto [a, b] = sides_of(surface_mesh_, contact.key);
     by_place.block(a, b, blocked);

@@ -347,6 +347,10 @@ std::optional<double> Scene::contact_stiffness(BodyId body) const {
   return visit_body(*this, body, [](const auto& b) { return b.contact_stiffness; });
 }
 
+double Scene::contact_core(BodyId body) const {
+  return visit_body(*this, body, [](const auto& b) { return b.contact_core; });
+}
+
 std::optional<double> Scene::body_friction(BodyId body) const {
   return visit_body(*this, body, [](const auto& b) { return b.friction; });
 }

@@ -72,6 +72,7 @@ struct ClothDescription {
   Vec3 angular_velocity{};                    ///< [rad/s] at time 0, world axes, about `position`
   std::optional<double> contact_distance{};   ///< [m]; unset: settings.contact.distance
   std::optional<double> contact_stiffness{};  ///< [Pa]; unset: settings.contact.stiffness
+  double contact_core = 0.0;                  ///< part of contact_distance that no pressure takes [m]
   std::optional<double> friction{};           ///< unset: Scene::default_friction
   bool self_contact = true;
   RestAngles rest_angles = RestAngles::Flat;
@@ -93,6 +94,7 @@ struct SolidDescription {
   Vec3 angular_velocity{};
   std::optional<double> contact_distance{};
   std::optional<double> contact_stiffness{};
+  double contact_core = 0.0;
   std::optional<double> friction{};
   bool self_contact = true;
   std::optional<Color> color{};
@@ -121,6 +123,7 @@ struct RodDescription {
   Vec3 angular_velocity{};
   std::optional<double> contact_distance{};  ///< [m]; unset: the radius, or half the thickness
   std::optional<double> contact_stiffness{};
+  double contact_core = 0.0;
   std::optional<double> friction{};
   bool self_contact = true;
   std::optional<Color> color{};
@@ -153,6 +156,7 @@ struct RigidDescription {
   double angular_damping = 0.0;  ///< [1/s]
   std::optional<double> contact_distance{};
   std::optional<double> contact_stiffness{};
+  double contact_core = 0.0;
   std::optional<double> friction{};
   std::optional<Color> color{};
 };
@@ -295,6 +299,7 @@ class Scene {
   std::optional<double> contact_distance(
       BodyId body) const;  ///< unset: settings.contact.distance; rods have one
   std::optional<double> contact_stiffness(BodyId body) const;  ///< unset: settings.contact.stiffness
+  double contact_core(BodyId body) const;                      ///< [m]
   std::optional<double> body_friction(BodyId body) const;
   std::optional<Color> color(BodyId body) const;
 

@@ -24,6 +24,7 @@ constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, abov
 constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
 constexpr double kTinyStep = 1e-6;                         ///< step lengths below it make no progress ...
 constexpr int kTinyStepLimit = 12;                         ///< ... and so many in a row end the minimisation
+constexpr double kUnmoved = 1e-6;       ///< velocity that an obstacle may take in silence [m/s]
 constexpr int kCutShortLimit = 12;      ///< iterations beyond the tolerances for directions cut short
 constexpr int kLagUpdateLimit = 100;    ///< updates of lagged quantities; joints need a few
 constexpr int kEarlyRefreshLimit = 12;  ///< updates of friction before the first solution
@@ -120,8 +121,10 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
 // Slow bodies meet the tolerances before they have met each other: what stands in the way of the last
 // direction has not pushed back yet, and would take momentum without giving it to anything.
 bool NewtonSolver::is_cut_short(SolveStatus searched) {
-  return searched == SolveStatus::Converged && report_.last_step_length < 1.0 &&
-         report_.iterations < settings_.max_iterations && progress_.cut_short++ < kCutShortLimit;
+  const double missing = (1.0 - report_.last_step_length) * report_.last_motion;
+  return searched == SolveStatus::Converged && missing > kUnmoved * time_step_ &&
+         report_.last_step_length >= kTinyStep && report_.iterations < settings_.max_iterations &&
+         progress_.cut_short++ < kCutShortLimit;
 }
 
 // Lagged quantities of the start of the step are far off, and what is minimised with them is far from what

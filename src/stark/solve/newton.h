@@ -79,7 +79,7 @@ class NewtonSolver {
   bool has_converged(const Objective& objective);
   /// All tolerances times a factor.
   bool meets_tolerances(const SolveReport& report, double factor = 1.0) const;
-  /// Whether something stood in the way of the last direction.
+  /// Whether something stood in the way of the last direction that it has not pushed against yet.
   bool is_cut_short(SolveStatus searched);
   /// Whether nothing but rounding keeps the tolerances from being met.
   bool is_at_rounding(const Objective& objective);

@@ -75,7 +75,8 @@ def everything() -> stark.Scene:
 def _add_soft(scene: stark.Scene) -> None:
     sheet = stark.mesh.grid(0.3, 0.3, 3)
     cloth = scene.add_cloth(
-        sheet, name="cloth", pins=[0, 3], surface=stark.surfaces.rubber, color=(1, 0, 0), friction=0.2,
+        sheet, name="cloth", pins=[0, 3], color=(1, 0, 0), friction=0.2,
+        surface=stark.surfaces.terry_towel.replace(thickness=5e-4, core=1e-4),
         initial_positions=1.01 * sheet.vertices, rest_angles="mesh", mass=0.05,
     )  # fmt: skip
     cloth.surface_direction = (1.0, 0.0, 0.0)

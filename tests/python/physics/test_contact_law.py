@@ -51,6 +51,64 @@ def test_the_curve_in_python_is_that_of_the_solver() -> None:
     assert surface.pressure(2e-3) == 0.0
 
 
+FELT = stark.Surface("felt", 1e-3, 1e3, "a test", core=0.4e-3)
+
+
+@pytest.mark.parametrize("mass", [0.5, 10.0, 1e3, 1e4])
+def test_no_pressure_takes_the_core(mass: float) -> None:
+    """From 0.5 kPa to 10 MPa, the box is where the documented curve says."""
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    scene.add_floor(1.0, surface=FELT)
+    box = scene.add_box(0.1, mass=mass, position=(0, 0, 0.05 + 1.01 * _D), surface=FELT)
+    sim = stark.Simulation(scene, time_step=0.01)
+    report = last(sim, 1.5)
+    gap = float(box.positions[:, 2].min())
+    assert FELT.pressure(gap) == pytest.approx(mass * G / 0.01, rel=0.02)
+    assert report.min_distance > 2.0 * FELT.core * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize("turn", [0.0, 31.0])
+def test_layers_of_cloth_keep_their_cores_under_a_press(turn: float) -> None:
+    """Sheets with edges that cross: they push before collision detection stops them at the core."""
+    scene = stark.Scene()
+    scene.add_floor(1.0, surface=FELT)
+    for k in range(3):
+        scene.add_cloth(
+            stark.mesh.grid(0.1, 0.1, 5 + k), mass=0.004, position=(0, 0, (k + 1) * 1.01 * _D), surface=FELT,
+            rotation=stark.rotation(axis="z", angle=k * turn * stark.deg), name=f"sheet_{k}",
+        )  # fmt: skip
+    box = scene.add_box((0.15, 0.15, 0.02), mass=200.0, position=(0, 0, 0.01 + 4.05 * _D), surface=FELT)
+    sim = stark.Simulation(scene, time_step=0.01)
+    for report in sim.run(until=0.6):
+        assert not report.failed, report.message
+        assert not report.caveats
+        assert report.min_distance > 2.0 * FELT.core * (1.0 - 1e-9)
+    height = box.position[2] - 0.01  # four gaps of 0.8 mm; without a core 0.2 mm in sum
+    assert 4 * 0.8e-3 < height < 4 * 1.2e-3
+
+
+def test_a_core_has_room_in_the_thickness() -> None:
+    with pytest.raises(stark.InvalidArgument, match=r"core = 0\.0006 m: must be between 0 and half"):
+        FELT.replace(core=0.6e-3)
+    scene = stark.Scene()
+    with pytest.raises(stark.InvalidArgument, match=r"contact_core.*at least twice the core"):
+        scene.add_box(0.1, mass=1.0, surface=FELT, contact_distance=0.5e-3)
+    assert scene.add_box(0.1, mass=1.0, surface=FELT).contact_core == 0.4e-3
+
+
+def test_bodies_that_start_within_their_cores_are_not_thrown() -> None:
+    scene = stark.Scene()
+    scene.add_floor(1.0, surface=FELT, name="floor")
+    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 0.05 + 0.5e-3), surface=FELT, name="box")
+    sim = stark.Simulation(scene, time_step=0.01)
+    heights = []
+    for _ in sim.run(until=0.5):
+        heights.append(box.position[2] - 0.05)
+    assert max(heights) < 0.6e-3
+    assert min(heights) > 0.2e-3
+
+
 def test_a_side_without_a_stiffness_is_rigid_where_the_other_has_one() -> None:
     scene = stark.Scene()
     scene.add_box(
