@@ -35,6 +35,7 @@ ELSEWHERE = {
     "benchmarks/symbolic/README.md": "benchmarks/symbolic.md",
     "benchmarks/results/robots.md": "benchmarks/robots.md",
     "benchmarks/results/scenes.md": "benchmarks/scenes.md",
+    "benchmarks/results/larger_scenes.md": "benchmarks/larger_scenes.md",
     "benchmarks/results/scene_documents.md": "benchmarks/scene_documents.md",
     "benchmarks/results/torture.md": "benchmarks/torture.md",
     "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",
