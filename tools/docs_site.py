@@ -36,6 +36,7 @@ ELSEWHERE = {
     "benchmarks/results/robots.md": "benchmarks/robots.md",
     "benchmarks/results/scenes.md": "benchmarks/scenes.md",
     "benchmarks/results/larger_scenes.md": "benchmarks/larger_scenes.md",
+    "benchmarks/results/peers.md": "benchmarks/peers.md",
     "benchmarks/results/scene_documents.md": "benchmarks/scene_documents.md",
     "benchmarks/results/torture.md": "benchmarks/torture.md",
     "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",
