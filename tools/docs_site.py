@@ -36,6 +36,7 @@ ELSEWHERE = {
     "benchmarks/results/robots.md": "benchmarks/robots.md",
     "benchmarks/results/scenes.md": "benchmarks/scenes.md",
     "benchmarks/results/larger_scenes.md": "benchmarks/larger_scenes.md",
+    "benchmarks/results/growth.md": "benchmarks/growth.md",
     "benchmarks/results/peers.md": "benchmarks/peers.md",
     "benchmarks/results/scene_documents.md": "benchmarks/scene_documents.md",
     "benchmarks/results/torture.md": "benchmarks/torture.md",

@@ -117,7 +117,7 @@ def _table(case: Case, rows: list[dict[str, Any]]) -> str:
             row["settings"],
             cpu,
             f"{row['shown']:.2g}",
-            "yes" if _equal(case, row) else "no",
+            "" if "reference" in row["settings"] else "yes" if _equal(case, row) else "no",
         ]
         cells += [f"{row['overlaps']:.0f}", f"{1e3 * row['deepest']:.2g}"] if overlaps else []
         text += f"| {' | '.join(cells)} |\n"

@@ -45,7 +45,8 @@ def test_creep_acceleration_and_spin() -> None:
 
 
 def test_stark_is_within_the_bounds() -> None:
-    rows = [{"case": case, "system": "Stark"} | in_stark.run(case)[0] for case in ("incline_below", "free_spin")]
+    names = ("incline_below", "free_spin")
+    rows = [{"case": case, "system": "Stark"} | in_stark.run(case)[0] for case in names]
     for row in page.with_errors(rows):
         assert row["shown"] < 1e-6 * page.CASES[row["case"]].most
 
@@ -56,7 +57,8 @@ def test_page_tells_who_is_faster() -> None:
     def row(system: str, cpu: float, creep: float) -> dict[str, Any]:
         return {"case": "incline_below", "system": system, "settings": "", "cpu_s": cpu, "creep": creep}
 
-    text = page.page([row("Stark 0", 0.4, 0.0), row("A 1", 0.1, 1e-7), row("B 1", 0.8, 0.0), row("C 1", 0.1, 1.0)])
+    peers = [row("A 1", 0.1, 1e-7), row("B 1", 0.8, 0.0), row("C 1", 0.1, 1.0)]
+    text = page.page([row("Stark 0", 0.4, 0.0), *peers])
     assert "A 1 is 4.0 times as fast as Stark." in text
     assert "Stark is 2.0 times as fast as B 1." in text
     assert "C 1 is not accurate enough" in text
