@@ -10,6 +10,7 @@ from typing import Any
 from benchmarks.growth import BARS, MEMORY_BAR, PHASES, per_iteration, slope
 
 COLOURS = {"solids": "#c2571a", "cloth": "#1f6f8b"}
+LARGEST = 1_000_000  # unknowns
 WORDS = {"assemble": "assembly"}
 WIDTH, HEIGHT, MARGIN = 420, 320, 58  # of a panel [px]
 
@@ -58,8 +59,16 @@ def _verdict(kind: str, rows: list[dict[str, Any]]) -> str:
     return (
         f"From {rows[0]['dofs']:,} to {rows[-1]['dofs']:,} unknowns the time of an iteration grows with the "
         f"power {found:.2f}. The bar of {bar} is **{cost}**. The two largest need up to {1e-3 * most:.2f} kB "
-        f"for an unknown; the bar of {1e-3 * MEMORY_BAR:.1f} kB is **{memory}**. {_bound(rows)}\n"
+        f"for an unknown; the bar of {1e-3 * MEMORY_BAR:.1f} kB is **{memory}**. "
+        f"{_bound(rows)}{_missing(rows)}\n"
     )
+
+
+def _missing(rows: list[dict[str, Any]]) -> str:
+    """A sentence where the largest size was not measured."""
+    if rows[-1]["dofs"] > 0.9 * LARGEST:
+        return ""
+    return f" The bars are meant up to {LARGEST:,} unknowns: larger sizes than those above were not measured."
 
 
 def _bound(rows: list[dict[str, Any]]) -> str:
@@ -143,7 +152,7 @@ def _panel(rows: list[dict[str, Any]], number: int, title: str, key: str, scale:
 
     def at(u: float, v: float) -> tuple[float, float]:
         along, up = (u - low[0]) / (high[0] - low[0]), (v - low[1]) / max(1, high[1] - low[1])
-        return left + along * (WIDTH - MARGIN - 20), HEIGHT - MARGIN + 14 - up * (HEIGHT - MARGIN - 26)
+        return left + along * (WIDTH - MARGIN - 40), HEIGHT - MARGIN + 14 - up * (HEIGHT - MARGIN - 26)
 
     parts = [f'<text x="{left}" y="22">{title}</text>']
     for u in range(low[0], high[0] + 1):
@@ -162,5 +171,5 @@ def _panel(rows: list[dict[str, Any]], number: int, title: str, key: str, scale:
         line = " ".join(f"{px:.1f},{py:.1f}" for px, py in points)
         parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
         parts += [f'<circle cx="{px:.1f}" cy="{py:.1f}" r="3.5" fill="{colour}"/>' for px, py in points]
-        parts.append(f'<text x="{left + 10}" y="{44 + 16 * k}" fill="{colour}">{kind}</text>')
+        parts.append(f'<text x="{left + 10}" y="{56 + 16 * k}" fill="{colour}">{kind}</text>')
     return "\n".join(parts)
