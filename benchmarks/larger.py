@@ -65,6 +65,8 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 def page(rows: list[dict[str, Any]]) -> str:
     """What is written to benchmarks/results."""
+    missing = [name for name in RULES if all(row["scene"] != name for row in rows)]
+    left_out = f" Not measured at full size: {', '.join(missing)}." if missing else ""
     return (
         "# Larger scenes\n\n`python -m benchmarks.larger --write` makes this page; "
         "[what they are](../README.md#larger-scenes). One run each, on one thread. A step ends when the "
@@ -72,7 +74,7 @@ def page(rows: list[dict[str, Any]]) -> str:
         "seconds, user and system, model building included, on a machine of two cores that was busy with "
         "other programs; phases are shares of wall time and rougher. Intersections are states that the "
         "package ipctk finds fault with; memory is of the whole process, the states kept for that "
-        f"included.\n\n{table(rows)}"
+        f"included.{left_out}\n\n{table(rows)}"
     )
 
 
