@@ -19,7 +19,7 @@ from benchmarks.scenes.__main__ import profile
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER, RESULTS = ROOT / "benchmarks" / "scenes", ROOT / "benchmarks" / "results"
-#: Names and when their steps end: the arm as its settings say, since its unknowns are small bodies.
+#: Names, and when their steps end: those of the arm as its settings say, as a robot would be simulated.
 RULES = {
     "arm_ball": "scene",
     "rigid_pile_500": "residual",

@@ -3,7 +3,7 @@
 The meshes are files of the package pybullet (``pip install 'stark-sim[examples]'``): a scanned rabbit,
 frame, wheel, handlebar and rack of a bicycle, links of a robot arm, a shaft, a ring and an open box. None is
 convex; frames, wheels and racks catch each other. ``meshes=made`` takes shapes of ``stark.mesh``
-instead, which need no package. It lies still after about 1 s; the bench takes the first collisions.
+instead, which need no package. The bench takes the first collisions.
 
     stark bench benchmarks/scenes/rigid_pile_500.py [--option bodies=12] [--option meshes=made]
 """
