@@ -14,10 +14,11 @@ import argparse
 import json
 import math
 import time
+from collections.abc import Mapping
 from typing import Any
 
 from .output import say
-from .settings_arguments import add_setting_arguments, parse_settings
+from .settings_arguments import add_option_argument, add_setting_arguments, parse_options, parse_settings
 
 #: When a step ends. residual: the largest unbalanced force times the time step is below 1e-6 N s. any: that,
 #: or the next full Newton step moves no point faster than 1e-3 m/s. scene: as the settings of the scene say.
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a step ends when its residual is below 1e-6 N s (default), that or when its next correction is "
         "below 1e-3 m/s (any), or by the settings of the scene",
     )
+    add_option_argument(parser)
     parser.add_argument("--no-check", action="store_true", help="do not check all states for intersections")
     add_setting_arguments(parser)
 
@@ -79,10 +81,11 @@ def measure(
     check: bool = True,
     rule: str = RULES[0],
     nudges: int = 0,
+    options: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Runs the scene once and returns the numbers of the JSON line. ``settings`` go before those of the rule
     and those of the scene. Gravity is larger by ``nudges`` times 1e-9 of itself: counts of iterations of one
-    scene scatter, and runs that differ by that say how much."""
+    scene scatter, and runs that differ by that say how much. ``options`` are those of the scene file."""
     import numpy as np
 
     import stark
@@ -93,7 +96,7 @@ def measure(
     from ..steps import reached
     from ..telemetry import report_to_dict
 
-    scene_file = load(name)
+    scene_file = load(name, options)
     end = end_time(scene_file, until)
     scene, file_settings = scene_file.build()
     gravity = file_settings.get("gravity", _GRAVITY)
@@ -198,7 +201,8 @@ class _IntersectionCheck:
 
 
 def run(args: argparse.Namespace) -> int:
-    result = measure(args.scene, parse_settings(args), args.until, not args.no_check, args.rule)
+    check, options = not args.no_check, parse_options(args)
+    result = measure(args.scene, parse_settings(args), args.until, check, args.rule, options=options)
     if args.json:
         say(json.dumps(result, allow_nan=False))
     else:

@@ -14,7 +14,7 @@ from ..files import printable
 from .output import complain, say
 from .paths import path_argument
 from .progress import Progress
-from .settings_arguments import add_setting_arguments, parse_settings
+from .settings_arguments import add_option_argument, add_setting_arguments, parse_options, parse_settings
 
 #: Of a step that takes longer, the bar shows the iterations [s].
 LONG_STEP = 2.0
@@ -50,9 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="go on with the run in DIR from its last checkpoint, as if it had never stopped",
     )
-    parser.add_argument(
-        "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the scene file"
-    )
+    add_option_argument(parser)
     parser.add_argument(
         "--certify", action="store_true", help="record every step in double precision, for stark verify"
     )
@@ -73,13 +71,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-picture", action="store_true", help="write no picture")
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
     add_setting_arguments(parser)
-
-
-def _option(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise InvalidArgument(f"--option {text}: must be NAME=VALUE")
-    return name, value
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -114,7 +105,7 @@ def _end(args: argparse.Namespace) -> float:
 
     if args.resume is not None:
         return planned_end(args.resume) if args.until is None else args.until
-    return end_time(load(args.scene, dict(_option(text) for text in args.option)), args.until)
+    return end_time(load(args.scene, parse_options(args)), args.until)
 
 
 def _run(args: argparse.Namespace, shown: Shown) -> Any:
@@ -133,7 +124,7 @@ def _run(args: argparse.Namespace, shown: Shown) -> Any:
     looked_at = not args.no_fields and not args.no_replay
     period = scenes.CHECKPOINT_PERIOD if args.checkpoint_every is None else args.checkpoint_every
     return scenes.run(
-        scenes.load(args.scene, dict(_option(text) for text in args.option)),
+        scenes.load(args.scene, parse_options(args)),
         out=args.out,
         fps=60.0 if args.fps is None else args.fps,
         checkpoint_every=None if args.no_checkpoint else period,
@@ -173,7 +164,7 @@ def run(args: argparse.Namespace) -> int:
     if args.view:
         from .run_view import run_view
 
-        return run_view(args, dict(_option(text) for text in args.option))
+        return run_view(args, parse_options(args))
     with RaisedOnce(signal.SIGINT, signal.SIGTERM):
         bar = Progress(_end(args), quiet=args.quiet)
         try:

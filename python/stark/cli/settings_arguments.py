@@ -1,4 +1,5 @@
-"""Command-line options that set simulation settings, shared by the verbs that simulate."""
+"""Command-line options that set simulation settings and options of scene files, shared by the verbs that
+simulate."""
 
 from __future__ import annotations
 
@@ -30,3 +31,22 @@ def parse_settings(args: argparse.Namespace) -> dict[str, Any]:
     if args.threads is not None:
         values["threads"] = args.threads
     return values
+
+
+def add_option_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the scene file"
+    )
+
+
+def parse_options(args: argparse.Namespace) -> dict[str, str]:
+    """The options of ``--option`` by name, as texts; the scene file converts them."""
+    from .._core import InvalidArgument
+
+    options: dict[str, str] = {}
+    for text in args.option:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InvalidArgument(f"--option {text}: must be NAME=VALUE")
+        options[name] = value
+    return options

@@ -49,6 +49,16 @@ def test_rules_say_when_steps_end() -> None:
     assert rule_settings("scene", step) == {}
 
 
+def test_bench_takes_options(fall: Path, tmp_path: Path, capsys) -> None:
+    path = tmp_path / "chosen.py"
+    text = fall.read_text().replace("def build():", "options = {'size': 1}\n\n\ndef build():")
+    path.write_text(text)
+    assert command("bench", path, "--json", "--no-check", "--option", "size=2") == 0
+    assert json.loads(capsys.readouterr().out)["scene"] == "chosen_2"
+    assert command("bench", path, "--option", "size") == 2
+    assert "must be NAME=VALUE" in capsys.readouterr().err
+
+
 def test_bench_finds_intersections(tmp_path: Path, capsys) -> None:
     """Two patches that cross without contact: the independent check must see it in every state."""
     pytest.importorskip("ipctk")
