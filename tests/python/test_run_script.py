@@ -86,7 +86,11 @@ def test_scripts_parse_and_are_executable(name: str) -> None:
 @pytest.mark.parametrize("word", ["-h", "--help"])
 def test_help_of_the_developer_build_builds_nothing(bare_path: Path, word: str) -> None:
     done = subprocess.run(
-        [ROOT / "tools/dev.sh", word], env={"PATH": str(bare_path)}, capture_output=True, text=True, check=False
+        [ROOT / "tools/dev.sh", word],
+        env={"PATH": str(bare_path)},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert "tools/dev.sh [cmake arguments...]" in done.stdout and "set -eu" not in done.stdout

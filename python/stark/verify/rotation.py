@@ -45,7 +45,9 @@ def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, h: floa
     return torques / h
 
 
-def held_turn(start: Floats, end: Floats, moments: Floats, momenta: Floats, change: Floats, h: float) -> Floats:
+def held_turn(
+    start: Floats, end: Floats, moments: Floats, momenta: Floats, change: Floats, h: float
+) -> Floats:
     """Angular momenta (n, 3) of the turns from ``start`` to ``end``, of bodies that something holds far from
     their free motion: by more than a quarter turn in the step, with less energy than ``momenta`` have. Those
     keep the rate of the turn (theory, section 3); NaN for all others."""

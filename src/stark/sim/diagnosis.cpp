@@ -222,8 +222,8 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
   const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
   const bool is_far = farthest > kFar * e.scene_size;
   return {FailureCause::ToleranceBelowRoundOff, "tolerances are below what rounding allows: " + missed,
-          is_far ? "move the scene to the origin: its coordinates of " + rough(farthest, "m") +
-                       " round by " + rough(farthest * std::numeric_limits<double>::epsilon(), "m")
+          is_far ? "move the scene to the origin: its coordinates of " + rough(farthest, "m") + " round by " +
+                       rough(farthest * std::numeric_limits<double>::epsilon(), "m")
                  : "raise them above the rounding; what is very stiff rounds more",
           e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
 }

@@ -87,7 +87,6 @@ class ByPlace {
   std::map<Place, int64_t> places_;
 };
 
-
 }  // namespace
 
 bool is_touching(const Contact& contact, std::span<const Vec3> x) {

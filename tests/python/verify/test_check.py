@@ -115,8 +115,8 @@ def test_the_checker_imports_numpy_and_itself_only() -> None:
 
 
 def test_what_is_left_of_torques_is_no_torque(tmp_path: Path) -> None:
-    """A box lands flat. What its last iteration leaves unbalanced is below the tolerance, but 4 times as much as
-    the report, which has that of the iterate before: the box does not turn by it, and nothing is violated."""
+    """A box lands flat. What its last iteration leaves unbalanced is below the tolerance, but 4 times as
+    much as the report, which has that of the iterate before: the box does not turn by it."""
     scene = stark.Scene()
     scene.add_floor(1.0)
     scene.add_box(0.1, mass=0.5, position=(0, 0, 0.2))
@@ -125,8 +125,8 @@ def test_what_is_left_of_torques_is_no_torque(tmp_path: Path) -> None:
 
 
 def test_a_needle_that_is_held_far_from_its_free_motion_is_certified(tmp_path: Path) -> None:
-    """It lands on a tip at 5 m/s while it spins at 1000 rad/s: it keeps the rate of its turn, not its momentum.
-    Another rate is violated still."""
+    """It lands on a tip at 5 m/s while it spins at 1000 rad/s: it keeps the rate of its turn, not its
+    momentum. Another rate is violated still."""
     scene = stark.Scene()
     scene.add_floor(1.0)
     place = {"position": (0, 0, 2.5e-3), "rotation": stark.rotation(axis="y", angle=0.9)}
