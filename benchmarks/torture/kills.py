@@ -1,5 +1,5 @@
-"""kill -9 at random moments of certified and of plain runs, again and again: each time the run is resumed, and
-its recording ends up as that of a run that was never killed.
+"""kill -9 at random moments of certified and of plain runs, again and again: each time the run is resumed,
+and its recording ends up as that of a run that was never killed.
 
     PYTHONPATH=python .venv/bin/python benchmarks/torture/kills.py --kills 100 --seed 1
 

@@ -1,5 +1,5 @@
-"""Bodies that yield, creep, grow, keep their volume or hang in a lattice, and joints that break: thrown at each
-other and at a floor, pressed by a lid."""
+"""Bodies that yield, creep, grow, keep their volume or hang in a lattice, and joints that break: thrown at
+each other and at a floor, pressed by a lid."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def test_what_is_broken_is_not_told_to_be_enabled() -> None:
     sim = stark.Simulation(scene, time_step=0.01, **QUIET)
     sim.run_until(0.2)
     assert hinge.broken
-    with pytest.raises(stark.InvalidArgument, match="'hinge' is broken.*place the bodies, or load") as caught:
+    with pytest.raises(stark.InvalidArgument, match=r"'hinge' is broken.*place the bodies") as caught:
         hinge.angle = 0.1
     assert "enable" not in str(caught.value)
 
