@@ -3,6 +3,12 @@
 #   tools/dev.sh [cmake arguments...]      then: PYTHONPATH=python .venv/bin/python ...
 # Set CMAKE_BUILD_TYPE and the like through the arguments. Calls are serialised, so several shells may use it at once.
 set -eu
+case "${1-}" in
+-h | --help)
+  sed -n '2,/^set/{/^#/s/^# \{0,1\}//p;}' "$0"
+  exit 0
+  ;;
+esac
 root=$(CDPATH= cd -- "$(dirname -- "$0")/.." && pwd)
 cd "$root"
 mkdir -p build

@@ -14,6 +14,8 @@ from __future__ import annotations
 import argparse
 import faulthandler
 import os
+import resource
+import signal
 import subprocess
 import sys
 import time
@@ -33,13 +35,17 @@ from _draw import Draw  # noqa: E402
 from _targets import TARGETS, seeds  # noqa: E402
 
 _BATCH = 200
-_HANG = 60.0  # [s] for one input
+_HANG = 60  # [s] of the processor for one input
+_BLOCKED = 600.0  # [s] of the clock for one input, also on a machine that does other things
 
 
 def run_one(name: str, data: bytes) -> str:
     """What went wrong, in short, "" if nothing did."""
     draw = Draw(data)
-    faulthandler.dump_traceback_later(_HANG, exit=True)
+    faulthandler.dump_traceback_later(_BLOCKED, exit=True)
+    faulthandler.register(signal.SIGXCPU, chain=True)
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + 1 + _HANG, hard))
     try:
         TARGETS[name](draw)
     except Exception as error:

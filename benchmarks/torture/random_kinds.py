@@ -8,6 +8,7 @@ from .case import Setup
 from .random_containers import build_containers, draw_containers
 from .random_impacts import build_impacts, draw_impacts
 from .random_joints import build_joints, draw_joints
+from .random_materials import build_materials, draw_materials
 from .random_scenes import Description, Source, build, draw
 from .random_squeezes import build_squeezes, draw_squeezes
 
@@ -17,4 +18,5 @@ KINDS: dict[str, tuple[Callable[[Source], Description], Callable[[Description], 
     "joints": (draw_joints, build_joints),
     "containers": (draw_containers, build_containers),
     "squeezes": (draw_squeezes, build_squeezes),
+    "materials": (draw_materials, build_materials),
 }

@@ -249,7 +249,10 @@ CASES = [
          ("scene: default_friction = -1", ">= 0", "use 0")),
     # Pins.
     Case("pin out of range", lambda: cloth(pins=[0, 9]), InvalidArgument, ("cloth 'sheet'", "pinned vertex 9", "[0, 9)")),
-    Case("negative pin", lambda: cloth().pin([-1]), InvalidArgument, ("cloth 'sheet'", "pinned vertex -1", "[0, 9)")),
+    Case("negative pin", lambda: cloth().pin([-1]), InvalidArgument,
+         ("cloth 'sheet'", "pinned vertex -1", "[0, 9)", "give indices of vertices")),
+    Case("negative pin of a new body", lambda: cloth(pins=[-1]), InvalidArgument,
+         ("cloth 'sheet'", "pinned vertex -1", "[0, 9)", "give indices of vertices")),
     Case("fractional pin", lambda: cloth().pin([0.5]), InvalidArgument, ("sheet", "float64", "vertex indices")),
     Case("pin mask of another mesh", lambda: cloth().pin(np.ones(4, bool)), InvalidArgument, ("sheet", "(4,)", "(9,)")),
     # Materials.

@@ -171,6 +171,18 @@ def test_tolerances_below_round_off() -> None:
     diagnosis = failed(sim, "tolerance_below_round_off")
     assert diagnosis.acceleration_rounding > 1e-12
     assert "newton.acceleration_tolerance = 1e-12 m/s^2" in diagnosis.finding
+    assert diagnosis.remedy == ("move the scene to the origin: its coordinates of 1000 m round by 2.22e-13 m")
+
+
+@pytest.mark.parametrize(("place", "distance"), [(0.05, 1e-15), (1e7, 1e-6)])
+def test_contact_distances_below_the_rounding_of_places_are_refused(place: float, distance: float) -> None:
+    """They failed in a later step, with advice about tolerances."""
+    scene = stark.Scene()
+    scene.add_box(0.1, motion="fixed", name="base")
+    scene.add_box(0.1, mass=1.0, position=(place, 0, 0.2), name="box")
+    message = r"rigid body '.*': contact_distance = .*must be at least .*move the scene to the origin"
+    with pytest.raises(stark.InvalidArgument, match=message):
+        stark.Simulation(scene, contact_distance=distance)
 
 
 def test_a_box_that_nothing_holds_is_told_once_what_quasistatic_steps_cannot_do() -> None:
@@ -238,6 +250,7 @@ def test_too_few_iterations() -> None:
     assert len(force["vertices"]) == 1
     assert force["force"] > 0.0
     assert f"vertex {force['vertices'][0]}" in diagnosis.finding
+    assert sim._core.report.message.startswith("Newton's method was still on its way"), "and says so once"
 
 
 def test_a_budget_of_seconds() -> None:

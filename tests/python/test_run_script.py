@@ -81,3 +81,16 @@ def test_scripts_parse_and_are_executable(name: str) -> None:
     assert os.access(path, os.X_OK)
     shell = path.read_text().split("\n", 1)[0].removeprefix("#!").split()
     assert subprocess.run([*shell, "-n", str(path)], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("word", ["-h", "--help"])
+def test_help_of_the_developer_build_builds_nothing(bare_path: Path, word: str) -> None:
+    done = subprocess.run(
+        [ROOT / "tools/dev.sh", word],
+        env={"PATH": str(bare_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "tools/dev.sh [cmake arguments...]" in done.stdout and "set -eu" not in done.stdout

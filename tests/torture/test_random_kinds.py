@@ -19,6 +19,8 @@ from benchmarks.torture.random_containers import SHELLS, build_containers, stayi
 from benchmarks.torture.random_impacts import no_passing
 from benchmarks.torture.random_joints import build_joints
 from benchmarks.torture.random_kinds import KINDS
+from benchmarks.torture.random_materials import KINDS as MATERIALS
+from benchmarks.torture.random_materials import add_body
 from benchmarks.torture.random_squeezes import build_squeezes
 
 pytestmark = pytest.mark.filterwarnings("ignore::stark.StarkWarning")
@@ -57,6 +59,28 @@ def test_what_is_drawn() -> None:
     assert any(link["switches"] for d in drawn["joints"] for link in d["links"])
     assert any(link["cap"] > 8.0 for d in drawn["joints"] for link in d["links"])
     assert min(d["closing"] for d in drawn["squeezes"]) < 0.0
+    assert {body["kind"] for d in drawn["materials"] for body in d["bodies"]} == set(MATERIALS)
+    assert not any(d["bdf2"] and "prony" in str(d["bodies"]) for d in drawn["materials"])
+
+
+@pytest.mark.parametrize("kind", MATERIALS)
+def test_materials_are_what_their_names_say(kind: str) -> None:
+    """What yields and what creeps remembers, what grows grows, and pairs hang on a joint that can break."""
+    drawn = [description_of(4, k, "materials") for k in range(150)]
+    world, body = next((d, b) for d in drawn for b in d["bodies"] if b["kind"] == kind)
+    scene = stark.Scene()
+    add_body(scene, body, world, position=np.zeros(3), rotation=np.eye(3), velocity=np.zeros(3))
+    sim = stark.Simulation(scene, time_step=10.0 ** world["time_step"], gravity=(0, 0, 0))
+    before = sim.bodies[0].positions
+    sim.run_until(10.0 ** world["time_step"] * world["steps"])
+    remembers = kind.startswith("prony") or kind in ("metal", "creased", "dented", "bent")
+    assert (len(sim.state.arrays()["internal_variable"]) > 0) == remembers
+    ratio = np.ptp(sim.bodies[0].positions, axis=0).max() / np.ptp(before, axis=0).max()
+    if kind.startswith("growing"):
+        assert (ratio > 1.0) == (body["growth"] > 1.0) and abs(ratio - 1.0) > 1e-3
+    else:
+        assert ratio == pytest.approx(1.0, abs=1e-9)
+    assert [joint.break_force > 0.0 for joint in sim.joints] == [True] * (kind == "breaking")
 
 
 def test_kinds_follow_the_number_of_the_scene(tmp_path: Any) -> None:

@@ -408,4 +408,7 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
         )
     wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array
     if wrong.size:
-        raise InvalidArgument(f"{owner}: pinned vertex {wrong.flat[0]}: must be in [0, {vertex_count})")
+        raise InvalidArgument(
+            f"{owner}: pinned vertex {wrong.flat[0]}: must be in [0, {vertex_count}); give indices of "
+            f"vertices of the mesh"
+        )

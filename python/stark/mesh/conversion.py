@@ -18,8 +18,9 @@ def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
     (trimesh)."""
     if isinstance(mesh, TriangleMesh):
         return mesh
-    if isinstance(mesh, TetMesh):
-        raise InvalidMesh(f"{name}: got a TetMesh, need a TriangleMesh; use add_solid, or mesh.surface()")
+    if isinstance(mesh, (TetMesh, SolidMesh)):
+        kind = "lattice (EmbeddedMesh)" if isinstance(mesh, EmbeddedMesh) else type(mesh).__name__
+        raise InvalidMesh(f"{name}: got a {kind}, need a TriangleMesh; use add_solid, or mesh.surface()")
     # trimesh has the corners of its triangles as `triangles`, and their indices as `faces`.
     for attribute in ("faces", "triangles"):
         if hasattr(mesh, "vertices") and hasattr(mesh, attribute):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .files import need
 from .reading import Body, Run, State
-from .rotation import impulse, momentum
+from .rotation import held_turn, impulse, momentum
 from .telemetry import number
 
 Floats = NDArray[np.float64]
@@ -64,6 +64,10 @@ class InertiaCheck:
         #: Without them nothing can be compared.
         self.lacking: str = self.run.lacks("gravity", "time.integrator")
         self.integrator: Any = self.run.settings.get("time.integrator")
+        #: [m/s^2] Torques up to it may be left at the end of a step, and are none that turn a body.
+        self.tolerance: float = number(self.run.settings, "newton.acceleration_tolerance")
+        if not 0.0 <= self.tolerance < math.inf:
+            self.tolerance = 0.0
 
     def add(self, start: State, end: State, row: dict[str, Any]) -> None:
         h = number(row, "time_step")
@@ -133,12 +137,16 @@ class InertiaCheck:
         # What Newton's method leaves unbalanced is an error of the rotation; free motion is known to the
         # accuracy of a midpoint rule with substeps of 0.05 rad; the rest is rounding, of penalties of joints,
         # too.
-        wrong = np.linalg.norm(after - before - impulse(R0, R1, moments, before, h), axis=1)
+        change = impulse(R0, R1, moments, before, h)
+        wrong = np.linalg.norm(after - before - change, axis=1)
         allowed = _RELATIVE * np.linalg.norm(before, axis=1) + moments.sum(axis=1) * _TURNING_ROUNDING / h
         allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(w0, before), axis=1)
-        acceleration = number(row, "acceleration")
-        if weights.body.kind == "rigid" and acceleration > 0.0:
+        if weights.body.kind == "rigid":
+            # The residual is that of the end of the step, reported is that of the iterate before it.
+            acceleration = max(number(row, "acceleration"), self.tolerance)
             allowed = allowed + h * acceleration * weights.inertia_per_reach(states[0], i)
+            turn = held_turn(R0, R1, moments, before + change, change, h)
+            wrong = np.fmin(wrong, np.linalg.norm(after - turn, axis=1))
         worst = int(np.argmax(wrong / np.maximum(allowed, 1e-300)))
         return float(wrong[worst]), float(allowed[worst])
 

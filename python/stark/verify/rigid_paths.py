@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .reading import Body, State
+from .rotation import axis_and_angle
 
 Floats = NDArray[np.float64]
 
@@ -56,12 +57,7 @@ def _turn(pose_0: Floats | None, pose_1: Floats | None) -> tuple[Floats, float] 
     """Axis and angle of the shortest turn between two poses."""
     if pose_0 is None or pose_1 is None:
         return None
-    R = pose_1[1:] @ pose_0[1:].T
-    w = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine, cosine = float(np.linalg.norm(w)), 0.5 * (float(np.trace(R)) - 1.0)
-    if sine < 1e-14:
-        return np.array([0.0, 0.0, 1.0]), 0.0
-    return w / sine, math.atan2(sine, cosine)
+    return axis_and_angle(pose_1[1:] @ pose_0[1:].T)
 
 
 def _rotation(axis: Floats, angle: float) -> Floats:

@@ -17,6 +17,17 @@ Floats = NDArray[np.float64]
 _SUBSTEP = 0.02  # [rad] of a step of the midpoint rule on the group
 _MOST_SUBSTEPS = 2048
 _ITERATIONS = 30
+_QUARTER_TURN = 0.5 * math.pi  # [rad] by which momentum and turn may differ in a step
+_HELD = 1e-3  # change of a momentum over the momentum, from which something holds the body
+
+
+def axis_and_angle(R: Floats) -> tuple[Floats, float]:
+    """Of the shortest turn (3, 3)."""
+    w = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine, cosine = float(np.linalg.norm(w)), 0.5 * (float(np.trace(R)) - 1.0)
+    if sine < 1e-14:
+        return np.array([0.0, 0.0, 1.0]), 0.0
+    return w / sine, math.atan2(sine, cosine)
 
 
 def momentum(rotations: Floats, moments: Floats, angular_velocities: Floats) -> Floats:
@@ -32,6 +43,22 @@ def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, h: floa
     second = 0.5 * moments.sum(axis=1, keepdims=True) - moments
     torques: Floats = (np.cross(free, end, axis=1).transpose(0, 2, 1) * second[:, :, None]).sum(axis=1)
     return torques / h
+
+
+def held_turn(
+    start: Floats, end: Floats, moments: Floats, momenta: Floats, change: Floats, h: float
+) -> Floats:
+    """Angular momenta (n, 3) of the turns from ``start`` to ``end``, of bodies that something holds far from
+    their free motion: by more than a quarter turn in the step, with less energy than ``momenta`` have. Those
+    keep the rate of the turn (theory, section 3); NaN for all others."""
+    turns = [axis_and_angle(R) for R in np.einsum("nij,nkj->nik", end, start)]
+    rates = np.array([angle / h * axis for axis, angle in turns]).reshape(-1, 3)
+    turned = momentum(end, moments, rates)
+    velocities = _velocity(end, moments, momenta)
+    is_far = np.linalg.norm(velocities - rates, axis=1) * h > _QUARTER_TURN
+    is_less = (rates * turned).sum(axis=1) < (velocities * momenta).sum(axis=1)
+    is_held = np.linalg.norm(change, axis=1) > _HELD * np.linalg.norm(momenta, axis=1)
+    return np.where((is_far & is_less & is_held)[:, None], turned, np.nan)
 
 
 def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float) -> Floats:

@@ -52,6 +52,19 @@ double contact_distance(const Scene& scene, BodyId body, const Settings& setting
                                          : automatic_distance(scene, body, settings);
 }
 
+void check_resolved(const Scene& scene, BodyId body, const Settings& settings, std::span<const Vec3> x) {
+  const double distance = contact_distance(scene, body, settings);
+  if (!settings.contact.enabled || distance == 0.0) return;
+  double farthest = 0.0;
+  for (const Vec3& p : x) farthest = std::max(farthest, max_abs(p));
+  const double least = kTouching * farthest;
+  if (distance >= least) return;
+  throw InvalidArgument(owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
+                        quantity_text(distance, "m") + ": must be at least " + quantity_text(least, "m") +
+                        ", a thousand times the rounding of its coordinates of up to " +
+                        quantity_text(farthest, "m") + "; raise it, or move the scene to the origin");
+}
+
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings) {
   std::vector<std::string> warnings;
   if (!settings.contact.enabled) return warnings;

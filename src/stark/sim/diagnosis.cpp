@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 namespace stark {
@@ -22,6 +23,8 @@ constexpr double kRunaway = 10.0;
 constexpr double kContrast = 1e14, kContrastOfSolve = 1e11;
 /// Multiple of the estimated rounding up to which a residual counts as rounding.
 constexpr double kRoundingRange = 100.0;
+/// Largest coordinate over the size of the scene from which the place of the scene makes the rounding.
+constexpr double kFar = 1e3;
 constexpr size_t kNamedVertices = 4;
 
 struct Verdict {
@@ -216,8 +219,12 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
               ", reached: " + rough(t.value, t.unit) + ")";
   }
   if (missed.empty()) return {};
+  const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
+  const bool is_far = farthest > kFar * e.scene_size;
   return {FailureCause::ToleranceBelowRoundOff, "tolerances are below what rounding allows: " + missed,
-          "raise them above the rounding; what is far from the origin or very stiff rounds more",
+          is_far ? "move the scene to the origin: its coordinates of " + rough(farthest, "m") + " round by " +
+                       rough(farthest * std::numeric_limits<double>::epsilon(), "m")
+                 : "raise them above the rounding; what is very stiff rounds more",
           e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
 }
 

@@ -184,6 +184,10 @@ std::optional<std::set<int32_t>> Placing::hanging(int32_t joint, const FrameDesc
 
 Placing::Branch Placing::branch(int32_t joint) const {
   const JointDescription& description = scene_.joints()[joint];
+  if (state_.joint_enabled[joint] == kBroken)
+    throw InvalidArgument("joint '" + joint_name(joint) +
+                          "' is broken: its coordinates cannot be set, and it does not hold again; place the "
+                          "bodies, or load a state from before it broke");
   if (state_.joint_enabled[joint] != kHeld)
     throw InvalidArgument("joint '" + joint_name(joint) +
                           "' is released: its coordinates cannot be set; enable it, or place the bodies");

@@ -12,6 +12,7 @@
 #include <stark/collision/intersection.h>
 #include <stark/geometry/intersection.h>
 #include <stark/geometry/topology.h>
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/release_watch.h>
 
 namespace stark {
@@ -85,9 +86,6 @@ class ByPlace {
   const Numbers& some_;
   std::map<Place, int64_t> places_;
 };
-
-/// Distance over the largest coordinate below which surfaces touch: a thousand roundings.
-constexpr double kTouching = 2e-13;
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/script_phase.h>
 #include <stark/sim/validation.h>
 
@@ -163,6 +164,8 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
 }
 
 void Simulation::check_initial_state() const {
+  for (int32_t body = 0; body < scene_.body_count(); ++body)
+    check_resolved(scene_, BodyId{body}, settings_, positions(BodyId{body}));
   const std::vector<Vec3> x = site_positions();
   check_clear(x, "at time 0");
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };

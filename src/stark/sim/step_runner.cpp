@@ -239,7 +239,9 @@ void StepRunner::add_caveats(double h) {
 
 void StepRunner::fail() {
   report_.diagnosis = diagnose();
-  const std::string cause = failure_of(report_.solve.status).cause;
+  // That iterations ran out is what this verdict says itself.
+  const bool is_said = report_.diagnosis.cause == FailureCause::IterationBudget;
+  const std::string cause = is_said ? "" : failure_of(report_.solve.status).cause;
   report_.message =
       (cause.empty() ? "" : cause + ": ") + report_.diagnosis.finding + "; " + report_.diagnosis.remedy;
   if (report_.solve.status != SolveStatus::TimeBudget)

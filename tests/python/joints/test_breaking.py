@@ -57,6 +57,18 @@ def test_broken_joints_stay_so_but_for_a_rewind() -> None:
     assert sim.state == end
 
 
+def test_what_is_broken_is_not_told_to_be_enabled() -> None:
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=MASS, position=(ARM, 0, 0))
+    hinge = scene.add_hinge(None, box, anchor=(0, 0, 0), axis=(0, 1, 0), break_force=0.5 * MASS * G)
+    sim = stark.Simulation(scene, time_step=0.01, **QUIET)
+    sim.run_until(0.2)
+    assert hinge.broken
+    with pytest.raises(stark.InvalidArgument, match=r"'hinge' is broken.*place the bodies") as caught:
+        hinge.angle = 0.1
+    assert "enable" not in str(caught.value)
+
+
 def test_a_motor_on_a_broken_hinge_rests() -> None:
     scene = stark.Scene()
     box = scene.add_box(0.1, mass=MASS, position=(0, 0, 0))

@@ -55,6 +55,12 @@ def test_quadratic_elements_have_nodes_between_the_corners() -> None:
     ("convert", "given", "message"),
     [
         (mesh.as_triangle_mesh, mesh.tet_box(1.0, 1), "got a TetMesh, need a TriangleMesh"),
+        (
+            mesh.as_triangle_mesh,
+            mesh.box_hexahedra(1.0, 1),
+            r"got a SolidMesh.*use add_solid, or mesh\.surface",
+        ),
+        (mesh.as_triangle_mesh, mesh.lattice(mesh.box(1.0), cells=1), r"got a lattice.*mesh\.surface\(\)"),
         (mesh.as_triangle_mesh, "bunny.obj", r"stark\.mesh\.load"),
         (mesh.as_triangle_mesh, ([[0, 0, 0]], [[0, 1]]), r"need \(m, 3\)"),
         (mesh.as_tet_mesh, mesh.box(1.0), "tetrahedralise"),

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from _recorded_runs import mechanism, record, rods, sheet_on_box
+from _recorded_runs import edit_states, mechanism, record, rods, sheet_on_box
 
 import stark
 from stark.cli import main
@@ -112,3 +112,28 @@ def test_the_checker_imports_numpy_and_itself_only() -> None:
     loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     allowed = set(sys.stdlib_module_names) | {"numpy", "verify"}
     assert set(loaded) <= allowed, set(loaded) - allowed
+
+
+def test_what_is_left_of_torques_is_no_torque(tmp_path: Path) -> None:
+    """A box lands flat. What its last iteration leaves unbalanced is below the tolerance, but 4 times as
+    much as the report, which has that of the iterate before: the box does not turn by it."""
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    scene.add_box(0.1, mass=0.5, position=(0, 0, 0.2))
+    certificate = verify(record(tmp_path / "run", scene, 40, time_step=0.005))
+    assert certificate.verdict == "certified", certificate.text()
+
+
+def test_a_needle_that_is_held_far_from_its_free_motion_is_certified(tmp_path: Path) -> None:
+    """It lands on a tip at 5 m/s while it spins at 1000 rad/s: it keeps the rate of its turn, not its
+    momentum. Another rate is violated still."""
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    place = {"position": (0, 0, 2.5e-3), "rotation": stark.rotation(axis="y", angle=0.9)}
+    motion = {"velocity": (0, 0, -5.0), "angular_velocity": (30.0, 1000.0, 10.0)}
+    scene.add_box((5e-3, 3e-5, 2.9e-5), density=1000.0, name="needle", **place, **motion)
+    run = record(tmp_path / "run", scene, 4, time_step=1e-3, contact_distance=1e-4)
+    certificate = verify(run)
+    assert certificate.verdict == "certified", certificate.text()
+    edit_states(run, "angular_velocities_0001", lambda array, times: array.__imul__(1.0 + 1e-3))
+    assert verify(run)["reported_momentum"].status == "violated"
