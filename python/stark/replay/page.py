@@ -24,7 +24,8 @@ from ..telemetry import Telemetry
 from .encode import EncodedReplay, encode
 
 _SCRIPTS = (
-    "decode.js", "shaders.js", "draw.js", "caps.js", "pick.js", "marks.js", "plots.js", "panel.js", "viewer.js",
+    "decode.js", "shaders.js", "draw.js", "caps.js", "pick.js", "marks.js", "plots.js",
+    "panel.js", "viewer.js",
 )  # fmt: skip
 
 #: Plots of the page: title, unit, series, scale. A plot without data is left out.

@@ -183,8 +183,8 @@ return told;
 
 
 def test_the_cut_of_a_closed_body_is_filled(browser: Browser) -> None:
-    """From the front a ball cut through its middle is a flat disc: one colour, on the area that its width says. The
-    inside of a hollow one has another colour in each of its facets."""
+    """From the front a ball cut through its middle is a flat disc: one colour, on the area that its width
+    says. The inside of a hollow one has another colour in each of its facets."""
     script = """
 await press(names[2]);
 await press(byId("solo"));
@@ -228,14 +228,15 @@ return [a.left + x / n, a.top + y / n];
 
 def test_only_surfaces_without_a_border_are_filled(browser: Browser) -> None:
     script = """
-const corners = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]), faces = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+const corners = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]);
+const faces = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3], turned = [...faces.slice(0, 9), 1, 3, 2];
 const apart = new Float32Array(faces.flatMap((i) => [...corners.subarray(3 * i, 3 * i + 3)]));
 return [
   isClosed(faces, corners), isClosed(faces.slice(3), corners), isClosed([0, 1, 2, 0, 2, 1], corners),
-  isClosed([...apart.keys()].slice(0, 12), apart), isClosed([...faces.slice(0, 9), 1, 3, 2], corners), isClosed([], corners),
+  isClosed([...apart.keys()].slice(0, 12), apart), isClosed(turned, corners), isClosed([], corners),
 ];
 """
-    # A tetrahedron, one side missing, both sides of a triangle, corners of their own as in STL, one side turned, nothing.
+    # A tetrahedron, one side missing, a triangle and its back, corners apart as in STL, a side turned, nothing.
     assert browser.run(script) == [True, False, True, True, False, False]
 
 
