@@ -236,7 +236,7 @@ return [
   isClosed([...apart.keys()].slice(0, 12), apart), isClosed(turned, corners), isClosed([], corners),
 ];
 """
-    # A tetrahedron, one side missing, a triangle and its back, corners apart as in STL, a side turned, nothing.
+    # A tetrahedron, one side missing, a triangle and its back, STL, a side turned, nothing.
     assert browser.run(script) == [True, False, True, True, False, False]
 
 
