@@ -7,7 +7,6 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from stark._core import InvalidArgument
-from stark.arguments import given_path
 from stark.handle import SimulationLink
 
 if TYPE_CHECKING:
@@ -43,27 +42,27 @@ class Pictures(SimulationLink):
         """Draws the bodies where they are now (docs/pictures.md): an array (height, width, 3) uint8, sRGB,
         which notebooks show. Writes it to ``path``, a PNG file, if there is one.
 
-        ``camera`` is a view ("oblique", "front", "side", "top"), where the camera is (3,) [m], or a
-        ``stark.render.Camera``; ``target`` is what it looks at, a point (3,) [m] or bodies, else the middle
-        of the scene; ``field_of_view`` is vertical [rad]. ``size`` is (width, height) in pixels, ``quality``
-        "draft", "good" or "best".
+        ``camera`` is a view ("oblique", "front", "side", "top"), the place of the camera (3,) [m], or a
+        ``stark.render.Camera``. ``target`` is a point (3,) [m] or bodies to look at; by default the middle of
+        the scene. ``field_of_view`` is the vertical angle [rad]. ``size`` is (width, height) in pixels and
+        ``quality`` is "draft", "good" or "best".
 
-        Bodies are named by handle, name, pattern such as "finger*", or several of these. ``bodies`` are the
-        only ones to draw, ``hide`` are left out, ``opacity`` has numbers in [0, 1] for some: {"glass*": 0.3}.
-        ``clip`` = (point [m], normal), or (point, normal, bodies), takes away what lies on the side that the
-        normal points to; solids show their section. ``edges`` draws the edges of meshes, ``grid`` lines on
-        the ground.
+        Name bodies by handle, by name or by a pattern such as "finger*"; a list names several. Only
+        ``bodies`` are drawn, ``hide`` leaves some out, ``opacity`` makes some transparent: {"glass*": 0.3}.
+        ``clip`` = (point [m], normal) or (point, normal, bodies) removes the side that the normal points to;
+        solids show their section. ``edges`` draws the edges of meshes, ``grid`` the lines on the ground.
 
-        ``field`` colours bodies by "stress", "strain", "pressure", "contact_force" or "speed", or by a
-        dictionary of bodies with a value for each vertex (n,) or one of these words. ``limits`` = (low, high)
-        of the colours are those of the values if left out; ``colormap`` is "viridis", "magma", "coolwarm" or
-        colours (k, 3) in [0, 1]; ``label`` replaces the title of the scale. ``contacts`` = True draws points
-        and forces of contact in front of everything; a body in its place, those of this body.
+        ``field`` colours bodies by "stress", "strain", "pressure", "contact_force" or "speed". A dictionary
+        colours chosen bodies, by one of these words or by values at the vertices (n,). ``limits`` = (low,
+        high) belong to the ends of the colours; by default they span the values. ``colormap`` is "viridis",
+        "magma", "coolwarm" or colours (k, 3) in [0, 1]. ``label`` replaces the title of the scale.
+        ``contacts=True`` draws points and forces of contact; give a body to draw the forces on it.
 
-        Raises InvalidArgument for names and words that are unknown and numbers out of range."""
+        Raises InvalidArgument for unknown names and words, numbers out of range and paths that are no PNG."""
         from stark.render import render, write_png
+        from stark.render.png import png_path
 
-        file = None if path is None else given_path(path, "picture: path")
+        file = None if path is None else png_path(path, "picture: path")
         width, height = _size(size)
         picture = render(
             self, width, height, camera=camera, target=target, field_of_view=field_of_view, quality=quality,
@@ -75,9 +74,9 @@ class Pictures(SimulationLink):
         return picture
 
     def show(self, *, height: int = 480, max_megabytes: float = 20.0) -> InlinePage | Picture:
-        """What notebooks show of it: the newest recording that a ``stark.recording.Recorder`` made of this
-        simulation, up to now, as a replay page of ``height`` pixels that needs no network; frames are left
-        out where it would be larger than about ``max_megabytes``. A picture, if there is no recording."""
+        """Shows the simulation in a notebook: the newest recording that a ``stark.recording.Recorder`` made
+        of it, up to now, as a replay page of ``height`` pixels that needs no network. Frames are left out so
+        that the page stays below about ``max_megabytes``. Without a recording it shows a picture."""
         from stark.recording.latest import latest_recording
         from stark.replay import show
 

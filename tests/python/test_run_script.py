@@ -75,6 +75,28 @@ def test_old_python(bare_path: Path) -> None:
     assert "needs Python 3.11 or newer; python3 is Python 3.9.2" in done.stderr
 
 
+@pytest.mark.parametrize("works", [True, False])
+def test_what_must_pass_installs_a_browser_or_says_that_there_is_none(bare_path: Path, works: bool) -> None:
+    """As root; everything else is missing, so it ends after that."""
+    for tool in ("bash", "env", "timeout", "chmod"):
+        (bare_path / tool).symlink_to(str(shutil.which(tool)))
+    (bare_path / "id").unlink()
+    script(bare_path / "id", "echo 0")
+    made = f"echo '#!/bin/sh' >{bare_path}/chromium && chmod +x {bare_path}/chromium"
+    script(bare_path / "apt-get", f'case "$*" in *" chromium") {made if works else "exit 100"} ;; esac')
+    done = subprocess.run(
+        [str(ROOT / ".ci/run")],
+        env={"PATH": str(bare_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 1 and "Missing on this machine" in done.stderr
+    wanted = "Chromium is there" if works else "NO BROWSER"
+    assert done.stdout.count(wanted) == 2  # at the start and at the end
+
+
 @pytest.mark.parametrize("name", ["run", "tools/dev.sh", "tools/format.sh", "tools/tidy.sh", ".ci/run"])
 def test_scripts_parse_and_are_executable(name: str) -> None:
     path = ROOT / name

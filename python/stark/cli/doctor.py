@@ -16,9 +16,18 @@ from .output import say
 _OPTIONAL = (
     ("pytetwild", "pytetwild", "tetrahedral meshes of closed surfaces", "mesh"),
     ("trimesh", "trimesh", "more mesh formats", "mesh"),
+    ("yourdfpy", "yourdfpy", "robots of URDF files", "robots"),
+    ("mujoco", "mujoco", "robots of MJCF files", "robots"),
+    ("usd-core", "pxr", "robots of USD files, export to USD", "usd"),
+    ("gymnasium", "gymnasium", "environments for learning", "rl"),
+    ("viser", "viser", "live view in a browser", "view"),
     ("imageio", "imageio", "mp4 films", "video"),
     ("imageio-ffmpeg", "imageio_ffmpeg", "mp4 films", "video"),
+    ("h5py", "h5py", "export to VTKHDF", "export"),
+    ("pyarrow", "pyarrow", "export to Parquet", "export"),
+    ("mcap", "mcap", "export to MCAP", "export"),
     ("scipy", "scipy", "fits of laws to measured curves", "fit"),
+    ("ray", "ray", "studies on a cluster", "sweep"),
     ("ipctk", "ipctk", "independent check for intersections", "test"),
 )
 
@@ -51,7 +60,7 @@ def _version(distribution: str) -> str:
 
 
 def _line(label: str, text: str) -> None:
-    say(f"{label:14}{text}")
+    say(f"{label:16}{text}")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -95,19 +95,19 @@ class _Pending:
 class Recorder:
     """Records the surfaces of all bodies of ``sim``, and its layers, into ``folder``.
 
-    ``record(sim)`` adds a frame, ``report(step_report)`` adds a line of telemetry, ``close()`` completes
-    the folder. An existing recording in ``folder`` is replaced; any other non-empty folder is refused, and
-    one that another recorder writes.
-    ``settings`` are those of ``sim`` when not given.
-    With ``certify``, ``record_state(sim)`` has to be called at the start and after every accepted step, for
-    ``stark verify``.
+    ``record(sim)`` adds a frame, ``report(step_report, measured={...})`` adds the numbers of a step and your
+    own, ``close()`` completes the folder; a ``with`` block does that for you. The recorder replaces an
+    existing recording in ``folder``. It raises RecordingError for any other folder that is not empty, and for
+    one that another recorder is writing. ``settings`` are by default those of ``sim``.
+    With ``certify=True``, call ``record_state(sim)`` at the start and after every accepted step; then
+    ``stark verify`` can check the run.
 
-    ``fields`` are recorded at the vertices of every frame, for replays, pictures and exports: "stress",
-    "strain", "pressure", "contact_force", "speed" (``stark.render.field_values`` says what they are), of
-    bodies that move. ``arrays`` are fields of your own: by name, with the unit in brackets, a function of the
-    simulation that gives values (n,) at the vertices of some bodies, always the same ones:
-    ``{"height [m]": lambda sim: {"jelly": sim["jelly"].positions[:, 2]}}``. ``contacts`` records points and
-    forces of contact, up to 1000 of a frame, those of the largest forces.
+    ``fields`` lets replays, pictures and exports colour the bodies: "stress", "strain", "pressure",
+    "contact_force" or "speed" at the vertices of moving bodies, with every frame
+    (``stark.render.field_values`` defines them). ``arrays`` adds fields of your own: for each name, with its
+    unit in brackets, a function of the simulation that returns values (n,) at the vertices of some bodies,
+    always the same ones: ``{"height [m]": lambda sim: {"jelly": sim["jelly"].positions[:, 2]}}``.
+    ``contacts=True`` keeps points and forces of contact, per frame the 1000 with the largest forces.
     """
 
     def __init__(

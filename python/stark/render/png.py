@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from os import PathLike
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +15,17 @@ from ..array_file import write_atomically
 from ..files import read_bytes
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
+#: Suffixes of pictures that are not PNG: a file with one of them could not be opened.
+_OTHERS = (".jpg", ".jpeg", ".webp", ".gif", ".bmp", ".tif", ".tiff", ".svg", ".pdf")
+
+
+def png_path(path: object, what: str) -> Path:
+    """The path of a picture. Raises InvalidArgument where its suffix promises another format."""
+    target = given_path(path, what)
+    if target.suffix.lower() in _OTHERS:
+        name = target.with_suffix(".png").name
+        raise InvalidArgument(f"{what} = '{target}': must be a PNG file; name it '{name}'")
+    return target
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:
@@ -41,9 +53,10 @@ def png_bytes(picture: np.ndarray) -> bytes:
 
 
 def write_png(path: str | PathLike[str], picture: np.ndarray) -> None:
-    """Writes a (height, width, 3) uint8 picture."""
+    """Writes a (height, width, 3) uint8 picture. Raises InvalidArgument for a name like "a.jpg"."""
+    target = png_path(path, "write_png: path")
     data = png_bytes(picture)
-    write_atomically(given_path(path, "write_png: path"), lambda file: file.write(data))
+    write_atomically(target, lambda file: file.write(data))
 
 
 def read_png(path: str | PathLike[str]) -> np.ndarray:

@@ -39,7 +39,7 @@ function orthographic(radius, near, far) {
 
 class Renderer {
   constructor(canvas, bodies, bounds) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, stencil: true, preserveDrawingBuffer: true });
     if (!gl) throw new Error("This browser offers no WebGL2. Try a current Firefox, Chrome, Edge or Safari.");
     this.gl = gl;
     this.canvas = canvas;
@@ -54,6 +54,7 @@ class Renderer {
     this.clip = [0, 0, 0, 1];
     for (const body of bodies) this.upload(body);
     this.emptyArray = gl.createVertexArray();
+    this.caps = new Caps(this);
   }
 
   program(vertex, fragment) {
@@ -255,6 +256,7 @@ class Renderer {
     gl.uniform1i(surface.colormap, 1);
     gl.uniform2fv(surface.limits, this.field ? this.field.limits : [0, 1]);
     this.drawBodies(surface, matrix, false, (body) => body.opacity >= 1);
+    this.caps.draw(matrix);
     gl.disable(gl.POLYGON_OFFSET_FILL);
     if (options.edges) {
       gl.useProgram(this.line.program);

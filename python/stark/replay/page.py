@@ -1,4 +1,4 @@
-"""Assembles ``replay.html`` from the viewer's three source files and an encoded recording."""
+"""Assembles ``replay.html`` from the viewer's source files and an encoded recording."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ from ..telemetry import Telemetry
 from .encode import EncodedReplay, encode
 
 _SCRIPTS = (
-    "decode.js", "shaders.js", "draw.js", "pick.js", "marks.js", "plots.js", "panel.js", "viewer.js",
+    "decode.js", "shaders.js", "draw.js", "caps.js", "pick.js", "marks.js", "plots.js",
+    "panel.js", "viewer.js",
 )  # fmt: skip
 
 #: Plots of the page: title, unit, series, scale. A plot without data is left out.

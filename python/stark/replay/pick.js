@@ -21,10 +21,11 @@ function inWorld(body, p) {
 }
 
 // Nearest hit of a ray with a body: distance, triangle and weights of its corners; null if there is none before `nearest`.
+// A hit of its section by the clip plane has no triangle: it is hit where the ray leaves the body more often than it enters.
 // [Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle intersection"]
 function hitBody(body, ray, clip, nearest) {
   const { origin: o, direction: d } = localRay(body, ray), p = body.positions, index = body.triangles;
-  let best = null;
+  let best = null, left = 0;
   for (let t = 0; t < index.length; t += 3) {
     const a = 3 * index[t], b = 3 * index[t + 1], c = 3 * index[t + 2];
     const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
@@ -37,13 +38,16 @@ function hitBody(body, ray, clip, nearest) {
     if (!(u >= 0 && u <= 1)) continue;
     const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
     const v = (d[0] * qx + d[1] * qy + d[2] * qz) / det, s = (vx * qx + vy * qy + vz * qz) / det;
-    if (!(v >= 0 && u + v <= 1) || s <= 0 || s >= nearest) continue;
+    if (!(v >= 0 && u + v <= 1) || s <= 0) continue;
     const place = ray.origin.map((c0, i) => c0 + s * ray.direction[i]);
     if (!body.scenery && dot3(clip, place) > clip[3]) continue;
+    left += Math.sign(det);
+    if (s >= nearest) continue;
     nearest = s;
     best = { body, distance: s, triangle: t, weights: [1 - u - v, u, v] };
   }
-  return best;
+  const steep = dot3(clip, ray.direction), s = steep ? (clip[3] - dot3(clip, ray.origin)) / steep : 0;
+  return left && s > 0 && s < nearest && isSolid(body) ? { body, distance: s } : best;
 }
 
 function pick(bodies, ray, clip) {

@@ -22,6 +22,13 @@ def test_png_roundtrip_and_structure(tmp_path: Path) -> None:
     assert data[-12:] == struct.pack(">I", 0) + b"IEND" + struct.pack(">I", zlib.crc32(b"IEND"))
 
 
+@pytest.mark.parametrize("name", ["p.jpg", "p.JPEG", "p.svg"])
+def test_names_of_other_formats_are_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=r"must be a PNG file; name it 'p\.png'"):
+        write_png(tmp_path / name, np.zeros((4, 4, 3), dtype=np.uint8))
+    assert not list(tmp_path.iterdir())
+
+
 def test_damaged_png(tmp_path: Path) -> None:
     write_png(tmp_path / "p.png", np.zeros((4, 4, 3), dtype=np.uint8))
     data = bytearray((tmp_path / "p.png").read_bytes())

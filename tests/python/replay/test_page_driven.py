@@ -182,6 +182,64 @@ return told;
     assert told["rows"] == [False, True, False] and told["hidden"] == [True, False, True]
 
 
+def test_the_cut_of_a_closed_body_is_filled(browser: Browser) -> None:
+    """From the front a ball cut through its middle is a flat disc: one colour, on the area that its width
+    says. The inside of a hollow one has another colour in each of its facets."""
+    script = """
+await press(names[2]);
+await press(byId("solo"));
+await choose("clip-axis", "y");
+await choose("clip-at", "0.5");
+byId("clip-flip").checked = true;
+await choose("clip-flip", "on");
+const { data, width } = pixels(view), colours = new Map();
+let columns = new Set();
+for (let i = 0; i < data.length; i += 4) {
+  if (data[i + 3] < 250) continue;
+  columns.add((i / 4) % width);
+  const key = data.subarray(i, i + 3).join(",");
+  colours.set(key, (colours.get(key) || 0) + 1);
+}
+return [columns.size, Math.max(...colours.values())];
+"""
+    browser.key("2")
+    wide, alike = browser.run(PARTS + script)
+    assert wide > 60 and alike == pytest.approx(np.pi / 4 * wide**2, rel=0.06)  # the rim is blended
+    area = "const a = byId('view').getBoundingClientRect(); "
+    middle = """
+const { data, width } = pixels(view);
+let x = 0, y = 0, n = 0;
+for (let i = 0; i < data.length; i += 4)
+  if (data[i + 3] > 250) { x += (i / 4) % width; y += Math.floor(i / 4 / width); ++n; }
+return [a.left + x / n, a.top + y / n];
+"""
+    told = "return [byId('selected-name').textContent, byId('selected-facts').textContent.slice(0, 10)]"
+    place = browser.run(PARTS + area + middle)
+    browser.click(*place)
+    assert browser.run(told) == ["ball", "Middle [m]"]  # the section, which has no point of the surface
+    browser.run('byId("clip-flip").checked = false; await choose("clip-flip", "on")')
+    browser.click(*place)
+    assert browser.run(told) == ["ball", "Position ["]  # its front, before the section
+    browser.run(
+        PARTS + 'await choose("clip-axis", ""); await press(byId("solo")); await press(byId("unselect"))'
+    )
+    browser.key("1")
+
+
+def test_only_surfaces_without_a_border_are_filled(browser: Browser) -> None:
+    script = """
+const corners = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]);
+const faces = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3], turned = [...faces.slice(0, 9), 1, 3, 2];
+const apart = new Float32Array(faces.flatMap((i) => [...corners.subarray(3 * i, 3 * i + 3)]));
+return [
+  isClosed(faces, corners), isClosed(faces.slice(3), corners), isClosed([0, 1, 2, 0, 2, 1], corners),
+  isClosed([...apart.keys()].slice(0, 12), apart), isClosed(turned, corners), isClosed([], corners),
+];
+"""
+    # A tetrahedron, one side missing, a triangle and its back, STL, a side turned, nothing.
+    assert browser.run(script) == [True, False, True, True, False, False]
+
+
 def test_plots_have_switches_and_another_run(browser: Browser) -> None:
     script = """
 const plots = [...document.querySelectorAll(".plot")], title = (plot) => plot.querySelector("b").textContent;
