@@ -18,6 +18,8 @@ constexpr Box kEmptyBox = {{kInfinity, kInfinity, kInfinity, 0.0f},
                            {-kInfinity, -kInfinity, -kInfinity, 0.0f}};
 // A tree is built anew when the sum of its leaves' extents has grown by this factor.
 constexpr double kRebuildGrowth = 2.0;
+// A triangle is large beside a group when the sides of its box sum to this part of those of the group's box.
+constexpr float kLargePart = 0.25f;
 // Leaf blocks per unit of parallel work.
 constexpr int32_t kLeavesPerTask = 64;
 
@@ -257,12 +259,10 @@ void Bvh::refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
   const Vec3 origin = (low + high) * 0.5;
   // Covers the rounding of the differences below, which is relative to the distance from the origin; of boxes
   // that move also that of the sums and differences in single precision, four for each pair.
-  double slack = 1e-15 * max_abs(high - low);
-  if (is_moving_) {
-    double reach = max_abs(high - low);
-    for (const double r : group_inflation) reach = std::max(reach, max_abs(high - low) + 2.0 * r);
-    slack += 0x1p-24 * (reach + 3.0 * largest_motion);
-  }
+  double reach = max_abs(high - low), slack = 1e-15 * reach;
+  for (const double r : group_inflation) reach = std::max(reach, max_abs(high - low) + 2.0 * r);
+  if (is_moving_) slack += 0x1p-24 * (reach + 3.0 * largest_motion);
+  rounding_ = bounded(static_cast<float>(0x1p-20 * (reach + largest_motion)));
   constexpr int64_t kPointGrain = 4096;
   pool.for_each_range(static_cast<int64_t>(points_.size()), kPointGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
@@ -341,6 +341,13 @@ void Bvh::refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) cons
 
 Box Bvh::root_box(const Tree& tree, const std::vector<BoxNode>& nodes) const {
   return node_bounds(nodes[tree.level_begin[tree.level_count - 1]]);
+}
+
+// Of a group of one leaf there is nothing to save.
+bool Bvh::is_large(const Cell& cell, const Box& box, const Tree& other) const {
+  const Box& bounds = other.extent.start;
+  return cell.triangle >= 0 && other.level_count > 1 &&
+         sum(box.high - box.low) > kLargePart * sum(bounds.high - bounds.low);
 }
 
 void Bvh::find_tasks(const PairFilter& filter) {
