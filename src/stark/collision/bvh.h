@@ -38,8 +38,8 @@ class Bvh {
   const SurfaceMesh& mesh() const { return mesh_; }
   int32_t group_count() const { return static_cast<int32_t>(trees_.size()); }
 
-  /// Boxes of all primitives at x, inflated by the group's value. Rebuilds the trees of groups whose leaves
-  /// have grown too much since they were built.
+  /// Boxes of all vertices and groups at x, inflated by the group's value. The trees follow when
+  /// for_each_pair needs them, and are built anew where leaves have grown too much.
   void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool) {
     refit(x, x, group_inflation, pool, false);
   }
@@ -77,6 +77,7 @@ class Bvh {
     int32_t level_begin[kMaxLevels] = {};    // node numbers
     int32_t level_size[kMaxLevels] = {};
     double built_size = -1.0;  // sum of leaf extents when built; < 0: not built yet
+    bool is_fitted = false;    // nodes are those of the last refit
     MovingBox extent{};        // of all of it
     Box bounds{};              // of all its way
   };
@@ -86,16 +87,16 @@ class Bvh {
   };
 
   void make_cells(int32_t group_count);
-  void build(Tree& tree, std::span<const Vec3> x);
+  void build(Tree& tree);
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
              ThreadPool& pool, bool is_moving);
   void refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
                       std::span<const double> group_inflation, ThreadPool& pool);
+  void fit_trees(ThreadPool& pool);
   void refit_leaves(int64_t begin, int64_t end);
   void refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const;
   double leaf_size(const Tree& tree) const;
   void find_tasks(const PairFilter& filter);
-  Box root_box(const Tree& tree, const std::vector<BoxNode>& nodes) const;
   template <typename Extent, typename Body>
   void run_task(const Task& task, int thread, Body& body);
   template <typename Extent>
@@ -120,7 +121,6 @@ class Bvh {
   std::vector<Task> tasks_;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
-  int64_t leaf_count_ = 0;
 };
 
 template <typename Extent>
@@ -143,6 +143,7 @@ template <typename Extent, typename Body>
 void Bvh::for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body) {
   find_tasks(filter);
   if (task_begin_.size() < 2) return;
+  fit_trees(pool);
   pool.for_each_task(static_cast<int64_t>(task_begin_.size()) - 1, [&](int64_t unit, int thread) {
     for (int32_t k = task_begin_[unit]; k < task_begin_[unit + 1]; ++k)
       run_task<Extent>(tasks_[k], thread, body);
