@@ -18,6 +18,8 @@ constexpr Box kEmptyBox = {{kInfinity, kInfinity, kInfinity, 0.0f},
                            {-kInfinity, -kInfinity, -kInfinity, 0.0f}};
 // A tree is built anew when the sum of its leaves' extents has grown by this factor.
 constexpr double kRebuildGrowth = 2.0;
+// A triangle is large beside a group when the sides of its box sum to this part of those of the group's box.
+constexpr float kLargePart = 0.25f;
 // Leaf blocks per unit of parallel work.
 constexpr int32_t kLeavesPerTask = 64;
 
@@ -168,10 +170,8 @@ void Bvh::make_cells(int32_t group_count) {
   std::vector<int32_t> next(group_count);
   for (int32_t g = 0; g < group_count; ++g) next[g] = trees_[g].cell_begin;
   for (size_t k = 0; k < cells.size(); ++k) cells_[next[groups[k]]++] = cells[k];
-  // Level 0 of all groups is contiguous, so that leaves are refitted in one parallel loop; upper levels
-  // follow.
-  leaf_count_ = padded / kWidth;
-  int32_t node_count = static_cast<int32_t>(leaf_count_);
+  // Level 0 of all groups first, where node k holds cells 8 k to 8 k + 7; upper levels follow.
+  int32_t node_count = padded / kWidth;
   for (Tree& tree : trees_) {
     if (tree.cell_count == 0) continue;
     int32_t size = (tree.cell_count + kWidth - 1) / kWidth;
@@ -190,13 +190,17 @@ void Bvh::make_cells(int32_t group_count) {
   motion_nodes_.assign(node_count, BoxNode{});
 }
 
-void Bvh::build(Tree& tree, std::span<const Vec3> x) {
+void Bvh::build(Tree& tree) {
   Splitter splitter;
   splitter.centres.resize(tree.cell_count);
   splitter.order.resize(tree.cell_count);
   for (int32_t k = 0; k < tree.cell_count; ++k) {
-    const Index3& v = cells_[tree.cell_begin + k].vertices;
-    splitter.centres[k] = x[v[0]] + x[v[1]] + x[v[2]];
+    Vec3& centre = splitter.centres[k];
+    for (const int32_t v : cells_[tree.cell_begin + k].vertices) {
+      const Box& box = vertex_boxes_[v];
+      for (int axis = 0; axis < 3; ++axis)
+        centre[axis] += static_cast<double>(box.low[axis]) + static_cast<double>(box.high[axis]);
+    }
     splitter.order[k] = k;
   }
   splitter.split(0, tree.cell_count);
@@ -220,27 +224,50 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
   is_moving_ = is_moving;
   refit_vertices(x0, x1, group_inflation, pool);
   for (Tree& tree : trees_) {
-    if (tree.cell_count > 0 && tree.built_size < 0.0) build(tree, x0);
+    tree.is_fitted = false;
+    tree.extent = {kEmptyBox, kEmptyBox};
   }
-  constexpr int64_t kLeafGrain = 512;
-  pool.for_each_range(leaf_count_, kLeafGrain, [&](int64_t begin, int64_t end) { refit_leaves(begin, end); });
+  for (const int32_t v : points_) {
+    Tree& tree = trees_[mesh_.vertex_group[v]];
+    tree.extent.start = merge(tree.extent.start, vertex_boxes_[v]);
+    if (is_moving) tree.extent.motion = merge(tree.extent.motion, vertex_motions_[v]);
+  }
   for (Tree& tree : trees_) {
-    if (tree.cell_count == 0) continue;
-    const double size = leaf_size(tree);
-    if (tree.built_size < 0.0) {
-      tree.built_size = size;
-    } else if (size > kRebuildGrowth * tree.built_size && tree.level_count > 1) {
-      build(tree, x0);
-      refit_leaves(tree.level_begin[0], tree.level_begin[0] + tree.level_size[0]);
-      tree.built_size = leaf_size(tree);
+    tree.bounds = tree.extent.start;
+    if (!is_moving || tree.cell_count == 0) continue;
+    tree.bounds.low += min(tree.extent.motion.low, Float4{});
+    tree.bounds.high += max(tree.extent.motion.high, Float4{});
+  }
+}
+
+void Bvh::fit_trees(ThreadPool& pool) {
+  std::vector<Tree*> trees;
+  std::vector<std::pair<int32_t, int32_t>> chunks;  // of leaves
+  for (const Task& task : tasks_) {
+    for (Tree* tree : {&trees_[task.a], &trees_[task.b]}) {
+      if (tree->is_fitted) continue;
+      tree->is_fitted = true;
+      trees.push_back(tree);
+      if (tree->built_size < 0.0) build(*tree);
+      constexpr int32_t kLeafGrain = 512;
+      for (int32_t begin = 0; begin < tree->level_size[0]; begin += kLeafGrain)
+        chunks.emplace_back(tree->level_begin[0] + begin,
+                            tree->level_begin[0] + std::min(begin + kLeafGrain, tree->level_size[0]));
     }
-    refit_upper_levels(tree, nodes_);
-    tree.extent.start = tree.bounds = root_box(tree, nodes_);
-    if (!is_moving) continue;
-    refit_upper_levels(tree, motion_nodes_);
-    const Box motion = tree.extent.motion = root_box(tree, motion_nodes_);
-    tree.bounds.low += min(motion.low, Float4{});
-    tree.bounds.high += max(motion.high, Float4{});
+  }
+  pool.for_each_task(static_cast<int64_t>(chunks.size()),
+                     [&](int64_t k, int) { refit_leaves(chunks[k].first, chunks[k].second); });
+  for (Tree* tree : trees) {
+    const double size = leaf_size(*tree);
+    if (tree->built_size < 0.0) {
+      tree->built_size = size;
+    } else if (size > kRebuildGrowth * tree->built_size && tree->level_count > 1) {
+      build(*tree);
+      refit_leaves(tree->level_begin[0], tree->level_begin[0] + tree->level_size[0]);
+      tree->built_size = leaf_size(*tree);
+    }
+    refit_upper_levels(*tree, nodes_);
+    if (is_moving_) refit_upper_levels(*tree, motion_nodes_);
   }
 }
 
@@ -257,12 +284,10 @@ void Bvh::refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
   const Vec3 origin = (low + high) * 0.5;
   // Covers the rounding of the differences below, which is relative to the distance from the origin; of boxes
   // that move also that of the sums and differences in single precision, four for each pair.
-  double slack = 1e-15 * max_abs(high - low);
-  if (is_moving_) {
-    double reach = max_abs(high - low);
-    for (const double r : group_inflation) reach = std::max(reach, max_abs(high - low) + 2.0 * r);
-    slack += 0x1p-24 * (reach + 3.0 * largest_motion);
-  }
+  double reach = max_abs(high - low), slack = 1e-15 * reach;
+  for (const double r : group_inflation) reach = std::max(reach, max_abs(high - low) + 2.0 * r);
+  if (is_moving_) slack += 0x1p-24 * (reach + 3.0 * largest_motion);
+  rounding_ = bounded(static_cast<float>(0x1p-20 * (reach + largest_motion)));
   constexpr int64_t kPointGrain = 4096;
   pool.for_each_range(static_cast<int64_t>(points_.size()), kPointGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
@@ -339,8 +364,11 @@ void Bvh::refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) cons
   }
 }
 
-Box Bvh::root_box(const Tree& tree, const std::vector<BoxNode>& nodes) const {
-  return node_bounds(nodes[tree.level_begin[tree.level_count - 1]]);
+// Of a group of one leaf there is nothing to save.
+bool Bvh::is_large(const Cell& cell, const Box& box, const Tree& other) const {
+  const Box& bounds = other.extent.start;
+  return cell.triangle >= 0 && other.level_count > 1 &&
+         sum(box.high - box.low) > kLargePart * sum(bounds.high - bounds.low);
 }
 
 void Bvh::find_tasks(const PairFilter& filter) {

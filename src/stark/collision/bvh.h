@@ -3,12 +3,8 @@
 // every vertex and edge is owned by exactly one cell, so one tree serves all kinds of pairs and finds each
 // pair once. Cells are ordered by recursive median splits so that any 8^k consecutive ones are compact; the
 // tree is then implicit and 8-wide: a node holds the boxes of eight children, level 0 those of eight cells.
-// Boxes are single precision about a common origin, rounded outwards.
-//
-// Primitives that move have two boxes, that of their start and that of their displacements. Two of them can
-// meet only if the first box of one overlaps that of the other, stretched by the range of their relative
-// displacements: what moves along with its neighbours, a cloth that spins or falls, finds as few pairs as if
-// it stood still.
+// The triangles of a floor are large beside what lies on it, and the box of one that is tilted holds all of
+// that: they have a slab as well.
 #pragma once
 
 #include <algorithm>
@@ -18,54 +14,11 @@
 #include <vector>
 
 #include <stark/base/thread_pool.h>
+#include <stark/collision/boxes.h>
 #include <stark/collision/candidates.h>
+#include <stark/collision/slab.h>
 
 namespace stark::detail {
-
-inline constexpr int kWidth = 8;
-using Float4 = float __attribute__((vector_size(16)));
-using Int4 = int32_t __attribute__((vector_size(16)));
-using Float8 = float __attribute__((vector_size(32)));
-using Int8 = int32_t __attribute__((vector_size(32)));
-
-/// Eight boxes, structure of arrays.
-struct alignas(64) BoxNode {
-  Float8 low[3], high[3];
-};
-
-/// One box; the fourth components are 0.
-struct Box {
-  Float4 low, high;
-
-  bool overlaps(const Box& b) const {
-    const Int4 inside = (low <= b.high) & (b.low <= high);
-#if defined(__SSE__)
-    return __builtin_ia32_movmskps(reinterpret_cast<Float4>(inside)) == 15;
-#else
-    return (inside[0] & inside[1] & inside[2]) != 0;
-#endif
-  }
-};
-
-inline Float4 min(const Float4& a, const Float4& b) { return a < b ? a : b; }
-inline Float4 max(const Float4& a, const Float4& b) { return a > b ? a : b; }
-
-inline Box merge(const Box& a, const Box& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
-
-/// Where something is at the start, and the range of displacements of its points.
-struct MovingBox {
-  Box start, motion;
-
-  bool overlaps(const MovingBox& b) const {
-    const Float4 zero{};
-    return start.overlaps({b.start.low + min(b.motion.low - motion.high, zero),
-                           b.start.high + max(b.motion.high - motion.low, zero)});
-  }
-};
-
-inline MovingBox merge(const MovingBox& a, const MovingBox& b) {
-  return {merge(a.start, b.start), merge(a.motion, b.motion)};
-}
 
 struct Cell {
   Index3 vertices;        // repeated for edges and points
@@ -77,12 +30,6 @@ struct Cell {
   bool is_point() const { return vertices[0] == vertices[1]; }
 };
 
-/// Bit k set where box k of the node overlaps the box.
-int overlap_mask(const BoxNode& node, const Box& box);
-
-/// The same of boxes that move; `motion`: displacements of those of the node.
-int overlap_mask(const BoxNode& start, const BoxNode& motion, const MovingBox& box);
-
 class Bvh {
  public:
   /// Throws InvalidMesh for inconsistent input.
@@ -91,8 +38,8 @@ class Bvh {
   const SurfaceMesh& mesh() const { return mesh_; }
   int32_t group_count() const { return static_cast<int32_t>(trees_.size()); }
 
-  /// Boxes of all primitives at x, inflated by the group's value. Rebuilds the trees of groups whose leaves
-  /// have grown too much since they were built.
+  /// Boxes of all vertices and groups at x, inflated by the group's value. The trees follow when
+  /// for_each_pair needs them, and are built anew where leaves have grown too much.
   void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool) {
     refit(x, x, group_inflation, pool, false);
   }
@@ -104,8 +51,9 @@ class Bvh {
   }
 
   /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair
-  /// once, in groups that the filter allows. Order unspecified; on several threads. Extent: Box, or MovingBox
-  /// after a refit for motion.
+  /// once, in groups that the filter allows, but for those that the slab of a triangle that is large beside
+  /// the other group keeps apart. Order unspecified; on several threads. Extent: Box, or MovingBox after a
+  /// refit for motion.
   template <typename Extent, typename Body>
   void for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body);
 
@@ -129,6 +77,7 @@ class Bvh {
     int32_t level_begin[kMaxLevels] = {};    // node numbers
     int32_t level_size[kMaxLevels] = {};
     double built_size = -1.0;  // sum of leaf extents when built; < 0: not built yet
+    bool is_fitted = false;    // nodes are those of the last refit
     MovingBox extent{};        // of all of it
     Box bounds{};              // of all its way
   };
@@ -138,20 +87,27 @@ class Bvh {
   };
 
   void make_cells(int32_t group_count);
-  void build(Tree& tree, std::span<const Vec3> x);
+  void build(Tree& tree);
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
              ThreadPool& pool, bool is_moving);
   void refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
                       std::span<const double> group_inflation, ThreadPool& pool);
+  void fit_trees(ThreadPool& pool);
   void refit_leaves(int64_t begin, int64_t end);
   void refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const;
   double leaf_size(const Tree& tree) const;
   void find_tasks(const PairFilter& filter);
-  Box root_box(const Tree& tree, const std::vector<BoxNode>& nodes) const;
   template <typename Extent, typename Body>
   void run_task(const Task& task, int thread, Body& body);
   template <typename Extent>
   int node_mask(int32_t node, const Extent& query) const;
+  template <typename Extent>
+  int near_mask(int32_t node, const Extent& query, const Slab& slab) const;
+  template <typename Extent>
+  Slab cell_slab(const Cell& cell) const;
+  bool is_large(const Cell& cell, const Box& box, const Tree& other) const;
+  template <typename Test, typename Visit>
+  void descend(const Task& task, int32_t leaf_a, Test&& test, Visit&& visit) const;
 
   SurfaceMesh mesh_;
   std::vector<int32_t> points_;        // all collision points, sorted
@@ -161,10 +117,10 @@ class Bvh {
   std::vector<Tree> trees_;
   std::vector<Box> vertex_boxes_, vertex_motions_;
   bool is_moving_ = false;
+  float rounding_ = 0.0f;  // of sums of products with components of a normal [m]
   std::vector<Task> tasks_;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
-  int64_t leaf_count_ = 0;
 };
 
 template <typename Extent>
@@ -183,53 +139,66 @@ int Bvh::node_mask(int32_t node, const Extent& query) const {
     return overlap_mask(nodes_[node], motion_nodes_[node], query);
 }
 
-inline int lane_mask(const Int8& inside) {
-#if defined(__AVX__)
-  return __builtin_ia32_movmskps256(reinterpret_cast<Float8>(inside));
-#else
-  int mask = 0;
-  for (int k = 0; k < kWidth; ++k) mask |= (inside[k] & 1) << k;
-  return mask;
-#endif
-}
-
-inline int overlap_mask(const BoxNode& node, const Box& box) {
-  Int8 inside = (node.low[0] <= box.high[0]) & (node.high[0] >= box.low[0]);
-  inside &= (node.low[1] <= box.high[1]) & (node.high[1] >= box.low[1]);
-  inside &= (node.low[2] <= box.high[2]) & (node.high[2] >= box.low[2]);
-  return lane_mask(inside);
-}
-
-inline int overlap_mask(const BoxNode& start, const BoxNode& motion, const MovingBox& box) {
-  const Float8 zero{};
-  Int8 inside = zero == zero;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Float8 back = motion.low[axis] - box.motion.high[axis];
-    const Float8 forth = motion.high[axis] - box.motion.low[axis];
-    inside &= start.low[axis] + (back < zero ? back : zero) <= box.start.high[axis];
-    inside &= start.high[axis] + (forth > zero ? forth : zero) >= box.start.low[axis];
-  }
-  return lane_mask(inside);
-}
-
 template <typename Extent, typename Body>
 void Bvh::for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body) {
   find_tasks(filter);
   if (task_begin_.size() < 2) return;
+  fit_trees(pool);
   pool.for_each_task(static_cast<int64_t>(task_begin_.size()) - 1, [&](int64_t unit, int thread) {
     for (int32_t k = task_begin_[unit]; k < task_begin_[unit + 1]; ++k)
       run_task<Extent>(tasks_[k], thread, body);
   });
 }
 
-template <typename Extent, typename Body>
-void Bvh::run_task(const Task& task, int thread, Body& body) {
-  const Tree &a = trees_[task.a], &b = trees_[task.b];
+template <typename Extent>
+int Bvh::near_mask(int32_t node, const Extent& query, const Slab& slab) const {
+  const int mask = node_mask(node, query);
+  if (mask == 0) return 0;
+  if constexpr (std::is_same_v<Extent, Box>)
+    return mask & ~separated_mask(nodes_[node], slab);
+  else
+    return mask & ~separated_mask(nodes_[node], motion_nodes_[node], slab);
+}
+
+template <typename Extent>
+Slab Bvh::cell_slab(const Cell& cell) const {
+  const auto& v = cell.vertices;
+  return slab_of<Extent>(
+      {vertex_extent<Extent>(v[0]), vertex_extent<Extent>(v[1]), vertex_extent<Extent>(v[2])}, rounding_);
+}
+
+// Calls visit(leaf, mask) for the leaves of the other group that test(node) leaves over.
+template <typename Test, typename Visit>
+void Bvh::descend(const Task& task, int32_t leaf_a, Test&& test, Visit&& visit) const {
+  const Tree& b = trees_[task.b];
   const bool self = task.a == task.b;
   struct Entry {
     int32_t level, node;
   };
   Entry stack[kMaxLevels * kWidth];
+  int stack_size = 0;
+  stack[stack_size++] = {task.level, task.node};
+  while (stack_size > 0) {
+    const Entry entry = stack[--stack_size];
+    int mask = test(b.level_begin[entry.level] + entry.node);
+    if (entry.level == 0) {
+      if (mask != 0) visit(entry.node, mask);
+      continue;
+    }
+    const int below = entry.level - 1;
+    for (; mask != 0; mask &= mask - 1) {
+      const int32_t child = kWidth * entry.node + __builtin_ctz(static_cast<unsigned>(mask));
+      // Within a group each pair of leaves is visited from the lower one.
+      if (self && (((child + 1) << (3 * below)) <= leaf_a)) continue;
+      stack[stack_size++] = {below, child};
+    }
+  }
+}
+
+template <typename Extent, typename Body>
+void Bvh::run_task(const Task& task, int thread, Body& body) {
+  const Tree &a = trees_[task.a], &b = trees_[task.b];
+  const bool self = task.a == task.b;
   Extent boxes[kWidth];
   Extent bounds;  // of all of b
   if constexpr (std::is_same_v<Extent, Box>)
@@ -239,35 +208,34 @@ void Bvh::run_task(const Task& task, int thread, Body& body) {
   for (int32_t leaf_a = task.begin; leaf_a < task.end; ++leaf_a) {
     const Cell* cells_a = &cells_[a.cell_begin + kWidth * leaf_a];
     const int count_a = std::min(kWidth, a.cell_count - kWidth * leaf_a);
+    const auto pass = [&](int k, int32_t leaf_b, int hits) {
+      const Cell* cells_b = &cells_[b.cell_begin + kWidth * leaf_b];
+      for (; hits != 0; hits &= hits - 1)
+        body(thread, cells_a[k], cells_b[__builtin_ctz(static_cast<unsigned>(hits))], self);
+    };
     Extent query = boxes[0] = cell_extent<Extent>(cells_a[0]);
     for (int k = 1; k < count_a; ++k) query = merge(query, boxes[k] = cell_extent<Extent>(cells_a[k]));
     if (!self && !query.overlaps(bounds)) continue;
-    int stack_size = 0;
-    stack[stack_size++] = {task.level, task.node};
-    while (stack_size > 0) {
-      const Entry entry = stack[--stack_size];
-      const int32_t node = b.level_begin[entry.level] + entry.node;
-      int mask = node_mask(node, query);
-      if (entry.level > 0) {
-        const int below = entry.level - 1;
-        for (; mask != 0; mask &= mask - 1) {
-          const int32_t child = kWidth * entry.node + __builtin_ctz(static_cast<unsigned>(mask));
-          // Within a group each pair of leaves is visited from the lower one.
-          if (self && (((child + 1) << (3 * below)) <= leaf_a)) continue;
-          stack[stack_size++] = {below, child};
-        }
-        continue;
-      }
-      const Cell* cells_b = &cells_[b.cell_begin + kWidth * entry.node];
-      const bool same_leaf = self && entry.node == leaf_a;
-      for (int k = 0; k < count_a; ++k) {
-        int hits = node_mask(node, boxes[k]);
-        if (same_leaf) hits &= ~((2 << k) - 1);
-        for (; hits != 0; hits &= hits - 1) {
-          body(thread, cells_a[k], cells_b[__builtin_ctz(static_cast<unsigned>(hits))], self);
-        }
-      }
+    int small = (1 << count_a) - 1;
+    for (int k = 0; k < count_a && !self; ++k) {
+      if (!is_large(cells_a[k], start_of(boxes[k]), b) || !boxes[k].overlaps(bounds)) continue;
+      small &= ~(1 << k);
+      const Slab slab = cell_slab<Extent>(cells_a[k]);
+      descend(
+          task, leaf_a, [&](int32_t node) { return near_mask(node, boxes[k], slab); },
+          [&](int32_t leaf_b, int hits) { pass(k, leaf_b, hits); });
     }
+    if (small == 0) continue;
+    descend(
+        task, leaf_a, [&](int32_t node) { return node_mask(node, query); },
+        [&](int32_t leaf_b, int) {
+          for (int left = small; left != 0; left &= left - 1) {
+            const int k = __builtin_ctz(static_cast<unsigned>(left));
+            int hits = node_mask(b.level_begin[0] + leaf_b, boxes[k]);
+            if (self && leaf_b == leaf_a) hits &= ~((2 << k) - 1);
+            pass(k, leaf_b, hits);
+          }
+        });
   }
 }
 

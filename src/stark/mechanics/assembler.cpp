@@ -143,7 +143,7 @@ void Assembler::assemble_gradient(const Configuration& configuration, std::span<
   for (const PotentialBatch* batch : dynamic_batches_) add_site_gradients(*batch, x, nullptr);
   std::fill(out_gradient.begin(), out_gradient.end(), 0.0);
   for (int32_t i = 0; i < static_cast<int32_t>(x.size()); ++i)
-    if (!map_.is_prescribed(i))
+    if (site_gradient_[i] != Vec3{} && !map_.is_prescribed(i))  // of fine rigid meshes hardly any is pushed
       add_mapped_gradient(map_.jacobian(i, configuration), site_gradient_[i], out_gradient);
 }
 
