@@ -89,7 +89,7 @@ _PLACES = {
         "CauchyGreen DeformationGradient Edge Energy Frame Hinge Mat2 Mat3 Point Stencil "
         "Tetrahedron Time TimeStep Triangle ShellDeformationGradient Vec2 Vec3 Vec4 energy material "
         "generalized_maxwell generalized_maxwell_rod generalized_maxwell_shell internal j2_plasticity "
-        "j2_viscoplasticity parameter stencils world_frame world_points"
+        "j2_viscoplasticity ogden_roxburgh parameter stencils world_frame world_points"
     ),
     "stark.joints": "Joint Wrench hold joint",
     "stark.attachments": "Attachment",

@@ -91,6 +91,7 @@ from stark.formulas import (
     j2_plasticity as j2_plasticity,
     j2_viscoplasticity as j2_viscoplasticity,
     material as material,
+    ogden_roxburgh as ogden_roxburgh,
     parameter as parameter,
     stencils as stencils,
     world_frame as world_frame,

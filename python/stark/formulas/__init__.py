@@ -11,6 +11,7 @@ from stark.formulas.material import CauchyGreen, DeformationGradient, ShellDefor
 from stark.formulas.material_law import MaterialLaw
 from stark.formulas.parameters import parameter
 from stark.formulas.plasticity import j2_plasticity, j2_viscoplasticity
+from stark.formulas.softening import ogden_roxburgh
 from stark.formulas.viscoelasticity import (
     generalized_maxwell,
     generalized_maxwell_rod,
@@ -48,6 +49,7 @@ __all__ = [
     "j2_plasticity",
     "j2_viscoplasticity",
     "material",
+    "ogden_roxburgh",
     "parameter",
     "stencils",
     "world_frame",

@@ -18,13 +18,15 @@ from stark.formulas.arguments import TimeStep
 from stark.formulas.internal import internal
 from stark.formulas.material import DeformationGradient, material
 from stark.formulas.parameters import parameter
-from stark.symbolic.functions import log, maximum, sqrt, where
+from stark.symbolic.functions import log, mark_stage, maximum, sqrt, where
 from stark.symbolic.linear_algebra import determinant, inverse, squared_norm, trace
 from stark.symbolic.signature import Mat3
-from stark.symbolic.tensor import identity
+from stark.symbolic.tensor import identity, vec
 
 #: Powers of Z in the series of the logarithm, up to Z^13.
 _LOGARITHM_TERMS = 7
+#: Powers of Z^2 in that of the square of the logarithm, up to Z^16.
+_SQUARE_TERMS = 8
 #: Powers in the series of the exponential of a quarter of the strain.
 _EXPONENTIAL_TERMS = 8
 
@@ -44,6 +46,28 @@ def _deviatoric_strain(b: Any) -> Any:
     return strain - one * (trace(strain) / 3.0)
 
 
+def _equivalent_strain_squared(b: Any) -> Any:
+    """2/3 |e|^2 of the deviatoric strain e above, in invariants of b - 1: derivatives cost a seventh of
+    those of matrices [theory eq. 10p]. Smooth, and as accurate for small strains as for large ones."""
+    A = b - identity(3)
+    second = A[0, 0] * A[1, 1] + A[1, 1] * A[2, 2] + A[2, 2] * A[0, 0]
+    second = second - A[0, 1] ** 2 - A[1, 2] ** 2 - A[0, 2] ** 2
+    third = determinant(A)
+    mark_stage(vec(second, third))
+    # det b = 1 leaves the trace of A, -second - third, which would have to be a small difference.
+    scale = 1.0 / (8.0 - 2.0 * second - 3.0 * third)
+    e1, e2, e3 = -third * scale, (2.0 * second + 3.0 * third) * scale, third * scale  # of Z
+    E1, E2, E3 = e1**2 - 2.0 * e2, e2**2 - 2.0 * e1 * e3, e3**2  # of Z^2
+    powers = [3.0, E1, E1 * E1 - 2.0 * E2]  # traces of Z^(2m) by Newton's identities
+    while len(powers) <= _SQUARE_TERMS:
+        powers.append(E1 * powers[-1] - E2 * powers[-2] + E3 * powers[-3])
+    total: Any = 0.0
+    for m in reversed(range(1, _SQUARE_TERMS + 1)):
+        odd = [2 * k + 1 for k in range(m)]
+        total = total + powers[m] * sum(1.0 / (k * (2 * m - k)) for k in odd)
+    return total * (2.0 / 3.0)
+
+
 def _exponential(A: Any) -> Any:
     """exp(A) by series of A/4, squared twice: error below 1e-9 for eigenvalues up to 1."""
     one = identity(3)
@@ -60,14 +84,15 @@ def _step(
 ) -> tuple[Any, dict[str, Any]]:
     """Energy of a step and updates. resistance [Pa]: yield stress at the start of the step; modulus [Pa]: its
     growth with the plastic strain of the step; kinematic [Pa]: of the back stress."""
-    J = determinant(F)
+    J = mark_stage(determinant(F))
     b = (F @ G @ F.T) * J ** (-2.0 / 3.0)
+    b = type(b)([[b[min(i, j), max(i, j)] for j in range(3)] for i in range(3)])  # symmetric to the last bit
     trial = _deviatoric_strain(b)
     # A spring beside the part r of the stiffness that yields is kinematic hardening [theory eq. 10j].
     r = 3.0 * mu / (3.0 * mu + kinematic)
     # Far below yielding any other equivalent strain does, and the root keeps its derivative.
     elastic_limit = resistance / (3.0 * mu)
-    squared = squared_norm(trial) * (2.0 / 3.0)
+    squared = _equivalent_strain_squared(b)
     strain = sqrt(maximum(squared, (0.5 * elastic_limit) ** 2))
     excess = maximum(3.0 * mu * strain - resistance, 0.0)
     stiffness = 3.0 * mu + r * modulus

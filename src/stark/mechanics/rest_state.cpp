@@ -107,4 +107,21 @@ RodLaw with_fields(const RodLaw& law, const std::set<std::string>& fields) {
   return result;
 }
 
+std::set<std::string> stretching(const std::set<std::string>& fields) {
+  std::set<std::string> found;
+  for (const char* name : {kGrowth, kTemperature})
+    if (fields.contains(name)) found.insert(name);
+  return found;
+}
+
+GrownEdge grown_edge(PotentialBuilder& b, const std::set<std::string>& fields, const symbolic::Vec3& edge,
+                     bool is_solid) {
+  if (is_solid) {
+    const symbolic::Mat3 G = rest_gradient(b, fields);
+    return {G * edge, determinant(G)};
+  }
+  const Scalar stretch = stretch_of_rest(b, fields);
+  return {edge * stretch, square(stretch)};
+}
+
 }  // namespace stark::rest_state

@@ -30,4 +30,16 @@ SolidLaw with_fields(const SolidLaw& law, const std::set<std::string>& fields);
 ShellLaw with_fields(const ShellLaw& law, const std::set<std::string>& fields);
 RodLaw with_fields(const RodLaw& law, const std::set<std::string>& fields);
 
+/// Those of the fields that change the shape at rest: growth and temperature.
+std::set<std::string> stretching(const std::set<std::string>& fields);
+
+/// What the rest shape of an edge has become: its vector, and the volume that it stands for over that in the
+/// mesh. Of solids growth is a tensor, of shells a number.
+struct GrownEdge {
+  symbolic::Vec3 vector;
+  symbolic::Scalar volume_ratio;
+};
+GrownEdge grown_edge(PotentialBuilder& b, const std::set<std::string>& fields, const symbolic::Vec3& edge,
+                     bool is_solid);
+
 }  // namespace stark::rest_state

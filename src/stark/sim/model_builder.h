@@ -73,6 +73,10 @@ struct Model::Builder {
   void add_plate(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
   void add_elements(const SolidMesh& mesh, const ElasticEnergy& energy, const ModelBody& body,
                     const std::string& name);
+  /// One batch for each edge of an element, whose values are those of the elements. `elements`: their sites.
+  void add_grown_edge_limit(std::span<const Index2> edges, std::span<const int32_t> elements,
+                            std::span<const double> volumes, const PotentialDefinition& definition,
+                            ParameterValues values, const std::string& name);
   void add_strain_limit(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
   void add_strain_limit(const SolidDescription& solid, const ModelBody& body, const std::string& name);
   void add_edge_limit(const WeightedEdges& edges, double scale, double limit, double stiffness,

@@ -1,14 +1,21 @@
 // Cloth and solids of a model: points, masses, elastic energies.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <stark/geometry/embedding.h>
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/rest_state.h>
 #include <stark/sim/lumped_mass.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
+
+namespace models {
+ShellLaw membrane_strain_limit_law();
+PotentialDefinition grown_edge_strain_limit(const std::set<std::string>& fields, bool is_solid);
+}  // namespace models
 
 namespace {
 
@@ -34,12 +41,25 @@ bool limits_strain(const Material& material) {
   return std::isfinite(material.strain_limit) && material.strain_limit_stiffness > 0.0;
 }
 
-/// Parameters of the limit of the Green strain.
-template <typename Material>
-ParameterValues limit_values(const Material& material) {
-  return {{"strain_limit", {{material.strain_limit}, false}},
-          {"strain_limit_stiffness", {{material.strain_limit_stiffness}, false}},
-          {"strain_limit_hardening", {{material.strain_limit_hardening}, false}}};
+/// Names of what changes the shape at rest.
+template <typename Description>
+std::set<std::string> stretching_fields(const Description& body) {
+  std::set<std::string> names;
+  for (const auto& [name, values] : body.rest_state) names.insert(name);
+  return rest_state::stretching(names);
+}
+
+/// Parameters of the limit, and what changes the shape at rest.
+template <typename Description>
+ParameterValues limit_values(const Description& body) {
+  ParameterValues values{{"strain_limit", {{body.material.strain_limit}, false}},
+                         {"strain_limit_stiffness", {{body.material.strain_limit_stiffness}, false}},
+                         {"strain_limit_hardening", {{body.material.strain_limit_hardening}, false}}};
+  if (stretching_fields(body).empty()) return values;
+  const ParameterValues elastic = elastic_energy(body).values;
+  for (const char* name : {rest_state::kGrowth, rest_state::kTemperature, rest_state::kThermalExpansion})
+    if (const auto found = elastic.find(name); found != elastic.end()) values.insert(*found);
+  return values;
 }
 
 }  // namespace
@@ -112,32 +132,68 @@ void Model::Builder::add_edge_limit(const WeightedEdges& edges, double scale, do
   batch.set_uniform("strain_limit_stiffness", stiffness);
 }
 
+void Model::Builder::add_grown_edge_limit(std::span<const Index2> edges, std::span<const int32_t> elements,
+                                          std::span<const double> volumes,
+                                          const PotentialDefinition& definition, ParameterValues values,
+                                          const std::string& name) {
+  values.erase("strain_limit_hardening");
+  const size_t nodes = elements.size() / volumes.size();
+  for (const Index2& edge : edges) {
+    std::vector<int32_t> stencils;
+    for (size_t e = 0; e < volumes.size(); ++e)
+      stencils.insert(stencils.end(), {elements[e * nodes + edge[0]], elements[e * nodes + edge[1]]});
+    PotentialBatch& batch = add_batch(definition, stencils, name, values);
+    for (int64_t e = 0; e < batch.size(); ++e)
+      batch.set("volume", e, volumes[e] / static_cast<double>(edges.size()));
+  }
+}
+
 void Model::Builder::add_strain_limit(const ClothDescription& sheet, const ModelBody& body,
                                       const std::string& name) {
   const ShellMaterial& material = sheet.material;
   if (!limits_strain(material)) return;
   const std::vector<Index3>& triangles = sheet.mesh.triangles;
-  if (material.strain_limit_law == StrainLimitLaw::Edges) {
+  const std::set<std::string> fields = stretching_fields(sheet);
+  ParameterValues values = limit_values(sheet);
+  if (material.strain_limit_law == StrainLimitLaw::GreenStrain) {
+    values["thickness"] = {{material.thickness}, false};
+    const PotentialDefinition definition =
+        fields.empty() ? models::membrane_strain_limit()
+                       : triangle3(rest_state::with_fields(models::membrane_strain_limit_law(), fields));
+    add_batch(definition, offset_stencils(triangles, body.first_site), name, values);
+  } else if (fields.empty()) {
     const std::vector<Index2> edges = find_edges(std::span<const Index3>(triangles));
     add_edge_limit({edges, compute_edge_areas(sheet.mesh.vertices, triangles, edges)}, material.thickness,
                    material.strain_limit, material.strain_limit_stiffness, body, name);
-    return;
+  } else {
+    constexpr std::array<Index2, 3> kEdges{{{0, 1}, {1, 2}, {2, 0}}};
+    std::vector<double> volumes = compute_triangle_areas(sheet.mesh.vertices, triangles);
+    for (double& volume : volumes) volume *= material.thickness;
+    add_grown_edge_limit(kEdges, offset_stencils(triangles, body.first_site), volumes,
+                         models::grown_edge_strain_limit(fields, false), values, name);
   }
-  ParameterValues values = limit_values(material);
-  values["thickness"] = {{material.thickness}, false};
-  add_batch(models::membrane_strain_limit(), offset_stencils(triangles, body.first_site), name, values);
 }
 
 void Model::Builder::add_strain_limit(const SolidDescription& solid, const ModelBody& body,
                                       const std::string& name) {
   const SolidMaterial& material = solid.material;
   if (!limits_strain(material)) return;
-  if (material.strain_limit_law == StrainLimitLaw::Edges) {
+  const std::set<std::string> fields = stretching_fields(solid);
+  if (material.strain_limit_law == StrainLimitLaw::GreenStrain) {
+    const auto element = solid.mesh.type == ElementType::Tet4 ? tet4 : quadrature_point;
+    const SolidLaw law = models::strain_limit();
+    add_elements(solid.mesh,
+                 {element(fields.empty() ? law : rest_state::with_fields(law, fields)), limit_values(solid)},
+                 body, name);
+  } else if (fields.empty()) {
     add_edge_limit(solid_edges(solid.mesh), 1.0, material.strain_limit, material.strain_limit_stiffness, body,
                    name);
   } else {
-    const auto element = solid.mesh.type == ElementType::Tet4 ? tet4 : quadrature_point;
-    add_elements(solid.mesh, {element(models::strain_limit()), limit_values(material)}, body, name);
+    std::vector<int32_t> elements = solid.mesh.elements;
+    for (int32_t& site : elements) site += body.first_site;
+    add_grown_edge_limit(reference_element(solid.mesh.type).edges, elements,
+                         compute_element_volumes(solid.mesh), models::grown_edge_strain_limit(fields, true),
+                         limit_values(solid), name);
   }
 }
 

@@ -1,8 +1,8 @@
 // Energy and momentum of a step (step phase 8). [theory eq. 27]
 //
 // Dissipation is the work of the forces at the end of the step over the motion of the step, as implicit
-// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. Internal variables
-// dissipate what the energy of the step is above the one stored after it [theory eq. 10c].
+// methods have it: W = sum of grad D . (x^{n+1} - x^n) for every dissipation potential D. What internal
+// variables dissipate follows from the energy of the step alone [theory eq. 10c].
 #include <algorithm>
 
 #include <stark/mechanics/site_gradient.h>
@@ -20,6 +20,55 @@ double work(std::span<const Vec3> gradient, std::span<const Vec3> from, std::spa
   return total;
 }
 
+/// What internal variables can do in so short a step is below rounding, while rates of what does not change
+/// stay zero. [s] of a step of one second or of more.
+constexpr double kInstant = 0x1p-40;
+/// Change of the step by which energies are differentiated for its length, by differences of fourth order:
+/// what they cut off and what rounding leaves are below 1e-9 of a dissipation and 1e-13 of an energy.
+constexpr double kStepChange = 0x1p-7;
+
+const PotentialBatch& law_of(const PotentialBatch& batch) { return batch; }
+const PotentialBatch& law_of(const QuadratureBatch& batch) { return batch.law(); }
+
+/// What a batch has as length of the step and time at its end; 0 where its energy does not use it [s].
+struct StepClock {
+  explicit StepClock(const PotentialBatch& law) {
+    for (const UniformField& field : law.potential().uniform_fields()) {
+      if (field.name == "time_step") step = law.uniform_values()[field.offset];
+      if (field.name == "time") time = law.uniform_values()[field.offset];
+    }
+  }
+  double step = 0.0, time = 0.0;
+};
+
+/// The energy of a step of another length that ends at x.
+template <typename Batch>
+double energy_of_step(Batch& batch, double h, std::span<const Vec3> x) {
+  const StepClock clock(law_of(batch));
+  batch.set_time(h, clock.time);
+  const double energy = total_energy(batch, x);
+  batch.set_time(clock.step, clock.time);
+  return energy;
+}
+
+/// h times the derivative of the energy of a step of length h that ends at x.
+template <typename Batch>
+double slope_in_step(Batch& batch, double h, std::span<const Vec3> x) {
+  const auto difference = [&](double change) {
+    return energy_of_step(batch, h * (1.0 + change), x) - energy_of_step(batch, h * (1.0 - change), x);
+  };
+  return (8.0 * difference(kStepChange) - difference(2.0 * kStepChange)) / (12.0 * kStepChange);
+}
+
+/// What elements store: the energy of a step from x to x, with internal variables of one too short for them
+/// to change. [theory eq. 10c]
+template <typename Batch>
+double stored(Batch& batch, std::span<const Vec3> x) {
+  batch.set_previous(x);
+  if (law_of(batch).potential().internal_width() == 0) return total_energy(batch, x);
+  return energy_of_step(batch, kInstant * std::min(StepClock(law_of(batch)).step, 1.0), x);
+}
+
 bool remembers(const PotentialBatch& batch) {
   return std::ranges::any_of(batch.potential().element_fields(), [](const ElementField& field) {
     return field.source == ElementField::Source::Previous;
@@ -31,15 +80,13 @@ bool remembers(const PotentialBatch& batch) {
 // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
 double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
   if (batch.role != ModelBatch::Role::Elastic) return 0.0;
-  batch.batch.set_previous(x);
-  const double energy = total_energy(batch.batch, x);
+  const double energy = stored(batch.batch, x);
   motion_.set_previous(batch.batch);
   return energy;
 }
 
 double StepLedger::stored_energy(ModelQuadrature& elements, std::span<const Vec3> x) {
-  elements.batch.set_previous(x);
-  const double energy = total_energy(elements.batch, x);
+  const double energy = stored(elements.batch, x);
   motion_.set_previous(elements.batch);
   return energy;
 }
@@ -104,6 +151,38 @@ double StepLedger::damping_work() {
   return total;
 }
 
+template <typename Batch>
+double StepLedger::flow_dissipation(Batch& batch) {
+  if (law_of(batch).potential().internal_width() == 0) return 0.0;
+  const std::span<const Vec3> x = potential_.site_positions();
+  const std::vector<double> start = law_of(batch).internal_values(), end = batch.updated_internal(x);
+  const double h = StepClock(law_of(batch)).step;
+  const auto stored_with = [&](std::span<const Vec3> at, std::span<const double> values) {
+    batch.set_internal(values);
+    const double found = stored(batch, at);
+    batch.set_internal(start);
+    return found;
+  };
+  const double left = stored_with(x, end);
+  batch.set_previous(x);
+  double dissipated = total_energy(batch, x) - left;
+  if (h > 0.0) {
+    dissipated -= slope_in_step(batch, h, x);
+    motion_.set_previous(batch);
+    const std::vector<double> held = batch.updated_internal(step_start_);
+    dissipated = std::max(dissipated, stored_with(step_start_, start) - stored_with(step_start_, held));
+  }
+  motion_.set_previous(batch);
+  return dissipated;
+}
+
+double StepLedger::flow_dissipation() {
+  double total = 0.0;
+  for (ModelBatch& batch : energies_.batches) total += flow_dissipation(batch.batch);
+  for (ModelQuadrature& elements : energies_.quadrature) total += flow_dissipation(elements.batch);
+  return total;
+}
+
 double StepLedger::prescribed_work() {
   const KinematicMap& map = model_.map();
   const std::span<const Vec3> x = potential_.site_positions();
@@ -151,8 +230,7 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
     ledger.friction = work(friction, step_start_, x);
     ledger.restitution = contact_->restitution_work(x);
   }
-  ledger.damping = damping_work();
-  if (!state_.internal_variable.empty()) ledger.damping += elastic_energy(x) - ledger.elastic;
+  ledger.damping = damping_work() + flow_dissipation();
   ledger.external = prescribed_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)

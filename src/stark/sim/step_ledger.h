@@ -27,6 +27,11 @@ class StepLedger : private StepPart {
   /// With the internal variables that the batches have.
   double elastic_energy(std::span<const Vec3> x);
   double damping_work();
+  /// What the internal variables of all elements have dissipated; batches have those at the start of the
+  /// step.
+  double flow_dissipation();
+  template <typename Batch>
+  double flow_dissipation(Batch& batch);
 
   const StepMotion& motion_;
 };

@@ -416,3 +416,84 @@ def test_laws_with_a_parameter_of_the_same_name_keep_it() -> None:
     body = scene.add_solid(stark.mesh.tet_box(0.1, 1), hot(temperature=2.0, density=1000.0), name="hot")
     with pytest.raises(stark.InvalidArgument, match="has a parameter of this name"):
         body.temperature = 1.0
+
+
+LIMITED = stark.SolidMaterial(
+    youngs_modulus=YOUNG,
+    poissons_ratio=0.3,
+    density=1000.0,
+    thermal_expansion=ALPHA,
+    strain_limit=0.05,
+    strain_limit_stiffness=1e9,
+)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("limit_law", ["green_strain", "edges"])
+def test_growth_of_solids_is_not_limited(kind: str, limit_law: str) -> None:
+    """To three times its length, by growth in one direction and heat, without energy."""
+    scene = stark.Scene()
+    body = add_bar(scene, kind, LIMITED.replace(strain_limit_law=limit_law))
+    X = body.mesh.vertices
+    rest_on_corners(scene, body)
+    body.growth, body.temperature = np.diag([1.0, 1.0, 1.0]), 0.0
+    sim = stark.Simulation(scene, **{**STATIC, "newton.step_tolerance": 1e-8})  # less is rounding
+    for share in np.linspace(0, 1, 11)[1:]:
+        body.growth, body.temperature = np.diag([1 + 0.5 * share, 1.0, 1.0]), share / ALPHA
+        report = sim.step()
+        assert not report.failed, report.message
+    low = X.min(axis=0)
+    expected = low + (X - low) * [3.0, 2.0, 2.0]
+    assert np.abs(body.positions - expected).max() < 1e-7 * BAR[0]
+    assert abs(report.energy["elastic"]) < 1e-9 * LIMITED.youngs_modulus * np.prod(BAR)
+
+
+def pulled_energy(kind: str, limit_law: str, grown: float) -> float:
+    """Energy per rest volume, or area, of a body that has grown and is stretched by a fifth beyond."""
+    scene = stark.Scene()
+    if kind == "cloth":
+        mesh: Any = stark.mesh.grid(0.1, 0.1, cells=2)
+        sheet = stark.ShellMaterial(
+            density=0.1, thickness=1e-3, youngs_modulus=1e6, strain_limit=0.05,
+            strain_limit_stiffness=1e9, strain_limit_law=limit_law,
+        )  # fmt: skip
+        body: Any = scene.add_cloth(mesh, sheet, pins=range(len(mesh.vertices)))
+    else:
+        pins = range(len(bar(kind).vertices))
+        body = add_bar(scene, kind, LIMITED.replace(strain_limit_law=limit_law), pins=pins)
+    if grown != 1.0:
+        body.growth = 1.0
+    sim = stark.Simulation(scene, **STATIC)
+    if grown != 1.0:
+        body.growth = grown
+    sim[body].pin_targets = np.asarray(body.mesh.vertices) * [1.2 * grown, 1.1 * grown, grown]
+    report = sim.step()
+    assert not report.failed, report.message
+    return report.energy["elastic"] / grown ** (2 if kind == "cloth" else 3)
+
+
+@pytest.mark.filterwarnings("ignore:.*leave a direction free")
+@pytest.mark.parametrize("kind", [*KINDS, "cloth"])
+@pytest.mark.parametrize("limit_law", ["green_strain", "edges"])
+def test_the_limit_counts_from_the_grown_shape(kind: str, limit_law: str) -> None:
+    """Stretched beyond the limit of strain, what has grown twice as large carries what the mesh does:
+    much more than the law without a limit."""
+    plain, grown = (pulled_energy(kind, limit_law, size) for size in (1.0, 2.0))
+    assert grown == pytest.approx(plain, rel=1e-6)
+    volume = 1e-5 if kind == "cloth" else np.prod(BAR)
+    assert plain > 5 * YOUNG * 0.2**2 * volume
+
+
+def test_growing_cloth_is_not_held_back() -> None:
+    """Cotton has a limit of a tenth; grown by half where one half is warm, too, it stays without energy."""
+    scene = stark.Scene()
+    cotton = stark.materials.cotton.replace(thermal_expansion=ALPHA)
+    mesh = stark.mesh.grid(0.1, 0.1, cells=4)
+    sheet = scene.add_cloth(mesh, cotton, pins=range(len(mesh.vertices)))
+    sheet.growth, sheet.temperature = 1.0, 0.0
+    sim = stark.Simulation(scene, **STATIC)
+    sheet.growth, sheet.temperature = 1.25, 0.2 / ALPHA
+    sim[sheet].pin_targets = 1.5 * np.asarray(mesh.vertices)
+    report = sim.step()
+    assert not report.failed, report.message
+    assert report.energy["elastic"] < 1e-9 * cotton.youngs_modulus * 0.01 * cotton.thickness

@@ -54,7 +54,7 @@ def test_stress_relaxes_as_the_prony_series(mesh: Any) -> None:
 
 def test_a_wire_relaxes_as_the_prony_series() -> None:
     """Pulled to a stretch and held: dashpots of all segments reach e (1 - exp(-t / tau)), for steps of any
-    length; the first energy is that of the instantaneous modulus."""
+    length; the first work, force over the way, has the modulus after the step."""
     wire = stark.RodMaterial(density=1e-3, youngs_modulus=1e8, radius=1e-3)
     moduli, times, stretch = (2e8, 5e7), (0.1, 1.0), 1e-3
     made = stark.generalized_maxwell_rod(wire, moduli=moduli, times=times)
@@ -73,8 +73,70 @@ def test_a_wire_relaxes_as_the_prony_series() -> None:
         assert report.energy["damping"] > 0.0
         if step == 0:
             felt = 1e8 + sum(m * np.exp(-0.03 / t) for m, t in zip(moduli, times, strict=True))
-            exact = 0.5 * felt * np.pi * 1e-6 * stretch**2 * 0.2
-            assert report.energy["elastic"] + report.energy["damping"] == pytest.approx(exact, rel=1e-6)
+            exact = felt * np.pi * 1e-6 * stretch**2 * 0.2
+            assert report.energy["external"] == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["solid", "hexahedra", "sheet", "wire"])
+@pytest.mark.parametrize("step", [0.03, 0.5])
+def test_what_relaxes_is_dissipated(kind: str, step: float) -> None:
+    """Held at a strain, no work is done: the stored energy falls as E + sum E_k exp(-2 t/tau_k) over E + sum
+    E_k, each step dissipates what it falls by, and nothing is left for the integrator, whatever the step."""
+    moduli, times = (2.0, 0.5), (0.1, 1.0)  # over the modulus that stays
+    scene = stark.Scene()
+    stretch = 1e-3 * np.array([[0, 1, 0], [1, 0, 0], [0, 0, 0.0]])
+    if kind == "wire":
+        wire = stark.RodMaterial(density=1e-3, youngs_modulus=1e8, radius=1e-3)
+        made: Any = stark.generalized_maxwell_rod(wire, moduli=[1e8 * m for m in moduli], times=times)
+        X = np.asarray(stark.mesh.polyline((0, 0, 0), (0.2, 0, 0), 4).vertices)
+        body: Any = scene.add_rod(X, made, pins=range(5))
+        stretch = np.diag([1e-3, 0, 0])
+    elif kind == "sheet":
+        film = stark.ShellMaterial(density=1e-3, thickness=1e-3, youngs_modulus=1e5, poissons_ratio=0.3)
+        made = stark.generalized_maxwell_shell(film, moduli=[1e5 * m for m in moduli], times=times)
+        mesh: Any = stark.mesh.grid(SIDE, SIDE, cells=2)
+        X = np.asarray(mesh.vertices)
+        body = scene.add_cloth(mesh, made, pins=range(len(X)))
+    else:
+        solids = {"solid": stark.mesh.tet_box, "hexahedra": stark.mesh.box_hexahedra}
+        mesh = solids[kind](SIDE, 1)
+        X = np.asarray(mesh.vertices)
+        made = law(tuple(SHEAR * m for m in moduli), times)
+        body = scene.add_solid(mesh, made, pins=range(len(X)))
+    sim = stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **EXACT)
+    sim[body].pin_targets = X @ (np.eye(3) + stretch)
+
+    def held(time: float) -> float:
+        return 1.0 + sum(m * np.exp(-2 * time / t) for m, t in zip(moduli, times, strict=True))
+
+    stored, dissipated = sim.step().energy["elastic"], 0.0
+    for _ in range(10):
+        report = sim.step()
+        assert not report.failed
+        energy = report.energy
+        dissipated += energy["damping"]
+        # Solids and sheets are not quite linear at strains of a thousandth.
+        assert energy["elastic"] / stored == pytest.approx(held(sim.time) / held(step), rel=1e-5)
+        assert dissipated == pytest.approx(stored * (1 - held(sim.time) / held(step)), rel=1e-4)
+        assert abs(energy["numerical"]) < 1e-9 * stored and abs(energy["external"]) < 1e-9 * stored
+
+
+def test_steady_flow_dissipates_the_power_of_the_dashpot() -> None:
+    """At a constant rate of strain the branch carries G tau rate, and nothing more is stored in it: the work
+    is dissipated, of first order in the step."""
+    time, rate = 0.02, 0.01  # [s], of shear [1/s]
+
+    def error(step: float) -> float:
+        mesh = stark.mesh.tet_box(SIDE, 1)
+        sim = block(law((2e5,), (time,)), step, range(len(mesh.vertices)), mesh)
+        while sim.time < 8 * time:
+            sim["block"].pin_targets = sheared(mesh, rate * (sim.time + step))[sim["block"].pins]
+            report = sim.step()
+        return report.energy["damping"] / (2e5 * time * rate**2 * SIDE**3 * step) - 1.0
+
+    errors = [error(step) for step in (4e-3, 2e-3)]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert abs(errors[1]) < 0.05
 
 
 def test_a_bent_wire_creeps() -> None:
@@ -131,8 +193,8 @@ def test_a_membrane_relaxes_as_the_prony_series() -> None:
         assert report.energy["damping"] > 0.0
         if step == 0:
             felt = 1e5 + sum(m * np.exp(-0.03 / t) for m, t in zip(moduli, times, strict=True))
-            exact = 0.5 * felt / 2.6 * strain**2 * SIDE**2 * 1e-3
-            assert report.energy["elastic"] + report.energy["damping"] == pytest.approx(exact, rel=1e-3)
+            exact = felt / 2.6 * strain**2 * SIDE**2 * 1e-3
+            assert report.energy["external"] == pytest.approx(exact, rel=1e-3)
 
 
 def creep(step: float, until: float, modulus: float, time: float) -> list[tuple[float, float]]:

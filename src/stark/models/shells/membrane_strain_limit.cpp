@@ -6,6 +6,18 @@
 
 namespace stark::models {
 
+/// The same as a law of the deformation gradient, for rest states that change (mechanics/rest_state.h).
+ShellLaw membrane_strain_limit_law() {
+  return define_shell_law("membrane_strain_limit", "limit of the eigenvalues of the Green strain",
+                          [](PotentialBuilder& b, const ShellDeformation& deformation) {
+                            const Scalar limit = strain_limit_parameter(b);
+                            const Mat32 F = deformation.F();
+                            const Mat2 A = 0.5 * (transpose(F) * F) - (0.5 + limit) * Mat2::identity();
+                            const Scalar S = positive_cubes(trace(A), determinant(A));
+                            return strain_limit_density(b, limit, S);
+                          });
+}
+
 PotentialDefinition membrane_strain_limit() {
   PotentialDefinition definition = define_potential(
       "membrane_strain_limit", 3, "limit of the eigenvalues of the Green strain of triangles",
