@@ -119,8 +119,8 @@ class InertiaCheck:
     def _follow(
         self, step: Step, start: State, end: State, row: dict[str, Any]
     ) -> tuple[Sums, dict[str, float]]:
-        """Sums over all bodies after a step of that kind, and by part how far states are from what it makes of
-        them, over what is allowed."""
+        """Sums over all bodies after a step of that kind, and by part how far states are from what it makes
+        of them, over what is allowed."""
         sums, parts = Sums(), {"turning": 0.0}
         is_free = number(row, "contact_count") == 0.0  # no contact has pushed
         for i, weights in enumerate(self.weights):

@@ -1,8 +1,9 @@
-"""Steps of bdf2, backward differences of order 2 with variable steps: what the velocities of a state have to be,
-from its places and from what the state before had [theory eq. 26, 26a, 26c].
+"""Steps of bdf2, backward differences of order 2 with variable steps: what the velocities of a state have to
+be, from its places and from what the state before had [theory eq. 26, 26a, 26c].
 
-With bdf2 a recorded state has, beside places, velocities v and lags Q, by which velocities are ahead of the mean
-ones of the step that led there; for what turns, increments of angular momentum A, by contact p, and lags."""
+With bdf2 a recorded state has, beside places, velocities v and lags Q, by which velocities are ahead of the
+mean ones of the step that led there; for what turns, increments of angular momentum A, by contact p, and
+lags."""
 
 from __future__ import annotations
 

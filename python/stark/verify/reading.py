@@ -60,8 +60,8 @@ class State:
     #: By body: 1 where the user has placed it since the step before; None in recordings of older versions.
     placed: NDArray[np.int8] | None = None
     placed_coordinates: Floats | None = None  # of all joints in a row, where bodies were placed
-    #: With bdf2 (multistep.py), None without and in recordings of older versions. By body: (n, 3), of rigid ones
-    #: (3,) [m/s]; A, p and Q of angular momenta (n, 3, 3), of rigid ones (3, 3) [kg m^2/s].
+    #: With bdf2 (multistep.py), None without and in recordings of older versions. By body: (n, 3), of rigid
+    #: ones (3,) [m/s]; A, p and Q of angular momenta (n, 3, 3), of rigid ones (3, 3) [kg m^2/s].
     velocities: list[Floats | None] = field(default_factory=list)
     lags: list[Floats | None] = field(default_factory=list)
     spins: list[Floats | None] = field(default_factory=list)

@@ -28,20 +28,25 @@ bool remembers(const PotentialBatch& batch) {
 
 }  // namespace
 
-// With the previous positions at x, dissipation potentials vanish and only what is stored is left.
-double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
-  if (batch.role != ModelBatch::Role::Elastic) return 0.0;
-  batch.batch.set_previous(x);
-  const double energy = total_energy(batch.batch, x);
-  motion_.set_previous(batch.batch);
+// With the previous positions at x, dissipation potentials vanish and only what is stored is left. What
+// internal variables store depends on the time step: it is that of full ones, whatever steps are taken.
+template <typename Batch>
+double StepLedger::stored_energy(Batch& batch, std::span<const Vec3> x) {
+  const bool has_rates = potential_of(batch).flows_at_a_rate() && has_inertia(settings_.time.integrator);
+  batch.set_previous(x);
+  if (has_rates) batch.set_time(settings_.time.step, motion_.reference().time);
+  const double energy = total_energy(batch, x);
+  motion_.set_previous(batch);
+  if (has_rates) motion_.set_clock(batch);
   return energy;
 }
 
+double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
+  return batch.role == ModelBatch::Role::Elastic ? stored_energy(batch.batch, x) : 0.0;
+}
+
 double StepLedger::stored_energy(ModelQuadrature& elements, std::span<const Vec3> x) {
-  elements.batch.set_previous(x);
-  const double energy = total_energy(elements.batch, x);
-  motion_.set_previous(elements.batch);
-  return energy;
+  return stored_energy(elements.batch, x);
 }
 
 EnergyLedger StepLedger::stored_energies(std::span<const Vec3> x) {
@@ -153,6 +158,8 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
   }
   ledger.damping = damping_work();
   if (!state_.internal_variable.empty()) ledger.damping += elastic_energy(x) - ledger.elastic;
+  if (!motion_.reference().half_way.empty())
+    ledger.damping += before.elastic - elastic_energy(step_start_);  // lost in the first half
   ledger.external = prescribed_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)

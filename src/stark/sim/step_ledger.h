@@ -23,6 +23,8 @@ class StepLedger : private StepPart {
   Momentum momentum() const;
 
  private:
+  template <typename Batch>
+  double stored_energy(Batch& batch, std::span<const Vec3> x);
   double prescribed_work();
   /// With the internal variables that the batches have.
   double elastic_energy(std::span<const Vec3> x);
