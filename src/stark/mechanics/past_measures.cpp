@@ -166,7 +166,7 @@ Scalar with_references(PotentialBuilder& builder, const Scalar& energy) {
     const Scalar beyond = measures.at(id, &PotentialBuilder::x_beyond);
     const Scalar behind = measures.at(id, &PotentialBuilder::x_behind);
     const Scalar correction = here - (beyond + behind) * 0.5;
-    // Not so of what is no number beyond or behind.
+    // False, so no correction, where a side is not finite.
     const Scalar is_small = abs(correction) <= kLargestCorrection * abs(beyond - behind);
     images[id] = here + select(is_small, correction, 0.0);
   }
