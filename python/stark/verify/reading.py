@@ -171,7 +171,9 @@ class Run:
             at("contact_regained"),
             at("placed"),
             at("placed_coordinates"),
-            *([at(f"{name}_{i:04d}") for i in count] for name in ("velocities", "lags", "spins")),
+            [at(f"velocities_{i:04d}") for i in count],
+            [at(f"lags_{i:04d}") for i in count],
+            [at(f"spins_{i:04d}") for i in count],
             {name: at(name) for name in arrays if name != "chain"},
             at("chain"),
         )
