@@ -31,7 +31,7 @@ def maxwell(
     branch: float = stark.parameter(unit="Pa", above=0.0),
     relaxation: float = stark.parameter(unit="s", above=0.0),
     flow: stark.Mat3 = stark.internal(0.0, doc="strain of the dashpot"),
-):
+) -> Any:
     """A dashpot by implicit Euler, as the guide has it."""
     E = 0.5 * (F.T @ F - stark.identity(3))
     ratio = h / relaxation
@@ -48,7 +48,7 @@ def maxwell_and_dashpot(
     modulus: float = stark.parameter(unit="Pa", above=0.0),
     viscosity: float = stark.parameter(unit="Pa s", above=0.0),
     flow: stark.Mat3 = stark.internal(0.0, doc="strain of the dashpot of the branch"),
-):
+) -> Any:
     """The same with a dashpot beside it: rates of what the step knows, and of what is remembered."""
     E, E_prev = (0.5 * (A.T @ A - stark.identity(3)) for A in (F, F_prev))
     ratio, trial = h / 0.1, E - flow
@@ -201,8 +201,8 @@ def test_the_same_bits_everywhere(law: str, tmp_path: Path) -> None:
     hashes = {
         bits(law),
         bits(law, tmp_path / "saved.stark"),
-        bits(law, **{"execution.threads": 3, "execution.oversubscribe": True}),
-        bits(law, **{"execution.backend": "interpreter"}),
+        bits(law, None, **{"execution.threads": 3, "execution.oversubscribe": True}),
+        bits(law, None, **{"execution.backend": "interpreter"}),
     }
     assert len(hashes) == 1
 
@@ -213,13 +213,13 @@ def lengths(p: stark.Point) -> tuple[Any, Any]:
 
 
 @stark.energy
-def damper(p: stark.Point, h: stark.TimeStep, viscosity: float):
+def damper(p: stark.Point, h: stark.TimeStep, viscosity: float) -> Any:
     now, before = lengths(p)
     return 0.5 * viscosity / h * (now - before) ** 2
 
 
 @stark.energy
-def cubic_damper(p: stark.Point, h: stark.TimeStep, viscosity: float):
+def cubic_damper(p: stark.Point, h: stark.TimeStep, viscosity: float) -> Any:
     """Force: the square of the rate of the logarithm of the length."""
     now, before = lengths(p)
     rate = (stark.log(now) - stark.log(before)) / h
