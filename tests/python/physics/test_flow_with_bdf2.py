@@ -102,8 +102,8 @@ def final(kind: str, integrator: str, step: float, until: float = 0.16) -> np.nd
     else:
         mesh = stark.mesh.grid(1.0, 1.0, 2)
         X = np.asarray(mesh.vertices)
-        material = stark.generalized_maxwell_shell(FILM, moduli=[3e3], times=[0.05])
-        body = scene.add_cloth(mesh, material, pins=np.flatnonzero(X[:, 0] < -0.49), self_contact=False)
+        film = stark.generalized_maxwell_shell(FILM, moduli=[3e3], times=[0.05])
+        body = scene.add_cloth(mesh, film, pins=np.flatnonzero(X[:, 0] < -0.49), self_contact=False)
         velocities = np.column_stack([0.3 + 0.2 * X[:, 1], 0.4 * X[:, 0], 0.0 * X[:, 0]])
         velocities[body.pins] = 0.0
     settings = {**EXACT, "time.integrator": integrator}
