@@ -47,8 +47,9 @@ def generalized_maxwell(
     modulus G0: moduli = g_k G0, shear_modulus = (1 - sum g_k) G0. ``base`` and further fields as for every
     law: density, damping, limits of strain.
 
-    Relaxation at constant strain is exact for any time step; where the strain changes, errors are of first
-    order in the time step over the relaxation times. InvalidArgument names what is wrong."""
+    Relaxation at constant strain is exact for any time step; where the strain changes, errors are of the
+    order of ``time.integrator`` in the time step over the relaxation times. InvalidArgument names what is
+    wrong."""
     branches, spans = _series("generalized_maxwell", moduli, times)
     made = _solid_law(len(branches))(
         shear_modulus=shear_modulus,

@@ -15,9 +15,12 @@ Layout, beside the frames::
                                 where the user has put bodies elsewhere, or pushed them, since the step
                                 before, in states that are recorded after that; placed_coordinates (k, c):
                                 of all joints in such a state [m, rad], else 0; chain (k, 32) uint8:
-                                digests, see stark.recording.chain
+                                digests, see stark.recording.chain. With bdf2: velocities_0000 and lags_0000
+                                (k, n, 3) [m/s], of rigid bodies (k, 3); spins_0000 (k, 3, 3) [kg m^2/s] of
+                                rigid bodies, (k, n, 3, 3) of rods: increments of the angular momentum by all
+                                but contact, by contact, lags
 
-A state takes 24 bytes a vertex; a body that rests through a chunk is stored once.
+A state takes 24 bytes a vertex, with bdf2 72; a body that rests through a chunk is stored once.
 """
 
 from __future__ import annotations
@@ -134,6 +137,8 @@ class StateWriter:
         write_arrays(self._folder / "mesh.npz", _mesh(sim))
 
     def _begin(self, folder: Path, chunk_states: int) -> None:
+        #: False where a recording of an older version goes on, which lacks what bdf2 remembers.
+        self._with_history = True
         self._folder = folder / STATES
         self._chunk_states = chunk_states
         self._pending: list[dict[str, np.ndarray]] = []
@@ -166,7 +171,8 @@ class StateWriter:
         writer._full_chunks, rest = divmod(states, chunk_states)
         writer._written = states - rest
         last = writer._folder / f"chunk_{(states - 1) // chunk_states:06d}.npz"
-        rows = _rows(last, rest or chunk_states, chained, _state_of(sim))
+        writer._with_history = _has_history(last)
+        rows = _rows(last, rest or chunk_states, chained, _state_of(sim, with_history=writer._with_history))
         writer._pending = rows if rest else []
         if chained:
             row = rows[-1]
@@ -191,7 +197,7 @@ class StateWriter:
 
     def write(self, sim: Any) -> bool:
         """Adds a state; returns whether that wrote a chunk."""
-        state = _state_of(sim)
+        state = _state_of(sim, with_history=self._with_history)
         if self._chain is not None:
             state[chain.ARRAY] = self._chain.add_arrays(state)
         self._pending.append(state)
@@ -222,9 +228,11 @@ class StateWriter:
         return self._folder / f"chunk_{self._full_chunks:06d}.npz"
 
 
-def _state_of(sim: Any) -> dict[str, np.ndarray]:
-    """A state as it is recorded."""
+def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
+    """A state as it is recorded; ``with_history``: with what bdf2 remembers."""
     state: dict[str, Any] = {"times": np.float64(sim.time)}
+    if with_history and sim.settings["time.integrator"] == "bdf2":
+        state |= _history_of(sim)
     turning = sim._core.state.arrays()["body_angular_velocity"]
     for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
         state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
@@ -249,6 +257,31 @@ def _state_of(sim: Any) -> dict[str, np.ndarray]:
     values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
     state["actuator_values"] = np.array(values, dtype=np.float64)
     return state
+
+
+def _history_of(sim: Any) -> dict[str, np.ndarray]:
+    """What the next step of bdf2 knows of the ones before, by body."""
+    arrays, found = sim._core.state.arrays(), {}
+    spins = [arrays[f"body_spin_{name}"] for name in ("increment", "contact_increment", "lag")]
+    for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
+        turns = body.kind in ("rigid", "rod")
+        first, count = place[2:4] if turns else place[0:2]
+        rows = first if body.kind == "rigid" else slice(first, first + count)
+        of = "body" if turns else "point"
+        found[f"velocities_{i:04d}"] = arrays[f"{of}_velocity"][rows]
+        found[f"lags_{i:04d}"] = arrays[f"{of}_lag"][rows]
+        if turns:
+            found[f"spins_{i:04d}"] = np.stack([values[rows] for values in spins], axis=-2)
+    return found
+
+
+def _has_history(path: Path) -> bool:
+    """Whether the states of a chunk have what bdf2 remembers; yes where it cannot be read."""
+    try:
+        names = read_arrays(path)
+    except (OSError, DamageError):
+        return True
+    return any(name.startswith("velocities_") for name in names)
 
 
 def _rows(

@@ -1,8 +1,9 @@
 """Kinetic and gravitational energy and momentum of the states, against what the solver reported.
 
 Velocities are differences of positions over the time step, which is what they are in implicit Euler steps;
-angular velocities are recorded, and must follow from the rotations (rotation.py). Masses come from mesh and
-density (recording/masses.py)."""
+with bdf2 they are recorded, and must follow from positions and the step before (multistep.py). Angular
+velocities are recorded, and must follow from the rotations (rotation.py). Masses come from mesh and density
+(recording/masses.py)."""
 
 from __future__ import annotations
 
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .files import need
+from .multistep import Motion, Step, kinds_of_step
+from .multistep import impulse as impulse_of_step
 from .reading import Body, Run, State
 from .rotation import held_turn, impulse, momentum
 from .telemetry import number
@@ -26,15 +29,17 @@ _EPSILON = 2.0**-52
 _TURNING_ROUNDING = 1e6 * _EPSILON  # [rad] joints are up to 1e4 times as stiff as inertia
 
 
+#: What is compared of the velocities that bdf2 records.
+_OF_BDF2 = ("velocities", "lags")
+
+
 @dataclass
 class Sums:
     """Of all free masses; ``size`` are sums of absolute values, to bound rounding."""
 
     kinetic: float = 0.0
-    gravity: float = 0.0
     linear: Floats = field(default_factory=lambda: np.zeros(3))
     angular: Floats = field(default_factory=lambda: np.zeros(3))
-    gravity_size: float = 0.0
     kinetic_error: float = 0.0
     linear_error: float = 0.0
     angular_error: float = 0.0
@@ -68,24 +73,27 @@ class InertiaCheck:
         self.tolerance: float = number(self.run.settings, "newton.acceleration_tolerance")
         if not 0.0 <= self.tolerance < math.inf:
             self.tolerance = 0.0
+        #: Of the steps, by their number [s].
+        self.lengths: dict[float, float] = {
+            number(row, "step"): number(row, "time_step") for row in self.run.rows
+        }
 
     def add(self, start: State, end: State, row: dict[str, Any]) -> None:
         h = number(row, "time_step")
         energy = row.get("energy")
         if self.unknown or self.lacking or not 0.0 < h < math.inf or not isinstance(energy, dict):
             return
-        sums, where = Sums(), {"time": end.time, "step": row.get("step")}
-        turned = (0.0, 0.0)
-        for i, weights in enumerate(self.weights):
-            if weights is not None:
-                self._add_points(sums, weights, start, end, i, h)
-                wrong = self._add_turning(sums, weights, (start, end), i, row)
-                turned = max(turned, wrong, key=lambda pair: pair[0] / max(pair[1], 1e-300))
-        self._compare(
-            "gravity", number(energy, "gravity"), sums.gravity, _RELATIVE * sums.gravity_size, where
-        )
-        if self.integrator != "implicit_euler":
+        where = {"time": end.time, "step": row.get("step")}
+        gravity, size = self._gravity(end)
+        self._compare("gravity", number(energy, "gravity"), gravity, _RELATIVE * size, where)
+        steps = self._kinds(start, end, row, h)
+        if not steps:
             return
+        # Which kind of step it was is not recorded: the one that explains it best.
+        found = [self._follow(step, start, end, row) for step in steps]
+        sums, parts = min(found, key=lambda one: max(one[1].values(), default=0.0))
+        for name, share in parts.items():
+            self._compare(name, share, 0.0, 1.0, where)
         self._compare(
             "kinetic",
             number(energy, "kinetic"),
@@ -93,7 +101,6 @@ class InertiaCheck:
             _RELATIVE * sums.kinetic + sums.kinetic_error,
             where,
         )
-        self._compare("turning", turned[0], 0.0, turned[1], where)
         for name, value, error in (
             ("momentum", sums.linear, sums.linear_error),
             ("angular_momentum", sums.angular, sums.angular_error),
@@ -104,31 +111,75 @@ class InertiaCheck:
             for axis, component in zip("xyz", value, strict=True):
                 self._compare(name, number(reported, axis), float(component), error, where)
 
-    def _add_points(self, sums: Sums, weights: _Weights, start: State, end: State, i: int, h: float) -> None:
-        for masses, x0, x1 in weights.points(start, end, i):
-            v = (x1 - x0) / h
-            # Rounding of the positions, over the time step.
-            error = 4.0 * _EPSILON * np.abs(x1).max(initial=0.0) / h
-            speed = np.linalg.norm(v, axis=1)
-            sums.kinetic += 0.5 * float(masses @ (v * v).sum(axis=1))
-            sums.kinetic_error += float(masses @ (2.0 * error * speed + error * error))
-            sums.gravity -= float(masses @ (x1 @ self.gravity))
-            sums.gravity_size += float(masses @ np.abs(x1 * self.gravity).sum(axis=1))
-            sums.linear += masses @ v
-            sums.linear_error += float(masses @ (2.0 * error + _RELATIVE * speed))
-            sums.angular += masses @ np.cross(x1, v)
-            reach = np.linalg.norm(x1, axis=1)
-            sums.angular_error += float(masses @ (reach * (2.0 * error + _RELATIVE * speed)))
+    def _kinds(self, start: State, end: State, row: dict[str, Any], h: float) -> list[Step]:
+        """What the step may have been; empty where velocities are not known."""
+        if self.integrator == "implicit_euler":
+            return [Step(h, h)]
+        if self.integrator != "bdf2" or not (_has_velocities(start) and _has_velocities(end)):
+            return []
+        step = number(row, "step")
+        return kinds_of_step(h, self.lengths.get(step - 1.0, 0.0), row.get("integrator") == "bdf2")
+
+    def _follow(
+        self, step: Step, start: State, end: State, row: dict[str, Any]
+    ) -> tuple[Sums, dict[str, float]]:
+        """Sums over all bodies after a step of that kind, and by part how far states are from what it makes
+        of them, over what is allowed."""
+        sums, parts = Sums(), {"turning": 0.0}
+        is_free = number(row, "contact_count") == 0.0  # no contact has pushed
+        for i, weights in enumerate(self.weights):
+            if weights is None:
+                continue
+            for masses, x0, x1 in weights.points(start, end, i):
+                if self.integrator == "bdf2":
+                    motion = weights.motion(start, end, i, (x0, x1))
+                    v = motion.velocities[1]
+                    parts["velocities"] = max(parts.get("velocities", 0.0), motion.wrong_velocity(step))
+                    lag = motion.wrong_lag(step) if is_free else 0.0
+                    parts["lags"] = max(parts.get("lags", 0.0), lag)
+                else:
+                    v = (x1 - x0) / step.length
+                self._add_points(sums, masses, x1, v, step.duration)
+            wrong, allowed = self._add_turning(sums, weights, (start, end), i, row, step)
+            parts["turning"] = max(parts["turning"], wrong / max(allowed, 1e-300))
+        return sums, parts
+
+    def _gravity(self, end: State) -> tuple[float, float]:
+        """Gravitational energy, and the sum of absolute values [J]."""
+        energy, size = 0.0, 0.0
+        for i, weights in enumerate(self.weights):
+            for masses, _, x in weights.points(end, end, i) if weights else []:
+                energy -= float(masses @ (x @ self.gravity))
+                size += float(masses @ np.abs(x * self.gravity).sum(axis=1))
+        return energy, size
+
+    def _add_points(self, sums: Sums, masses: Floats, x: Floats, v: Floats, duration: float) -> None:
+        # Rounding of the positions, over the time step.
+        error = 4.0 * _EPSILON * np.abs(x).max(initial=0.0) / duration
+        speed = np.linalg.norm(v, axis=1)
+        sums.kinetic += 0.5 * float(masses @ (v * v).sum(axis=1))
+        sums.kinetic_error += float(masses @ (2.0 * error * speed + error * error))
+        sums.linear += masses @ v
+        sums.linear_error += float(masses @ (2.0 * error + _RELATIVE * speed))
+        sums.angular += masses @ np.cross(x, v)
+        reach = np.linalg.norm(x, axis=1)
+        sums.angular_error += float(masses @ (reach * (2.0 * error + _RELATIVE * speed)))
 
     def _add_turning(
-        self, sums: Sums, weights: _Weights, states: tuple[State, State], i: int, row: dict[str, Any]
+        self,
+        sums: Sums,
+        weights: _Weights,
+        states: tuple[State, State],
+        i: int,
+        row: dict[str, Any],
+        step: Step,
     ) -> tuple[float, float]:
         """Adds rotation, and returns the largest change of an angular momentum that the rotations do not
         explain, with what is allowed [kg m^2/s]."""
         turning = weights.turning(*states, i)
         if turning is None:
             return 0.0, 0.0
-        h = number(row, "time_step")
+        h = step.length
         moments, (R0, w0), (R1, w1) = turning
         before, after = momentum(R0, moments, w0), momentum(R1, moments, w1)
         sums.kinetic += 0.5 * float((after * w1).sum())
@@ -137,7 +188,12 @@ class InertiaCheck:
         # What Newton's method leaves unbalanced is an error of the rotation; free motion is known to the
         # accuracy of a midpoint rule with substeps of 0.05 rad; the rest is rounding, of penalties of joints,
         # too.
-        change = impulse(R0, R1, moments, before, h)
+        spins = weights.spins(states[0], i) if self.integrator == "bdf2" else None
+        change = (
+            impulse(R0, R1, moments, before, h)
+            if spins is None
+            else impulse_of_step(R0, R1, moments, before, spins, step)
+        )
         wrong = np.linalg.norm(after - before - change, axis=1)
         allowed = _RELATIVE * np.linalg.norm(before, axis=1) + moments.sum(axis=1) * _TURNING_ROUNDING / h
         allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(w0, before), axis=1)
@@ -163,13 +219,13 @@ class InertiaCheck:
             self._claim(
                 "reported_energies",
                 "kinetic and gravitational energy that the solver reports are those of the states",
-                ("kinetic", "gravity"),
+                ("kinetic", "gravity", *_OF_BDF2),
             ),
             self._claim(
                 "reported_momentum",
                 "linear and angular momentum that the solver reports are those of the states, and angular "
                 "momenta change as the rotations say",
-                ("momentum", "angular_momentum", "turning"),
+                ("momentum", "angular_momentum", "turning", *_OF_BDF2),
             ),
         ]
 
@@ -181,6 +237,9 @@ class InertiaCheck:
             return Claim(name, statement, NOT_RECORDED, basis, detail=detail, required=False)
         if self.lacking:
             return Claim(name, statement, INCONCLUSIVE, basis, detail=self.lacking, required=False)
+        if not found and self.integrator == "bdf2":
+            detail = "velocities are not recorded, which are no differences of two states in steps of bdf2"
+            return Claim(name, statement, NOT_RECORDED, basis, detail=detail, required=False)
         if not found:
             detail = f"velocities of {self.integrator} steps are not differences of two states"
             return Claim(name, statement, NOT_APPLICABLE, basis, detail=detail, required=False)
@@ -243,6 +302,26 @@ class _Weights:
             return None
         return moments, (rotations[0], rates[0]), (rotations[1], rates[1])
 
+    def motion(self, start: State, end: State, i: int, places: tuple[Floats, Floats]) -> Motion:
+        """Of points(); those without mass rest."""
+        shown = [array for s in (start, end) for array in (s.velocities[i], s.lags[i]) if array is not None]
+        rows = [array.reshape(-1, 3) for array in shown]
+        if self.body.kind != "rigid":
+            moves = self.masses > 0.0
+            rows = [np.where(moves[:, None], row, 0.0) for row in rows]
+            x0, x1 = places
+            places = np.where(moves[:, None], x0, 0.0), np.where(moves[:, None], x1, 0.0)
+        v0, lag0, v1, lag1 = rows
+        return Motion(places, (v0, v1), (lag0, lag1))
+
+    def spins(self, state: State, i: int) -> Floats | None:
+        """A, p and Q of the angular momenta of turning(), (n, 3, 3) [kg m^2/s]."""
+        spins = state.spins[i]
+        if spins is None or self.body.kind == "rigid":
+            return None if spins is None else spins[None]
+        found: Floats = spins[self.free > 0.0]
+        return found
+
     def inertia_per_reach(self, state: State, i: int) -> float:
         """Torque that accelerates the surface of a rigid body by 1 m/s^2 [kg m]: the smallest moment of
         inertia over the largest distance of a vertex from the centre of mass."""
@@ -252,6 +331,11 @@ class _Weights:
         arms = state.positions[i] - (pose[0] + pose[1:] @ self.centre)
         smallest = float(self.moments.sum() - self.moments.max())
         return smallest / max(float(np.linalg.norm(arms, axis=1).max()), 1e-300)
+
+
+def _has_velocities(state: State) -> bool:
+    """Whether what bdf2 remembers of the bodies is recorded."""
+    return bool(state.velocities) and all(array is not None for array in state.velocities)
 
 
 def _weights(body: Body) -> _Weights | None:

@@ -60,6 +60,11 @@ class State:
     #: By body: 1 where the user has placed it since the step before; None in recordings of older versions.
     placed: NDArray[np.int8] | None = None
     placed_coordinates: Floats | None = None  # of all joints in a row, where bodies were placed
+    #: With bdf2 (multistep.py), None without and in recordings of older versions. By body: (n, 3), of rigid
+    #: ones (3,) [m/s]; A, p and Q of angular momenta (n, 3, 3), of rigid ones (3, 3) [kg m^2/s].
+    velocities: list[Floats | None] = field(default_factory=list)
+    lags: list[Floats | None] = field(default_factory=list)
+    spins: list[Floats | None] = field(default_factory=list)
     row: dict[str, np.ndarray] = field(default_factory=dict)  # as it is recorded
     digest: NDArray[np.uint8] | None = None  # (32,), None in recordings of older versions
 
@@ -75,6 +80,7 @@ class State:
     def parts(self) -> list[Floats]:
         """All arrays of numbers."""
         parts = (*self.positions, *self.poses, *self.frames, *self.angular_velocities)
+        parts = (*parts, *self.velocities, *self.lags, *self.spins)
         return [a for a in parts if a is not None]
 
 
@@ -165,6 +171,9 @@ class Run:
             at("contact_regained"),
             at("placed"),
             at("placed_coordinates"),
+            [at(f"velocities_{i:04d}") for i in count],
+            [at(f"lags_{i:04d}") for i in count],
+            [at(f"spins_{i:04d}") for i in count],
             {name: at(name) for name in arrays if name != "chain"},
             at("chain"),
         )
@@ -186,6 +195,10 @@ class Run:
             n = body.vertex_count
             shapes |= {"poses": (4, 3), "angular_velocities": (3,)} if body.kind == "rigid" else {}
             shapes |= {"frames": (n, 3, 3), "angular_velocities": (n, 3)} if body.kind == "rod" else {}
+            if f"velocities_{i:04d}" in arrays:
+                of_points = (3,) if body.kind == "rigid" else (n, 3)
+                shapes |= {"velocities": of_points, "lags": of_points}
+                shapes |= {"spins": (*of_points, 3)} if body.kind in ("rigid", "rod") else {}
             for name, shape in shapes.items():
                 rows = arrays.get(f"{name}_{i:04d}")
                 fits = rows is not None and rows.shape[1:] == shape and len(rows) in (1, len(times))

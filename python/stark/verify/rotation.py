@@ -1,6 +1,6 @@
 """Angular momentum of rigid bodies and frames of rods, and how a step changes it: an implicit Euler step
 holds a body against its free motion, sum of m_k (R_free e_k) x (R e_k) / h^2, with the torques that change
-its momentum.
+its momentum; steps of bdf2 likewise (multistep.py).
 
 Many bodies at once: rotations (n, 3, 3) map principal axes to the world, moments (n, 3) are those of inertia.
 """
@@ -39,10 +39,14 @@ def momentum(rotations: Floats, moments: Floats, angular_velocities: Floats) -> 
 def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, h: float) -> Floats:
     """Change of the angular momenta ``before`` (n, 3) in an implicit Euler step of length h that brought
     the rotations from ``start`` to ``end`` (n, 3) [kg m^2/s]."""
-    free = free_rotation(start, moments, before, h)
+    return torque(free_rotation(start, moments, before, h), end, moments) / h
+
+
+def torque(free: Floats, end: Floats, moments: Floats) -> Floats:
+    """Sum of m_k (R_free e_k) x (R e_k), (n, 3) [kg m^2]."""
     second = 0.5 * moments.sum(axis=1, keepdims=True) - moments
     torques: Floats = (np.cross(free, end, axis=1).transpose(0, 2, 1) * second[:, :, None]).sum(axis=1)
-    return torques / h
+    return torques
 
 
 def held_turn(

@@ -5,6 +5,7 @@
 #include <stark/base/error.h>
 #include <stark/base/hash.h>
 #include <stark/symbolic/canonical.h>
+#include <stark/symbolic/diff.h>
 #include <stark/symbolic/substitute.h>
 
 namespace stark {
@@ -253,6 +254,21 @@ symbolic::Function compile_update(const PotentialBuilder& builder, symbolic::Bac
   return outputs.empty() ? symbolic::Function() : symbolic::compile_function(outputs, backend);
 }
 
+/// Whether the updates of the internal variables depend on the time step.
+bool has_rates_of_internal(const PotentialBuilder& builder) {
+  std::vector<symbolic::NodeId> roots;
+  for (const Scalar& value : builder.updates())
+    if (!value.is_literal()) roots.push_back(value.id());
+  const symbolic::Graph& graph = *builder.graph();
+  const std::vector<char> needed = symbolic::reachable(graph, roots);
+  for (const UniformField& field : builder.uniform_fields())
+    for (size_t id = 0; field.name == "time_step" && id < needed.size(); ++id) {
+      const symbolic::Node& node = graph.node(static_cast<symbolic::NodeId>(id));
+      if (needed[id] && node.op == symbolic::Op::Uniform && node.operands[0] == field.offset) return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 Potential::Potential(const PotentialDefinition& definition, symbolic::Backend backend,
@@ -277,6 +293,7 @@ Potential::Potential(std::string name, const PotentialBuilder& builder, const Sc
       kernel_(compile_canonical(builder, energy, backend)),
       update_(compile_update(builder, backend)) {
   internal_width_ = update_ ? update_.output_count() : 0;
+  flows_at_a_rate_ = has_rates_of_internal(builder);
 }
 
 PotentialDefinition define_potential(std::string name, int point_count, std::string doc,

@@ -181,12 +181,15 @@ class Potential {
   int internal_width() const { return internal_width_; }
   /// Their values after an accepted step; empty without internal variables.
   const symbolic::Function& update() const { return update_; }
+  /// Whether these depend on the time step: what they remember flows at a rate.
+  bool flows_at_a_rate() const { return flows_at_a_rate_; }
 
  private:
   std::string name_;
   int point_count_ = 0;
   bool translation_invariant_ = true;
   bool one_sided_ = false;
+  bool flows_at_a_rate_ = false;
   int element_width_ = 0, uniform_width_ = 0, internal_width_ = 0;
   std::vector<ElementField> element_fields_;
   std::vector<UniformField> uniform_fields_;

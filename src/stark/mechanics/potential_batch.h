@@ -81,6 +81,7 @@ class PotentialBatch {
                                double* out) const;
   /// Outputs of an order for all elements, [element][output].
   std::vector<double> evaluate(symbolic::Order order, std::span<const Vec3> x) const;
+  std::vector<double> energies(std::span<const Vec3> x) const { return evaluate(symbolic::Order::Energy, x); }
   /// Outputs of a function of the same inputs for all elements, [element][output].
   std::vector<double> evaluate(const symbolic::Function& function, std::span<const Vec3> x) const;
   /// The same with unknowns in lanes instead of positions by site: [last-first][3 points][kLanes].

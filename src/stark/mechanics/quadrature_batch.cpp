@@ -101,6 +101,10 @@ std::vector<double> QuadratureBatch::updated_internal(std::span<const Vec3> x) c
   return law_.updated_internal(columns(x));
 }
 
+std::vector<double> QuadratureBatch::energies(std::span<const Vec3> x) const {
+  return law_.evaluate(Order::Energy, columns(x));
+}
+
 void QuadratureBatch::set_previous(std::span<const Vec3> x_prev) {
   const std::vector<Vec3> columns = columns_for(ElementField::Source::Previous, x_prev);
   if (!columns.empty()) law_.set_previous(columns);

@@ -58,7 +58,10 @@ class QuadratureBatch {
   void set_time(double h, double time) { law_.set_time(h, time); }
   /// Internal variables as those of a PotentialBatch, by quadrature point.
   void set_internal(std::span<const double> values) { law_.set_internal(values); }
+  std::vector<double> internal_values() const { return law_.internal_values(); }
   std::vector<double> updated_internal(std::span<const Vec3> x) const;
+  /// Energies of all quadrature points with nodes at x [J].
+  std::vector<double> energies(std::span<const Vec3> x) const;
 
   /// Gradients of an element at a point, [3 directions][padded_nodes()], zero beyond the nodes.
   const double* gradients(int64_t element, int point) const {

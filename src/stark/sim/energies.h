@@ -29,6 +29,9 @@ struct ModelQuadrature {
   QuadratureBatch batch;
 };
 
+inline const Potential& potential_of(const PotentialBatch& batch) { return batch.potential(); }
+inline const Potential& potential_of(const QuadratureBatch& batch) { return batch.law().potential(); }
+
 struct Energies {
   std::vector<ModelBatch> batches;
   std::vector<ModelQuadrature> quadrature;

@@ -33,8 +33,18 @@ class InternalOfState {
 /// Values after a step that ends at x; x by site [m].
 std::vector<double> updated_internal(const Energies& energies, std::span<const Vec3> x);
 
-/// Throws InvalidArgument for internal variables that depend on the time step: bdf2 measures rates over
-/// another time, which they have no history for.
-void refuse_rates_of_internal(const Energies& energies);
+/// What a step starts from: positions [m] and velocities [m/s] of the sites, its time [s], and the time step
+/// that stored energies are measured with [s].
+struct FlowStart {
+  std::span<const Vec3> x, v;
+  double time = 0.0, full_step = 0.0;
+};
+
+/// Whether internal variables of any energy flow at a rate.
+bool has_flow(const Energies& energies);
+/// Lets those that do flow for half of a step of length h at the strains that it starts from; the other half
+/// is that of the energy at its end. Changes what the batches have as previous positions and as times.
+/// [theory eq. 26d]
+void flow_for_half(Energies& energies, const FlowStart& start, double h);
 
 }  // namespace stark

@@ -8,6 +8,7 @@
 #include <stark/base/error.h>
 #include <stark/geometry/flat_faces.h>
 #include <stark/geometry/topology.h>
+#include <stark/mechanics/past_measures.h>
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/contact_stiffness.h>
 #include <stark/sim/internal_variables.h>
@@ -50,6 +51,14 @@ void Model::Builder::build() {
 
 std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition,
                                                          const std::set<std::string>& per_element) const {
+  if (has_history(settings.time.integrator)) {
+    PotentialBuilder builder(definition.point_count, per_element);
+    const symbolic::Scalar written = definition.energy(builder);
+    const symbolic::Scalar energy = with_references(builder, written);
+    if (!is_same(energy, written))
+      return std::make_shared<Potential>(definition.name, builder, energy, backend(),
+                                         definition.translation_invariant);
+  }
   return std::make_shared<Potential>(definition, backend(), per_element);
 }
 
@@ -148,7 +157,6 @@ void Model::Builder::compile_contact() {
 
 Model::Model(const Scene& scene, const Settings& settings, Energies& out_energies) {
   Builder(*this, out_energies, scene, settings).build();
-  if (has_history(settings.time.integrator)) refuse_rates_of_internal(out_energies);
   initial_state_.internal_variable = internal_values(out_energies);
 }
 

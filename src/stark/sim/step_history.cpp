@@ -6,6 +6,7 @@
 #include <stark/base/rotation.h>
 #include <stark/mechanics/free_rotation.h>
 #include <stark/mechanics/site_gradient.h>
+#include <stark/sim/internal_variables.h>
 #include <stark/sim/step_motion.h>
 
 namespace stark {
@@ -91,6 +92,8 @@ void StepMotion::begin(double h) {
   r.friction_duration = h;
   r.before.clear();
   r.beyond.clear();
+  r.half_way.clear();
+  r.beyond_half_way.clear();
   if (!has_history) return;
   r.before.resize(r.sites.size());
   model_.map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
@@ -105,6 +108,16 @@ void StepMotion::begin(double h) {
   const double way = std::sqrt(1.0 + 1.0 / stencil.history);
   for (size_t i = 0; i < r.sites.size(); ++i)
     r.beyond.push_back(r.sites[i] + (r.sites[i] - step_start_[i]) * way);
+}
+
+void StepMotion::begin_flow(double h) {
+  if (reference_.stencil.history == 0.0 || !has_flow(energies_)) return;
+  const std::vector<Vec3> v = site_velocities();
+  flow_for_half(energies_, {step_start_, v, state_.time, settings_.time.step}, h);
+  for (size_t i = 0; i < v.size(); ++i) {
+    reference_.half_way.push_back(step_start_[i] + v[i] * (0.5 * h));
+    reference_.beyond_half_way.push_back(step_start_[i] + v[i] * h);
+  }
 }
 
 std::vector<double> StepMotion::coordinates() const {

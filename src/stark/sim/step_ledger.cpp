@@ -231,6 +231,8 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
     ledger.restitution = contact_->restitution_work(x);
   }
   ledger.damping = damping_work() + flow_dissipation();
+  if (!motion_.reference().half_way.empty())
+    ledger.damping += before.elastic - elastic_energy(step_start_);  // lost in the first half
   ledger.external = prescribed_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)

@@ -28,6 +28,13 @@ struct MotionReference {
   // Empty without a history:
   std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
   std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
+  // What energies measure rates over, which predict() sets:
+  double scale = 0.0;       ///< [s]
+  double flow_scale = 0.0;  ///< the same of internal variables that flow [s]
+  double time = 0.0;        ///< at the end of the step [s]
+  // Of such energies, empty without a history or without them: [theory eq. 26d]
+  std::vector<Vec3> half_way;         ///< start of the step and half a step at its velocity [m]
+  std::vector<Vec3> beyond_half_way;  ///< as far again [m]
 };
 
 /// Rigid bodies at the start of a step with restitution, and their sites as RestitutionSet::Motion has them.
@@ -61,9 +68,22 @@ class StepMotion : private StepPart {
   template <typename Batch>
   void set_previous(Batch& batch) const {
     if (reference_.sites.empty()) return;  // before the first step
+    if (flows(batch)) {
+      batch.set_previous(reference_.half_way);
+      batch.set_beyond(reference_.beyond_half_way);
+      return;
+    }
     batch.set_previous(reference_.sites);
     if (!reference_.beyond.empty()) batch.set_beyond(reference_.beyond);
   }
+  /// Gives a batch the times of the step.
+  template <typename Batch>
+  void set_clock(Batch& batch) const {
+    if (reference_.sites.empty()) return;
+    batch.set_time(flows(batch) ? reference_.flow_scale : reference_.scale, reference_.time);
+  }
+  /// Lets internal variables that flow at a rate do so for the first half of a step of length h.
+  void begin_flow(double h);
   /// What restitution needs of a step of length h, what it remembers and keeps.
   RestitutionSet::Motion restitution_motion(double h);
   /// How rigid bodies have moved in it; call it after commit().
@@ -80,6 +100,11 @@ class StepMotion : private StepPart {
   Vec3 turning_velocity(int32_t b, const Vec3& local) const;
 
  private:
+  /// Whether internal variables of the batch flow by halves of the step.
+  template <typename Batch>
+  bool flows(const Batch& batch) const {
+    return !reference_.half_way.empty() && potential_of(batch).flows_at_a_rate();
+  }
   /// What the step of length h that starts from the state has of the integrator.
   TimeStencil choose_stencil(double h);
   /// Sites after a step of length h in which nothing pushes [m].

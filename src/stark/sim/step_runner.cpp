@@ -260,6 +260,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     step_start_.assign(potential_.site_positions().begin(), potential_.site_positions().end());
     motion_.begin(h);
     set_internal(energies_, state_.internal_variable);
+    motion_.begin_flow(h);
     // Joints are measured against the inertia of the full time step: one cut short would stiffen them under
     // what already rests on them and throw it off. Quasistatic steps have no other measure of rigid bodies.
     const double full = motion_.reference().stencil.scale * settings_.time.step / h;

@@ -103,7 +103,9 @@ void StepMotion::predict(double h) {
 
 void StepMotion::predict(double h, double duration, double scale) {
   const std::span<const Vec3> x = reference_.sites;
-  const double time = end_of_step(state_, h);
+  const double time = reference_.time = end_of_step(state_, h);
+  reference_.scale = scale;
+  reference_.flow_scale = 0.5 * h * (scale / reference_.stencil.duration);
   // 1/(sigma s): smooth forces act for s on velocities that are displacements over sigma.
   const double inertia = scale == kQuasistaticStep
                              ? 0.0
@@ -114,11 +116,11 @@ void StepMotion::predict(double h, double duration, double scale) {
   }
   for (ModelQuadrature& elements : energies_.quadrature) {
     set_previous(elements.batch);
-    elements.batch.set_time(scale, time);
+    set_clock(elements.batch);
   }
   for (ModelBatch& batch : energies_.batches) {
     set_previous(batch.batch);
-    batch.batch.set_time(scale, time);
+    set_clock(batch.batch);
     if (!batch.is_inertia()) continue;
     batch.batch.set_uniform("inverse_scale_squared", inertia);
     const int field = batch.batch.field_index("predicted");

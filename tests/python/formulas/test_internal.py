@@ -103,11 +103,6 @@ def test_scenes_without_memory_have_none() -> None:
     assert internal(stark.Simulation(scene)).size == 0
 
 
-def test_rates_of_internal_variables_are_refused_with_bdf2() -> None:
-    with pytest.raises(stark.InvalidArgument, match="must not be bdf2"):
-        held_block(**{"time.integrator": "bdf2"})
-
-
 def test_what_a_law_returns_is_checked() -> None:
     def record(result: Any) -> None:
         @stark.material

@@ -258,8 +258,6 @@ def test_damping_is_never_negative_and_grows_with_the_branch() -> None:
         scene = stark.Scene()
         material = law((modulus,), (0.05,), 1000.0)
         scene.add_solid(mesh, material, pins=bottom, velocity=(0.3, 0.0, 0.0), name="block")
-        with pytest.raises(stark.InvalidArgument, match="internal variables and uses the time step"):
-            stark.Simulation(scene, **{"time.integrator": "bdf2"})
         sim = stark.Simulation(scene, time_step=2e-3, gravity=(0, 0, 0))
         reports = [sim.step() for _ in range(50)]
         assert all(not r.failed and r.energy["damping"] >= -1e-12 for r in reports)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from _recorded_runs import edit_rows, edit_states, record, reseal
+from _recorded_runs import edit_rows, edit_states, record, reseal, sheet_on_box
 
 import stark
 from stark.verify import Certificate, verify
@@ -477,3 +477,50 @@ def test_spins_that_no_torque_explains(run: Path) -> None:
     edit_states(run, f"angular_velocities_{_CUBE:04d}", faster)
     claim = verify(run)["reported_momentum"]
     assert claim.status == "violated"
+
+
+@pytest.fixture(scope="module")
+def run_of_bdf2(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sheet and a cube that fall; a box that tumbles, with nothing around it."""
+    scene = sheet_on_box()
+    scene.add_box(
+        (0.1, 0.2, 0.3), name="top", density=100.0, position=(3.0, 0.0, 0.0), angular_velocity=(1.0, 7.0, 2.0)
+    )
+    settings = {"time_step": 0.01, "contact_distance": 0.001, "time.integrator": "bdf2"}
+    return record(tmp_path_factory.mktemp("bdf2") / "run", scene, 12, **settings)
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "claims"),
+    [
+        ("velocities", _SHEET, {"reported_energies", "reported_momentum"}),
+        ("velocities", _CUBE, {"reported_energies", "reported_momentum"}),
+        ("lags", _CUBE, {"reported_energies", "reported_momentum"}),
+        ("spins", -1, {"reported_momentum"}),
+        ("angular_velocities", -1, {"reported_momentum"}),
+    ],
+)
+def test_what_bdf2_remembers_must_follow_from_the_states(
+    run_of_bdf2: Path, tmp_path: Path, name: str, body: int, claims: set[str]
+) -> None:
+    run = Path(shutil.copytree(run_of_bdf2, tmp_path / "run"))
+    assert verify(run).verdict == "certified"
+    bodies = len(json.loads((run / "states/scene.json").read_text())["bodies"])
+
+    def change(array: np.ndarray, times: np.ndarray) -> None:
+        array[5] += 1e-6 if name == "lags" else 1e-4
+
+    edit_states(run, f"{name}_{body % bodies:04d}", change)
+    assert claims <= _violated(verify(run))
+
+
+@pytest.mark.parametrize(
+    ("keys", "claim"),
+    [(("energy", "kinetic"), "reported_energies"), (("momentum", "z"), "reported_momentum")],
+)
+def test_energy_and_momentum_of_bdf2_are_those_of_the_states(
+    run_of_bdf2: Path, tmp_path: Path, keys: tuple[str, ...], claim: str
+) -> None:
+    run = Path(shutil.copytree(run_of_bdf2, tmp_path / "run"))
+    edit_rows(run, _set(7, *keys, factor=1.0 + 1e-6))
+    assert claim in _violated(verify(run))

@@ -1,0 +1,92 @@
+"""Steps of bdf2, backward differences of order 2 with variable steps: what the velocities of a state have to
+be, from its places and from what the state before had [theory eq. 26, 26a, 26c].
+
+With bdf2 a recorded state has, beside places, velocities v and lags Q, by which velocities are ahead of the
+mean ones of the step that led there; for what turns, increments of angular momentum A, by contact p, and
+lags."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rotation import free_rotation, torque
+
+Floats = NDArray[np.float64]
+
+_EPSILON = 2.0**-52
+_ROUNDING = 32.0 * _EPSILON
+
+
+@dataclass(frozen=True)
+class Step:
+    """Coefficients of a kind of step: v1 = (x1 - x0 - ahead v0 + lag Q0) / duration."""
+
+    length: float  # h [s]
+    duration: float  # sigma [s]
+    history: float = 0.0  # c; 0 where the step before has no say
+    ahead: float = 0.0  # b [s]
+    lag: float = 0.0  # l [s]
+    renewal: float = 0.5  # Q1 = renewal (Q0 + v1 - v0), without contact
+    with_contact: bool = False  # whether the increment that goes on has that by contact
+
+
+def kinds_of_step(h: float, before: float, has_history: bool) -> list[Step]:
+    """What a step of length h may have been, after one of length ``before`` [s]; which of them it was follows
+    from the contact ahead, that no state tells."""
+    if not has_history:
+        return [Step(h, h)]
+    if not 0.0 < before < math.inf:
+        return []
+    w = h / before
+    s, c = h * (1.0 + w) / (1.0 + 2.0 * w), w * w / (1.0 + 2.0 * w)
+    rest = h - s
+    return [
+        Step(h, s, c, rest, rest, rest / h, True),
+        Step(h, s, c, rest, rest, rest / h),
+        Step(h, h, c, 0.0, h * w, rest / h),
+    ]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Points of a body, (n, 3) each: places [m], velocities and lags [m/s], at the start and at the end."""
+
+    places: tuple[Floats, Floats]
+    velocities: tuple[Floats, Floats]
+    lags: tuple[Floats, Floats]
+
+    def wrong_velocity(self, step: Step) -> float:
+        """Largest difference of a way and what the velocities make of it, over what rounding allows."""
+        (x0, x1), (v0, v1) = self.places, self.velocities
+        parts = (x1, -x0, -step.ahead * v0, step.lag * self.lags[0], -step.duration * v1)
+        return _share(parts)
+
+    def wrong_lag(self, step: Step) -> float:
+        """The same of the lags at the end, for a step without contact."""
+        v0, v1 = self.velocities
+        old, new = self.lags
+        parts = (new, -step.renewal * v1, step.renewal * v0)
+        return _share((*parts, -step.renewal * old) if step.history else parts)
+
+
+def _share(parts: tuple[Floats, ...]) -> float:
+    """Largest component of a sum that should vanish, over the rounding of its terms."""
+    if parts[0].size == 0:
+        return 0.0
+    allowed = _ROUNDING * sum(float(np.abs(part).max()) for part in parts)
+    return float(np.abs(sum(parts)).max()) / max(allowed, 1e-300)
+
+
+def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, spins: Floats, step: Step) -> Floats:
+    """Change of the angular momenta ``before`` (n, 3) in a step that brought the rotations from ``start`` to
+    ``end``; spins (n, 3, 3): A, p and Q of angular momenta at its start [kg m^2/s]."""
+    increment, by_contact, lag = spins[:, 0], spins[:, 1], spins[:, 2]
+    goes_on = step.history * (increment + by_contact if step.with_contact else increment)
+    leading = before + (step.duration * goes_on - step.lag * lag) / step.length
+    free = free_rotation(start, moments, leading, step.length)
+    changed: Floats = goes_on + torque(free, end, moments) / step.duration
+    return changed
