@@ -1,4 +1,4 @@
-"""The base of a robot in a simulation: placed and pushed with all that hangs on it, coordinates and rates kept."""
+"""The base of a robot in a simulation: placed and pushed with all that hangs on it; q and rates are kept."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 
 @contextmanager
 def placing(core: Any) -> Iterator[None]:
-    """All that is placed in the block holds together, or nothing changes. Inside of a block of the user, that one
-    checks."""
+    """All that is placed in the block holds together, or nothing changes. Inside of a block of the user,
+    that one checks."""
     if core.is_placing:
         yield
         return
@@ -73,7 +73,7 @@ def base_velocity(robot: Robot) -> tuple[Floats, Floats]:
 def push_base(
     robot: Robot, what: str, velocity: ArrayLike | None = None, angular_velocity: ArrayLike | None = None
 ) -> None:
-    """Gives the base a velocity [m/s] of its origin, or an angular one [rad/s]; the rest moves along as one."""
+    """Gives the base a velocity [m/s] of its origin, or an angular one [rad/s]; the rest moves along."""
     root, core = _floating(robot, what), robot._require(f"{what} = ...")._to_place(what)
     old, old_angular = base_velocity(robot)
     owner = f"robot '{robot.name}': {what}"

@@ -197,9 +197,10 @@ class Robot:
 
     @property
     def pose(self) -> tuple[Floats, Floats]:
-        """Origin (3,) [m] and rotation (3, 3) of the frame of the base in the world. Assign (position, rotation),
-        a matrix or a quaternion, to place a floating robot as one: q and rates stay, velocities turn with it.
-        Raises InvalidArgument where the base is fixed or scripted, and where surfaces would meet."""
+        """Origin (3,) [m] and rotation (3, 3) of the frame of the base in the world. Assign (position,
+        rotation), a matrix or a quaternion, to place a floating robot as one: q and rates stay, velocities
+        turn with it. Raises InvalidArgument where the base is fixed or scripted, InitialIntersection where
+        surfaces would meet."""
         return self.links[self.description.root].pose
 
     @pose.setter
@@ -208,8 +209,8 @@ class Robot:
 
     @property
     def velocity(self) -> Floats:
-        """Of the origin of the frame of the base (3,) [m/s]. Assign it to give all of a floating robot another
-        velocity: rates stay."""
+        """Of the origin of the frame of the base (3,) [m/s]. Assign it to give all of a floating robot
+        another velocity: rates stay."""
         self._require("velocity")
         return base_velocity(self)[0]
 
@@ -219,8 +220,8 @@ class Robot:
 
     @property
     def angular_velocity(self) -> Floats:
-        """Of the base (3,) [rad/s], world axes. Assign it to let all of a floating robot turn about the origin
-        of the frame of the base, whose velocity stays, as do rates."""
+        """Of the base (3,) [rad/s], world axes. Assign it to let all of a floating robot turn about the
+        origin of the frame of the base, whose velocity stays, as do rates."""
         self._require("angular_velocity")
         return base_velocity(self)[1]
 

@@ -1,4 +1,4 @@
-"""Which bodies of an MJCF file touch each other: ``contype`` and ``conaffinity``, ``<exclude>``, ``<pair>``."""
+"""Which bodies of MJCF files touch each other: ``contype``, ``conaffinity``, ``<exclude>``, ``<pair>``."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def untouching(model: Any, bodies: list[int], report: Report) -> Pairs:
         report.add(
             "assumed",
             "file",
-            f"contype and conaffinity let some geoms of {len(partly)} pairs of bodies touch and others not: all "
-            f"of their geoms touch ({names}{', ...' if len(partly) > 3 else ''})",
+            f"contype and conaffinity let some geoms of {len(partly)} pairs of bodies touch and others not: "
+            f"all of their geoms touch ({names}{', ...' if len(partly) > 3 else ''})",
         )
     return sorted(pair for pair in found if known.issuperset(pair))
 
@@ -68,7 +68,7 @@ def _named_pairs(model: Any) -> set[tuple[int, int]]:
 
 
 def _collisions(model: Any, first: list[int], second: list[int]) -> Any:
-    """Which geoms of two parts collide by their masks, (n, m) bool; those that touch nothing are left out."""
+    """Which geoms of two parts collide by their masks (n, m) bool, without those that touch nothing."""
     type_a, affinity_a = _masks(model, first)
     type_b, affinity_b = _masks(model, second)
     return ((type_a[:, None] & affinity_b) | (type_b & affinity_a[:, None])) != 0
