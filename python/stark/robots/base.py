@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies import Cloth, RigidBody, Solid
+from stark.handle import SimulationLink
+from stark.robots.description import RobotDescription
 from stark.robots.kinematics import Placement
+from stark.robots.link import RobotLink
 from stark.rotations import as_matrix, vector
 
-if TYPE_CHECKING:
-    from stark.robots.handle import Robot
-
 Floats = NDArray[np.float64]
+
+
+class BasedRobot(Protocol):
+    """What the base needs of a robot."""
+
+    name: str
+    description: RobotDescription
+
+    @property
+    def links(self) -> Mapping[str, RobotLink]: ...
+
+    @property
+    def flexes(self) -> Mapping[str, Cloth | Solid]: ...
+
+    def _require(self, what: str) -> SimulationLink: ...
 
 
 @contextmanager
@@ -36,7 +51,7 @@ def placing(core: Any) -> Iterator[None]:
     core.end_placing()
 
 
-def place_base(robot: Robot, value: tuple[ArrayLike, ArrayLike]) -> None:
+def place_base(robot: BasedRobot, value: tuple[ArrayLike, ArrayLike]) -> None:
     """Moves the robot as one to where the frame of its base has this position [m] and rotation."""
     root, core = _floating(robot, "pose"), robot._require("pose = ...")._to_place("pose")
     if not isinstance(value, (tuple, list)) or len(value) != 2:
@@ -61,7 +76,7 @@ def place_base(robot: Robot, value: tuple[ArrayLike, ArrayLike]) -> None:
             flex.velocities = velocities @ turn.T
 
 
-def base_velocity(robot: Robot) -> tuple[Floats, Floats]:
+def base_velocity(robot: BasedRobot) -> tuple[Floats, Floats]:
     """Of the origin of the frame of the base [m/s], and its angular velocity [rad/s]."""
     link = robot.links[robot.description.root]
     if link.body is None:
@@ -71,7 +86,7 @@ def base_velocity(robot: Robot) -> tuple[Floats, Floats]:
 
 
 def push_base(
-    robot: Robot, what: str, velocity: ArrayLike | None = None, angular_velocity: ArrayLike | None = None
+    robot: BasedRobot, what: str, velocity: ArrayLike | None = None, angular_velocity: ArrayLike | None = None
 ) -> None:
     """Gives the base a velocity [m/s] of its origin, or an angular one [rad/s]; the rest moves along."""
     root, core = _floating(robot, what), robot._require(f"{what} = ...")._to_place(what)
@@ -95,7 +110,7 @@ def _moving_point(body: RigidBody) -> Floats:
     return position if body.motion == "scripted" else position + rotation @ body.center_of_mass
 
 
-def _floating(robot: Robot, what: str) -> str:
+def _floating(robot: BasedRobot, what: str) -> str:
     """The root, if nothing holds it."""
     root = robot.description.root
     body = robot.links[root].body
@@ -110,7 +125,7 @@ def _floating(robot: Robot, what: str) -> str:
     return root
 
 
-def _carried(robot: Robot, root: str) -> tuple[list[RigidBody], list[Cloth | Solid]]:
+def _carried(robot: BasedRobot, root: str) -> tuple[list[RigidBody], list[Cloth | Solid]]:
     """What hangs on the base by joints that do not float: bodies, each once, and flexes."""
     names = {root}
     for joint in robot.description.outwards:
