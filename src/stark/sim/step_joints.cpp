@@ -75,8 +75,8 @@ std::vector<double> StepJoints::acting() const {
 }
 
 void StepJoints::forget_history() {
-  // What held pulls for half a step longer with bdf2, as its velocities remember: a ball that is let go from a
-  // circle would fly off at a wrong angle, and faster.
+  // What held pulls for half a step longer with bdf2, as its velocities remember: a ball that is let go from
+  // a circle would fly off at a wrong angle, and faster.
   if (has_history(settings_.time.integrator)) state_.previous_time_step = 0.0;
 }
 

@@ -27,9 +27,9 @@ struct MotionReference {
   double friction_duration = 0.0;                   ///< and over what time [s]
   std::vector<Vec3> site_velocities;                ///< at the start of the step, with restitution [m/s]
   // Empty without a history:
-  std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
+  std::vector<Vec3> before;   ///< positions of the sites at the start of the last step [m]
   double since_before = 0.0;  ///< length of that step [s]; the state has that of this one when it ends
-  std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
+  std::vector<Vec3> beyond;   ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
 };
 
 class StepMotion : private StepPart {
