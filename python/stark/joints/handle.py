@@ -122,12 +122,23 @@ class JointActuators(Handle):
         enabled: bool = True,
     ) -> Actuator:
         """Couples two joints: this coordinate = ``ratio`` times that of ``other`` + ``offset``; held within
-        the tolerances of joints. Gears, belts, racks, mimic joints."""
+        the tolerances of joints. Gears, belts, racks, mimic joints; two coordinates of one cylindrical joint
+        make a screw. Raises InvalidArgument where both are the same one."""
+        if self._is_geared_to_itself(other, coordinate, other_coordinate):
+            raise InvalidArgument(
+                f"{self._title}: add_gear: both coordinates are the same one: must be two; give another "
+                "joint, or coordinate= and other_coordinate= of this one"
+            )
         on = [(self, coordinate or ""), (other, other_coordinate or "")]
         gear: Actuator = self._scene.add_actuator(
             "gear", on, name=name, enabled=enabled, ratio=ratio, offset=offset
         )
         return gear
+
+    def _is_geared_to_itself(self, other: Any, coordinate: str | None, other_coordinate: str | None) -> bool:
+        if not isinstance(other, Joint) or other._scene is not self._scene or other._index != self._index:
+            return False
+        return len(other._coordinates) == 1 or coordinate == other_coordinate
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:
@@ -437,4 +448,4 @@ class Actuator(Handle):
 
 def number_of(owner: str, name: str, unit: str, value: Any) -> float:
     """A real number, or InvalidArgument that names it; its range is for the core to check."""
-    return real_number(value, f"{owner}: {name} [{unit}]")
+    return real_number(value, f"{owner}: {name} [{unit}]" if unit else f"{owner}: {name}")

@@ -17,6 +17,7 @@ from stark.bodies import Cloth, RigidBody, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
 from stark.robots import kinematics
+from stark.robots.base import base_velocity, place_base, placing, push_base
 from stark.robots.description import RobotDescription
 from stark.robots.drives import Drives, add_drives
 from stark.robots.inverse import Goal, Reach, Search, count_of, positive
@@ -155,18 +156,9 @@ class Robot:
     def q(self, values: Values) -> None:
         numbers = self._given("q", values, self.q)
         core = self._require("q = ...")._to_place("q")
-        nested = core.is_placing
-        if not nested:
-            core.begin_placing()
-        try:
+        with placing(core):
             for name, value in kinematics.joint_values(self.description, numbers).items():
                 core.place_joint(self._joints[name]._index, np.array([value - self._shifts[name]]))
-        except BaseException:
-            if not nested:
-                core.cancel_placing()
-            raise
-        if not nested:
-            core.end_placing()
 
     @property
     def qd(self) -> Floats:
@@ -180,10 +172,11 @@ class Robot:
         numbers = self._given("qd", values, self.qd)
         core = self._require("qd = ...")._to_place("qd")
         rates = dict(zip(self.coordinates, numbers, strict=True))
-        for joint in self.description.joints.values():
-            if joint.is_moving:
-                driver, ratio, _ = self.description.drive_of(joint)
-                core.push_joint(self._joints[joint.name]._index, np.array([ratio * rates[driver]]))
+        with placing(core):
+            for joint in self.description.joints.values():
+                if joint.is_moving:
+                    driver, ratio, _ = self.description.drive_of(joint)
+                    core.push_joint(self._joints[joint.name]._index, np.array([ratio * rates[driver]]))
 
     @property
     def tau(self) -> Floats:
@@ -199,6 +192,42 @@ class Robot:
         """Lower and upper limits of q, (n,) each [rad, m]; infinite where there are none. Those of joints
         that mimic others are among them."""
         return _limits(self.description)
+
+    # --- base ---
+
+    @property
+    def pose(self) -> tuple[Floats, Floats]:
+        """Origin (3,) [m] and rotation (3, 3) of the frame of the base in the world. Assign (position,
+        rotation), a matrix or a quaternion, to place a floating robot as one: q and rates stay, velocities
+        turn with it. Raises InvalidArgument where the base is fixed or scripted, InitialIntersection where
+        surfaces would meet."""
+        return self.links[self.description.root].pose
+
+    @pose.setter
+    def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
+        place_base(self, value)
+
+    @property
+    def velocity(self) -> Floats:
+        """Of the origin of the frame of the base (3,) [m/s]. Assign it to give all of a floating robot
+        another velocity: rates stay."""
+        self._require("velocity")
+        return base_velocity(self)[0]
+
+    @velocity.setter
+    def velocity(self, value: ArrayLike) -> None:
+        push_base(self, "velocity", velocity=value)
+
+    @property
+    def angular_velocity(self) -> Floats:
+        """Of the base (3,) [rad/s], world axes. Assign it to let all of a floating robot turn about the
+        origin of the frame of the base, whose velocity stays, as do rates."""
+        self._require("angular_velocity")
+        return base_velocity(self)[1]
+
+    @angular_velocity.setter
+    def angular_velocity(self, value: ArrayLike) -> None:
+        push_base(self, "angular_velocity", angular_velocity=value)
 
     # --- drives ---
 

@@ -15,6 +15,7 @@ from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
 from stark.robots.description import Geometry, Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.kinematics import WORLD, Placement
+from stark.robots.mjcf_contacts import touching_geoms, untouching
 from stark.robots.mjcf_flexes import flex_bodies, read_flexes
 from stark.robots.report import Report
 from stark.rotations import as_matrix
@@ -24,7 +25,9 @@ Floats = NDArray[np.float64]
 # Numbers of mujoco's enumerations, which are part of its interface.
 _FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
 _PLANE, _HFIELD, _SPHERE, _CAPSULE, _ELLIPSOID, _CYLINDER, _BOX, _MESH = range(8)
-_EQUAL_JOINTS = 2
+_CONNECT, _WELD, _EQUAL_JOINTS = 0, 1, 2
+#: Of a scene, what holds bodies as equalities do that are not read.
+_CLOSING = {_CONNECT: "add_ball", _WELD: "add_fixed"}
 _ON_JOINT = 0
 _FIXED_GAIN, _NO_BIAS = 0, 0
 _NO_GRAVITY, _GRAVITY = 1 << 7, (0.0, 0.0, -9.81)  # a flag; what MJCF has if left out [m/s^2]
@@ -33,7 +36,7 @@ _DROPPED = {
     "ntendon": "tendons",
     "nsensor": "sensors",
     "nkey": "keyframes",
-    "npair": "contact pairs",
+    "npair": "contact pairs: what they name touches, with the friction of the scene",
 }
 
 
@@ -60,6 +63,7 @@ class _Reader:
     def __init__(self, spec: Any, model: Any, report: Report) -> None:
         self.spec, self.model, self.report = spec, model, report
         self.of_flexes = flex_bodies(model)
+        self.touches = touching_geoms(model)
         self.bodies = [
             "" if k in self.of_flexes else self._name("body", model.body(k).name, k)
             for k in range(model.nbody)
@@ -85,15 +89,14 @@ class _Reader:
         links = [link for k in used for link in self._links(k)]
         joints = [joint for k in used if k != root for joint in self._joints(k)]
         self._report_dropped()
+        self._report_outside(set(used))
         check_inertias([link for link in links if link.name != self.bodies[0]], self.report)
-        excluded = [(int(pair) >> 16, int(pair) & 0xFFFF) for pair in np.ravel(model.exclude_signature)]
+        excluded = [*untouching(model, used, self.report), *self._apart()]
         return RobotDescription(
             name,
             links,
             joints,
-            excluded=[
-                (self.bodies[a], self.bodies[b]) for a, b in (*excluded, *self._apart()) if min(a, b) > 0
-            ],
+            excluded=[(self.bodies[a], self.bodies[b]) for a, b in excluded if a in used and b in used],
             base=base,
             placement=placement,
             report=self.report,
@@ -136,8 +139,7 @@ class _Reader:
         for geom in range(first, first + count):
             shape = self._geometry(geom, name)
             if shape is not None:
-                collides = model.geom_contype[geom] or model.geom_conaffinity[geom]
-                (touching if collides else shown).append(shape)
+                (touching if self.touches[geom] else shown).append(shape)
         return Link(name, inertia, tuple(shown or touching), tuple(touching))
 
     def _geometry(self, geom: int, body: str) -> Geometry | None:
@@ -282,7 +284,10 @@ class _Reader:
             shape = [float(value) for value in model.eq_data[k][:5]]
             linear = int(model.eq_type[k]) == _EQUAL_JOINTS and b >= 0 and not any(shape[2:])
             if not linear or not model.eq_active0[k] or a in found:
-                self.report.add("dropped", title, "only active linear ones of two joints are kept")
+                text = "only active linear ones of two joints are kept"
+                if how := _CLOSING.get(int(model.eq_type[k])):
+                    text += f"; what it holds together, scene.{how} holds"
+                self.report.add("dropped", title, text)
                 continue
             at_rest = [float(model.qpos0[int(model.jnt_qposadr[joint])]) for joint in (a, b)]
             offset = shape[0] + at_rest[0] - shape[1] * at_rest[1]
@@ -306,6 +311,14 @@ class _Reader:
         )
         if (self.model.geom_type == _MESH).any():
             self.report.add("kept", "file", "meshes touch as they are, not by their convex hulls")
+
+    def _report_outside(self, used: set[int]) -> None:
+        """Shapes of the world, where it is no link: the robot is what hangs on its only body."""
+        outside = [] if 0 in used else np.flatnonzero(self.model.geom_bodyid == 0).tolist()
+        for geom in outside:
+            name = self._name("geom", self.model.geom(geom).name, geom)
+            text = f"geom '{name}': not of the robot; add what stands around it to the scene"
+            self.report.add("dropped", "body 'world'", text)
 
     def _name(self, what: str, name: str, number: int) -> str:
         if name:

@@ -65,6 +65,7 @@ void Simulation::set_joint_enabled(JointId joint, bool enabled) {
   double& state = state_.joint_enabled[joint.index];
   if (state == kBroken || (state == kHeld) == enabled) return;
   state = enabled ? kHeld : kReleased;
+  parts_->joints.forget_history();
   const size_t count = energies_.constraints.groups()[place.group].joint->units().size();
   std::fill_n(state_.joint_multiplier.begin() + place.residual, count, 0.0);
 }

@@ -95,6 +95,7 @@ void StepMotion::begin(double h) {
   r.half_way.clear();
   r.beyond_half_way.clear();
   if (!has_history) return;
+  r.since_before = s.previous_time_step;
   r.before.resize(r.sites.size());
   model_.map().positions({s.previous_point_position, s.previous_body_position, s.previous_body_rotation},
                          r.before);
@@ -132,7 +133,7 @@ std::vector<double> StepMotion::coordinates() const {
       const size_t q = place.coordinate + k;
       const double change = result[q] - before[q], rate = state_.joint_rate[q];
       const double mean =
-          (coordinates[k].unit == "rad" ? shortest_turn(change) : change) / state_.previous_time_step;
+          (coordinates[k].unit == "rad" ? shortest_turn(change) : change) / reference_.since_before;
       result[q] = reference_.stencil.place(result[q], rate, rate - mean);
     }
   }

@@ -36,6 +36,8 @@ class StepJoints : private StepPart {
   /// Multipliers, coordinates, rates, efforts and memories at the end of a step; breaks joints and
   /// attachments.
   void commit();
+  /// Where a joint or an attachment begins or ends to hold: the next step starts anew.
+  void forget_history();
   void set_attachment_status(const ModelAttachment& attachment, int64_t pair, double status);
   /// Which constraint is worst, with a remedy; empty if none is off.
   std::string violation_text() const;

@@ -26,8 +26,9 @@ struct MotionReference {
   std::vector<Vec3> friction_sites;                 ///< what slip is measured from [m]
   double friction_duration = 0.0;                   ///< and over what time [s]
   // Empty without a history:
-  std::vector<Vec3> before;  ///< positions of the sites at the start of the last step [m]
-  std::vector<Vec3> beyond;  ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
+  std::vector<Vec3> before;   ///< positions of the sites at the start of the last step [m]
+  double since_before = 0.0;  ///< length of that step [s]; the state has that of this one when it ends
+  std::vector<Vec3> beyond;   ///< `sites` and sqrt(1 + 1/c) times their way from the start [m]; or empty
   // What energies measure rates over, which predict() sets:
   double scale = 0.0;       ///< [s]
   double flow_scale = 0.0;  ///< the same of internal variables that flow [s]

@@ -117,3 +117,10 @@ def test_a_missing_reader_is_named_with_the_command(tmp_path: Path, monkeypatch:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ImportError, match=r"need mujoco: pip install 'stark-sim\[robots\]'"):
         stark.robots.read(file)
+
+
+def test_what_stands_around_the_robot_is_reported(tmp_path: Path) -> None:
+    around = '<geom name="ground" type="plane" size="1 1 1"/><geom name="wall" type="box" size=".1 .1 .1"/>'
+    robot = stark.robots.read(written(tmp_path, f'{around}<body name="a"><freejoint/>{BODY}</body>'))
+    for name in ("ground", "wall"):
+        assert f"body 'world': geom '{name}': not of the robot; add what stands" in str(robot.report)
