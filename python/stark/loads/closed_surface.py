@@ -26,9 +26,9 @@ class ClosedSurface(NamedTuple):
 
 
 def closed_surface(surface: Any, owner: str) -> ClosedSurface:
-    """The faces that are meant, turned so that they enclose a positive volume at time 0; of elements of 8 nodes
-    and more their faces instead of the triangles that these are cut into. InvalidArgument unless they are
-    closed."""
+    """The faces that are meant, turned so that they enclose a positive volume at time 0; of elements of 8
+    nodes and more their faces instead of the triangles that these are cut into. InvalidArgument unless they
+    are closed."""
     faces = surface.faces if isinstance(surface, (Cloth, Solid)) else surface
     columns = faces.columns if isinstance(faces, Stencils) and faces.point_count == 3 else ()
     body = columns[0].body if columns else None

@@ -1,5 +1,5 @@
-"""Pressure on the faces of elements of 8 nodes and more. The volume below a face, as its shape functions say it,
-is a sum over triples of its nodes. Triangles that the face is cut into have another: their forces strain the
+"""Pressure on the faces of elements of 8 nodes and more. The volume below a face, by its shape functions, is
+a sum over triples of its nodes. Triangles that the face is cut into have another: their forces strain the
 elements next to them as no even pressure does."""
 
 from __future__ import annotations
