@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark.formulas import Triangle, Vec3, energy, parameter
-from stark.mesh import EmbeddedMesh, Indices, Mesh, SolidMesh
+from stark.mesh import EmbeddedMesh, Indices, Mesh, Polyline, SolidMesh
 from stark.symbolic import Scalar, cross, dot
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ def pressure(
     return -share * pressure / 6.0 * dot(a, cross(b, c))
 
 
-def whole_faces(mesh: Mesh, triangles: Indices) -> tuple[Indices, Floats] | None:
+def whole_faces(mesh: Mesh | Polyline, triangles: Indices) -> tuple[Indices, Floats] | None:
     """Triples of nodes (n, 3) and their shares (n,) that have the volume of the faces that the triangles are
     cut from. None where triangles say it all: of faces of three nodes, lattices and cloth, and where they
     are not the whole of such faces. All faces are taken so or none, or the surface would have gaps."""

@@ -104,7 +104,6 @@ SkinId Scene::add_skin(SkinDescription skin) {
   const ClothDescription sheet = sheet_of(*this, skin);
   check_layer_triangles(owner, sheet.mesh, warnings);
   warn_about_free_directions(owner, sheet.mesh, skin.material, warnings);
-  warn_about_weak_plates(owner, sheet.mesh, skin.material, warnings);
   check_fields(owner, sheet);
   warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
   body_names_.add(skin.name);
