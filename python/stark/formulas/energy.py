@@ -22,6 +22,7 @@ from stark.formulas.checks import check
 from stark.formulas.frames import Frame
 from stark.formulas.handle import RESERVED
 from stark.formulas.inspection import benchmark
+from stark.formulas.internal import refuse_internal
 from stark.formulas.kinematics import Point, Stencil
 from stark.overloads import overload
 from stark.symbolic.tensor import Scalar, Tensor
@@ -114,4 +115,5 @@ def energy(
     name = getattr(function, "__name__", "energy")
     outer = dict(sys._getframe(1).f_locals)
     signature, arguments = read_arguments(function, name, outer, RESERVED)
+    refuse_internal(signature, name, function)
     return EnergyFormula(function, signature, arguments, translation_invariant)

@@ -101,6 +101,18 @@ def read_internal(parameter: inspect.Parameter, law: str, function: Callable[...
     return Internal(parameter.name, kind.shape, declaration)
 
 
+def refuse_internal(signature: inspect.Signature, energy: str, function: Callable[..., object]) -> None:
+    """Energies remember nothing: only laws of materials have internal variables."""
+    for parameter in signature.parameters.values():
+        if isinstance(parameter.default, InternalDeclaration):
+            raise formula_error(
+                energy,
+                f"argument '{parameter.name}': stark.internal is for laws of materials (@stark.material); an "
+                f"energy knows the start of the step (x_prev), and parameters that you set between steps",
+                function,
+            )
+
+
 def split_result(
     law: str, result: object, internals: Sequence[Internal], function: Callable[..., object]
 ) -> tuple[object, list[Scalar]]:

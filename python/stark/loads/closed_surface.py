@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,25 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.bodies import Cloth, Solid
 from stark.handle import BodyHandle
+from stark.loads.element_faces import whole_faces
 from stark.mesh import Indices
-from stark.selections import Stencils, vertex_points
+from stark.selections import Stencils, stencils, vertex_points
 
 
-def closed_surface(surface: Any, owner: str) -> tuple[Stencils, NDArray[np.float64]]:
-    """The faces that are meant, turned so that they enclose a positive volume at time 0, and their centre
-    (3,) [m]. InvalidArgument unless they are closed."""
+class ClosedSurface(NamedTuple):
+    """Triples of points of outward triangles, and what each counts in the volume inside."""
+
+    triples: Stencils
+    shares: NDArray[np.float64] | None
+    """(n,); None: 1 for all."""
+    centre: NDArray[np.float64]
+    """(3,) [m]."""
+
+
+def closed_surface(surface: Any, owner: str) -> ClosedSurface:
+    """The faces that are meant, turned so that they enclose a positive volume at time 0; of elements of 8
+    nodes and more their faces instead of the triangles that these are cut into. InvalidArgument unless they
+    are closed."""
     faces = surface.faces if isinstance(surface, (Cloth, Solid)) else surface
     columns = faces.columns if isinstance(faces, Stencils) and faces.point_count == 3 else ()
     body = columns[0].body if columns else None
@@ -30,9 +42,14 @@ def closed_surface(surface: Any, owner: str) -> tuple[Stencils, NDArray[np.float
     _check_closed(body, triangles, owner)
     positions = vertex_points(body, np.arange(len(body.mesh.vertices), dtype=np.int32)).positions
     centre = positions[triangles].mean(axis=(0, 1))
-    if enclosed_volume(positions - centre, triangles) < 0.0:
-        faces = Stencils([columns[k] for k in (0, 2, 1)], "triangles")
-    return faces, centre
+    outward = enclosed_volume(positions - centre, triangles) >= 0.0
+    whole, shares = whole_faces(body.mesh, triangles), None
+    if whole is not None:
+        rows, shares = whole
+        faces = stencils(body, rows, "triples of nodes")
+    if not outward:
+        faces = Stencils([faces.columns[k] for k in (0, 2, 1)], faces._noun)
+    return ClosedSurface(faces, shares, centre)
 
 
 def enclosed_volume(positions: NDArray[np.float64], triangles: Indices) -> float:

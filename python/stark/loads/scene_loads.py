@@ -31,13 +31,17 @@ class SceneLoads(SceneLink):
         of its faces, such as those of a cavity; at time 0 the inside has a positive volume, however the
         triangles are oriented. ``handle.pressure`` may change at any time, ``handle.energy`` is minus
         pressure times volume [J]. Surfaces that are not closed raise InvalidArgument."""
-        from stark.loads import formulas
+        from stark.loads import element_faces, formulas
         from stark.loads.closed_surface import closed_surface
 
         owner = "pressure" if name is None else f"pressure '{name}'"
-        faces, centre = closed_surface(surface, owner)
-        start = at_start(pressure, owner)
-        load = self.add(formulas.pressure(faces, pressure=start, origin=centre), name=name)
+        inside = closed_surface(surface, owner)
+        values = {"pressure": at_start(pressure, owner), "origin": inside.centre}
+        if inside.shares is None:
+            bound = formulas.pressure(inside.triples, **values)
+        else:
+            bound = element_faces.pressure(inside.triples, **values, share=inside.shares)
+        load = self.add(bound, name=name)
         set_courses("energy", load, {"pressure": pressure})
         return load
 

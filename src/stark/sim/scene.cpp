@@ -90,6 +90,7 @@ BodyId Scene::add_cloth(ClothDescription body) {
   validate(body.material, owner);
   check_cloth_mesh(owner, body.mesh, warnings);
   warn_about_free_directions(owner, body.mesh, body.material, warnings);
+  warn_about_weak_plates(owner, body.mesh, body.material, warnings);
   check_fields(owner, body);
   check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
   check_common(owner, body);

@@ -339,6 +339,23 @@ void warn_about_free_directions(std::string_view owner, const TriangleMesh& mesh
       "directions");
 }
 
+void warn_about_weak_plates(std::string_view owner, const TriangleMesh& mesh, const ShellMaterial& material,
+                            std::vector<std::string>& warnings) {
+  if (!(material.flexural_rigidity > 0.0)) return;
+  std::vector<int> triangles(mesh.vertices.size(), 0);
+  for (const Index3& triangle : mesh.triangles)
+    for (const int32_t vertex : triangle) ++triangles[static_cast<size_t>(vertex)];
+  for (const Index2& edge : find_boundary_edges(mesh.triangles))
+    for (const int32_t vertex : edge) triangles[static_cast<size_t>(vertex)] = 0;
+  const auto inner = std::ranges::count_if(triangles, [](int count) { return count > 0; });
+  const auto fours = std::ranges::count(triangles, 4);
+  if (!(4 * fours > inner) || fours < 4) return;
+  warnings.push_back(std::string(owner) + ": " + std::to_string(fours) + " of " + std::to_string(inner) +
+                     " inner vertices have four triangles, as on a grid with diagonals in turn; with a "
+                     "flexural_rigidity such a sheet bends up to 1.8 times as far as a plate; take parallel "
+                     "diagonals (stark.mesh.grid) or triangles that are nearly equilateral");
+}
+
 void check_polyline(const std::string& owner, const std::string& what, std::span<const Vec3> points) {
   if (points.size() < 2)
     fail_mesh(owner, what + " has " + std::to_string(points.size()) +

@@ -35,6 +35,10 @@ void check_solid_mesh(std::string_view owner, const SolidMesh& mesh);
 void check_layer_triangles(std::string_view owner, const TriangleMesh& mesh,
                            std::vector<std::string>& warnings);
 
+/// Warns of a plate on diagonals in turn, which bends too easily there. [theory section 4]
+void warn_about_weak_plates(std::string_view owner, const TriangleMesh& mesh, const ShellMaterial& material,
+                            std::vector<std::string>& warnings);
+
 /// Warns of a limit on the stretch of edges where edges leave a direction free on more than a tenth of the
 /// area of a sheet.
 void warn_about_free_directions(std::string_view owner, const TriangleMesh& mesh,

@@ -151,3 +151,11 @@ def test_laws_of_rods_remember() -> None:
         flow += ratio / (1 + ratio) * (0.1 - flow)
         np.testing.assert_allclose(internal(sim), np.full(4, flow), atol=1e-9)
         assert report.energy["damping"] > 0.0
+
+
+def test_energies_have_no_internal_variables() -> None:
+    with pytest.raises(stark.TraceError, match=r"'seen': stark.internal is for laws of materials"):
+
+        @stark.energy
+        def memory(p: stark.Point, seen: stark.Vec3 = stark.internal(0.0)):
+            return stark.squared_norm(p.x - seen), {"seen": p.x}

@@ -7,21 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from _load_scenes import ORIGIN, advance, block_with_a_hole, simulate
 
 import stark
 from stark.telemetry import report_to_dict
 from stark.verify.telemetry import _imbalance
-
-ORIGIN = (0.0, 0.0, 0.0)
-
-
-def simulate(scene: stark.Scene, step: float = 0.01, **settings: Any) -> stark.Simulation:
-    return stark.Simulation(scene, time_step=step, gravity=ORIGIN, **{"contact.enabled": False, **settings})
-
-
-def advance(sim: stark.Simulation, until: float) -> None:
-    for report in sim.run(until):
-        assert not report.failed, report.message
 
 
 def volume(body: Any) -> float:
@@ -89,14 +79,6 @@ def test_a_gas_of_constant_p_v_expands_to_its_equilibrium() -> None:
         assert not sim.step().failed
     assert air.pressure * volume(ball) == pytest.approx(amount, rel=1e-6)
     assert volume(ball) > 1.2 * ball.mesh.volume
-
-
-def block_with_a_hole() -> stark.TetMesh:
-    """Block of 3 x 3 x 3 cells without the one in the middle."""
-    block = stark.mesh.tet_box(0.3, 3)
-    centres = block.vertices[block.tets].mean(axis=1)
-    solid = np.abs(centres).max(axis=1) > 0.05
-    return stark.mesh.compact(stark.TetMesh(block.vertices, block.tets[solid]))
 
 
 def test_a_cavity_of_a_solid_is_inflated_whatever_its_orientation() -> None:
