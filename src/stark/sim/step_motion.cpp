@@ -49,4 +49,19 @@ void StepMotion::commit(double h) {
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
 }
 
+std::vector<Vec3> StepMotion::site_velocities() const {
+  const KinematicMap& map = model_.map();
+  std::vector<Vec3> v(map.site_count());
+  for (int32_t i = 0; i < map.site_count(); ++i) {
+    const Site& site = map.site(i);
+    if (site.kind == SiteKind::RigidPoint)
+      v[i] = state_.body_velocity[site.index] + turning_velocity(site.index, site.local);
+    else if (site.kind == SiteKind::Point)
+      v[i] = state_.point_velocity[site.index];
+    else if (site.kind == SiteKind::Embedded)
+      v[i] = point_sum(map.support(i), state_.point_velocity);
+  }
+  return v;
+}
+
 }  // namespace stark

@@ -99,6 +99,8 @@ class StepMotion : private StepPart {
   Vec3 spin(size_t b) const;
   /// Velocity of a point of body b given in its principal frame, relative to the centre of mass [m/s].
   Vec3 turning_velocity(int32_t b, const Vec3& local) const;
+  /// By site [m/s].
+  std::vector<Vec3> site_velocities() const;
 
  private:
   /// Whether internal variables of the batch flow by halves of the step.

@@ -71,9 +71,7 @@ RestitutionSet::End StepMotion::restitution_end(double h) const {
   return {.before = by_rigid_site([&](size_t b, const Vec3& local) {
             return impact_.velocity[b] + before(b, s.body_rotation[b] * local);
           }),
-          .after = by_rigid_site([&](size_t b, const Vec3& local) {
-            return s.body_velocity[b] + turning_velocity(static_cast<int32_t>(b), local);
-          }),
+          .after = site_velocities(),
           .way = by_rigid_site([&](size_t b, const Vec3& local) {
             const Vec3 lever = s.body_rotation[b] * local;
             const Vec3 turning = 0.5 * (before(b, lever) + cross(s.body_angular_velocity[b], lever));
