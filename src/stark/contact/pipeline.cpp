@@ -19,6 +19,10 @@ constexpr double kMarginFactor = 0.5;
 /// Part of their contact distance that bodies keep however close they start.
 constexpr double kClosest = 0.01;
 
+/// Gap in a fold of a body with a given law, over its contact distance and over its core, down to which it is
+/// a compressed layer: a few times the contact stiffness.
+constexpr double kFold = 0.25, kFoldOnCore = 1.25;
+
 /// Rounding of a gap that does not count as closer.
 constexpr double kRounding = 1e-9;
 
@@ -190,8 +194,12 @@ std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x
 CloseBodies ContactPipeline::find_close_bodies(std::span<const Vec3> x) {
   CloseBodies close;
   for (const auto& [code, gap] : smallest_gaps(x)) {
-    const double whole = geometry_.group_distance[code >> 32] + geometry_.group_distance[code & 0xffffffff];
-    if (gap > (1.0 - kRounding) * whole) continue;
+    const int32_t a = static_cast<int32_t>(code >> 32), b = static_cast<int32_t>(code & 0xffffffff);
+    double least = geometry_.group_distance[a] + geometry_.group_distance[b];
+    // A fold that is tighter than the layer is thick compresses the layer there, if its law says how much
+    // that takes. A smaller distance would make the body thinner everywhere.
+    if (a == b && law_.is_given(a, a)) least = std::max(kFold * least, kFoldOnCore * geometry_.core(a, a));
+    if (gap > (1.0 - kRounding) * least) continue;
     close.bodies.push_back(code);
     close.distance.push_back(gap);
   }

@@ -109,6 +109,24 @@ def test_bodies_that_start_within_their_cores_are_not_thrown() -> None:
     assert min(heights) > 0.2e-3
 
 
+def test_a_sheet_that_starts_folded_keeps_its_thickness() -> None:
+    """In the crease the halves are nearer than the contact distance. That made the sheet half as thick
+    everywhere."""
+    surface = FELT.replace(core=0.0)
+    mesh = stark.mesh.grid(0.1, 0.1, 8)
+    x, y, _ = mesh.vertices.T
+    layer = np.sign(np.round(y / 0.0125))
+    scene = stark.Scene()
+    scene.add_floor(1.0, surface=surface)
+    start = np.column_stack([x, np.abs(y), 1.01 * _D * (1.5 + 0.5 * layer)])
+    cloth = scene.add_cloth(mesh, mass=0.004, initial_positions=start, surface=surface, name="sheet")
+    sim = stark.Simulation(scene, time_step=0.01)
+    assert not sim.close_bodies
+    last(sim, 0.6)
+    height = [cloth.positions[(layer == k) & (np.abs(y) > 0.03), 2].mean() for k in (-1.0, 1.0)]
+    assert height[1] - height[0] > 0.85 * _D
+
+
 def test_a_side_without_a_stiffness_is_rigid_where_the_other_has_one() -> None:
     scene = stark.Scene()
     scene.add_box(
