@@ -1,8 +1,8 @@
 """fold_towel: folds the towel of the robot experiments a third time, by simulation.
 
-What it shows: an attachment to a bar that moves by a script, let go in mid-run; layers of cloth with friction.
-The towel lies folded twice, in four layers; one of its sides is led over to the other on half a circle, let go,
-and the eight layers come to rest. The creases cross, so no curve in a plane gives this shape.
+What it shows: an attachment to a bar that moves by a script, let go in mid-run; layers of cloth with
+friction. The towel lies folded twice, in four layers; one of its sides is led over to the other on half a
+circle, let go, and the eight layers come to rest. The creases cross, so no curve in a plane gives this shape.
 The result is ``towel_three_folds_CELLS.npz`` beside this file, which ``towel.placed`` reads.
 
     python examples/fold_towel.py 52        on 30 x 53 vertices; two minutes of CPU time
@@ -26,7 +26,7 @@ MIDDLE = LIFT + 3.5 * towel.PITCH  # height at which the halves meet [m]
 
 
 def scene_of(points: np.ndarray, cells: int) -> stark.Scene:
-    """The towel with its vertices at ``points`` on a floor, one side of it held by a bar that touches nothing."""
+    """The towel with its vertices at ``points`` on a floor; a bar that touches nothing holds one side."""
     scene = stark.Scene()
     floor = scene.add_box((2.0, 2.0, 0.1), motion="fixed", position=(0.0, 0.0, -0.05), name="floor")
     cloth = scene.add_cloth(
