@@ -57,6 +57,10 @@ def test_the_towel_folded_three_times_is_that_of_its_program() -> None:
     across, deep, high = np.ptp(folded, axis=0)
     assert 0.36 < across < 0.40 and 0.35 < deep < 0.40  # [m], a half of 0.75 and about a quarter of 1.35
     assert 7.0 * towel.PITCH * 0.9 < high < 0.06
+    middle = folded[np.linalg.norm(folded[:, :2] - [0.0, 0.5 * deep], axis=1) < 0.04, 2]
+    layers = np.split(np.sort(middle), np.flatnonzero(np.diff(np.sort(middle)) > 2e-3) + 1)
+    assert len(layers) == 8  # a tenth nearer than without their weight
+    assert np.diff([layer.mean() for layer in layers]) == pytest.approx(0.91 * towel.PITCH, rel=0.05)
     areas = [
         np.linalg.norm(np.cross(*np.diff(x[mesh.triangles], axis=1).transpose(1, 0, 2)), axis=1).sum() / 2.0
         for x in (mesh.vertices, folded)
