@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -359,6 +360,13 @@ class SceneBodies(SceneLink):
     def _add_shape(self, kind: str, mesh: meshes.TriangleMesh, options: dict[str, Any]) -> RigidBody:
         if options.get("name") is None:
             options["name"] = self._core.free_name(kind)
+        known = inspect.signature(self.add_rigid).parameters
+        for name in sorted(options.keys() - known.keys()):
+            import difflib  # not at start-up
+
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"; did you mean '{near[0]}'?" if near else ""
+            raise TypeError(f"add_{kind}() got an unexpected keyword argument '{name}'{hint}")
         return self.add_rigid(mesh, **options)
 
     def _append(self, body: Body) -> None:

@@ -94,3 +94,8 @@ def test_fixed_bodies_are_not_moved_and_nothing_to_nowhere() -> None:
         wall.position = (0, 0, 0)
     with pytest.raises(stark.InvalidArgument, match="nan"):
         box.rotation = (math.nan, 0, 0, 1)
+
+
+def test_shapes_name_an_argument_that_they_do_not_have() -> None:
+    with pytest.raises(TypeError, match=r"add_box\(\) got an unexpected .* 'masss'; did you mean 'mass'"):
+        stark.Scene().add_box(0.1, masss=1.0)
