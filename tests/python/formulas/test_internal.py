@@ -7,28 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from formulas._laws import maxwell
 
 import stark
 
 QUIET: dict[str, Any] = {"contact.enabled": False, "newton.acceleration_tolerance": 1e-8}
 STEP = 0.01
-
-
-@stark.material
-def maxwell(
-    F: stark.DeformationGradient,
-    h: stark.TimeStep,
-    modulus: float = stark.parameter(unit="Pa", above=0.0),
-    branch: float = stark.parameter(unit="Pa", above=0.0),
-    relaxation: float = stark.parameter(unit="s", above=0.0),
-    flow: stark.Mat3 = stark.internal(0.0, doc="strain of the dashpot"),
-):
-    """A spring beside a spring and a dashpot in a row, in Green strains; implicit Euler for the dashpot."""
-    E = 0.5 * (F.T @ F - stark.identity(3))
-    ratio = h / relaxation
-    trial = E - flow
-    psi = modulus * stark.squared_norm(E) + branch / (1 + ratio) * stark.squared_norm(trial)
-    return psi, {"flow": flow + ratio / (1 + ratio) * trial}
 
 
 def held_block(element: str = "tet4", cells: int = 2, **settings: Any) -> tuple[stark.Simulation, Any]:

@@ -6,16 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from formulas._laws import EQUILIBRIA
 
 import stark
 
 MU, BULK, YIELD, HARDENING = 1e6, 2e6, 2e4, 5e4  # [Pa]
-EXACT: dict[str, Any] = {
-    "contact.enabled": False,
-    "time.integrator": "quasistatic",
-    "newton.acceleration_tolerance": 0.0,
-    "newton.residual_tolerance": 1e-10,
-}
 VOLUME = 1e-3  # [m^3]
 TINY = 1e-8 * YIELD  # [J/m^3]
 
@@ -32,7 +27,7 @@ def block(
         shear_modulus=MU, bulk_modulus=BULK, yield_stress=YIELD, hardening_modulus=hardening,
         density=1e-3 if viscous else 1000.0, **more,
     )  # fmt: skip
-    settings = {**EXACT, "time.integrator": "implicit_euler"} if viscous else EXACT
+    settings = {**EQUILIBRIA, "time.integrator": "implicit_euler"} if viscous else EQUILIBRIA
     inside = np.abs(mesh.vertices).max(axis=1) < 0.049
     body = scene.add_solid(mesh, law, pins=np.flatnonzero(~inside))
     return stark.Simulation(scene, time_step=step, gravity=(0, 0, 0), **settings), body

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from _mechanisms import observed_order
+from formulas._laws import maxwell
 
 import stark
 from stark.recording import Recorder
@@ -21,23 +22,6 @@ EXACT: dict[str, Any] = {
 }
 STEPS = (0.008, 0.004, 0.002)  # [s]
 ORDERS = [("implicit_euler", 1), ("bdf2", 2)]
-
-
-@stark.material
-def maxwell(
-    F: stark.DeformationGradient,
-    h: stark.TimeStep,
-    modulus: float = stark.parameter(unit="Pa", above=0.0),
-    branch: float = stark.parameter(unit="Pa", above=0.0),
-    relaxation: float = stark.parameter(unit="s", above=0.0),
-    flow: stark.Mat3 = stark.internal(0.0, doc="strain of the dashpot"),
-) -> Any:
-    """A dashpot by implicit Euler, as the guide has it."""
-    E = 0.5 * (F.T @ F - stark.identity(3))
-    ratio = h / relaxation
-    trial = E - flow
-    psi = modulus * stark.squared_norm(E) + branch / (1 + ratio) * stark.squared_norm(trial)
-    return psi, {"flow": flow + ratio / (1 + ratio) * trial}
 
 
 @stark.material

@@ -56,6 +56,13 @@ def _link(random: np.random.Generator, k: int) -> str:
     )
 
 
+def written_mjcf(folder: Path, body: str, more: str = "") -> Path:
+    """A file with this world, and what stands beside it."""
+    file = folder / "robot.xml"
+    file.write_text(f'<mujoco model="m"><worldbody>{body}</worldbody>{more}</mujoco>')
+    return file
+
+
 def random_mjcf(seed: int, count: int = 7) -> str:
     """A tree of bodies with hinges and slides whose axes miss the origins, with classes and an equality."""
     random = np.random.default_rng(seed)

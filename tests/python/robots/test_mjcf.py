@@ -7,19 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots._robots import random_mjcf
+from robots._robots import random_mjcf, written_mjcf
 
 import stark.robots
 
 mujoco = pytest.importorskip("mujoco")
 
 BODY = '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/>'
-
-
-def written(folder: Path, body: str, more: str = "") -> Path:
-    file = folder / "robot.xml"
-    file.write_text(f'<mujoco model="m"><worldbody>{body}</worldbody>{more}</mujoco>')
-    return file
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -46,8 +40,8 @@ def test_shapes_are_those_of_the_geoms(tmp_path: Path) -> None:
         '<geom type="ellipsoid" size=".1 .2 .3"/>'
         '<geom type="box" size=".5 .5 .5" contype="0" conaffinity="0" rgba="1 0 0 1"/>'
     )
-    robot = stark.robots.read(written(tmp_path, f'<body name="a"><freejoint/>{BODY}{geoms}</body>'))
-    plane = written(tmp_path, f'<body name="a">{BODY}<geom type="plane" size="1 1 1"/></body>')
+    robot = stark.robots.read(written_mjcf(tmp_path, f'<body name="a"><freejoint/>{BODY}{geoms}</body>'))
+    plane = written_mjcf(tmp_path, f'<body name="a">{BODY}<geom type="plane" size="1 1 1"/></body>')
     link = robot.links["a"]
     kinds = [(shape.kind, shape.size) for shape in link.collisions]
     assert kinds[:4] == [
@@ -71,7 +65,7 @@ def test_shapes_are_those_of_the_geoms(tmp_path: Path) -> None:
 )
 @pytest.mark.filterwarnings("ignore:Inertia matrix is too close to singular")
 def test_what_is_wrong_with_a_file_is_named(body: str, message: str, tmp_path: Path) -> None:
-    file = written(tmp_path, body)
+    file = written_mjcf(tmp_path, body)
     with pytest.raises(stark.InvalidArgument, match=message) as caught:
         stark.robots.read(file)
     assert str(caught.value).startswith(f"'{file}': ")
@@ -85,7 +79,7 @@ def test_what_is_dropped_and_kept_is_reported(tmp_path: Path) -> None:
         '<sensor><jointpos joint="j"/></sensor><actuator>'
         '<position name="p" joint="j" kp="1" forcerange="-3 3"/></actuator>'
     )
-    robot = stark.robots.read(written(tmp_path, body, more))
+    robot = stark.robots.read(written_mjcf(tmp_path, body, more))
     report = str(robot.report)
     for line in (
         "equality 'equality_0': only active linear ones of two joints are kept",
@@ -113,7 +107,7 @@ def test_warnings_of_mujoco_go_to_the_report_and_to_no_file(
 
 
 def test_a_missing_reader_is_named_with_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = written(tmp_path, f'<body name="a">{BODY}</body>')
+    file = written_mjcf(tmp_path, f'<body name="a">{BODY}</body>')
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ImportError, match=r"need mujoco: pip install 'stark-sim\[robots\]'"):
         stark.robots.read(file)
@@ -121,6 +115,6 @@ def test_a_missing_reader_is_named_with_the_command(tmp_path: Path, monkeypatch:
 
 def test_what_stands_around_the_robot_is_reported(tmp_path: Path) -> None:
     around = '<geom name="ground" type="plane" size="1 1 1"/><geom name="wall" type="box" size=".1 .1 .1"/>'
-    robot = stark.robots.read(written(tmp_path, f'{around}<body name="a"><freejoint/>{BODY}</body>'))
+    robot = stark.robots.read(written_mjcf(tmp_path, f'{around}<body name="a"><freejoint/>{BODY}</body>'))
     for name in ("ground", "wall"):
         assert f"body 'world': geom '{name}': not of the robot; add what stands" in str(robot.report)

@@ -6,16 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robots._robots import written_mjcf
 
 import stark.robots
 
 mujoco = pytest.importorskip("mujoco")
-
-
-def written(folder: Path, body: str, more: str = "") -> Path:
-    file = folder / "robot.xml"
-    file.write_text(f'<mujoco model="m"><worldbody>{body}</worldbody>{more}</mujoco>')
-    return file
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -31,7 +26,7 @@ def test_bodies_touch_that_touch_in_mujoco(seed: int, tmp_path: Path) -> None:
         '<contact><exclude body1="b0" body2="b1"/><exclude body1="b2" body2="b3"/>'
         '<pair geom1="g2" geom2="g3"/><pair geom1="g4" geom2="g5"/></contact>'
     )
-    file = written(tmp_path, f'<geom name="wall" type="box" size=".1 .1 .1"/>{body}', more)
+    file = written_mjcf(tmp_path, f'<geom name="wall" type="box" size=".1 .1 .1"/>{body}', more)
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -50,6 +45,6 @@ def test_bodies_touch_that_touch_in_mujoco(seed: int, tmp_path: Path) -> None:
 def test_masks_that_differ_within_a_body_are_reported(tmp_path: Path) -> None:
     geoms = '<geom size=".1"/><geom size=".2" contype="2" conaffinity="2"/>'
     body = "".join(f'<body name="{name}"><joint name="{name}"/>{geoms}</body>' for name in "ab")
-    robot = stark.robots.read(written(tmp_path, body))
+    robot = stark.robots.read(written_mjcf(tmp_path, body))
     assert "some geoms of 1 pairs of bodies touch and others not" in str(robot.report)
     assert robot.excluded == ()
