@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import warnings
 import weakref
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, Protocol, Self, TypeAlias
 
 from stark import _core
@@ -44,6 +45,18 @@ class SimulationLink:
     def contact_distance(self, body: Any) -> float:
         """[m] within which surfaces of the body repel others."""
         raise NotImplementedError
+
+
+@contextmanager
+def placed_together(core: CoreSimulation) -> Iterator[None]:
+    """All that is placed in the block holds at its end, or nothing changes."""
+    core.begin_placing()
+    try:
+        yield
+    except BaseException:
+        core.cancel_placing()
+        raise
+    core.end_placing()
 
 
 class Follower(Protocol):

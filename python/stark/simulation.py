@@ -17,7 +17,7 @@ from stark.bodies import Body, Layer
 from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
 from stark.errors import StarkWarning
-from stark.handle import Follower
+from stark.handle import Follower, placed_together
 from stark.overloads import overload
 from stark.pictures import Pictures
 from stark.scene import Scene
@@ -188,14 +188,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         assigned in the block holds at once, and is checked at its end instead of one by one: so bodies may
         change places, or move with what they are joined to. Where surfaces meet then, or a joint does not
         hold, it raises, and everything is as it was before the block; likewise where the block raises."""
-        core = self._to_place("placing()")
-        core.begin_placing()
-        try:
+        with placed_together(self._to_place("placing()")):
             yield
-        except BaseException:
-            core.cancel_placing()
-            raise
-        core.end_placing()
 
     def _followers(self) -> list[Follower]:
         """Of the bodies that this simulation has."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.bodies import Cloth, RigidBody, Solid
-from stark.handle import SimulationLink
+from stark.handle import SimulationLink, placed_together
 from stark.robots.description import RobotDescription
 from stark.robots.kinematics import Placement
 from stark.robots.link import RobotLink
@@ -35,20 +35,10 @@ class BasedRobot(Protocol):
     def _require(self, what: str) -> SimulationLink: ...
 
 
-@contextmanager
-def placing(core: Any) -> Iterator[None]:
+def placing(core: Any) -> AbstractContextManager[None]:
     """All that is placed in the block holds together, or nothing changes. Inside of a block of the user,
     that one checks."""
-    if core.is_placing:
-        yield
-        return
-    core.begin_placing()
-    try:
-        yield
-    except BaseException:
-        core.cancel_placing()
-        raise
-    core.end_placing()
+    return nullcontext() if core.is_placing else placed_together(core)
 
 
 def place_base(robot: BasedRobot, value: tuple[ArrayLike, ArrayLike]) -> None:

@@ -35,8 +35,7 @@ const FieldTable& ShellMaterial::fields() {
              "bending stiffness of the hinges, cheap but dependent on the mesh"),
        field(&S::flexural_rigidity, "flexural_rigidity", "N m", non_negative(),
              "rigidity E t^3 / (12 (1 - nu^2)) of a plate, the same on most meshes; where positive, in place "
-             "of "
-             "bending_stiffness"),
+             "of bending_stiffness"),
        field(&S::yield_stress, "yield_stress", "Pa", positive_or_infinity(),
              "von Mises stress at which the sheet yields, stretched or bent"),
        field(&S::hardening_modulus, "hardening_modulus", "Pa", non_negative(),

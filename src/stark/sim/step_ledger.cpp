@@ -65,7 +65,7 @@ double slope_in_step(Batch& batch, double h, std::span<const Vec3> x) {
 template <typename Batch>
 double stored(Batch& batch, std::span<const Vec3> x) {
   batch.set_previous(x);
-  if (law_of(batch).potential().internal_width() == 0) return total_energy(batch, x);
+  if (potential_of(batch).internal_width() == 0) return total_energy(batch, x);
   return energy_of_step(batch, kInstant * std::min(StepClock(law_of(batch)).step, 1.0), x);
 }
 
@@ -153,9 +153,9 @@ double StepLedger::damping_work() {
 
 template <typename Batch>
 double StepLedger::flow_dissipation(Batch& batch) {
-  if (law_of(batch).potential().internal_width() == 0) return 0.0;
+  if (potential_of(batch).internal_width() == 0) return 0.0;
   const std::span<const Vec3> x = potential_.site_positions();
-  const std::vector<double> start = law_of(batch).internal_values(), end = batch.updated_internal(x);
+  const std::vector<double> start = batch.internal_values(), end = batch.updated_internal(x);
   const double h = StepClock(law_of(batch)).step;
   const auto stored_with = [&](std::span<const Vec3> at, std::span<const double> values) {
     batch.set_internal(values);
