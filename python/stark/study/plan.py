@@ -43,7 +43,8 @@ class Limits:
 class Plan:
     """A study: ``samples`` are the options of its runs, each made ``repetitions`` times. The number of the
     repetition goes into the option ``repetition_option`` of the scene, if that is given. ``settings`` go over
-    those of the scene; ``until`` [s] replaces its end."""
+    those of the scene; ``until`` [s] replaces its end. ``certify`` records every accepted step in double
+    precision, for ``stark verify``."""
 
     scene: str
     samples: list[Options]
@@ -53,6 +54,7 @@ class Plan:
     repetition_option: str = ""
     fps: float = 60.0
     checkpoint_every: float = 60.0
+    certify: bool = False
     limits: Limits = field(default_factory=Limits)
 
     def __post_init__(self) -> None:
@@ -141,6 +143,12 @@ class _Table:
             raise self.error(key, value, f"must be a number {'>=' if zero else '>'} 0, in {unit}")
         return float(value)
 
+    def flag(self, key: str, default: bool) -> bool:
+        value = self.take(key, default)
+        if not isinstance(value, bool):
+            raise self.error(key, value, "must be true or false")
+        return value
+
     def finish(self) -> None:
         """Raises PlanError for keys that nobody took."""
         for key in sorted(self._left):
@@ -163,6 +171,7 @@ def _plan(table: _Table, folder: Path) -> Plan:
         repetition_option=table.text("repetition_option", ""),
         fps=table.number("fps", 60.0, "frames per simulated second") or 60.0,
         checkpoint_every=table.number("checkpoint_every", 60.0, "s", zero=True) or 0.0,
+        certify=table.flag("certify", False),
         limits=Limits(limits.number("time_out", None, "s"), limits.whole("retries", 3, 0, 100)),
         samples=_samples(table.table("sampling")) if table.has("sampling") else [{}],
     )

@@ -22,6 +22,7 @@ repetitions = 3
 repetition_option = "seed"
 fps = 30
 checkpoint_every = 0
+certify = true
 [settings]
 time_step = 0.01
 newton.max_iterations = 50
@@ -46,7 +47,7 @@ label = "b"
         0.0,
     )
     assert plan.settings == {"time_step": 0.01, "newton.max_iterations": 50}
-    assert plan.limits == Limits(5.0, 1)
+    assert plan.limits == Limits(5.0, 1) and plan.certify
     assert plan.samples == [{"angle": 10.0}, {"angle": 20.0, "label": "b"}]
     assert Plan.parse(HEAD).samples == [{}]
 
