@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import runpy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import stark
 from stark import scenes
 from stark.recording import Recording
+from stark.study import Plan
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -44,6 +47,24 @@ def test_the_robot_meets_a_towel(tmp_path: Path) -> None:
     assert abs(series["towel_y"][-1] - series["towel_y"][0]) < 1e-3
     assert robot_towel.results(recording)["torque"] <= robot.TORQUE * (1.0 + 1e-9)
     assert robot_towel.plot(recording, tmp_path / "curves.svg").read_text().count("<polyline") == 8
+
+
+def test_a_study_of_robot_and_towel_is_drawn_and_tabled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    module = runpy.run_path(str(EXAMPLES / "robot_towel_sheet.py"))
+    plan = Plan(
+        str(EXAMPLES / "robot_towel.py"), [{"towel": "flat", "floor": "carpet", "cells": 26}], until=0.02
+    )
+    study = stark.study.run(plan, tmp_path / "study", processes=1)
+    # At the start it stands in front of the towel, at a speed of zero.
+    assert module["table"](study).splitlines()[2].startswith("| flat | carpet | stuck | -0.")
+    picture = stark.render.read_png(module["sheet"](study, tmp_path / "outcomes.png"))
+    assert picture.shape[:2] == (module["HEIGHT"], 2 * module["WIDTH"])
+    half = picture[:, : module["WIDTH"]].reshape(-1, 3)
+    assert len(np.unique(half, axis=0)) > 100  # floor, towel, robot, title; the other floor is left blank
+    assert (picture[:, module["WIDTH"] :] == 255).all()
 
 
 def test_the_towel_folded_three_times_is_that_of_its_program() -> None:

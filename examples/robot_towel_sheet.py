@@ -1,0 +1,75 @@
+"""robot_towel_sheet: what a study of robot_towel came to: a picture of each run at its end, and a table.
+
+stark study run examples/robot_towel.toml
+python examples/robot_towel_sheet.py out/robot_towel    writes outcomes.png there, and prints the table
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pictures
+
+import stark
+from stark.recording import Recording
+from stark.render.overlay import Overlay
+from stark.study import Study
+
+WIDTH, HEIGHT, LETTERS = 480, 230, 11.0  # of a picture, of its title [px]
+OUTCOMES = ("over", "pushed", "stuck")
+
+
+def rows(study: Study) -> list[dict[str, Any]]:
+    """Runs that are complete, with their outcome in words."""
+    found = [row for row in study.rows() if row["status"] == "complete"]
+    for row in found:
+        words = [word for word in OUTCOMES if row[f"observables.{word}"] == 1.0]
+        row["outcome"] = words[0] if words else "undecided"
+    return found
+
+
+def table(study: Study) -> str:
+    """As Markdown: outcome, ways [m, mm], iterations and CPU time [min] of each run."""
+    lines = ["| towel | floor | outcome | robot went [m] | towel went [mm] | Newton iterations | CPU [min] |"]
+    lines.append("|---|---|---|--:|--:|--:|--:|")
+    for row in rows(study):
+        ways = f"{row['observables.robot_went']:.3f} | {1e3 * row['observables.towel_went']:.3g}"
+        cost = f"{row['newton_iterations']:,} | {row['cost.cpu'] / 60.0:.2g}"
+        name = row["option.towel"].replace("_", " ")
+        lines.append(f"| {name} | {row['option.floor']} | {row['outcome']} | {ways} | {cost} |")
+    return "\n".join(lines)
+
+
+def sheet(study: Study, path: Path) -> Path:
+    """Two columns, one for each floor: robot and towel at the end of each run."""
+    floors = ("carpet", "polished")
+    pieces = {(row["option.towel"], row["option.floor"]): _piece(study, row) for row in rows(study)}
+    blank = np.full((HEIGHT, WIDTH, 3), 255, dtype=np.uint8)
+    towels = list(dict.fromkeys(towel for towel, _ in pieces))
+    lines = [np.hstack([pieces.get((towel, floor), blank) for floor in floors]) for towel in towels]
+    stark.render.write_png(path, np.vstack(lines))
+    return path
+
+
+def _piece(study: Study, row: dict[str, Any]) -> np.ndarray:
+    recording = Recording(study.run_folder(row["key"]))
+    frame = recording.frame(len(recording) - 1)
+    points = np.concatenate([body.positions for body in frame.bodies if body.name != "floor"])
+    camera = pictures.fitted_camera(points, -40.0 * stark.deg, 25.0 * stark.deg, WIDTH / HEIGHT)
+    over = Overlay(stark.render.render(frame, WIDTH, HEIGHT, camera=camera))
+    title = f"{row['option.towel'].replace('_', ' ')}, {row['option.floor']}: {row['outcome']}"
+    over.text((10.0, 10.0 + LETTERS), title, LETTERS, halo=2.0)
+    return over.picture
+
+
+def main() -> int:
+    study = Study(sys.argv[1])
+    print(table(study), sheet(study, Path(sys.argv[1]) / "outcomes.png"), sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
