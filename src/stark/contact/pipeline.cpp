@@ -106,10 +106,10 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
   law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
-  is_active_ = false;
+  forget_sets();
   update(x);
   if (is_bound_ && lower_separations()) {
-    is_active_ = false;
+    forget_sets();
     update(x);
   }
   if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
@@ -224,7 +224,7 @@ void ContactPipeline::set_filter(PairFilter filter) {
   broad_phase_.set_filter(std::move(filter));
   candidates_.x.clear();
   trial_candidates_.x.clear();
-  is_active_ = false;
+  forget_sets();
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
@@ -271,7 +271,11 @@ void ContactPipeline::update(std::span<const Vec3> x) {
   }
   x_active_.assign(x.begin(), x.end());
   is_active_ = true;
-  fill(candidates_.list, x, active_);
+  if (is_trial_ && std::ranges::equal(x, x_trial_))
+    active_.swap(trial_);
+  else
+    fill(candidates_.list, x, active_);
+  is_trial_ = false;
   friction_.remember(x);
   restitution_.remember(x);
 }
@@ -318,6 +322,8 @@ EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
     list = &trial_candidates_.list;
   }
   fill(*list, x, trial_);
+  x_trial_.assign(x.begin(), x.end());
+  is_trial_ = true;
   EnergyDifference total = stark::energy_difference(active_, trial_);
   for (const EnergyDifference& other : {friction_.energy_difference(x), restitution_.energy_difference(x)}) {
     total.difference += other.difference;
@@ -356,7 +362,7 @@ void ContactPipeline::keep_names() {
     if (is_name(contact.key)) names_.push_back(contact.key);
   std::ranges::sort(names_);
   names_.erase(std::ranges::unique(names_).begin(), names_.end());
-  if (names_ != before) is_active_ = false;
+  if (names_ != before) forget_sets();
 }
 
 double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {
