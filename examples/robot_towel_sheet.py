@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pictures
+import robot_towel
 
 import stark
 from stark.recording import Recording
@@ -19,6 +20,7 @@ from stark.render.overlay import Overlay
 from stark.study import Study
 
 WIDTH, HEIGHT, LETTERS = 480, 230, 11.0  # of a picture, of its title [px]
+TIMES = (2.0, 3.0, 4.0, 6.0)  # of a sequence [s]
 OUTCOMES = ("over", "pushed", "stuck")
 
 
@@ -54,20 +56,35 @@ def sheet(study: Study, path: Path) -> Path:
     return path
 
 
-def _piece(study: Study, row: dict[str, Any]) -> np.ndarray:
+def sequence(study: Study, towel: str, floor: str, folder: Path) -> tuple[Path, Path]:
+    """Robot and towel of a run at four times, and its curves: torque, suspension, ways."""
+    row = next(r for r in rows(study) if (r["option.towel"], r["option.floor"]) == (towel, floor))
     recording = Recording(study.run_folder(row["key"]))
-    frame = recording.frame(len(recording) - 1)
+    pieces = [_picture(recording, time, f"{time:g} s") for time in TIMES]
+    stark.render.write_png(folder / "sequence.png", np.vstack([np.hstack(pieces[:2]), np.hstack(pieces[2:])]))
+    return folder / "sequence.png", robot_towel.plot(recording, folder / "curves.svg")
+
+
+def _piece(study: Study, row: dict[str, Any]) -> np.ndarray:
+    title = f"{row['option.towel'].replace('_', ' ')}, {row['option.floor']}: {row['outcome']}"
+    return _picture(Recording(study.run_folder(row["key"])), np.inf, title)
+
+
+def _picture(recording: Recording, time: float, title: str) -> np.ndarray:
+    frame = recording.frame(recording.nearest(time))
     points = np.concatenate([body.positions for body in frame.bodies if body.name != "floor"])
     camera = pictures.fitted_camera(points, -40.0 * stark.deg, 25.0 * stark.deg, WIDTH / HEIGHT)
     over = Overlay(stark.render.render(frame, WIDTH, HEIGHT, camera=camera))
-    title = f"{row['option.towel'].replace('_', ' ')}, {row['option.floor']}: {row['outcome']}"
     over.text((10.0, 10.0 + LETTERS), title, LETTERS, halo=2.0)
     return over.picture
 
 
 def main() -> int:
-    study = Study(sys.argv[1])
-    print(table(study), sheet(study, Path(sys.argv[1]) / "outcomes.png"), sep="\n")
+    study, folder = Study(sys.argv[1]), Path(sys.argv[1])
+    if len(sys.argv) == 4:
+        print(*sequence(study, sys.argv[2], sys.argv[3], folder), sep="\n")
+    else:
+        print(table(study), sheet(study, folder / "outcomes.png"), sep="\n")
     return 0
 
 

@@ -23,7 +23,7 @@ LARGEST_STUDY = 100_000
 #: Largest plan that is read [bytes].
 LARGEST_PLAN = 1 << 22
 
-_KINDS = ("grid", "list", "random", "latin_hypercube")
+_KINDS = ("grid", "one_at_a_time", "list", "random", "latin_hypercube")
 
 
 class PlanError(InvalidArgument):
@@ -209,13 +209,8 @@ def _samples(table: _Table) -> list[Options]:
     if kind == "list":
         samples = _listed(table)
     else:
-        drawn = kind != "grid"
-        options = table.table("options")
-        axes = {name: _axis(options, name, value, drawn) for name, value in options.items()}
-        if not axes:
-            raise PlanError(
-                f"{table.owner}: sampling.options is empty; give the values of at least one option"
-            )
+        drawn = kind in ("random", "latin_hypercube")
+        axes = _axes(table, "options", drawn)
         if drawn:
             count, seed = table.whole("count", None, 1), table.whole("seed", 0, 0, 2**32 - 1)
             draw = sampling.random if kind == "random" else sampling.latin_hypercube
@@ -223,8 +218,18 @@ def _samples(table: _Table) -> list[Options]:
         else:
             _check_size(table, axes)
             samples = sampling.grid(axes)
+            if kind == "one_at_a_time":
+                samples = sampling.one_at_a_time(samples, _axes(table, "variations", False))
     table.finish()
     return samples
+
+
+def _axes(table: _Table, key: str, drawn: bool) -> dict[str, Axis]:
+    options = table.table(key)
+    axes = {name: _axis(options, name, value, drawn) for name, value in options.items()}
+    if not axes:
+        raise PlanError(f"{table.owner}: sampling.{key} is empty; give the values of at least one option")
+    return axes
 
 
 def _check_size(table: _Table, axes: Mapping[str, Axis]) -> None:

@@ -55,7 +55,7 @@ def test_a_study_of_robot_and_towel_is_drawn_and_tabled(
     monkeypatch.syspath_prepend(str(EXAMPLES))
     module = runpy.run_path(str(EXAMPLES / "robot_towel_sheet.py"))
     plan = Plan(
-        str(EXAMPLES / "robot_towel.py"), [{"towel": "flat", "floor": "carpet", "cells": 26}], until=0.02
+        str(EXAMPLES / "robot_towel.py"), [{"towel": "flat", "floor": "carpet", "cells": 26}], until=0.12
     )
     study = stark.study.run(plan, tmp_path / "study", processes=1)
     # At the start it stands in front of the towel, at a speed of zero.
@@ -65,6 +65,9 @@ def test_a_study_of_robot_and_towel_is_drawn_and_tabled(
     half = picture[:, : module["WIDTH"]].reshape(-1, 3)
     assert len(np.unique(half, axis=0)) > 100  # floor, towel, robot, title; the other floor is left blank
     assert (picture[:, module["WIDTH"] :] == 255).all()
+    shown, curves = module["sequence"](study, "flat", "carpet", tmp_path)
+    assert stark.render.read_png(shown).shape[:2] == (2 * module["HEIGHT"], 2 * module["WIDTH"])
+    assert curves.read_text().count("<polyline") == 8
 
 
 def test_the_towel_folded_three_times_is_that_of_its_program() -> None:
