@@ -49,6 +49,7 @@ def test_the_robot_meets_a_towel(tmp_path: Path) -> None:
     assert robot_towel.plot(recording, tmp_path / "curves.svg").read_text().count("<polyline") == 8
 
 
+@pytest.mark.filterwarnings("ignore:invalid value encountered:RuntimeWarning")  # of curves that stay at 0
 def test_a_study_of_robot_and_towel_is_drawn_and_tabled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
