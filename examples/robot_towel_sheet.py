@@ -21,6 +21,7 @@ from stark.study import Study
 
 WIDTH, HEIGHT, LETTERS = 480, 230, 11.0  # of a picture, of its title [px]
 TIMES = (2.0, 3.0, 4.0, 6.0)  # of a sequence [s]
+FLOORS = ("carpet", "polished")
 OUTCOMES = ("over", "pushed", "stuck")
 
 
@@ -34,24 +35,25 @@ def rows(study: Study) -> list[dict[str, Any]]:
 
 
 def table(study: Study) -> str:
-    """As Markdown: outcome, ways [m, mm], iterations and CPU time [min] of each run."""
-    lines = ["| towel | floor | outcome | robot went [m] | towel went [mm] | Newton iterations | CPU [min] |"]
-    lines.append("|---|---|---|--:|--:|--:|--:|")
+    """As Markdown: outcome beside that of the laboratory, ways [m, mm], iterations and CPU time [min] of each
+    run."""
+    names = ("towel", "floor", "laboratory", "outcome", "robot went [m]", "towel went [mm]")
+    lines = [f"| {' | '.join(names)} | Newton iterations | CPU [min] |", "|---|---|---|---|--:|--:|--:|--:|"]
     for row in rows(study):
-        ways = f"{row['observables.robot_went']:.3f} | {1e3 * row['observables.towel_went']:.3g}"
-        cost = f"{row['newton_iterations']:,} | {row['cost.cpu'] / 60.0:.2g}"
+        ways = f"{row['observables.robot_went']:.3f} | {1e3 * row['observables.towel_went']:,.2f}"
+        cost = f"{row['newton_iterations']:,} | {row['cost.cpu'] / 60.0:.1f}"
         name = row["option.towel"].replace("_", " ")
-        lines.append(f"| {name} | {row['option.floor']} | {row['outcome']} | {ways} | {cost} |")
+        seen = robot_towel.LABORATORY[row["option.towel"]][FLOORS.index(row["option.floor"])]
+        lines.append(f"| {name} | {row['option.floor']} | {seen} | {row['outcome']} | {ways} | {cost} |")
     return "\n".join(lines)
 
 
 def sheet(study: Study, path: Path) -> Path:
     """Two columns, one for each floor: robot and towel at the end of each run."""
-    floors = ("carpet", "polished")
     pieces = {(row["option.towel"], row["option.floor"]): _piece(study, row) for row in rows(study)}
     blank = np.full((HEIGHT, WIDTH, 3), 255, dtype=np.uint8)
     towels = list(dict.fromkeys(towel for towel, _ in pieces))
-    lines = [np.hstack([pieces.get((towel, floor), blank) for floor in floors]) for towel in towels]
+    lines = [np.hstack([pieces.get((towel, floor), blank) for floor in FLOORS]) for towel in towels]
     stark.render.write_png(path, np.vstack(lines))
     return path
 
