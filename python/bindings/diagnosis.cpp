@@ -105,7 +105,7 @@ void bind_diagnosis(nb::module_& m) {
           "'blocked_motion', 'overconstrained_pins', 'contradicting_joints', 'inverted_element', "
           "'not_finite', 'singular_energy', 'tolerance_below_round_off', 'no_equilibrium', "
           "'thickness_overlap', "
-          "'unit_mistake', 'crushing_load', 'detour', 'singular_system', 'stiffness_contrast', "
+          "'unit_mistake', 'crushing_load', 'overload', 'detour', 'singular_system', 'stiffness_contrast', "
           "'iteration_budget', "
           "'time_budget', 'unknown'.")
       .def_ro("finding", &Diagnosis::finding, "What was found, with names, numbers and units.")
