@@ -2,24 +2,25 @@
 
     python examples/learning.py [--pictures]
 
-Any learner for Gymnasium takes the place of the policies. --pictures draws episodes for docs/learning.md."""
+Any learner for Gymnasium takes the place of the policies. --pictures draws four moments of an episode of each into
+out/, the pictures of docs/learning.md."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from gymnasium import Env
+from pictures import save, snapshot
 
-import stark
 from stark import gym
 
 Floats = np.ndarray
-FOLDER = Path(__file__).resolve().parents[1] / "docs" / "images"
+Moment = list[SimpleNamespace]
 
 
 def drag(observation: Floats) -> Floats:
@@ -42,43 +43,56 @@ def grasp(observation: Floats) -> Floats:
 
 
 def episode(
-    env: Env[Floats, Floats], policy: Callable[[Floats], Floats], seed: int
-) -> tuple[bool, int, list[Floats]]:
-    """Whether the goal was reached, control steps, pictures if the environment draws."""
+    env: Env[Floats, Floats], policy: Callable[[Floats], Floats], seed: int, keep: bool
+) -> tuple[bool, int, list[Moment]]:
+    """Whether the goal was reached, control steps, the bodies after each of them if they are to be kept."""
     observation, _ = env.reset(seed=seed)
-    frames: list[Floats] = []
+    moments: list[Moment] = []
     count, ended, terminated, info = 0, False, False, dict[str, Any]()
     while not ended:
         observation, _, terminated, truncated, info = env.step(policy(observation))
         count, ended = count + 1, terminated or truncated
-        if env.render_mode is not None:
-            frames.append(np.asarray(env.render()))
+        if keep:
+            moments.append(moment(env))
     print(f"  seed {seed}: {'goal' if terminated else info['reason']} after {count} actions")
-    return terminated, count, frames
+    return terminated, count, moments
 
 
-def draw(frames: list[Floats], name: str) -> None:
-    """Four moments of an episode side by side."""
-    chosen = [frames[round(k * (len(frames) - 1) / 3)] for k in range(4)]
-    stark.render.write_png(FOLDER / f"{name}.png", np.concatenate(chosen, axis=1))
+def moment(env: Env[Floats, Floats]) -> Moment:
+    """The bodies as they are now, without the table."""
+    assert isinstance(env, gym.SceneEnv)
+    return [snapshot(body) for body in env.sim.bodies if body.name != "table"]
+
+
+def draw(moments: list[Moment], name: str, apart: float, azimuth: float, elevation: float) -> None:
+    """Four moments of an episode side by side, ``apart`` [m] from each other. Targets shine through cloth."""
+    angle = np.radians(azimuth)
+    right = apart * np.array([-np.sin(angle), np.cos(angle), 0.0])
+    bodies = []
+    for k in range(4):
+        for body in moments[round(k * (len(moments) - 1) / 3)]:
+            body.positions = body.positions + k * right
+            bodies.append(body)
+    seen = {"cloth": 0.75} if any(body.name == "cloth" for body in bodies) else None
+    print(f"  {save(name, bodies, azimuth=azimuth, elevation=elevation, height=360, opacity=seen)}")
 
 
 def main() -> None:
     pictures = "--pictures" in sys.argv
-    for make, policy, name, first in (
-        (gym.DragCloth, drag, "learning_cloth", 10),
-        (gym.GraspBall, grasp, "learning_ball", 7),
+    for make, policy, first, *picture in (
+        (gym.DragCloth, drag, 10, "learning_cloth", 0.42, -90.0, 50.0),
+        (gym.GraspBall, grasp, 7, "learning_ball", 0.25, -70.0, 15.0),
     ):
         print(make.__name__)
-        env = make(render_mode="rgb_array" if pictures else None, size=(400, 300))
+        env = make()
         begin, steps = time.process_time(), 0
-        frames: list[Floats] = []
+        moments: list[Moment] = []
         for seed in range(first, first + (1 if pictures else 5)):
-            reached, count, frames = episode(env, policy, seed)
+            reached, count, moments = episode(env, policy, seed, pictures)
             steps += count
             assert reached, "the policy has to reach the goal"
         if pictures:
-            draw(frames, name)
+            draw(moments, *picture)
         else:
             print(f"  {steps / (time.process_time() - begin):.0f} actions a second of one core")
         env.close()

@@ -32,12 +32,12 @@ struct Canvas {
 };
 
 void add_mesh(Canvas& canvas, nb::handle positions, nb::handle triangles, const Triple& color,
-              double crease_angle, bool pale_back, bool fades_out) {
+              double crease_angle, bool pale_back, bool fades_out, bool outlined) {
   auto p = stark::bindings::array<Rows<double, 3>>(positions, "positions", "an (n, 3) array of numbers [m]");
   auto t =
       stark::bindings::array<Rows<int32_t, 3>>(triangles, "triangles", "an (m, 3) array of vertex indices");
   canvas.meshes.push_back({rows<stark::Vec3>(p), rows<std::array<int32_t, 3>>(t), vec(color), crease_angle,
-                           pale_back, fades_out});
+                           pale_back, fades_out, outlined});
   canvas.arrays.emplace_back(std::move(p), std::move(t));
 }
 
@@ -59,7 +59,8 @@ void bind_io(nb::module_& m) {
                             "Meshes, camera and light of one picture; lengths in metres, colours sRGB.");
   canvas.def(nb::init<>())
       .def("add_mesh", &add_mesh, nb::arg("positions"), nb::arg("triangles"), nb::kw_only(), nb::arg("color"),
-           nb::arg("crease_angle") = 0.65, nb::arg("pale_back") = false, nb::arg("fades_out") = false)
+           nb::arg("crease_angle") = 0.65, nb::arg("pale_back") = false, nb::arg("fades_out") = false,
+           nb::arg("outlined") = true)
       .def("draw", &draw, "Picture of shape (height, width, 3), uint8 sRGB.");
   const auto number = [&](const char* name, auto member) {
     canvas.def_prop_rw(

@@ -100,14 +100,14 @@ class NotCopyable(InvalidArgument, TypeError):  # noqa: N818 (says what it is)
 def needs_simulation(owner: str, what: str) -> InvalidArgument:
     """For what only a simulation can tell of a part of a scene."""
     return InvalidArgument(
-        f"{owner}: {what} needs a simulation; make one with stark.Simulation(scene) and keep it"
+        f"{owner}: {what} needs a simulation; create one with sim = stark.Simulation(scene) and keep it"
     )
 
 
 def added_later(owner: str, what: str) -> InvalidArgument:
     """For parts of a scene that the simulation was made without."""
     return InvalidArgument(
-        f"{owner}: was added after the simulation was made: {what} needs one made after that; make a new "
+        f"{owner} was added after the simulation was created, which has no {what} of it: create a new "
         f"stark.Simulation(scene)"
     )
 

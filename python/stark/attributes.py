@@ -1,13 +1,24 @@
 """Objects whose attributes are all known: a misspelt assignment is an error instead of an attribute that
-nothing reads."""
+nothing reads, and errors say what was probably meant."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
 
 
 class KnownAttributes:
     """Refuses to assign public attributes that its class does not declare, by a property or an annotation."""
+
+    #: What to write instead of names that users of other simulators try.
+    _elsewhere: ClassVar[Mapping[str, str]] = {}
+
+    if not TYPE_CHECKING:  # checkers would take every name for known
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_") or _declares(type(self), name):  # a property that raised: its own error
+                return object.__getattribute__(self, name)
+            raise AttributeError(self._unknown_attribute(name))
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not _declares(type(self), name):
@@ -18,6 +29,8 @@ class KnownAttributes:
         """What is said of an attribute that there is not."""
         import difflib
 
+        if name in self._elsewhere:
+            return f"{self!r} has no attribute '{name}': write {self._elsewhere[name]}"
         known = [other for other in dir(type(self)) if not other.startswith("_")]
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""

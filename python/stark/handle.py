@@ -129,8 +129,8 @@ class SceneLink:
         """After something that acts was added to a scene that is being simulated."""
         if self._latest_simulation() is not None:
             warnings.warn(
-                f"{what}: was added after the simulation was made and does not affect it; add it before you "
-                f"make stark.Simulation(scene), or make a new simulation",
+                f"{what} was added after the simulation was created and does not affect it: add it before "
+                f"stark.Simulation(scene), or create a new simulation",
                 StarkWarning,
                 stacklevel=4,
             )

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from inspect import Parameter, Signature
-from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -386,3 +386,15 @@ rubber_cord: RodMaterial = _rods["rubber_cord"]
 
 presets: dict[str, ShellMaterial | SolidMaterial | RodMaterial] = {**_shells, **_solids, **_rods}
 """All presets by name."""
+
+if not TYPE_CHECKING:  # checkers would take every name for known
+
+    def __getattr__(name: str) -> Any:
+        """Says which preset was probably meant."""
+        import difflib
+
+        if name.startswith("_"):
+            raise AttributeError(name)
+        near = difflib.get_close_matches(name, [other for other in globals() if other[0].islower()], n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f"presets are {', '.join(presets)}"
+        raise AttributeError(f"there is no material '{name}' in stark.materials; {hint}")

@@ -44,6 +44,21 @@ class Scene(
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     name: str
+    _elsewhere = {
+        "set_friction": "scene.friction[a, b] = 0.5, or friction=0.5 where a body is added",
+        "add_ground": "scene.add_floor()",
+        "add_plane": "scene.add_floor()",
+        "add_mesh": "scene.add_rigid, add_cloth or add_solid, by what it is made of",
+        "add_body": "scene.add_rigid, add_cloth, add_solid or add_rod",
+        "add_revolute": "scene.add_hinge",
+        "add_prismatic": "scene.add_slider",
+        "add_motor": "joint.add_motor(...), with the joint that scene.add_hinge or add_slider returns",
+        "add_servo": "joint.add_servo(...), with the joint that scene.add_hinge or add_slider returns",
+        "add_gravity": "stark.Simulation(scene, gravity=(0, 0, -9.81))",
+        "step": "sim = stark.Simulation(scene), then sim.step()",
+        "run": "sim = stark.Simulation(scene), then for step in sim.run(until=1.0): ...",
+        "picture": "stark.Simulation(scene).picture(...)",
+    }
 
     def __init__(self, name: str = "scene") -> None:
         self.name = name

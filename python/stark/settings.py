@@ -200,14 +200,14 @@ def _groups(names: list[str]) -> set[str]:
 
 
 def _assign(core: _core.Settings, name: str, value: Any) -> None:
-    if not isinstance(name, str) or "." in name or name in ("time_step", "contact_distance", "threads"):
+    if not isinstance(name, str) or name in ("time_step", "contact_distance", "threads"):
         return core.assign(name, value)
     known = [field["name"] for field in core.fields()]
     near = [_OTHER_WORDS[name]] if name in _OTHER_WORDS else [other for other in known if name in other][:3]
     if name in known or not near:
         return core.assign(name, value)
     words = " or ".join(repr(other) for other in near)
-    raise InvalidSetting(f"unknown setting '{name}' of the settings (did you mean {words}?)")
+    raise InvalidSetting(f"unknown setting '{name}' (did you mean {words}?)")
 
 
 def _rebuild(values: dict[str, Any]) -> Settings:

@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 
 AnyBody = TypeVar("AnyBody", bound=Body)
 
+#: Longer steps are probably given in milliseconds [s].
+_LONG_STEP = 1.0
+
 #: From one call of a progress callback to the next, and to the first [s].
 PROGRESS_PERIOD = 0.25
 
@@ -82,6 +85,14 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         for message in scene._core.check_contact_distances(self._settings._core):
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)
+        step = self._settings.time_step
+        if step > _LONG_STEP and self._settings.time.integrator != "quasistatic":
+            warnings.warn(
+                f"time_step = {step:g} s: a step is given in seconds and rarely longer than 0.1 s; write "
+                f"{step / 1000:g} if {step:g} ms are meant",
+                StarkWarning,
+                stacklevel=2,
+            )
         for message in self._core.check_state():
             warnings.warn(message, StarkWarning, stacklevel=2)
         # Of rows of targets: bodies of the scene may be pinned after this.
@@ -135,6 +146,13 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         end = real_number(until, "run: until")
         if not end >= 0.0:  # also NaN
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
+        if reached(self, end) and end < self.time * (1.0 - 1e-9):
+            warnings.warn(
+                f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is taken; until is a "
+                f"time, not a duration: for {end:g} s more write run(until=sim.time + {end:g})",
+                StarkWarning,
+                stacklevel=2,
+            )
         return self._run(end, progress)
 
     def _run(self, until: float, progress: OnProgress | None) -> Iterator[StepReport]:

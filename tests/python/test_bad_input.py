@@ -309,6 +309,8 @@ CASES = [
          ("'dt'", "did you mean 'time_step'?")),
     Case("part of the name of a setting", lambda: stark.Settings(iterations=3), InvalidSetting,
          ("'iterations'", "'newton.max_iterations'")),
+    Case("start of the name of a setting", lambda: stark.Settings().update({"newton.residual": 1e-3}), InvalidSetting,
+         ("unknown setting 'newton.residual' (did you mean 'newton.residual_tolerance'?)",)),
     # Simulations.
     Case("empty scene", lambda: simulate(stark.Scene("nothing")), InvalidArgument, ("'nothing'", "0 bodies", "add_cloth")),
     Case("crossing surfaces", lambda: simulate(crossing()), InitialIntersection,
@@ -332,6 +334,8 @@ CASES = [
     Case("pose without a simulation", lambda: assign(rigid(motion="scripted"), "position", (0, 0, 1)), InvalidArgument,
          ("'crate'", "needs a simulation", "stark.Simulation(scene)")),
     Case("velocities without a simulation", lambda: cloth().velocities, InvalidArgument, ("'sheet'", "needs a simulation")),
+    Case("pins in words", lambda: stark.Scene().add_cloth(mesh.grid(1.0, 1.0, 2), pins="corners"), InvalidArgument,
+         ("pins = 'corners'", "indices of vertices, like [0, 8]")),
     # Shapes, rotations, files.
     Case("negative size", lambda: mesh.box(-1.0), InvalidArgument, ("box: size = -1.0 m", "positive")),
     Case("size of two numbers", lambda: stark.Scene().add_box((1, 2), mass=1), InvalidArgument, ("box: size", "(1, 2)", "three")),

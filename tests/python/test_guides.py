@@ -32,10 +32,13 @@ NEEDS = {
 
 
 def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
-    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner."""
+    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner; on the way to
+    a name, pictures are drafts."""
     names: dict[str, Any] = {}
     for block in guides.python_blocks(ROOT / guide):
         code = re.sub(r"until=[\d.]+", "until=0.05", block)
+        if up_to:
+            code = code.replace('quality="best"', 'quality="draft"')
         # Formulas have to be in a file: their annotations are read from there.
         exec(compile(code, str(ROOT / guide), "exec"), names)
         if up_to in names:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import re
 import warnings
 from typing import Any
 
@@ -113,12 +114,12 @@ def test_what_is_added_too_late_to_act_is_warned_about() -> None:
     early = scene.add(weight(box.points((0, 0, 0))))
     sim = stark.Simulation(scene)
     with pytest.warns(
-        stark.StarkWarning, match="'weight_2': was added after the simulation was made and does"
+        stark.StarkWarning, match="'weight_2' was added after the simulation was created and does"
     ):
         late = scene.add(weight(box.points((0, 0, 0))))
-    with pytest.warns(stark.StarkWarning, match="joint 'ball': was added after"):
+    with pytest.warns(stark.StarkWarning, match="joint 'ball' was added after"):
         scene.add_ball(box, None, anchor=(0, 0, 0))
-    with pytest.warns(stark.StarkWarning, match="attachment 'attachment': was added after"):
+    with pytest.warns(stark.StarkWarning, match="attachment 'attachment' was added after"):
         scene.attach(box.points((0, 0, 0)), None)
     assert len(sim.energies) == 1
     assert early.name != late.name
@@ -127,3 +128,45 @@ def test_what_is_added_too_late_to_act_is_warned_about() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         scene.add(weight(box.points((0, 0, 0))))
+
+
+@pytest.mark.parametrize(
+    ("read", "said"),
+    [
+        (lambda s: s.set_friction, r"'set_friction': write scene\.friction\[a, b\] = 0\.5"),
+        (lambda s: s.add_ground, r"write scene\.add_floor\(\)"),
+        (lambda s: s.add_hinges, "has no attribute 'add_hinges'; did you mean 'add_hinge'"),
+        (lambda s: s["crate"].add_force, r"'crate'.*write scene\.add_force\(body, \(0, 0, 1\.0\)\) \[N\]"),
+        (lambda s: s["crate"].positon, "'crate'.*did you mean 'position'"),
+        (lambda s: stark.Simulation(s).tme, "did you mean 'time'"),
+        (lambda s: s["crate"]._private, "_private"),
+    ],
+)
+def test_unknown_attributes_say_what_was_meant(read: Any, said: str) -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0, name="crate")
+    with pytest.raises(AttributeError, match=said):
+        read(scene)
+
+
+def test_properties_that_fail_keep_their_own_error() -> None:
+    class Broken(stark.Scene):
+        @property
+        def speed(self) -> float:
+            return float(None.speed)  # type: ignore[attr-defined]
+
+    with pytest.raises(AttributeError, match="'NoneType' object has no attribute 'speed'"):
+        _ = Broken().speed
+    assert not hasattr(stark.Scene(), "speed")
+
+
+def test_what_is_advised_exists() -> None:
+    """Names in advice are names of the scene, of joints and of bodies."""
+    words = " ".join([*stark.Scene._elsewhere.values(), *stark.Body._elsewhere.values()])
+    advised = set(re.findall(r"scene\.(\w+)", words)) | set(re.findall(r"add_\w+", words))
+    assert {"friction", "add_force", "add_hinge"} <= advised
+    known = {*dir(stark.Scene), *dir(stark.Joint)}
+    assert advised <= known, advised - known
+    assert not {*stark.Scene._elsewhere} & {*dir(stark.Scene)}
+    for kind in (stark.RigidBody, stark.Cloth, stark.Solid, stark.Rod):
+        assert not {*stark.Body._elsewhere} & {*dir(kind)}

@@ -84,7 +84,9 @@ def test_a_late_body_says_so(read: Callable[[Any, Any], Any]) -> None:
     scene, _, _ = _scene()
     sim = stark.Simulation(scene)
     late = scene.add_box(0.1, motion="scripted", name="late", position=(0, 0, 9))
-    with pytest.raises(stark.InvalidArgument, match=r"'late': was added after.*make a new stark\.Simulation"):
+    with pytest.raises(
+        stark.InvalidArgument, match=r"'late' was added after.*create a new stark\.Simulation"
+    ):
         read(sim, late)
     assert "late" not in sim.contacts.names
     again = stark.Simulation(scene)
@@ -96,8 +98,8 @@ def test_a_late_actuator_says_so() -> None:
     wheel = scene.add_box(0.1, mass=1.0, name="wheel")
     axle = scene.add_hinge(wheel, None, anchor=(0, 0, 0), axis=(0, 0, 1))
     sim = stark.Simulation(scene)
-    with pytest.warns(stark.StarkWarning, match="actuator 'late': was added after the simulation"):
+    with pytest.warns(stark.StarkWarning, match="actuator 'late' was added after the simulation"):
         late = axle.add_motor(1.0, cap=1.0, delta=0.1, name="late")
-    with pytest.raises(stark.InvalidArgument, match=r"actuator 'late': was added after the simulation"):
+    with pytest.raises(stark.InvalidArgument, match=r"actuator 'late' was added after the simulation"):
         _ = late.effort
     del sim

@@ -148,3 +148,28 @@ except KeyboardInterrupt:
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
     )
     assert run.stdout.split() == ["True", "True"], run.stderr
+
+
+def test_a_run_to_a_time_that_has_passed_warns() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    sim = stark.Simulation(scene, time_step=0.01)
+    sim.run_until(0.1)
+    with pytest.warns(
+        stark.StarkWarning, match=r"until = 0\.05 s has passed.*run\(until=sim\.time \+ 0\.05\)"
+    ):
+        assert list(sim.run(0.05)) == []
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert list(sim.run(0.1)) == []  # where it is
+
+
+def test_steps_that_look_like_milliseconds_warn() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    with pytest.warns(stark.StarkWarning, match=r"time_step = 10 s.*write 0\.01 if 10 ms are meant"):
+        stark.Simulation(scene, time_step=10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stark.Simulation(scene, time_step=1.0)
+        stark.Simulation(scene, time_step=10.0, **{"time.integrator": "quasistatic"})

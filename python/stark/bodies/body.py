@@ -27,6 +27,16 @@ Floats = NDArray[np.float64]
 class Body(ContactSensors, KnownAttributes):
     """A body of a scene; equal and hashed by scene and name."""
 
+    _elsewhere = {
+        "force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation; contact_force is what others do to it",
+        "add_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
+        "apply_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
+        "torque": "scene.add_torque(body, (0, 0, 1.0)) [N m], before the simulation",
+        "add_torque": "scene.add_torque(body, (0, 0, 1.0)) [N m], before the simulation",
+        "pos": "position of rigid bodies, positions of others",
+        "orientation": "rotation",
+    }
+
     def __init__(self, scene: SceneLink, index: int, mesh: AnyMesh, color: Any = None) -> None:
         super().__init__(scene, index)
         self._mesh = mesh

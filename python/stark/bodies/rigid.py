@@ -147,8 +147,8 @@ class RigidBody(InertialSensors, Body):
             )
         if self._newest() is None:
             raise InvalidArgument(
-                f"'{self.name}': {what} = ... needs a simulation: keep a stark.Simulation(scene); "
-                f"where a body starts is said when it is added, with position=, rotation=, velocity= and "
-                f"angular_velocity="
+                f"'{self.name}': {what} = ... needs a simulation: create one with sim = stark.Simulation(scene) and "
+                f"keep it; to say how a body starts, give position=, rotation=, velocity= and angular_velocity= "
+                f"where it is added"
             )
         return self._require_simulation(f"setting its {what}")

@@ -401,6 +401,11 @@ def _require(material: Any, kind: type[Any], body: str, example: str) -> None:
         )
 
 
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
     """Before the body exists, so that a refused pin leaves the scene as it was."""
     if pins is None:
@@ -412,7 +417,8 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
         raise InvalidArgument(f"{owner}: pins of shape {array.shape}: must be a row of vertex indices")
     if (array.size or array.dtype == bool) and array.dtype.kind not in "iu":
         raise InvalidArgument(
-            f"{owner}: pins of type {array.dtype}: must be vertex indices or a mask of ({vertex_count},)"
+            f"{owner}: pins = {_short(pins)}: must be indices of vertices, like [0, {vertex_count - 1}], or a mask of "
+            f"({vertex_count},)"
         )
     wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array
     if wrong.size:

@@ -99,7 +99,7 @@ def read(path: Path) -> Content:
     try:
         arrays = read_arrays(path)
     except FileNotFoundError:
-        raise CheckpointError(f"{owner}: there is no such file") from None
+        raise CheckpointError(f"{owner}: there is no such file; check the path") from None
     except DamageError as error:
         raise CheckpointError(f"{owner} is damaged or no checkpoint ({error}); use another one") from error
     header = _header(arrays, owner)

@@ -7,6 +7,7 @@ import importlib
 import signal
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from .._interrupts import EXIT_INTERRUPTED, RaisedOnce, forget_unhandled, tell
 from .output import complain
@@ -37,9 +38,33 @@ def _version() -> str:
         return "not installed"
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says which verb or option was probably meant."""
+
+    def error(self, message: str) -> NoReturn:
+        import difflib
+
+        known = [*VERBS]
+        for verb in self._verbs().values():
+            known += verb._option_string_actions
+        words = message.replace("argument VERB: invalid choice: ", "unrecognized arguments: ")
+        wrong = words.removeprefix("unrecognized arguments: ").split()[0].partition("=")[0].strip("'")
+        near = difflib.get_close_matches(wrong, known, n=1) if words.startswith("unrecognized") else []
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        super().error(message + hint)
+
+    def _verbs(self) -> dict[str, argparse.ArgumentParser]:
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                return dict(action.choices)
+        return {}
+
+
 def _parser(verb: str | None) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="stark", description="Simulates rigid and deformable bodies with frictional contact."
+    parser = _Parser(
+        prog="stark",
+        description="Simulates rigid and deformable bodies with frictional contact.",
+        epilog="'stark run hello_cloth' runs a packaged scene; 'stark VERB -h' describes a verb.",
     )
     parser.add_argument("--version", action="version", version=f"stark {_version()}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
@@ -67,6 +92,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     verb = next((word for word in words if not word.startswith("-")), None)
     parser = _parser(verb if verb in VERBS else None)
+    if not words:
+        parser.print_help(sys.stderr)
+        return EXIT_BAD_INPUT
     try:
         args = parser.parse_args(words)
     except SystemExit as stop:

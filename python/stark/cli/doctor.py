@@ -52,6 +52,22 @@ def processor() -> tuple[str, set[str]]:
     return name, flags
 
 
+def _is_arm() -> bool:
+    return platform.machine().lower() in ("aarch64", "arm64")
+
+
+def _usable(backend: str) -> bool:
+    """Whether this processor runs the machine code of ``execution.backend``."""
+    import stark.symbolic as sym
+
+    x = sym.symbols("x")
+    try:
+        sym.compile([x], x * x, backend=backend)(1.0)
+    except ValueError:
+        return False
+    return True
+
+
 def _version(distribution: str) -> str:
     try:
         return metadata.version(distribution)
@@ -69,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
     from .. import _core
 
     name, flags = processor()
-    wanted = ("avx2", "fma", "avx512f", "avx512dq")
+    wanted = ("asimd",) if _is_arm() else ("avx2", "fma", "avx512f", "avx512dq")
     _line("stark", f"{_core.__version__}  {Path(__file__).resolve().parents[1]}")
     _line("python", f"{platform.python_version()}  {sys.executable}")
     _line("numpy", np.__version__)
@@ -80,8 +96,9 @@ def run(args: argparse.Namespace) -> int:
     if hasattr(_core, "Settings"):
         for field in _core.Settings.fields():
             if field["name"] in ("execution.backend", "linear.solver") and field.get("choices"):
-                label = "back ends" if field["name"].startswith("exec") else "linear solvers"
-                _line(label, ", ".join(field["choices"]))
+                backends = field["name"].startswith("exec")
+                choices = [c for c in field["choices"] if not backends or _usable(c)]
+                _line("back ends" if backends else "linear solvers", ", ".join(choices))
     _line("compiler", "not needed")
     say()
     say("optional packages")

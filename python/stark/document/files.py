@@ -40,7 +40,7 @@ def _json(path: Path, owner: str) -> dict[str, Any]:
             object_pairs_hook=_unique,
         )
     except FileNotFoundError:
-        raise DocumentError(f"{owner}: there is no such file") from None
+        raise DocumentError(f"{owner}: there is no such file; check the path") from None
     except OSError as error:
         raise DocumentError(f"{owner} cannot be read: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:

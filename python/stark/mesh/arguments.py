@@ -100,7 +100,9 @@ def cells_of(cells: Any, dimensions: int, name: str) -> list[int]:
     """Cells along each axis, as many as indices of 32 bits can tell apart."""
     counts = [cells] * dimensions if isinstance(cells, (int, np.integer)) else cells
     if not isinstance(counts, (list, tuple, np.ndarray)) or len(counts) != dimensions:
-        raise InvalidArgument(f"{name} = {cells!r}: must be one whole number or {dimensions}")
+        raise InvalidArgument(
+            f"{name} = {cells!r}: must be one whole number, or {dimensions}: one for each direction"
+        )
     checked = [count_of(count, name) for count in counts]
     require_few(math.prod(count + 1 for count in checked), f"{name} = {cells!r}")
     return checked

@@ -114,11 +114,15 @@ class Recording:
     def _read_manifest(self) -> dict[str, Any]:
         path = self.folder / MANIFEST
         if not self._place.is_dir():
-            raise RecordingError(f"'{self.folder}' is not a run folder: no such folder")
+            raise RecordingError(
+                f"'{self.folder}' is not a run folder: no such folder; check the path, stark run prints it"
+            )
         try:
             manifest = _strict_json(read_text(self._place / MANIFEST))
         except FileNotFoundError:
-            raise RecordingError(f"'{self.folder}' is not a run folder: it has no {MANIFEST}") from None
+            raise RecordingError(
+                f"'{self.folder}' is not a run folder: it has no {MANIFEST}, which stark run and stark.recording.Recorder write"
+            ) from None
         except (OSError, ValueError, RecursionError) as error:
             raise RecordingError(f"'{path}' is damaged: {error}") from error
         if not isinstance(manifest, dict) or manifest.get("format") != FORMAT_NAME:

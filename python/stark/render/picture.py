@@ -62,7 +62,8 @@ def render(
     Bodies are named by handle, name, pattern such as "finger*", or several of these: ``bodies`` are the only
     ones to draw, ``hide`` are left out, ``opacity`` has numbers in [0, 1] for some. ``clip`` = (point [m],
     normal), or (point, normal, bodies), takes away what lies on the side that the normal points to, scenery
-    apart; solids show their section, other bodies are hollow.
+    apart; solids show their section with its values, other closed bodies in their own colour; cloth and open
+    surfaces are hollow.
 
     ``field`` colours bodies by numbers at their vertices: "stress", "strain", "pressure", "contact_force" or
     "speed" (``field_values`` says what they are), or a dictionary of bodies with arrays (n,) or one of these
@@ -81,6 +82,8 @@ def render(
     hidden = matching(hide, names, "hide")
     chosen = range(len(names)) if bodies is None else matching(bodies, names, "bodies")
     kept = [i for i in chosen if i not in hidden]
+    if names and not kept:
+        raise InvalidArgument(_nothing_left(bodies, hide, names))
     shown = [everything[i] for i in kept]
     share, paint = opacities(opacity, names), body_colors(everything)
     box = bounds_of([shown]) if bounds is None else bounds
@@ -115,6 +118,16 @@ def render(
         words, unit = (shades.label, shades.unit) if label is None else (given_word(label, "label"), "")
         draw_colorbar(overlay, colors, range_of_colors, words, unit)
     return Picture.of(overlay.picture)
+
+
+def _nothing_left(bodies: Any, hide: Any, names: Sequence[str]) -> str:
+    asked = f"bodies = {bodies!r}" if bodies is not None else f"hide = {hide!r}"
+    if bodies is not None and matching(bodies, names, "bodies"):
+        asked += f", hide = {hide!r}"
+    return (
+        f"picture: {asked} leaves none of the {len(names)} bodies to draw: name at least one that is to be seen; leave "
+        f"out bodies and hide to draw all"
+    )
 
 
 def _limits(limits: Any) -> tuple[float, float]:

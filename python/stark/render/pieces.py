@@ -12,10 +12,13 @@ import numpy as np
 
 from .._core import InvalidArgument
 from ..recording.format import surface
+from .caps import cap
 from .clipping import Plane, cut_triangles, section
 
 #: Of bodies without values in a picture that shows values.
 NEUTRAL = (0.80, 0.81, 0.83)
+#: How far a section lies behind the clip plane, of its own extent.
+_RECESS = 1e-4
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ class Piece:
     scenery: bool = False  #: dissolves far away
     opacity: float = 1.0
     values: np.ndarray | None = None  #: of the vertices (n,), shown by colour
+    outlined: bool = True  #: shows its edges where the picture shows edges
 
 
 def pieces_of(
@@ -82,7 +86,7 @@ def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
 
 
 def _clipped(piece: Piece, body: Any, values: np.ndarray | None, plane: Plane) -> list[Piece]:
-    """What is left of a piece, and its section if it is of a solid whose inside is known."""
+    """What is left of a piece, and its section: of a solid with its values inside, of other closed bodies without."""
     parts = [_cut(piece, plane)]
     tets = _tetrahedra(body)
     if tets is not None:
@@ -93,7 +97,25 @@ def _clipped(piece: Piece, body: Any, values: np.ndarray | None, plane: Plane) -
                 piece, positions=data[:, :3], triangles=faces, values=None if values is None else data[:, 3]
             )
         )
+    elif not piece.smooth:
+        parts += _capped(piece, plane)
     return [part for part in parts if len(part.triangles)]
+
+
+def _capped(piece: Piece, plane: Plane) -> list[Piece]:
+    """The section of what a piece bounds, in its own colour: values inside are not known."""
+    filled = cap(plane, piece.positions, piece.triangles)
+    if filled is None:
+        return []
+    points, faces = filled
+    if len(points):  # sections of small bodies lie in front: what a hollow one contains stays in sight
+        points = points - _RECESS * float(np.ptp(points, axis=0).max()) * plane.normal
+    color = piece.color if piece.values is None else NEUTRAL
+    return [
+        dataclasses.replace(
+            piece, positions=points, triangles=faces, color=color, values=None, outlined=False
+        )
+    ]
 
 
 def _cut(piece: Piece, plane: Plane) -> Piece:

@@ -148,5 +148,6 @@ def _rasterised(pieces: Sequence[Piece], style: Style) -> np.ndarray:
             crease_angle=crease_angle(piece),
             pale_back=piece.smooth and piece.values is None,
             fades_out=piece.scenery,
+            outlined=piece.outlined,
         )
     return np.asarray(canvas.draw())

@@ -49,7 +49,7 @@ def _read(path: Path, owner: str) -> tuple[dict[str, Any], dict[str, Any]]:
         arrays: dict[str, Any] = dict(read_arrays(path))
         header = json.loads(arrays.pop("header").astype(np.uint8).tobytes())
     except FileNotFoundError:
-        raise ReproducerError(f"{owner}: there is no such file") from None
+        raise ReproducerError(f"{owner}: there is no such file; check the path") from None
     except (DamageError, KeyError, ValueError, RecursionError) as error:
         raise ReproducerError(f"{owner} is damaged or no reproducer ({error}); write it again") from error
     try:

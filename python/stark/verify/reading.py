@@ -248,7 +248,14 @@ def pair_count(attachment: dict[str, Any]) -> int:
 def read(folder: Path, progress: Callable[[float, str], None] = lambda done, text: None) -> Run:
     """Reads and checks a run folder; UnreadableRecording names what is wrong. Chunks of states are read in
     turn."""
-    need(folder.is_dir(), f"'{folder}' is not a run folder: no such folder")
+    need(
+        folder.is_dir(),
+        f"'{folder}' is not a run folder: no such folder; check the path, stark run prints it",
+    )
+    there = (folder / "manifest.json").exists()
+    need(
+        there, f"'{folder}' is not a run folder: it has no manifest.json, which stark run and Recorder write"
+    )
     manifest = read_json(folder / "manifest.json")
     need(
         manifest.get("format") == "stark-recording" and manifest.get("version") == _READABLE,

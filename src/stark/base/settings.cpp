@@ -151,8 +151,9 @@ const Field& FieldTable::find(std::string_view name) const {
   std::vector<std::string> known;
   for (const Field& field : fields_) known.push_back(field.name);
   const std::string hint = nearest_name_hint(name, known);
-  fail("unknown " + std::string(kind_ == TableKind::Settings ? "setting '" : "parameter '") +
-       std::string(name) + "' of " + name_ + (hint.empty() ? "; known are " + joined(known) : hint));
+  const std::string what = kind_ == TableKind::Settings ? "setting '" + std::string(name) + "'"
+                                                        : "parameter '" + std::string(name) + "' of " + name_;
+  fail("unknown " + what + (hint.empty() ? "; known are " + joined(known) : hint));
 }
 
 FieldValue FieldTable::get(const void* object, std::string_view name) const { return find(name).get(object); }

@@ -138,7 +138,8 @@ class Shader {
     Vec3 base = colors_[t.mesh];
     if (mesh.fades_out && std::fabs(t.normal.z) > 0.999) base = base * (1.0 - grid_darkness(point, ray));
     if (back && mesh.pale_back) base = mix(base, 1.15 * dot(base, {0.3, 0.55, 0.15}) * Vec3{1, 1, 1}, 0.35);
-    if (settings_.edges && !mesh.fades_out) base = base * (1.0 - 0.45 * edge_coverage(t, point));
+    if (settings_.edges && mesh.outlined && !mesh.fades_out)
+      base = base * (1.0 - 0.45 * edge_coverage(t, point));
     double key = 1.0;
     const Vec3 light = lighting_.diffuse(rounded(t, n, b, point, face), normal, face, key);
     const Vec3 view = normalized(-ray);

@@ -21,6 +21,7 @@ struct RasterMesh {
   double crease_angle = 0.65;  ///< sharper edges are drawn as edges [rad]; pi: all smooth
   bool pale_back = false;      ///< the side that looks along the normals' back is drawn paler
   bool fades_out = false;      ///< dissolves far from the scene, for floors and walls
+  bool outlined = true;        ///< shows its edges where RasterSettings::edges asks for them
 };
 
 struct RasterCamera {

@@ -208,7 +208,7 @@ def test_more_refusals() -> None:
     sim = simulate(scene)
     with pytest.raises(stark.InvalidArgument, match="must be True or False"):
         glue.enabled = 1  # type: ignore[assignment]
-    with pytest.warns(stark.StarkWarning, match="'attachment': was added after"):
+    with pytest.warns(stark.StarkWarning, match="'attachment' was added after"):
         late = scene.attach(cloth.vertices[1], None)
     with pytest.raises(stark.InvalidArgument, match="was added after the simulation"):
         _ = late.forces

@@ -45,6 +45,22 @@ def test_wrong_usage(words, capsys) -> None:
     assert "usage: stark" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("verfy", "out"), "did you mean 'verify'?"),
+        (
+            ("run", "hello_cloth", "--untill", "1"),
+            "unrecognized arguments: --untill 1; did you mean '--until'?",
+        ),
+        (("still", "out", "--camra=1,2,3"), "did you mean '--camera'?"),
+    ],
+)
+def test_misspelt_verbs_and_options(words, hint: str, capsys) -> None:
+    assert command(*words) == 2
+    assert hint in capsys.readouterr().err
+
+
 def test_help_lists_all_verbs(capsys) -> None:
     assert command("--help") == 0
     out = capsys.readouterr().out

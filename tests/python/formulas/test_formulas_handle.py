@@ -176,6 +176,6 @@ def test_energies_added_after_the_simulation_say_so() -> None:
     scene, cloth = sheet(2)
     sim = stark.Simulation(scene, time_step=H)
     pull = scene.add(anchor(cloth.vertices, target=(0.0, 0.0, 0.1)))
-    with pytest.raises(InvalidArgument, match="was added after the simulation was made"):
+    with pytest.raises(InvalidArgument, match="was added after the simulation was created"):
         _ = pull.energy
     assert sim.energies == []

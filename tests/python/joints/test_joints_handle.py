@@ -109,9 +109,9 @@ def test_attributes_that_would_do_nothing_are_refused() -> None:
         hinge.displacement = 1.0  # type: ignore[attr-defined]
     with pytest.raises(AttributeError, match="'enabeld' cannot be set"):
         hinge.enabeld = False  # type: ignore[attr-defined]
-    with pytest.warns(stark.StarkWarning, match="joint 'ball': was added after"):
+    with pytest.warns(stark.StarkWarning, match="joint 'ball' was added after"):
         later = scene.add_ball(None, scene.bodies[0], anchor=(0, 0, 0))
-    with pytest.raises(stark.InvalidArgument, match="was added after the simulation was made"):
+    with pytest.raises(stark.InvalidArgument, match="was added after the simulation was created"):
         _ = later.reaction
     assert len(sim.joints) == 1
     assert copy.copy(hinge).name == "hinge"

@@ -30,6 +30,9 @@ def test_nothing_to_draw() -> None:
         ({"quality": "fine"}, "quality 'fine' is unknown; choose one of draft, good, best"),
         ({"camera": "left"}, "view 'left' is unknown; choose one of oblique"),
         ({"width": 0}, r"must be in \[1, 16384\]"),
+        ({"hide": "*"}, r"picture: hide = '\*' leaves none of the . bodies to draw: name at least one"),
+        ({"bodies": []}, r"picture: bodies = \[\] leaves none of the . bodies to draw"),
+        ({"bodies": "cloth", "hide": ["cloth"]}, r"bodies = 'cloth', hide = \['cloth'\] leaves none"),
     ],
 )
 def test_bad_options(options, message: str) -> None:

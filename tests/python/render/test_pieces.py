@@ -55,14 +55,35 @@ def test_clipped_solids_show_their_section(sim) -> None:
     assert outside.positions[outside.triangles][..., 2].max() == pytest.approx(0.013)
     assert inside.positions[:, 2] == pytest.approx(0.013)
     assert inside.values == pytest.approx(inside.positions[:, 0])
-    names = [piece.name for piece in pieces(sim, planes=[plane, None, None, plane])]
-    assert names.count("box") == 1  # hollow
+
+
+def section_area(piece) -> float:
+    x = piece.positions[piece.triangles]
+    return float(0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum())
+
+
+def test_clipped_rigid_bodies_and_rods_are_filled_and_cloth_is_not(sim) -> None:
+    plane = Plane.of((0, 0, 0.013), (0, 0, 1))
+    along = Plane.of((2.1, 0, 0), (1, 0, 0))
+    cut = pieces(sim, {"box": sim["box"].positions[:, 0]}, [None, plane, along, plane])
+    box, filled = (piece for piece in cut if piece.name == "box")
+    assert section_area(filled) == pytest.approx(0.04)
+    assert filled.positions[:, 2] == pytest.approx(0.013, abs=1e-4)
+    assert (
+        filled.values is None and filled.color == NEUTRAL and not filled.outlined
+    )  # values inside are not known
+    assert box.values is not None and box.outlined
+    radius = np.linalg.norm(sim["rod"].surface_positions[0, 1:])
+    rod = [piece for piece in cut if piece.name == "rod"][1]
+    assert 0.8 * math.pi * radius**2 < section_area(rod) < math.pi * radius**2  # of a tube with few sides
+    assert [piece.name for piece in cut].count("cloth") == 1
 
 
 def test_scenery_is_not_cut(sim) -> None:
     plane, box = Plane.of((3.0, 0, 0), (1, 0, 0)), [sim["box"]]
     for far, right in ((True, 3.1), (False, 3.0)):
-        (piece,) = pieces_of(box, [NEUTRAL], [far], [1.0], {}, [plane])
+        piece, *cut = pieces_of(box, [NEUTRAL], [far], [1.0], {}, [plane])
+        assert len(cut) == (0 if far else 1)
         assert piece.positions[piece.triangles][..., 0].max() == pytest.approx(right)
 
 

@@ -69,7 +69,7 @@ def test_each_simulation_has_its_robot() -> None:
     )
     later = scene.add_robot(ARM, position=(2, 0, 0))
     assert len(first.robots) == 1 and later.name == "arm_2"
-    with pytest.raises(stark.InvalidArgument, match="was added after the simulation was made"):
+    with pytest.raises(stark.InvalidArgument, match="was added after the simulation was created"):
         print(later.qd)
 
 
