@@ -87,3 +87,23 @@ def test_the_annotations_of_materials_are_the_parameters_of_the_core(kind: type)
     assert [name for name in kind.__annotations__ if not name.startswith("_")] == names
     assert all(parameter["doc"] for parameter in kind.parameters())
     assert [row["name"] for row in kind.parameters() if not row["unit"]] == ["strain_limit_law"]
+
+
+def test_laws_are_given_by_name_or_as_they_are() -> None:
+    values = {"density": 1000.0, "youngs_modulus": 1e5, "poissons_ratio": 0.3}
+    by_name = stark.SolidMaterial(law="neo_hookean", **values)
+    assert by_name.law is stark.materials.solid_laws["neo_hookean"]
+    assert stark.SolidMaterial(law=by_name.law, **values).law is by_name.law
+    assert by_name.replace(density=900.0).law is by_name.law
+    scene = stark.Scene()
+    scene.add_solid(mesh.tet_box(0.1, 1), by_name)
+    for kind, law in (
+        (stark.SolidMaterial, "hooke"),
+        (stark.ShellMaterial, "neo_hookean"),
+        (stark.ShellMaterial, by_name.law),
+        (stark.RodMaterial, 3),
+    ):
+        with pytest.raises(
+            stark.InvalidArgument, match=f"{kind.__name__}: law = .*must be one of .*@stark.material"
+        ):
+            kind(law=law)
