@@ -206,7 +206,7 @@ void StepRunner::accept(double h, bool is_cut) {
   ++state_.step_count;
   {
     const PhaseTimer::Scope scope(timer_, Phase::Commit);
-    report_.energy = ledger_.balance(energies_before_, h);
+    report_.energy = ledger_.balance(energies_before_, coordinates_before_);
     report_.energy.placed = placing_.placed().energy;
     report_.placed = placing_.placed().bodies;
     placing_.forget();
@@ -283,6 +283,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     else
       motion_.predict(h);
     energies_before_ = ledger_.stored_energies(step_start_);
+    coordinates_before_ = state_.joint_coordinate;
     joints_.begin_actuators(h);
   }
   if (has_joints) {
