@@ -65,13 +65,14 @@ void bind_diagnosis(nb::module_& m) {
   using D = Diagnosis;
   using E = StepEvidence;
   nb::class_<D>(m, "Diagnosis", "Why a step failed: cause, bodies, vertices and numbers, and what to change.")
-      .def_prop_ro("cause", path<&D::cause>,
-                   "'blocked_motion', 'overconstrained_pins', 'contradicting_joints', 'inverted_element', "
-                   "'not_finite', 'singular_energy', 'tolerance_below_round_off', 'no_equilibrium', "
-                   "'thickness_overlap', "
-                   "'unit_mistake', 'crushing_load', 'overload', 'detour', 'singular_system', 'stiffness_contrast', "
-                   "'iteration_budget', "
-                   "'time_budget', 'unknown'.")
+      .def_prop_ro(
+          "cause", path<&D::cause>,
+          "'blocked_motion', 'overconstrained_pins', 'contradicting_joints', 'inverted_element', "
+          "'not_finite', 'singular_energy', 'tolerance_below_round_off', 'no_equilibrium', "
+          "'thickness_overlap', "
+          "'unit_mistake', 'crushing_load', 'overload', 'detour', 'singular_system', 'stiffness_contrast', "
+          "'iteration_budget', "
+          "'time_budget', 'unknown'.")
       .def_ro("finding", &D::finding, "What was found, with names, numbers and units.")
       .def_ro("remedy", &D::remedy, "What to change.")
       .def_ro("bodies", &D::bodies, "Bodies involved: \"cloth 'towel'\".")
