@@ -168,7 +168,10 @@ void run(const Sample& sample, int order) {
 void set_positions(Sample& sample, nb::handle given) { sample.x = points_of(given, "x", sample.x.size()); }
 
 symbolic::Backend to_backend(const std::string& name) {
-  return choice_of<symbolic::Backend>(name, "backend");
+  const auto& names = EnumNames<symbolic::Backend>::kNames;
+  for (size_t k = 0; k < names.size(); ++k)
+    if (names[k] == name) return static_cast<symbolic::Backend>(k);
+  throw InvalidArgument("backend = '" + name + "': must be automatic, interpreter, avx2, avx512 or neon");
 }
 
 nb::dict statistics(const Formula& formula, const std::string& backend) {

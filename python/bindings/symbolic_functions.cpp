@@ -27,6 +27,17 @@ namespace {
 using AnyArray = nb::ndarray<const double, nb::device::cpu>;
 using Shape = std::vector<int64_t>;
 
+Backend backend_of(const std::string& name) {
+  const auto& known = EnumNames<Backend>::kNames;
+  const std::vector<std::string> names(known.begin(), known.end());
+  for (size_t k = 0; k < names.size(); ++k) {
+    if (names[k] == name) return static_cast<Backend>(k);
+  }
+  throw InvalidArgument("backend '" + name +
+                        "': need 'automatic', 'interpreter', 'avx2', 'avx512' or 'neon'" +
+                        nearest_name_hint(name, names));
+}
+
 Order order_of(int order) {
   if (order < 0 || order > 2) throw InvalidArgument("order " + std::to_string(order) + ": need 0, 1 or 2");
   return static_cast<Order>(order);
@@ -44,7 +55,7 @@ ArrayFunction compile_arrays(nb::handle outputs, nb::handle arguments, const std
     argument.differentiated = differentiated;
     for (const TracedScalar& x : require_traced_list(scalars, name)) argument.inputs.push_back(x.value);
   }
-  return ArrayFunction(values, inputs, choice_of<Backend>(backend, "backend"));
+  return ArrayFunction(values, inputs, backend_of(backend));
 }
 
 /// View of an argument whose last dimensions are its own and whose leading ones broadcast to the batch.
