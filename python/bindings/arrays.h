@@ -108,6 +108,15 @@ inline std::vector<Vec3> points_of(nb::handle object, const std::string& name,
   return rows_of<Vec3, double, 3>(object, name, expected);
 }
 
+/// As many positions as needed.
+inline std::vector<Vec3> points_of(nb::handle object, const std::string& name, std::size_t count) {
+  std::vector<Vec3> points = points_of(object, name, "an (n, 3) array of positions");
+  if (points.size() != count)
+    throw InvalidArgument(name + ": got " + std::to_string(points.size()) + " points, need " +
+                          std::to_string(count));
+  return points;
+}
+
 /// Numbers that a plain type is made of: Vec3 of doubles, std::array<int, 4> of ints.
 template <typename Value>
 struct NumbersOf {

@@ -6,6 +6,8 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <numeric>
+
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/formula.h>
 #include <stark/mechanics/potential_batch.h>
@@ -97,14 +99,10 @@ nb::tuple law_density(const Law& law, int points, DeformationOf deformation_of) 
                           "alone; write it with @stark.material");
   nb::list parameters;
   for (const UniformField& field : builder->uniform_fields()) {
-    nb::dict row;
-    row["name"] = field.name;
-    row["unit"] = field.unit;
-    row["doc"] = field.doc;
-    row["width"] = field.width;
-    row["range"] = nb::make_tuple(field.rule.low, field.rule.high, field.rule.low_open, field.rule.high_open);
-    row["inputs"] = traced_list(builder, builder->parameter_like(field));
-    parameters.append(row);
+    const FieldRule& rule = field.rule;
+    parameters.append(dict_of("name", field.name, "unit", field.unit, "doc", field.doc, "width", field.width,
+                              "range", nb::make_tuple(rule.low, rule.high, rule.low_open, rule.high_open),
+                              "inputs", traced_list(builder, builder->parameter_like(field))));
   }
   nb::list columns;
   for (int j = 0; j < points; ++j) columns.append(traced_list(builder, builder->x(j).v));
@@ -127,40 +125,29 @@ struct Sample {
   std::vector<Vec3> x;
 };
 
-std::vector<Vec3> positions(const nb::dict& given, const char* name, size_t expected) {
-  const auto array_of_points = array<Rows<double, 3>>(given[name], name, "an (n, 3) array of positions");
-  const std::span<const Vec3> points = rows<Vec3>(array_of_points);
-  if (points.size() != expected)
-    throw InvalidArgument(std::string(name) + ": got " + std::to_string(points.size()) + " points, need " +
-                          std::to_string(expected));
-  return {points.begin(), points.end()};
-}
-
 Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Backend backend) {
   const PotentialDefinition definition = define_potential("formula", "", formula);
   const std::vector<ParameterDeclaration> fields = parameters_of(definition);
   Sample sample{PotentialBatch(std::make_shared<Potential>(definition, backend, names_of(fields))), {}};
-  const auto x = array<Rows<double, 3>>(given["x"], "x", "an (n, 3) array of positions");
-  const std::span<const Vec3> points = rows<Vec3>(x);
-  sample.x.assign(points.begin(), points.end());
-  std::vector<int32_t> stencils(points.size());
-  for (size_t k = 0; k < stencils.size(); ++k) stencils[k] = static_cast<int32_t>(k);
+  sample.x = points_of(given["x"], "x", "an (n, 3) array of positions");
+  const size_t count = sample.x.size();
+  std::vector<int32_t> stencils(count);
+  std::iota(stencils.begin(), stencils.end(), 0);
   sample.batch.resize(stencils);
-  sample.batch.set_rest(positions(given, "X", points.size()));
-  sample.batch.set_previous(positions(given, "x_prev", points.size()));
-  sample.batch.set_initial(positions(given, "x_initial", points.size()));
+  sample.batch.set_rest(points_of(given["X"], "X", count));
+  sample.batch.set_previous(points_of(given["x_prev"], "x_prev", count));
+  sample.batch.set_initial(points_of(given["x_initial"], "x_initial", count));
   sample.batch.set_time(nb::cast<double>(given["time_step"]), nb::cast<double>(given["time"]));
   const nb::dict values = nb::cast<nb::dict>(given["values"]);
   for (const ParameterDeclaration& field : fields) {
-    const auto column =
-        array<Column<double>>(values[field.name.c_str()], field.name, "a flat array of numbers");
-    const std::span<const double> numbers = stark::bindings::values(column);
+    const auto numbers =
+        numbers_of<double>(values[field.name.c_str()], field.name, "a flat array of numbers");
     const size_t width = field.width;
     if (numbers.size() != width * sample.batch.size())
       throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers, need " +
                             std::to_string(width * sample.batch.size()));
     for (int64_t e = 0; e < sample.batch.size(); ++e)
-      sample.batch.set(field.name, e, numbers.subspan(e * width, width));
+      sample.batch.set(field.name, e, std::span(numbers).subspan(e * width, width));
   }
   return sample;
 }
@@ -178,14 +165,7 @@ void run(const Sample& sample, int order) {
   batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
 }
 
-void set_positions(Sample& sample, nb::handle given) {
-  const auto x = array<Rows<double, 3>>(given, "x", "an (n, 3) array of positions");
-  const std::span<const Vec3> points = rows<Vec3>(x);
-  if (points.size() != sample.x.size())
-    throw InvalidArgument("x: got " + std::to_string(points.size()) + " points, need " +
-                          std::to_string(sample.x.size()));
-  sample.x.assign(points.begin(), points.end());
-}
+void set_positions(Sample& sample, nb::handle given) { sample.x = points_of(given, "x", sample.x.size()); }
 
 symbolic::Backend to_backend(const std::string& name) {
   const auto& names = EnumNames<symbolic::Backend>::kNames;
@@ -197,16 +177,10 @@ symbolic::Backend to_backend(const std::string& name) {
 nb::dict statistics(const Formula& formula, const std::string& backend) {
   const Potential potential(define_potential("formula", "", formula), to_backend(backend));
   const symbolic::KernelStatistics& s = potential.kernel().statistics();
-  nb::dict d;
   const auto triple = [](const auto& v) { return nb::make_tuple(v[0], v[1], v[2]); };
-  d["operations"] = triple(s.operations);
-  d["instructions"] = triple(s.instructions);
-  d["code_bytes"] = triple(s.code_bytes);
-  d["build_seconds"] = triple(s.build_seconds);
-  d["algorithm"] = s.algorithm;
-  d["backend"] = symbolic::to_string(s.backend);
-  d["unknowns"] = potential.kernel().unknown_count();
-  return d;
+  return dict_of("operations", triple(s.operations), "instructions", triple(s.instructions), "code_bytes",
+                 triple(s.code_bytes), "build_seconds", triple(s.build_seconds), "algorithm", s.algorithm,
+                 "backend", s.backend, "unknowns", potential.kernel().unknown_count());
 }
 
 }  // namespace

@@ -10,7 +10,8 @@
 #include <stark/base/settings.h>
 #include <stark/sim/registry.h>
 
-#include "arrays.h"
+#include "casters.h"
+#include "domains.h"
 
 namespace {
 
@@ -30,24 +31,9 @@ PotentialDefinition find_potential(const std::string& name) {
 }
 
 nb::list potential_list() {
-  nb::list rows;
-  for (const PotentialDefinition& definition : registered_potentials()) {
-    nb::dict row;
-    row["name"] = definition.name;
-    row["points"] = definition.point_count;
-    row["doc"] = definition.doc;
-    rows.append(row);
-  }
-  return rows;
-}
-
-std::vector<Vec3> points(nb::object object, const std::string& name, int count) {
-  const auto array_of_points = array<Rows<double, 3>>(object, name, "an (n, 3) array of positions");
-  const std::span<const Vec3> given = rows<Vec3>(array_of_points);
-  if (static_cast<int>(given.size()) != count)
-    throw InvalidArgument(name + ": got " + std::to_string(given.size()) + " points, need " +
-                          std::to_string(count));
-  return {given.begin(), given.end()};
+  return list_of(registered_potentials(), [](const PotentialDefinition& d) {
+    return dict_of("name", d.name, "points", d.point_count, "doc", d.doc);
+  });
 }
 
 template <typename Field>
@@ -59,8 +45,7 @@ std::vector<double> numbers(const nb::dict& values, const Field& field) {
   if (field.width == 1) {
     result.push_back(nb::cast<double>(nb::float_(value)));
   } else {
-    const auto column = array<Column<double>>(value, field.name, std::to_string(field.width) + " numbers");
-    result.assign(column.data(), column.data() + column.shape(0));
+    result = numbers_of<double>(value, field.name, std::to_string(field.width) + " numbers");
   }
   if (static_cast<int>(result.size()) != field.width)
     throw InvalidArgument("value '" + field.name + "': got " + std::to_string(result.size()) +
@@ -73,9 +58,9 @@ nb::tuple evaluate_potential(const std::string& name, nb::object x, nb::object r
                              const nb::dict& values) {
   const Potential potential(find_potential(name), symbolic::Backend::Automatic);
   const int count = potential.point_count(), n = 3 * count;
-  const std::vector<Vec3> now = points(x, "x", count);
-  const std::vector<Vec3> X = rest.is_none() ? now : points(rest, "X", count);
-  const std::vector<Vec3> before = previous.is_none() ? now : points(previous, "x_prev", count);
+  const std::vector<Vec3> now = points_of(x, "x", count);
+  const std::vector<Vec3> X = rest.is_none() ? now : points_of(rest, "X", count);
+  const std::vector<Vec3> before = previous.is_none() ? now : points_of(previous, "x_prev", count);
   AlignedVector<double> unknowns(n * kLanes), elements(potential.element_width() * kLanes + 1),
       uniforms(potential.uniform_width() + 1);
   const auto spread = [](AlignedVector<double>& lanes, int row, double value) {

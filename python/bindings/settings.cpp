@@ -3,7 +3,9 @@
 #include <stark/sim/materials.h>
 #include <stark/sim/settings.h>
 
+#include "casters.h"
 #include "described.h"
+#include "domains.h"
 
 namespace {
 
@@ -32,26 +34,16 @@ void bind_settings_class(nb::module_& m) {
 
 template <typename Material>
 nb::list bind_presets(const std::vector<materials::Preset<Material>>& presets) {
-  nb::list rows;
-  for (const auto& preset : presets) rows.append(nb::make_tuple(preset.name, preset.source, preset.material));
-  return rows;
+  return list_of(presets, [](const auto& p) { return nb::make_tuple(p.name, p.source, p.material); });
 }
 
 nb::dict section_to_dict(const RodMaterial& material) {
-  const RodSection section = section_of(material);
-  nb::dict dict;
-  dict["mass"] = section.mass;
-  dict["axial_stiffness"] = section.axial_stiffness;
-  dict["shear_stiffness"] = section.shear_stiffness;
-  dict["bending_stiffness_1"] = section.bending_stiffness[0];
-  dict["bending_stiffness_2"] = section.bending_stiffness[1];
-  dict["torsional_stiffness"] = section.torsional_stiffness;
-  dict["yield_force"] = section.yield_force;
-  dict["yield_moment_1"] = section.yield_moments[0];
-  dict["yield_moment_2"] = section.yield_moments[1];
-  dict["yield_torque"] = section.yield_torque;
-  dict["yield_hardening"] = section.yield_hardening;
-  return dict;
+  const RodSection s = section_of(material);
+  return dict_of("mass", s.mass, "axial_stiffness", s.axial_stiffness, "shear_stiffness", s.shear_stiffness,
+                 "bending_stiffness_1", s.bending_stiffness[0], "bending_stiffness_2", s.bending_stiffness[1],
+                 "torsional_stiffness", s.torsional_stiffness, "yield_force", s.yield_force, "yield_moment_1",
+                 s.yield_moments[0], "yield_moment_2", s.yield_moments[1], "yield_torque", s.yield_torque,
+                 "yield_hardening", s.yield_hardening);
 }
 
 }  // namespace

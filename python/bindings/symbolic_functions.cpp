@@ -7,10 +7,9 @@
 #include <tuple>
 #include <utility>
 
-#include <stark/base/settings.h>
 #include <stark/symbolic/array_function.h>
 
-#include "arrays.h"
+#include "given.h"
 #include "symbolic.h"
 #include "without_gil.h"
 
@@ -56,8 +55,7 @@ ArrayFunction compile_arrays(nb::handle outputs, nb::handle arguments, const std
     argument.differentiated = differentiated;
     for (const TracedScalar& x : require_traced_list(scalars, name)) argument.inputs.push_back(x.value);
   }
-  const Backend chosen = backend_of(backend);
-  return ArrayFunction(values, inputs, chosen);
+  return ArrayFunction(values, inputs, backend_of(backend));
 }
 
 /// View of an argument whose last dimensions are its own and whose leading ones broadcast to the batch.
@@ -109,13 +107,8 @@ nb::tuple evaluate(const ArrayFunction& f, int order, bool with_values, bool wit
 
 nb::dict statistics(const ArrayFunction& f, int order) {
   const symbolic::ArrayFunctionStatistics s = f.statistics(order_of(order));
-  nb::dict result;
-  result["operations"] = s.operations;
-  result["instructions"] = s.instructions;
-  result["code_bytes"] = s.code_bytes;
-  result["build_seconds"] = s.build_seconds;
-  result["algorithm"] = s.algorithm;
-  return result;
+  return dict_of("operations", s.operations, "instructions", s.instructions, "code_bytes", s.code_bytes,
+                 "build_seconds", s.build_seconds, "algorithm", s.algorithm);
 }
 
 }  // namespace
@@ -125,16 +118,15 @@ void bind_array_functions(nb::module_& m) {
                             "Compiled values and derivatives of expressions over batches.")
       .def_prop_ro("output_count", &ArrayFunction::output_count)
       .def_prop_ro("variable_count", &ArrayFunction::variable_count)
-      .def_prop_ro("backend", [](const ArrayFunction& f) { return symbolic::to_string(f.backend()); })
+      .def_prop_ro("backend", &ArrayFunction::backend)
       .def("uses", &ArrayFunction::uses, "argument"_a, "Whether the outputs depend on an argument.")
       .def("evaluate", evaluate, "order"_a, "with_values"_a, "with_first"_a, "arrays"_a, "own_shapes"_a,
            "batch"_a, "(values, first derivatives, second derivatives), None where not asked for.")
       .def("statistics", statistics, "order"_a, "Counts of one order; builds its code if needed.");
   m.def("compile_arrays", compile_arrays, "outputs"_a, "arguments"_a, "backend"_a = "automatic",
         "Compiles outputs as a function of arguments, which are (name, scalars, differentiated).");
-  m.def(
-      "best_backend", [] { return symbolic::to_string(symbolic::best_backend()); },
-      "Name of the back end that 'automatic' stands for on this machine.");
+  m.def("best_backend", &symbolic::best_backend,
+        "Name of the back end that 'automatic' stands for on this machine.");
 }
 
 }  // namespace stark::bindings

@@ -45,7 +45,7 @@ def rows() -> dict[str, Row]:
 
 def validate(name: str, measured: ArrayLike) -> None:
     """Compares what was measured with the reference and with the documented value. With the environment
-    variable STARK_WRITE_VALIDATION the document takes the measured value first."""
+    variable STARK_WRITE_VALIDATION the document takes the measured value first, in a new row if need be."""
     values = np.atleast_1d(np.asarray(measured, dtype=float))
     if os.environ.get("STARK_WRITE_VALIDATION"):
         _write(name, values)
@@ -75,8 +75,19 @@ def _digits(value: float, tolerance: np.ndarray) -> int:
 
 
 def _write(name: str, values: np.ndarray) -> None:
-    text = PAGE.read_text()
+    text = _with_row(name, PAGE.read_text())
     match = next(m for m in _ROW.finditer(text) if m[1] == name)
     tolerance = _numbers(match[5])[:1]
     cell = ", ".join(f"{v:.{_digits(v, tolerance)}g}" for v in values)
     PAGE.write_text(text[: match.start(4)] + f" {cell} " + text[match.end(4) :])
+
+
+def _with_row(name: str, text: str) -> str:
+    """The page with a row of this name: a new one follows the last of its case, with the same reference."""
+    case, _, quantity = name.partition(".")
+    of_case = [m for m in _ROW.finditer(text) if m[1].partition(".")[0] == case]
+    if not of_case or any(m[1] == name for m in of_case):
+        return text
+    last = of_case[-1]
+    row = f"| `{name}` | {quantity.replace('_', ' ')} |{last[3]}|{last[4]}|{last[5]}|"
+    return f"{text[: last.end()]}\n{row}{text[last.end() :]}"
