@@ -207,6 +207,9 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "contact_core", [](const Scene& s, int32_t body) { return s.contact_core({body}); }, "body"_a)
       .def(
+          "is_filled", [](const Scene& s, int32_t body) { return s.is_filled({body}); }, "body"_a,
+          "Whether a body is the solid inside of its closed surface.")
+      .def(
           "initial_positions",
           [](const Scene& s, int32_t body) { return to_numpy<double>(s.initial_positions({body})); },
           "body"_a)
