@@ -1,4 +1,4 @@
-"""Bodies that overlap at the start: found together, by the tests that a simulation makes of them one by one."""
+"""Bodies that overlap at the start: found together, by the tests that a simulation makes of single pairs."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from stark.bodies.rod import Rod
 
 
 def overlapping(scene: Any, bodies: Sequence[Body]) -> list[tuple[Body, Body]]:
-    """Pairs of bodies whose surfaces intersect at time 0, or one of which is inside of another that is filled;
-    in the order of adding. Not those that have no contact anyway: disabled, held together by a joint without
-    contact, or neither of them free to move. Rods have no surface and are not looked at."""
+    """Pairs of bodies whose surfaces intersect at time 0, or one of which is inside of another that is
+    filled, in the order of adding. Not those that have no contact anyway: disabled, held together by a joint
+    without contact, or neither of them free to move. Rods have no surface and are not looked at."""
     parts = [body for body in bodies if not isinstance(body, Rod) and len(body.surface_triangles)]
     if len(parts) < 2:
         return []

@@ -54,8 +54,8 @@ def test_inside_of_what_is_filled() -> None:
 
 
 def test_pairs_without_contact_are_left_as_they_are() -> None:
-    """Held by a joint, disabled before, fixed both: none of them is reported, so what a joint holds comes into
-    contact again when it is released."""
+    """Held by a joint, disabled before, fixed both: none of them is reported, so what a joint holds
+    comes into contact again when it is released."""
     scene = chain(3)
     scene.add_hinge("link 0", "link 1", anchor=(0.145, 0, 0), axis=(0, 0, 1))
     scene.disable_contact("link 1", "link 2")
