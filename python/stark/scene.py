@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeGuard
@@ -103,7 +103,7 @@ class Scene(
         else:
             self._core.enable_contacts(*groups)
 
-    def disable_overlapping(self, bodies: Sequence[Body | str] | None = None) -> list[tuple[Body, Body]]:
+    def disable_overlapping(self, bodies: Iterable[Body | str] | None = None) -> list[tuple[Body, Body]]:
         """Lets the bodies that overlap at the start pass through each other, as neighbouring links of robots
         often do, and returns them in pairs: all that ``disable_contact`` was called for.
 
