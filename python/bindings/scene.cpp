@@ -146,6 +146,8 @@ void bind_description(nb::class_<Scene>& c) {
       .def("contact_distance", &Scene::contact_distance, "body"_a)
       .def("contact_stiffness", &Scene::contact_stiffness, "body"_a)
       .def("contact_core", &Scene::contact_core, "body"_a)
+      .def("is_filled", &Scene::is_filled, "body"_a,
+           "Whether a body is the solid inside of its closed surface.")
       .def("initial_positions", array_from<&Scene::initial_positions>, "body"_a)
       .def(
           "pose",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeGuard
@@ -118,6 +118,23 @@ class Scene(
             self._core.enable_contact(*self._pair((a, b)))
         else:
             self._core.enable_contacts(*groups)
+
+    def disable_overlapping(self, bodies: Iterable[Body | str] | None = None) -> list[tuple[Body, Body]]:
+        """Lets the bodies that overlap at the start pass through each other, as neighbouring links of robots
+        often do, and returns them in pairs: all that ``disable_contact`` was called for.
+
+        A simulation refuses such bodies one pair at a time. Looked at are ``bodies``, such as
+        ``robot.links.values()``, or all of the scene: pairs whose surfaces intersect, or one of which is
+        inside of another that is filled, unless they have no contact anyway. Certificates list the pairs as
+        excluded by the scene. Raises InvalidArgument for bodies of another scene, and where there is a
+        simulation already."""
+        from stark.bodies.overlaps import overlapping
+
+        chosen = list(self._bodies if bodies is None else (self._bodies[self._index(b)] for b in bodies))
+        pairs = overlapping(self, chosen)
+        for a, b in pairs:
+            self.disable_contact(a, b)
+        return pairs
 
     def _groups(self, caller: str, a: Bodies, b: Bodies | None) -> tuple[list[int], list[int]] | None:
         """Indices of both groups; None where both sides are single bodies."""

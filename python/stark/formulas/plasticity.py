@@ -1,7 +1,7 @@
 """Metal plasticity of solids at finite strain, as an incremental potential.
 
 Multiplicative split F = Fe Fp with isotropic elasticity in logarithmic strains (Hencky), the yield criterion
-of von Mises and isotropic hardening, linear and saturating; radial return with the exponential map (Simo 1992, Comput.
+of von Mises and isotropic hardening; radial return with the exponential map (Simo 1992, Comput.
 Methods Appl. Mech. Engrg. 99, 61-112; Ortiz and Stainier 1999, ibid. 171, 419-444). The energy of a step is
 the least over the plastic strain of the step, in closed form, so that stresses and tangents are exact
 derivatives [theory eq. 10d, 10e]. Kinematic hardening is a spring beside what yields (Haward and Thackray

@@ -92,6 +92,15 @@ class JointActuators(Handle):
         that sticks creeps slower than that), and viscous friction [N m s/rad, N s/m]."""
         return self.add_actuator("joint_friction", cap=cap, stick_rate=stick_rate, viscous=viscous, **options)
 
+    def add_brake(
+        self, cap: TimeValue, *, give: float = 1e-4, engaged: TimeValue = 1.0, **options: Any
+    ) -> Actuator:
+        """Holds the coordinate where it is when the brake is engaged, without creep, with at most ``cap``
+        [N m, N]; slips beyond. ``give`` [rad, m]: how far it gives way at ``cap``, which comes back.
+        ``engaged``: 1 holds, 0 lets go, from the next step on; it holds what it finds at the start of the
+        step in which it is engaged [theory eq. 36a]."""
+        return self.add_actuator("brake", cap=cap, give=give, engaged=engaged, **options)
+
     def add_armature(self, inertia: float, **options: Any) -> Actuator:
         """Inertia of the coordinate [kg m^2, kg] that is in neither body, such as that of a geared rotor."""
         return self.add_actuator("armature", inertia=inertia, **options)

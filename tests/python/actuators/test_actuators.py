@@ -256,3 +256,60 @@ def test_a_screw_is_a_gear_within_a_cylindrical_joint_and_no_coordinate_is_geare
     fall = 0.5 * 9.81 / (1.0 + inertia / 0.05**2) * 0.5**2
     assert thread.coordinates["displacement"] == pytest.approx(-fall, rel=2e-3)
     assert thread.coordinates["angle"] == pytest.approx(-fall / 0.05, rel=2e-3)  # several turns
+
+
+def test_a_brake_holds_without_creep_and_gives_way_in_proportion() -> None:
+    scene, _, hinge = machine()
+    brake = hinge.add_brake(1.0, give=2e-3)
+    push = hinge.add_effort(0.75)
+    sim = simulate(scene)
+    advance(sim, 100)
+    assert hinge.angle == pytest.approx(0.75 * 2e-3, rel=1e-6)
+    assert abs(hinge.rates["angle"]) < 1e-9  # friction would creep, at half of its stick rate
+    assert brake.torque == pytest.approx(-0.75, rel=1e-6)
+    push.target = 0.0
+    advance(sim, 100)
+    assert abs(hinge.angle) < 1e-9
+
+
+def test_a_brake_slips_at_its_cap_and_holds_what_it_stopped() -> None:
+    """1 kg at 1 m/s under 0.5 N against 2 N: 1.5 m/s^2, to rest in 2/3 s; then held where it stopped."""
+    scene, _, slider = machine("slider", velocity=(0, 0, 1.0))
+    brake = slider.add_brake(2.0, give=1e-5, engaged=0.0)
+    slider.add_effort(0.5)
+    sim = simulate(scene, time_step=1e-3)
+    advance(sim, 200)
+    speed = slider.rates["displacement"]
+    assert speed == pytest.approx(1.0 + 0.5 * 0.2, rel=1e-6) and brake.force == 0.0
+    start = slider.displacement
+    brake.engaged = 1.0
+    advance(sim, 100)
+    assert brake.force == pytest.approx(-2.0, rel=1e-9)
+    advance(sim, 1400)
+    # Less half a step of the first speed, as implicit Euler has it; the rest is what it gives.
+    assert slider.displacement - start == pytest.approx(speed**2 / 3.0 - 0.5e-3 * speed, abs=3e-5)
+    assert abs(slider.rates["displacement"]) < 1e-9
+    assert brake.force == pytest.approx(-0.5, rel=1e-6)
+
+
+def test_a_brake_holds_where_it_is_engaged_and_rewinds() -> None:
+    scene, body, slider = machine("slider", velocity=(0, 0, 0.5))
+    brake = slider.add_brake(1e3, engaged=0.0)
+    sim = simulate(scene)
+    advance(sim, 10)
+    where, state = slider.displacement, sim.state
+    ends = []
+    for _ in range(2):
+        sim.state = state
+        brake.engaged = 1.0
+        advance(sim, 60)
+        assert slider.displacement == pytest.approx(where, abs=1e-3)
+        ends.append(body.position.copy())
+        brake.engaged = 0.0
+        advance(sim, 1)
+        assert brake.force == 0.0
+    np.testing.assert_array_equal(ends[0], ends[1])
+    with pytest.raises(stark.InvalidArgument, match="engaged"):
+        brake.engaged = 2.0
+    with pytest.raises(stark.InvalidArgument, match="give"):
+        slider.add_brake(1.0, give=0.0)

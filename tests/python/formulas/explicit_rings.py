@@ -18,8 +18,15 @@ class Rings:
     """Elements q of nodes X (r, z), of a metal whose yield stress is first + slope p."""
 
     def __init__(
-        self, X: np.ndarray, q: np.ndarray, young: float, ratio: float, density: float, first: float, slope: float
-    ) -> None:  # fmt: skip
+        self,
+        X: np.ndarray,
+        q: np.ndarray,
+        young: float,
+        ratio: float,
+        density: float,
+        first: float,
+        slope: float,
+    ) -> None:
         self.q, self.first, self.slope = q, first, slope
         self.mu, self.bulk = young / (2 * (1 + ratio)), young / (3 * (1 - 2 * ratio))
         self.speed = np.sqrt((self.bulk + 4 / 3 * self.mu) / density)

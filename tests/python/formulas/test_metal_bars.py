@@ -221,7 +221,7 @@ def area(across: int, z: Any) -> Any:
 
 
 def one_dimensional(force: float, across: int) -> float:
-    """Way of an end [m] while the bar has no neck: each section has the strain at which it bears the force."""
+    """Way of an end [m] while the bar has no neck: each section has the strain that bears the force."""
     stresses = force / area(across, (np.arange(400) + 0.5) / 400)
     p = np.linspace(0.0, 0.12, 40001)  # up to where the load is the largest
     stress = flow_stress(p) * np.exp(-p - flow_stress(p) / YOUNG)  # nominal

@@ -1,0 +1,57 @@
+"""Bodies that overlap at the start: found together, by the tests that a simulation makes of single pairs."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stark import _core
+from stark._core import InvalidArgument
+from stark.bodies.body import Body
+from stark.bodies.rod import Rod
+
+
+def overlapping(scene: Any, bodies: Sequence[Body]) -> list[tuple[Body, Body]]:
+    """Pairs of bodies whose surfaces intersect at time 0, or one of which is inside of another that is
+    filled, in the order of adding. Not those that have no contact anyway: disabled, held together by a joint
+    without contact, or neither of them free to move. Rods have no surface and are not looked at."""
+    parts = [body for body in bodies if not isinstance(body, Rod) and len(body.surface_triangles)]
+    if len(parts) < 2:
+        return []
+    if scene._latest_simulation() is not None:
+        raise InvalidArgument(
+            "disable_overlapping: the scene has a simulation: must be called before one is made, as it looks "
+            "at where bodies start"
+        )
+    x = [np.asarray(body.surface_positions) for body in parts]
+    first = np.cumsum([0, *(len(rows) for rows in x)])
+    group = np.repeat(np.arange(len(parts), dtype=np.int32), np.diff(first))
+    triangles = [body.surface_triangles + start for body, start in zip(parts, first[:-1], strict=True)]
+    surface = np.concatenate(triangles).astype(np.int32)
+    sides = np.sort(surface[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges = np.unique(sides, axis=0)
+    apart = _without_contact(scene, parts)
+    found = _core.CollisionScene(group, edges, surface, excluded_pairs=apart)
+    where = np.concatenate(x)
+    met = found.find_intersections(where)
+    inside = [pair for pair in found.find_contained_groups(where)[:, :2] if _is_filled(scene, parts[pair[1]])]
+    rows = np.column_stack([group[edges[met[:, 0], 0]], group[surface[met[:, 1], 0]]]).tolist()
+    pairs = {(min(pair), max(pair)) for pair in (*rows, *(pair.tolist() for pair in inside))}
+    return [(parts[a], parts[b]) for a, b in sorted(pairs)]
+
+
+def _is_filled(scene: Any, body: Body) -> bool:
+    return bool(scene._core.is_filled(body._index))
+
+
+def _without_contact(scene: Any, parts: Sequence[Body]) -> np.ndarray:
+    """Pairs of places in ``parts`` to be left out, bodies with themselves among them (n, 2)."""
+    left_out = {(k, k) for k in range(len(parts))}
+    resting = [getattr(body, "motion", "dynamic") != "dynamic" for body in parts]
+    for a, b in itertools.combinations(range(len(parts)), 2):
+        if (resting[a] and resting[b]) or not scene.contact_enabled(parts[a], parts[b]):
+            left_out.add((a, b))
+    return np.array(sorted(left_out), dtype=np.int32)
