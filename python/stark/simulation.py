@@ -256,7 +256,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         self._require_free("state = ...")
         if not isinstance(state, _core.State):
             raise InvalidArgument(
-                f"state = {state!r}: must be one that the state of a simulation of this scene gave"
+                f"state = {state!r}: must be a state that sim.state of a simulation of this scene returned"
             )
         self._core.state = state
         self._last_step = self._taken = None
@@ -315,6 +315,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
 
     @property
     def scene(self) -> Scene:
+        """The scene that is simulated."""
         return self._scene
 
     @property

@@ -256,3 +256,13 @@ def test_a_screw_is_a_gear_within_a_cylindrical_joint_and_no_coordinate_is_geare
     fall = 0.5 * 9.81 / (1.0 + inertia / 0.05**2) * 0.5**2
     assert thread.coordinates["displacement"] == pytest.approx(-fall, rel=2e-3)
     assert thread.coordinates["angle"] == pytest.approx(-fall / 0.05, rel=2e-3)  # several turns
+
+
+def test_limits_that_look_like_degrees_warn() -> None:
+    scene = stark.Scene()
+    arm = scene.add_box(0.1, mass=1.0)
+    hinge = scene.add_hinge(None, arm, anchor=(0, 0, 0), axis="z")
+    with pytest.warns(stark.StarkWarning, match=r"lower = -90 rad, upper = 90 rad.*90 \* stark\.deg"):
+        hinge.add_limit(-90, 90)
+    with pytest.raises(AttributeError, match="'hinge' has no attribute 'angel'; its coordinates: angle"):
+        _ = hinge.angel
