@@ -173,17 +173,3 @@ def test_steps_that_look_like_milliseconds_warn() -> None:
         warnings.simplefilter("error")
         stark.Simulation(scene, time_step=1.0)
         stark.Simulation(scene, time_step=10.0, **{"time.integrator": "quasistatic"})
-
-
-def test_contact_distances_that_dwarf_a_rigid_body_warn() -> None:
-    scene = stark.Scene()
-    scene.add_floor()
-    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 1), name="crate", contact_distance=1.0)
-    with pytest.warns(
-        stark.StarkWarning, match=r"'crate': contact_distance = 1 m is more than half the diagonal"
-    ):
-        stark.Simulation(scene)
-    scene.disable_contact(box, "floor")  # touches nothing
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        stark.Simulation(scene)

@@ -44,20 +44,6 @@ void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
                      quantity_text(0.5 * shortest, "m") + ", longer edges, or self_contact = false");
 }
 
-/// A body beside which the gap that it keeps is large: probably millimetres that were given as metres.
-void warn_about_size(const Scene& scene, BodyId body, double distance, std::vector<std::string>& warnings) {
-  const double size = norm(box_size(scene.rest_vertices(body)));
-  if (2.0 * distance <= size) return;
-  bool touches = false;
-  for (int32_t i = 0; i < scene.body_count() && !touches; ++i)
-    touches = i != body.index && scene.contact_enabled(body, BodyId{i});
-  if (!touches) return;
-  warnings.push_back(owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
-                     quantity_text(distance, "m") + " is more than half the diagonal of the body, " +
-                     quantity_text(size, "m") + ", so it floats above what it lies on; use at most " +
-                     quantity_text(kPartOfSize * size, "m"));
-}
-
 }  // namespace
 
 double contact_distance(const Scene& scene, BodyId body, const Settings& settings) {
@@ -84,11 +70,8 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
   if (!settings.contact.enabled) return warnings;
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId body{i};
+    if (!can_touch_itself(scene, body, settings)) continue;
     const double distance = contact_distance(scene, body, settings);
-    if (!can_touch_itself(scene, body, settings)) {
-      warn_about_size(scene, body, distance, warnings);
-      continue;
-    }
     if (scene.kind(body) == BodyKind::Rod) {
       warn_about_short_edges(scene, body, distance, warnings);
       continue;

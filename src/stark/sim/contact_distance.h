@@ -22,7 +22,7 @@ void check_resolved(const Scene& scene, BodyId body, const Settings& settings, s
 
 /// What a scene with these settings should be warned about: contact distances above half the smallest height
 /// of a triangle (the shortest edge of a rod) that can touch its own body, which makes a mesh press on itself
-/// at rest, or above half the diagonal of another body.
+/// at rest.
 std::vector<std::string> check_contact_distances(const Scene& scene, const Settings& settings);
 
 }  // namespace stark
