@@ -35,8 +35,8 @@ def _declares(cls: type, name: str) -> bool:
 
 
 class AnsweredAttributes(KnownAttributes):
-    """Also says what was meant where an unknown attribute is read. For objects that are read rarely: it makes every
-    attribute 50 ns slower."""
+    """Also says what was meant where an unknown attribute is read. For objects that are read rarely: it
+    makes every attribute 50 ns slower."""
 
     if not TYPE_CHECKING:  # checkers would take every name for known
 

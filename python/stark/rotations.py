@@ -40,7 +40,8 @@ def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 def direction(value: str | ArrayLike, name: str) -> NDArray[np.float64]:
-    """A vector (3,) that is not zero, of any length: one of the axes "x", "y", "z" of the world, or three numbers."""
+    """A vector (3,) that is not zero, of any length: one of the axes "x", "y", "z" of the world, or three
+    numbers."""
     if isinstance(value, str):
         if value not in _AXES:
             raise InvalidArgument(f"{name} = {value!r}: must be 'x', 'y', 'z' or three numbers")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -44,7 +44,7 @@ class Scene(
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     name: str
-    _elsewhere = {
+    _elsewhere: ClassVar[Mapping[str, str]] = {
         "set_friction": "scene.friction[a, b] = 0.5, or friction=0.5 where a body is added",
         "add_ground": "scene.add_floor()",
         "add_plane": "scene.add_floor()",
@@ -135,9 +135,9 @@ class Scene(
         return indices
 
     def contact_enabled(self, a: Body | str, b: Body | str) -> bool:
-        """Whether two bodies act on each other by contact: not where ``disable_contact`` or a joint between them
-        says otherwise. A body with itself: whether it has self-contact. Raises InvalidArgument for bodies of
-        another scene and unknown names."""
+        """Whether two bodies act on each other by contact: not where ``disable_contact`` or a joint between
+        them says otherwise. A body with itself: whether it has self-contact. Raises InvalidArgument for
+        bodies of another scene and unknown names."""
         return self._core.contact_enabled(*self._pair((a, b)))
 
     # --- energies ---

@@ -148,7 +148,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
         if reached(self, end) and end < self.time * (1.0 - 1e-9):
             warnings.warn(
-                f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is taken; until is a "
+                f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is "
+                f"taken; until is a "
                 f"time, not a duration: for {end:g} s more write run(until=sim.time + {end:g})",
                 StarkWarning,
                 stacklevel=2,

@@ -91,5 +91,6 @@ class Solid(LayeredBody):
 
     @property
     def surface_triangles(self) -> Indices:
-        """Triangles of the surface (m, 3), as indices of ``surface_positions``, counterclockwise from outside."""
+        """Triangles of the surface (m, 3), as indices of ``surface_positions``, counterclockwise from
+        outside."""
         return self._surface()[2]

@@ -118,7 +118,8 @@ class JointActuators(Handle):
         units = {unit for _, unit in self._coordinates}
         if units == {"rad"} and all(abs(value) > _MANY_TURNS for value in given.values()):
             warnings.warn(
-                f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in radians; write "
+                f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
+                f"radians; write "
                 f"90 * stark.deg if degrees are meant",
                 StarkWarning,
                 stacklevel=2,

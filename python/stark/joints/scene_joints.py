@@ -52,10 +52,10 @@ class SceneJoints(SceneLink):
         """Adds a joint of any kind: the name of a built-in one or a function with ``@stark.joint``.
 
         ``axis`` ("x", "y", "z" or three numbers) is the z axis of both frames, or ``rotation`` (matrix or
-        quaternion) gives all axes, in the world at time 0; without them, a body gets the frame of the other side. ``values``: constants that
-        the kind has. A joint whose reaction exceeds ``break_force`` [N] or ``break_torque`` [N m], about the
-        origin of frame b, in a step is released at its end for good. Joints are held within
-        ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the settings."""
+        quaternion) gives all axes, in the world at time 0; without them, a body gets the frame of the other
+        side. ``values``: constants that the kind has. A joint whose reaction exceeds ``break_force`` [N] or
+        ``break_torque`` [N m], about the origin of frame b, in a step is released at its end for good.
+        Joints are held within ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the settings."""
         from stark.joints.adding import add_joint
 
         joint = add_joint(
