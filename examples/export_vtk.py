@@ -8,7 +8,9 @@ Leaves out/fall.pvd and out/export_vtk.png, the picture of docs/export.md."""
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,8 +34,7 @@ def simulate(path: Path) -> None:
 
 def draw(path: Path, picture: Path) -> None:
     """The last time of the file."""
-    import pyvista
-
+    pyvista: Any = importlib.import_module("pyvista")
     reader = pyvista.get_reader(str(path))
     reader.set_active_time_value(reader.time_values[-1])
     (mesh,) = reader.read()
