@@ -1,9 +1,10 @@
 """robot_towel: a vacuum robot meets a folded or rolled towel; the experiment of section IV-A of the paper.
 
 What it shows: a robot with motors, suspension and casters on a folded towel, in one solve with the friction
-of all pairs. The outcome is judged by numbers: "over" if the drive axle ends 0.15 m beyond the front edge
-of the towel and the towel went less than half as far as the robot since they met; "pushed" if the towel went
-0.10 m and at least half as far; "stuck" otherwise, if the robot stands. LABORATORY is Table I of the paper.
+of all pairs. The outcome is judged by numbers: "over" if the drive axle is 0.15 m beyond the front edge of
+the towel at the end, still drives on, and the towel went less than half as far as the robot since they met;
+"pushed" if the towel went 0.10 m and at least half as far; "stuck" otherwise, if the robot stands, as before
+the roll at the end of a tail that it has driven onto. LABORATORY is Table I of the paper.
 The check: motors keep their limit of torque, and the outcome is one of the three.
 
     python examples/robot_towel.py                  the flat towel on carpet; picture in out/robot_towel*
@@ -104,12 +105,13 @@ def outcome(robot_y, towel_y, speed):
     cells, configuration = options["cells"], options["towel"]
     robot_went = robot_y - (FRONT - robot.PROFILE[1][0])
     towel_went = towel_y - (FRONT + towel.placed(cells, configuration)[:, 1].mean())
-    if robot_y > FRONT + AHEAD and towel_went < 0.5 * robot_went:
+    stands = abs(speed) < STANDS
+    if robot_y > FRONT + AHEAD and towel_went < 0.5 * robot_went and not stands:
         word = "over"
     elif towel_went >= MOVED and towel_went >= 0.5 * robot_went:
         word = "pushed"
     else:
-        word = "stuck" if abs(speed) < STANDS else "undecided"
+        word = "stuck" if stands else "undecided"
     return word, {"robot_went": robot_went, "towel_went": towel_went, "speed": speed}
 
 

@@ -11,7 +11,18 @@ PACKAGE = "python/stark"
 
 #: From the ground up; names of modules or packages below stark, the longest that fits a module counts.
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("_core", "_cpu", "_interrupts", "errors", "on_demand", "overloads", "attributes", "files", "arguments"),
+    (
+        "_core",
+        "_cpu",
+        "_interrupts",
+        "errors",
+        "on_demand",
+        "overloads",
+        "attributes",
+        "files",
+        "arguments",
+        "named",
+    ),
     ("array_file", "rotations", "palette", "scene_record", "telemetry"),
     ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic", "curves"),
     ("handle",),

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -74,16 +75,75 @@ Array array(nb::handle object, const std::string& name, const std::string& expec
   throw InvalidArgument(name + ": got " + got + ", need " + expected);
 }
 
-/// NumPy array that owns the values of a vector: shape (n,) for numbers, (n, k) for types made of k numbers.
-template <typename T, typename Value>
-nb::ndarray<nb::numpy, T> to_numpy(std::vector<Value>&& vector) {
-  static_assert(sizeof(Value) % sizeof(T) == 0);
-  constexpr std::size_t columns = sizeof(Value) / sizeof(T);
-  auto* owned = new std::vector<Value>(std::move(vector));
+/// The numbers of an array of rows, or of a flat one, as a list of their own.
+template <typename Value, typename T, long columns>
+std::vector<Value> rows_of(nb::handle object, const std::string& name, const std::string& expected) {
+  const auto given = array<Rows<T, columns>>(object, name, expected);
+  const auto view = rows<Value>(given);
+  return {view.begin(), view.end()};
+}
+template <typename T>
+std::vector<T> numbers_of(nb::handle object, const std::string& name, const std::string& expected) {
+  const auto given = array<Column<T>>(object, name, expected);
+  return {given.data(), given.data() + given.shape(0)};
+}
+
+inline Vec3 vector_of(nb::handle object, const std::string& name) {
+  const auto v = numbers_of<double>(object, name, "three numbers");
+  if (v.size() != 3)
+    throw InvalidArgument(name + ": got " + std::to_string(v.size()) + " numbers, need three numbers");
+  return {v[0], v[1], v[2]};
+}
+inline Mat3 matrix_of(nb::handle object, const std::string& name,
+                      const std::string& expected = "a 3 x 3 rotation matrix") {
+  const auto matrix = array<Rows<double, 3>>(object, name, expected);
+  if (matrix.shape(0) != 3)
+    throw InvalidArgument(name + ": got " + std::to_string(matrix.shape(0)) + " rows, need " + expected);
+  Mat3 result;
+  std::copy_n(matrix.data(), 9, result.m.begin());
+  return result;
+}
+inline std::vector<Vec3> points_of(nb::handle object, const std::string& name,
+                                   const char* expected = "an array of shape (n, 3) of real numbers [m]") {
+  return rows_of<Vec3, double, 3>(object, name, expected);
+}
+
+/// Numbers that a plain type is made of: Vec3 of doubles, std::array<int, 4> of ints.
+template <typename Value>
+struct NumbersOf {
+  using type = Value;
+};
+template <>
+struct NumbersOf<Vec3> {
+  using type = double;
+};
+template <>
+struct NumbersOf<Mat3> {
+  using type = double;
+};
+template <typename T, std::size_t n>
+struct NumbersOf<std::array<T, n>> {
+  using type = T;
+};
+template <typename Value>
+using Numpy = nb::ndarray<nb::numpy, typename NumbersOf<Value>::type>;
+
+/// NumPy array of a shape that owns values; vectors may be moved into it.
+template <typename Value>
+Numpy<Value> to_numpy(std::vector<Value> values, const std::vector<std::size_t>& shape) {
+  auto* owned = new std::vector<Value>(std::move(values));
   nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<Value>*>(p); });
-  const std::array<std::size_t, 2> shape = {owned->size(), columns};
-  return nb::ndarray<nb::numpy, T>(reinterpret_cast<T*>(owned->data()), columns == 1 ? 1 : 2, shape.data(),
-                                   owner);
+  using T = typename NumbersOf<Value>::type;
+  return Numpy<Value>(reinterpret_cast<T*>(owned->data()), shape.size(), shape.data(), owner);
+}
+
+/// Of shape (n,) for numbers, (n, k) for types made of k numbers.
+template <typename Value>
+Numpy<Value> to_numpy(std::vector<Value> values) {
+  constexpr std::size_t columns = sizeof(Value) / sizeof(typename NumbersOf<Value>::type);
+  const std::size_t count = values.size();
+  if constexpr (columns == 1) return to_numpy(std::move(values), {count});
+  return to_numpy(std::move(values), {count, columns});
 }
 
 }  // namespace stark::bindings

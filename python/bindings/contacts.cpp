@@ -3,7 +3,8 @@
 
 #include <stark/sim/simulation.h>
 
-#include "arrays.h"
+#include "casters.h"
+#include "domains.h"
 #include "stepping.h"
 
 namespace nb = nanobind;
@@ -41,26 +42,19 @@ nb::dict contact_dict(const Simulation& sim) {
     friction.push_back(entry.friction);
     slip.push_back(entry.slip);
   }
-  nb::dict d;
-  d["bodies"] = to_numpy<int32_t>(std::move(bodies));
-  d["vertices"] = to_numpy<int32_t>(std::move(vertices));
-  d["weights"] = to_numpy<double>(std::move(weights));
-  d["first_counts"] = to_numpy<int32_t>(std::move(first_counts));
-  d["distances"] = to_numpy<double>(std::move(distance));
-  d["points_a"] = to_numpy<double>(std::move(point_a));
-  d["points_b"] = to_numpy<double>(std::move(point_b));
-  d["normal_forces"] = to_numpy<double>(std::move(normal_force));
-  d["frictions"] = to_numpy<double>(std::move(friction));
-  d["slips"] = to_numpy<double>(std::move(slip));
-  return d;
+  return dict_of("bodies", to_numpy(std::move(bodies)), "vertices", to_numpy(std::move(vertices)), "weights",
+                 to_numpy(std::move(weights)), "first_counts", to_numpy(std::move(first_counts)), "distances",
+                 to_numpy(std::move(distance)), "points_a", to_numpy(std::move(point_a)), "points_b",
+                 to_numpy(std::move(point_b)), "normal_forces", to_numpy(std::move(normal_force)),
+                 "frictions", to_numpy(std::move(friction)), "slips", to_numpy(std::move(slip)));
 }
 
-auto inner_vertices(const Simulation& sim, int32_t body) {
-  const int32_t first = sim.model().bodies()[body].first_site;
+auto inner_vertices(const Simulation& sim, BodyId body) {
+  const int32_t first = sim.model().bodies()[body.index].first_site;
   std::vector<int32_t> inner;
   for (const int32_t v : sim.surface_mesh().inner)
-    if (sim.surface_mesh().vertex_group[v] == body) inner.push_back(v - first);
-  return to_numpy<int32_t>(std::move(inner));
+    if (sim.surface_mesh().vertex_group[v] == body.index) inner.push_back(v - first);
+  return to_numpy(std::move(inner));
 }
 
 }  // namespace
@@ -69,18 +63,13 @@ void bind_contacts(nb::module_& m) {
   m.def("contacts", &contact_dict, "simulation"_a,
         "The contacts of the last step: arrays with one row each; forces are on the first body.");
   m.def(
-      "contact_force",
-      [](const Simulation& sim, int32_t body) {
-        const Vec3 force = sim.contact_force(BodyId{body});
-        return to_numpy<double>(std::vector<double>{force.x, force.y, force.z});
-      },
+      "contact_force", [](const Simulation& sim, BodyId body) { return sim.contact_force(body); },
       "simulation"_a, "body"_a, "Sum of the contact forces on a body in the last step (3,) [N].");
   m.def(
       "closest_points",
-      [](Simulation& sim, int32_t a, int32_t b) {
-        const ClosestPoints points = sim.closest_points(BodyId{a}, BodyId{b});
-        const auto place = [](const Vec3& p) { return to_numpy<double>(std::vector<double>{p.x, p.y, p.z}); };
-        return nb::make_tuple(points.distance, place(points.point_a), place(points.point_b));
+      [](Simulation& sim, BodyId a, BodyId b) {
+        const ClosestPoints points = sim.closest_points(a, b);
+        return nb::make_tuple(points.distance, points.point_a, points.point_b);
       },
       "simulation"_a, "a"_a, "b"_a, "Distance of two bodies [m], and where they are nearest [m].");
   m.def("inner_vertices", &inner_vertices, "simulation"_a, "body"_a,

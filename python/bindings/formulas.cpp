@@ -10,11 +10,9 @@
 #include <stark/mechanics/formula.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/sim/registry.h>
-#include <stark/sim/simulation.h>
 
-#include "field_values.h"
-#include "formulas.h"
-#include "stepping.h"
+#include "domains.h"
+#include "given.h"
 #include "symbolic.h"
 
 namespace stark::bindings {
@@ -169,7 +167,7 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
 
 /// (elements * outputs,): energy, gradient, upper triangle of the Hessian of each element.
 auto evaluate(const Sample& sample, int order) {
-  return to_numpy<double>(sample.batch.evaluate(static_cast<Order>(order), sample.x));
+  return to_numpy(sample.batch.evaluate(static_cast<Order>(order), sample.x));
 }
 
 /// The work of an evaluation without its results, for timings.
@@ -189,6 +187,13 @@ void set_positions(Sample& sample, nb::handle given) {
   sample.x.assign(points.begin(), points.end());
 }
 
+symbolic::Backend to_backend(const std::string& name) {
+  const auto& names = EnumNames<symbolic::Backend>::kNames;
+  for (size_t k = 0; k < names.size(); ++k)
+    if (names[k] == name) return static_cast<symbolic::Backend>(k);
+  throw InvalidArgument("backend = '" + name + "': must be automatic, interpreter, avx2, avx512 or neon");
+}
+
 nb::dict statistics(const Formula& formula, const std::string& backend) {
   const Potential potential(define_potential("formula", "", formula), to_backend(backend));
   const symbolic::KernelStatistics& s = potential.kernel().statistics();
@@ -205,57 +210,6 @@ nb::dict statistics(const Formula& formula, const std::string& backend) {
 }
 
 }  // namespace
-
-symbolic::Backend to_backend(const std::string& name) {
-  const auto& names = EnumNames<symbolic::Backend>::kNames;
-  for (size_t k = 0; k < names.size(); ++k)
-    if (names[k] == name) return static_cast<symbolic::Backend>(k);
-  throw InvalidArgument("backend = '" + name + "': must be automatic, interpreter, avx2, avx512 or neon");
-}
-
-PointSet to_point_set(const nb::dict& given) {
-  const auto kind = nb::cast<std::string>(given["kind"]);
-  const auto body = [&] { return BodyId{nb::cast<int32_t>(given["body"])}; };
-  const auto local = [&] {
-    const auto points = array<Rows<double, 3>>(given["local"], "points", "an (n, 3) array");
-    const std::span<const Vec3> p = rows<Vec3>(points);
-    return std::vector<Vec3>(p.begin(), p.end());
-  };
-  if (kind == "world") return world_points(local());
-  if (kind == "point") return body_points(body(), local());
-  if (kind == "direction") return body_directions(body(), local());
-  if (kind == "node_point") return node_points(body(), nb::cast<int32_t>(given["node"]), local());
-  if (kind == "node_direction") return node_directions(body(), nb::cast<int32_t>(given["node"]), local());
-  if (kind == "vertices") {
-    const auto indices =
-        array<Column<int32_t>>(given["vertices"], "vertices", "a flat array of vertex indices");
-    return vertex_points(body(), {indices.data(), indices.data() + indices.shape(0)});
-  }
-  const auto supports = array<Rows<int32_t, 4>>(given["supports"], "supports", "an (n, 4) array of vertices");
-  const auto weights = array<Rows<double, 4>>(given["weights"], "weights", "an (n, 4) array");
-  const auto s = rows<std::array<int32_t, 4>>(supports);
-  const auto w = rows<std::array<double, 4>>(weights);
-  return embedded_points(body(), {s.begin(), s.end()}, {w.begin(), w.end()});
-}
-
-int32_t add_energy(Scene& scene, const nb::dict& given) {
-  EnergyDescription energy;
-  energy.name = nb::cast<std::string>(given["name"]);
-  energy.potential =
-      define_potential(nb::cast<std::string>(given["formula_name"]), nb::cast<std::string>(given["doc"]),
-                       nb::cast<Formula>(given["formula"]));
-  energy.potential.translation_invariant = nb::cast<bool>(given["translation_invariant"]);
-  for (nb::handle set : nb::cast<nb::list>(given["points"]))
-    energy.points.push_back(to_point_set(nb::cast<nb::dict>(set)));
-  energy.values = parameter_values_of(given["values"], "energy '" + energy.name + "'");
-  return scene.add_energy(std::move(energy)).index;
-}
-
-void set_energy_value(Simulation& simulation, int32_t energy, const std::string& name, nb::handle values) {
-  const auto numbers = array<Column<double>>(values, name, "a flat array of numbers");
-  simulation.set_energy_value({energy}, name, stark::bindings::values(numbers));
-}
-
 }  // namespace stark::bindings
 
 void bind_formulas(nanobind::module_& m) {

@@ -25,32 +25,27 @@
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
 
-#include "arrays.h"
+#include "casters.h"
+#include "domains.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 using namespace stark;
-using bindings::array;
-using bindings::Column;
-using bindings::rows;
-using bindings::Rows;
-using bindings::to_numpy;
-using bindings::values;
+using namespace stark::bindings;
+
+template <>
+struct stark::bindings::NumbersOf<PrimitivePair> : NumbersOf<Index2> {};
+template <>
+struct stark::bindings::NumbersOf<EdgeTriangleIntersection> : NumbersOf<Index2> {};
+template <>
+struct stark::bindings::NumbersOf<ContainedGroup> : NumbersOf<Index3> {};
 
 namespace {
 
-using Triple = std::array<double, 3>;
-using Doubles = nb::ndarray<nb::numpy, double>;
-using Ints = nb::ndarray<nb::numpy, int32_t>;
-
-Vec3 vec(const Triple& a) { return {a[0], a[1], a[2]}; }
-
-template <typename Value, typename T, long Columns>
+template <typename Value, typename T, long columns>
 std::vector<Value> copy(nb::handle object, const char* name, const std::string& expected) {
   if (nb::hasattr(object, "__len__") && nb::len(object) == 0) return {};  // [] has no columns
-  const auto source = array<Rows<T, Columns>>(object, name, expected);
-  const auto span = rows<Value>(source);
-  return {span.begin(), span.end()};
+  return rows_of<Value, T, columns>(object, name, expected);
 }
 
 std::vector<Vec3> points(nb::handle object, const char* name) {
@@ -65,11 +60,6 @@ std::vector<Index3> triangles(nb::handle object) {
 std::vector<Index4> tets(nb::handle object) {
   return copy<Index4, int32_t, 4>(object, "tets", "an (n, 4) array of vertex indices");
 }
-template <typename T>
-std::vector<T> numbers(nb::handle object, const char* name, const char* expected) {
-  const auto source = array<Column<T>>(object, name, expected);
-  return {values(source).begin(), values(source).end()};
-}
 
 TriangleMesh triangle_mesh(nb::handle vertices, nb::handle faces) {
   TriangleMesh mesh{points(vertices, "vertices"), triangles(faces)};
@@ -77,24 +67,17 @@ TriangleMesh triangle_mesh(nb::handle vertices, nb::handle faces) {
   return mesh;
 }
 
-std::pair<Doubles, Ints> to_arrays(TriangleMesh mesh) {
-  return {to_numpy<double>(std::move(mesh.vertices)), to_numpy<int32_t>(std::move(mesh.triangles))};
+auto to_arrays(TriangleMesh mesh) {
+  return std::pair(to_numpy(std::move(mesh.vertices)), to_numpy(std::move(mesh.triangles)));
 }
-std::pair<Doubles, Ints> to_arrays(TetMesh mesh) {
-  return {to_numpy<double>(std::move(mesh.vertices)), to_numpy<int32_t>(std::move(mesh.tets))};
-}
-nb::object to_array(const Mat3& m) {
-  const nb::object flat = nb::cast(to_numpy<double>(std::vector<double>(m.m.begin(), m.m.end())));
-  return flat.attr("reshape")(3, 3);
+auto to_arrays(TetMesh mesh) {
+  return std::pair(to_numpy(std::move(mesh.vertices)), to_numpy(std::move(mesh.tets)));
 }
 
+std::array<double, 3> triple(const Vec3& v) { return {v.x, v.y, v.z}; }
+
 nb::dict to_dict(const MassProperties& p) {
-  nb::dict result;
-  result["measure"] = p.measure;
-  result["mass"] = p.mass;
-  result["centre"] = Triple{p.centre.x, p.centre.y, p.centre.z};
-  result["inertia"] = to_array(p.inertia);
-  return result;
+  return dict_of("measure", p.measure, "mass", p.mass, "centre", triple(p.centre), "inertia", p.inertia);
 }
 
 // (n, 3 Vertices) array: n stencils of so many vertices each.
@@ -105,47 +88,36 @@ std::vector<std::array<Vec3, Vertices>> stencils(nb::handle object, const char* 
   return copy<std::array<Vec3, Vertices>, double, 3 * Vertices>(object, name, expected);
 }
 
-// Types, squared distances and weights of the vertices of the second (or both) primitives for each row.
-template <size_t Vertices, typename Type, size_t Weights>
-std::tuple<nb::ndarray<nb::numpy, uint8_t>, Doubles, Doubles> classify(
-    nb::handle object, Type (*type_of)(const std::array<Vec3, Vertices>&),
-    double (*distance_of)(const std::array<Vec3, Vertices>&, Type),
-    std::array<double, Weights> (*weights_of)(const std::array<Vec3, Vertices>&, Type)) {
-  const auto x = stencils<Vertices>(object, "stencils");
-  std::vector<uint8_t> types(x.size());
-  std::vector<double> distances(x.size());
-  std::vector<std::array<double, Weights>> weights(x.size());
-  for (size_t k = 0; k < x.size(); ++k) {
-    const Type type = type_of(x[k]);
-    types[k] = static_cast<uint8_t>(type);
-    distances[k] = distance_of(x[k], type);
-    weights[k] = weights_of(x[k], type);
+// Type, squared distance and weights of each row.
+template <size_t vertices, typename Classify>
+auto classify(nb::handle object, Classify classify_row) {
+  using Row = decltype(classify_row(std::array<Vec3, vertices>{}));
+  std::vector<uint8_t> types;
+  std::vector<double> distances;
+  std::vector<std::tuple_element_t<2, Row>> weights;
+  for (const auto& x : stencils<vertices>(object, "stencils")) {
+    const auto& [type, distance, weight] = classify_row(x);
+    types.push_back(static_cast<uint8_t>(type));
+    distances.push_back(distance);
+    weights.push_back(weight);
   }
-  return {to_numpy<uint8_t>(std::move(types)), to_numpy<double>(std::move(distances)),
-          to_numpy<double>(std::move(weights))};
+  return std::tuple(to_numpy(std::move(types)), to_numpy(std::move(distances)), to_numpy(std::move(weights)));
 }
 
-template <size_t Vertices>
-Doubles ccd(nb::handle start, nb::handle end, double min_separation, double time_margin,
-            double (*function)(const std::array<Vec3, Vertices>&, const std::array<Vec3, Vertices>&, double,
-                               const CcdSettings&)) {
-  const auto x0 = stencils<Vertices>(start, "x0"), x1 = stencils<Vertices>(end, "x1");
-  if (x0.size() != x1.size()) throw InvalidArgument("x0 and x1 have different numbers of rows");
-  CcdSettings settings;
-  settings.time_margin = time_margin;
-  std::vector<double> steps(x0.size());
-  for (size_t k = 0; k < x0.size(); ++k) steps[k] = function(x0[k], x1[k], min_separation, settings);
-  return to_numpy<double>(std::move(steps));
-}
-
-template <size_t Vertices>
+template <size_t vertices>
 void def_ccd(nb::module_& m, const char* name,
-             double (*function)(const std::array<Vec3, Vertices>&, const std::array<Vec3, Vertices>&, double,
+             double (*function)(const std::array<Vec3, vertices>&, const std::array<Vec3, vertices>&, double,
                                 const CcdSettings&)) {
   m.def(
       name,
-      [function](nb::handle x0, nb::handle x1, double min_separation, double time_margin) {
-        return ccd<Vertices>(x0, x1, min_separation, time_margin, function);
+      [function](nb::handle start, nb::handle end, double min_separation, double time_margin) {
+        const auto x0 = stencils<vertices>(start, "x0"), x1 = stencils<vertices>(end, "x1");
+        if (x0.size() != x1.size()) throw InvalidArgument("x0 and x1 have different numbers of rows");
+        CcdSettings settings;
+        settings.time_margin = time_margin;
+        std::vector<double> steps(x0.size());
+        for (size_t k = 0; k < x0.size(); ++k) steps[k] = function(x0[k], x1[k], min_separation, settings);
+        return to_numpy(std::move(steps));
       },
       "x0"_a, "x1"_a, "min_separation"_a = 0.0, "time_margin"_a = CcdSettings{}.time_margin,
       "Safe fraction of the linear motion x0 -> x1 for each row of vertex coordinates.");
@@ -159,11 +131,11 @@ class CollisionScene {
                  nb::handle point_list, nb::handle excluded_pairs, int threads)
       : pool_(threads) {
     SurfaceMesh mesh;
-    mesh.vertex_group = numbers<int32_t>(vertex_group, "vertex_group", "an (n,) array of group numbers");
+    mesh.vertex_group = numbers_of<int32_t>(vertex_group, "vertex_group", "an (n,) array of group numbers");
     mesh.vertex_count = static_cast<int32_t>(mesh.vertex_group.size());
     mesh.edges = edges(edge_list);
     mesh.triangles = triangles(triangle_list);
-    mesh.points = numbers<int32_t>(point_list, "points", "an (n,) array of vertex indices");
+    mesh.points = numbers_of<int32_t>(point_list, "points", "an (n,) array of vertex indices");
     const auto group_of = [&](int32_t v) {
       return v >= 0 && v < mesh.vertex_count ? mesh.vertex_group[v] : 0;  // reset() reports bad indices
     };
@@ -183,7 +155,7 @@ class CollisionScene {
     CandidateList list = candidates(positions(x0, "x0"), positions(x1, "x1"), inflation);
     nb::dict result;
     for_each_pair_kind([&](auto kind) {
-      result[nb::str(PairRow<kind.value>::kName.data())] = to_numpy<int32_t>(std::move(list[kind]));
+      result[nb::str(PairRow<kind.value>::kName.data())] = to_numpy(std::move(list[kind]));
     });
     return result;
   }
@@ -192,22 +164,21 @@ class CollisionScene {
                                                           nb::handle separation) {
     const auto x0 = positions(start, "x0"), x1 = positions(end, "x1");
     const CandidateList list = candidates(x0, x1, separation);
-    const auto minimum = numbers<double>(separation, "separation", "one number [m] for each group");
+    const auto minimum = numbers_of<double>(separation, "separation", "one number [m] for each group");
     CcdReport report;
     stark::max_safe_step(broad_phase_.mesh(), list, x0, x1, {minimum}, pool_, &report);
     return {report.step, report.kind ? std::string(to_string(*report.kind)) : "", report.first,
             report.second};
   }
 
-  Ints find_intersections(nb::handle x) {
+  auto find_intersections(nb::handle x) {
     const auto p = positions(x, "x");
-    return to_numpy<int32_t>(stark::find_intersections(broad_phase_.mesh(), p, broad_phase_.filter(), pool_));
+    return to_numpy(stark::find_intersections(broad_phase_.mesh(), p, broad_phase_.filter(), pool_));
   }
 
-  Ints find_contained_groups(nb::handle x) {
+  auto find_contained_groups(nb::handle x) {
     const auto p = positions(x, "x");
-    return to_numpy<int32_t>(
-        stark::find_contained_groups(broad_phase_.mesh(), p, broad_phase_.filter(), pool_));
+    return to_numpy(stark::find_contained_groups(broad_phase_.mesh(), p, broad_phase_.filter(), pool_));
   }
 
  private:
@@ -222,8 +193,8 @@ class CollisionScene {
 
   CandidateList candidates(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1, nb::handle inflation) {
     CandidateList list;
-    broad_phase_.find_swept(x0, x1, numbers<double>(inflation, "inflation", "one number [m] for each group"),
-                            pool_, list);
+    broad_phase_.find_swept(
+        x0, x1, numbers_of<double>(inflation, "inflation", "one number [m] for each group"), pool_, list);
     return list;
   }
 
@@ -231,100 +202,87 @@ class CollisionScene {
   BroadPhase broad_phase_;
 };
 
+/// A function that makes a mesh, as arrays.
+template <auto make>
+struct Making;
+template <typename Mesh, typename... Args, Mesh (*make)(Args...)>
+struct Making<make> {
+  static auto arrays(Args... args) { return to_arrays(make(args...)); }
+};
+template <auto make>
+constexpr auto arrays_of = &Making<make>::arrays;
+
 void bind_shapes(nb::module_& m) {
-  m.def(
-      "make_grid", [](double x, double y, int nx, int ny) { return to_arrays(make_grid(x, y, nx, ny)); },
-      "size_x"_a, "size_y"_a, "cells_x"_a, "cells_y"_a);
-  m.def(
-      "make_box", [](const Triple& size, int n) { return to_arrays(make_box(vec(size), n)); }, "size"_a,
-      "subdivisions"_a = 1);
-  m.def(
-      "make_icosphere", [](double r, int n) { return to_arrays(make_icosphere(r, n)); }, "radius"_a,
-      "subdivisions"_a);
-  m.def(
-      "make_cylinder", [](double r, double h, int n, int k) { return to_arrays(make_cylinder(r, h, n, k)); },
-      "radius"_a, "height"_a, "segments"_a = 32, "stacks"_a = 1);
-  m.def(
-      "make_capsule", [](double r, double h, int n, int k) { return to_arrays(make_capsule(r, h, n, k)); },
-      "radius"_a, "height"_a, "segments"_a = 32, "rings"_a = 8);
-  m.def(
-      "make_torus", [](double a, double b, int n, int k) { return to_arrays(make_torus(a, b, n, k)); },
-      "major_radius"_a, "minor_radius"_a, "major_segments"_a = 48, "minor_segments"_a = 24);
-  m.def(
-      "make_tet_box",
-      [](const Triple& size, const Index3& n) { return to_arrays(make_tet_box(vec(size), n)); }, "size"_a,
-      "cells"_a);
+  m.def("make_grid", arrays_of<make_grid>, "size_x"_a, "size_y"_a, "cells_x"_a, "cells_y"_a);
+  m.def("make_box", arrays_of<make_box>, "size"_a, "subdivisions"_a = 1);
+  m.def("make_icosphere", arrays_of<make_icosphere>, "radius"_a, "subdivisions"_a);
+  m.def("make_cylinder", arrays_of<make_cylinder>, "radius"_a, "height"_a, "segments"_a = 32, "stacks"_a = 1);
+  m.def("make_capsule", arrays_of<make_capsule>, "radius"_a, "height"_a, "segments"_a = 32, "rings"_a = 8);
+  m.def("make_torus", arrays_of<make_torus>, "major_radius"_a, "minor_radius"_a, "major_segments"_a = 48,
+        "minor_segments"_a = 24);
+  m.def("make_tet_box", arrays_of<make_tet_box>, "size"_a, "cells"_a);
+}
+
+nb::tuple closest_triangles(nb::handle points, nb::handle vertices, nb::handle faces) {
+  const auto p = points_of(points, "points", "an (n, 3) array");
+  const auto x = points_of(vertices, "vertices", "an (n, 3) array");
+  std::vector<int32_t> indices;
+  std::vector<double> distances;
+  for (const ClosestTriangle& c : find_closest_triangles(p, x, triangles(faces))) {
+    indices.push_back(c.triangle);
+    distances.push_back(c.distance);
+  }
+  return nb::make_tuple(to_numpy(std::move(indices)), to_numpy(std::move(distances)));
+}
+
+auto principal_axes(nb::handle matrix) {
+  const auto a = copy<Vec3, double, 3>(matrix, "matrix", "a symmetric (3, 3) array");
+  if (a.size() != 3) throw InvalidArgument("matrix: need a symmetric (3, 3) array");
+  const PrincipalAxes p = compute_principal_axes(transpose(Mat3::from_columns(a[0], a[1], a[2])));
+  return std::pair(triple(p.values), nb::cast(p.axes));
 }
 
 void bind_topology(nb::module_& m) {
-  m.def(
-      "find_edges", [](nb::handle t) { return to_numpy<int32_t>(find_edges(triangles(t))); }, "triangles"_a);
-  m.def("find_tet_edges", [](nb::handle t) { return to_numpy<int32_t>(find_edges(tets(t))); }, "tets"_a);
-  m.def(
-      "find_closest_triangles",
-      [](nb::handle points, nb::handle vertices, nb::handle t) {
-        const auto p = array<Rows<double, 3>>(points, "points", "an (n, 3) array");
-        const auto x = array<Rows<double, 3>>(vertices, "vertices", "an (n, 3) array");
-        std::vector<int32_t> indices;
-        std::vector<double> distances;
-        for (const ClosestTriangle& c : find_closest_triangles(rows<Vec3>(p), rows<Vec3>(x), triangles(t))) {
-          indices.push_back(c.triangle);
-          distances.push_back(c.distance);
-        }
-        return nb::make_tuple(to_numpy<int32_t>(std::move(indices)), to_numpy<double>(std::move(distances)));
-      },
-      "points"_a, "vertices"_a, "triangles"_a, "(triangle closest to each point, distance [m]).");
-  m.def(
-      "find_hinges", [](nb::handle t) { return to_numpy<int32_t>(find_hinges(triangles(t))); },
-      "triangles"_a);
-  m.def(
-      "find_boundary_edges",
-      [](nb::handle t) { return to_numpy<int32_t>(find_boundary_edges(triangles(t))); }, "triangles"_a);
-  m.def(
-      "find_boundary_triangles",
-      [](nb::handle t) { return to_numpy<int32_t>(find_boundary_triangles(tets(t))); }, "tets"_a);
-  m.def(
-      "find_connected_components",
-      [](nb::handle x, nb::handle t) {
-        const TriangleMesh mesh = triangle_mesh(x, t);
-        return to_numpy<int32_t>(
-            find_connected_components(static_cast<int32_t>(mesh.vertices.size()), mesh.triangles));
-      },
-      "vertices"_a, "triangles"_a);
+  const auto of_triangles = [&m](const char* name, auto function) {
+    m.def(name, [function](nb::handle t) { return to_numpy(function(triangles(t))); }, "triangles"_a);
+  };
+  const auto of_tets = [&m](const char* name, auto function) {
+    m.def(name, [function](nb::handle t) { return to_numpy(function(tets(t))); }, "tets"_a);
+  };
+  const auto of_mesh = [&m](const char* name, auto function) {
+    m.def(
+        name, [function](nb::handle x, nb::handle t) { return function(triangle_mesh(x, t)); }, "vertices"_a,
+        "triangles"_a);
+  };
+  const auto mass_properties = [&m](const char* name, auto function, const char* argument) {
+    m.def(
+        name,
+        [function](nb::handle x, nb::handle t, double density) {
+          const TriangleMesh mesh = triangle_mesh(x, t);
+          return to_dict(function(mesh.vertices, mesh.triangles, density));
+        },
+        "vertices"_a, "triangles"_a, nb::arg(argument));
+  };
+  of_triangles("find_edges", [](const auto& t) { return find_edges(t); });
+  of_tets("find_tet_edges", [](const auto& t) { return find_edges(t); });
+  m.def("find_closest_triangles", closest_triangles, "points"_a, "vertices"_a, "triangles"_a,
+        "(triangle closest to each point, distance [m]).");
+  of_triangles("find_hinges", find_hinges);
+  of_triangles("find_boundary_edges", find_boundary_edges);
+  of_tets("find_boundary_triangles", [](const auto& t) { return find_boundary_triangles(t); });
+  of_mesh("find_connected_components", [](const TriangleMesh& mesh) {
+    return to_numpy(find_connected_components(static_cast<int32_t>(mesh.vertices.size()), mesh.triangles));
+  });
   m.def("is_closed", [](nb::handle t) { return is_closed(triangles(t)); }, "triangles"_a);
   m.def(
       "is_orientation_consistent", [](nb::handle t) { return is_orientation_consistent(triangles(t)); },
       "triangles"_a);
-  m.def(
-      "compute_vertex_areas",
-      [](nb::handle x, nb::handle t) {
-        const TriangleMesh mesh = triangle_mesh(x, t);
-        return to_numpy<double>(compute_vertex_areas(mesh.vertices, mesh.triangles));
-      },
-      "vertices"_a, "triangles"_a);
-  m.def(
-      "compute_solid_mass_properties",
-      [](nb::handle x, nb::handle t, double density) {
-        const TriangleMesh mesh = triangle_mesh(x, t);
-        return to_dict(compute_solid_mass_properties(mesh.vertices, mesh.triangles, density));
-      },
-      "vertices"_a, "triangles"_a, "density"_a);
-  m.def(
-      "compute_shell_mass_properties",
-      [](nb::handle x, nb::handle t, double density) {
-        const TriangleMesh mesh = triangle_mesh(x, t);
-        return to_dict(compute_shell_mass_properties(mesh.vertices, mesh.triangles, density));
-      },
-      "vertices"_a, "triangles"_a, "area_density"_a);
-  m.def(
-      "compute_principal_axes",
-      [](nb::handle matrix) {
-        const auto a = copy<Vec3, double, 3>(matrix, "matrix", "a symmetric (3, 3) array");
-        if (a.size() != 3) throw InvalidArgument("matrix: need a symmetric (3, 3) array");
-        const PrincipalAxes p = compute_principal_axes(transpose(Mat3::from_columns(a[0], a[1], a[2])));
-        return std::pair(Triple{p.values.x, p.values.y, p.values.z}, to_array(p.axes));
-      },
-      "matrix"_a);
+  of_mesh("compute_vertex_areas", [](const TriangleMesh& mesh) {
+    return to_numpy(compute_vertex_areas(mesh.vertices, mesh.triangles));
+  });
+  mass_properties("compute_solid_mass_properties", compute_solid_mass_properties, "density");
+  mass_properties("compute_shell_mass_properties", compute_shell_mass_properties, "area_density");
+  m.def("compute_principal_axes", principal_axes, "matrix"_a);
 }
 
 void bind_distances(nb::module_& m) {
@@ -332,47 +290,32 @@ void bind_distances(nb::module_& m) {
   using S4 = std::array<Vec3, 4>;
   constexpr const char* kDoc =
       "Closest features (type numbers), squared distances and weights, one stencil a row.";
-  m.def(
-      "classify_point_edge",
-      [](nb::handle x) {
-        return classify<3, PointEdgeType, 2>(
-            x, [](const S3& s) { return point_edge_type(s[0], s[1], s[2]); },
-            [](const S3& s, PointEdgeType t) { return point_edge_squared_distance(s[0], s[1], s[2], t); },
-            [](const S3& s, PointEdgeType t) { return point_edge_weights(s[0], s[1], s[2], t); });
-      },
-      "stencils"_a, kDoc);
-  m.def(
-      "classify_point_triangle",
-      [](nb::handle x) {
-        return classify<4, PointTriangleType, 3>(
-            x, [](const S4& s) { return point_triangle_type(s[0], s[1], s[2], s[3]); },
-            [](const S4& s, PointTriangleType t) {
-              return point_triangle_squared_distance(s[0], s[1], s[2], s[3], t);
-            },
-            [](const S4& s, PointTriangleType t) {
-              return point_triangle_weights(s[0], s[1], s[2], s[3], t);
-            });
-      },
-      "stencils"_a, kDoc);
-  m.def(
-      "classify_edge_edge",
-      [](nb::handle x) {
-        return classify<4, EdgeEdgeType, 4>(
-            x, [](const S4& s) { return edge_edge_type(s[0], s[1], s[2], s[3]); },
-            [](const S4& s, EdgeEdgeType t) { return edge_edge_squared_distance(s[0], s[1], s[2], s[3], t); },
-            [](const S4& s, EdgeEdgeType t) { return edge_edge_weights(s[0], s[1], s[2], s[3], t); });
-      },
-      "stencils"_a, kDoc);
+  const auto point_edge = [](const S3& s) {
+    const PointEdgeType t = point_edge_type(s[0], s[1], s[2]);
+    return std::tuple(t, point_edge_squared_distance(s[0], s[1], s[2], t),
+                      point_edge_weights(s[0], s[1], s[2], t));
+  };
+  const auto point_triangle = [](const S4& s) {
+    const PointTriangleType t = point_triangle_type(s[0], s[1], s[2], s[3]);
+    return std::tuple(t, point_triangle_squared_distance(s[0], s[1], s[2], s[3], t),
+                      point_triangle_weights(s[0], s[1], s[2], s[3], t));
+  };
+  const auto edge_edge = [](const S4& s) {
+    const EdgeEdgeType t = edge_edge_type(s[0], s[1], s[2], s[3]);
+    return std::tuple(t, edge_edge_squared_distance(s[0], s[1], s[2], s[3], t),
+                      edge_edge_weights(s[0], s[1], s[2], s[3], t));
+  };
+  const auto def_classify = [&](const char* name, auto vertices, auto classify_row) {
+    m.def(name, [=](nb::handle x) { return classify<vertices.value>(x, classify_row); }, "stencils"_a, kDoc);
+  };
+  def_classify("classify_point_edge", std::integral_constant<size_t, 3>(), point_edge);
+  def_classify("classify_point_triangle", std::integral_constant<size_t, 4>(), point_triangle);
+  def_classify("classify_edge_edge", std::integral_constant<size_t, 4>(), edge_edge);
   def_ccd<2>(m, "point_point_ccd", point_point_ccd);
   def_ccd<3>(m, "point_edge_ccd", point_edge_ccd);
   def_ccd<4>(m, "point_triangle_ccd", point_triangle_ccd);
   def_ccd<4>(m, "edge_edge_ccd", edge_edge_ccd);
-  m.def(
-      "orient3d",
-      [](const Triple& a, const Triple& b, const Triple& c, const Triple& d) {
-        return orient3d(vec(a), vec(b), vec(c), vec(d));
-      },
-      "a"_a, "b"_a, "c"_a, "d"_a);
+  m.def("orient3d", orient3d, "a"_a, "b"_a, "c"_a, "d"_a);
   m.def(
       "segment_intersects_triangle",
       [](nb::handle stencil_rows) {
@@ -380,7 +323,7 @@ void bind_distances(nb::module_& m) {
         for (const auto& s : stencils<5>(stencil_rows, "stencils")) {
           hits.push_back(segment_intersects_triangle(s[0], s[1], s[2], s[3], s[4]));
         }
-        return to_numpy<uint8_t>(std::move(hits));
+        return to_numpy(std::move(hits));
       },
       "stencils"_a,
       "1 where the segment (first two points of the row) meets the triangle (the other three).");
@@ -392,7 +335,7 @@ void bind_distances(nb::module_& m) {
         for (const Vec3& point : points(p, "points")) {
           locations.push_back(static_cast<uint8_t>(locate_point(point, mesh.vertices, mesh.triangles)));
         }
-        return to_numpy<uint8_t>(std::move(locations));
+        return to_numpy(std::move(locations));
       },
       "points"_a, "vertices"_a, "triangles"_a, "0 outside, 1 inside, 2 on the closed surface.");
 }

@@ -47,8 +47,8 @@ nb::object draw(const Canvas& canvas) {
     const stark::bindings::WithoutGil without;
     image = stark::rasterise(canvas.meshes, canvas.camera, canvas.settings);
   }
-  const nb::object flat = nb::cast(stark::bindings::to_numpy<uint8_t>(std::move(image.pixels)));
-  return flat.attr("reshape")(image.height, image.width, 3);
+  const size_t height = image.height, width = image.width;
+  return nb::cast(stark::bindings::to_numpy(std::move(image.pixels), {height, width, 3}));
 }
 
 }  // namespace

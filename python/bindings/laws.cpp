@@ -5,7 +5,7 @@
 
 #include <stark/sim/registry.h>
 
-#include "field_values.h"
+#include "given.h"
 
 namespace {
 

@@ -10,23 +10,10 @@
 
 #include <stark/base/error.h>
 
+#include "domains.h"
 #include "without_gil.h"
 
 namespace nb = nanobind;
-
-void bind_geometry(nb::module_& m);
-void bind_laws(nb::module_& m);
-void bind_settings(nb::module_& m);
-void bind_scene(nb::module_& m);
-void bind_solid_mesh(nb::module_& m);
-void bind_simulation(nb::module_& m);
-void bind_io(nb::module_& m);
-void bind_potentials(nb::module_& m);
-void bind_formulas(nb::module_& m);
-void bind_joints(nb::module_& m);
-void bind_actuators(nb::module_& m);
-void bind_contacts(nb::module_& m);
-void bind_symbolic(nb::module_& m);
 
 namespace {
 
@@ -126,8 +113,7 @@ NB_MODULE(_core, m) {
   bind_io(m);
   bind_potentials(m);
   bind_formulas(m);
-  bind_joints(m);
-  bind_actuators(m);
+  bind_definitions(m);
   bind_contacts(m);
   bind_symbolic(m);
 }

@@ -102,7 +102,7 @@ nb::tuple evaluate_potential(const std::string& name, nb::object x, nb::object r
   std::vector<double> hessian(n * n);
   for (int i = 0, k = 1 + n; i < n; ++i)
     for (int j = i; j < n; ++j, ++k) hessian[i * n + j] = hessian[j * n + i] = out[k * kLanes];
-  return nb::make_tuple(out[0], to_numpy<double>(std::move(gradient)), to_numpy<double>(std::move(hessian)));
+  return nb::make_tuple(out[0], to_numpy(std::move(gradient)), to_numpy(std::move(hessian)));
 }
 
 }  // namespace

@@ -29,14 +29,12 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
 /// part, mean and mean square of each element.
 inline Embedding embedding_of(const nb::dict& given, const std::string& owner) {
   Embedding embedding;
-  const auto cells = array<Column<int32_t>>(given["cells"], owner + ": cells", "an array of shape (k,)");
-  embedding.elements.assign(values(cells).begin(), values(cells).end());
-  const auto triangles =
-      array<Rows<int32_t, 3>>(given["triangles"], owner + ": triangles", "an array of shape (m, 3)");
-  embedding.triangles.assign(rows<Index3>(triangles).begin(), rows<Index3>(triangles).end());
-  const auto filling =
-      array<Rows<double, 7>>(given["filling"], owner + ": filling", "an array of shape (elements, 7)");
-  for (const std::array<double, 7>& f : rows<std::array<double, 7>>(filling))
+  using Filling = std::array<double, 7>;
+  embedding.elements = numbers_of<int32_t>(given["cells"], owner + ": cells", "an array of shape (k,)");
+  embedding.triangles =
+      rows_of<Index3, int32_t, 3>(given["triangles"], owner + ": triangles", "an array of shape (m, 3)");
+  for (const Filling& f :
+       rows_of<Filling, double, 7>(given["filling"], owner + ": filling", "an array of shape (elements, 7)"))
     embedding.fillings.push_back({f[0], {f[1], f[2], f[3]}, {f[4], f[5], f[6]}});
   return embedding;
 }

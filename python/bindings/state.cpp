@@ -8,7 +8,8 @@
 
 #include <stark/mechanics/state.h>
 
-#include "arrays.h"
+#include "casters.h"
+#include "domains.h"
 
 namespace stark::bindings {
 
@@ -26,13 +27,11 @@ namespace {
 nb::object copied(const StateArray& field) {
   size_t count = 1;
   for (const size_t extent : field.shape) count *= extent;
-  const auto owned = [&]<typename T>(const T* data) {
-    auto* values = new std::vector<T>(data, data + count);
-    nb::capsule owner(values, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-    return nb::cast(nb::ndarray<nb::numpy, T>(values->data(), field.shape.size(), field.shape.data(), owner));
+  const auto copy = [&]<typename T>(const T* data) {
+    return nb::cast(to_numpy(std::vector<T>(data, data + count), field.shape));
   };
-  return field.is_integer ? owned(static_cast<const int64_t*>(field.data))
-                          : owned(static_cast<const double*>(field.data));
+  return field.is_integer ? copy(static_cast<const int64_t*>(field.data))
+                          : copy(static_cast<const double*>(field.data));
 }
 
 nb::dict state_arrays(const State& state) {
@@ -42,16 +41,10 @@ nb::dict state_arrays(const State& state) {
 }
 
 nb::list state_fields() {
-  nb::list fields;
   const State none;
-  for (const StateArray& field : arrays_of(none)) {
-    nb::dict row;
-    row["name"] = field.name;
-    row["unit"] = field.unit;
-    row["meaning"] = field.meaning;
-    fields.append(row);
-  }
-  return fields;
+  return list_of(arrays_of(none), [](const StateArray& field) {
+    return dict_of("name", field.name, "unit", field.unit, "meaning", field.meaning);
+  });
 }
 
 State state_of_arrays(const nb::dict& given) {
@@ -76,28 +69,21 @@ State state_of_arrays(const nb::dict& given) {
 }
 
 }  // namespace
+}  // namespace stark::bindings
 
-void bind_state(nb::module_& m) {
+void bind_state(nanobind::module_& m) {
+  using namespace stark;
+  using namespace stark::bindings;
   nb::class_<State>(m, "State", "Everything that changes in time, as a value.")
-      .def_prop_ro(
-          "time", [](const State& s) { return s.time; }, "Simulated time [s].")
-      .def_prop_ro(
-          "time_step", [](const State& s) { return s.time_step; },
-          "Length of the next step, or less for the next mark [s].")
-      .def_prop_ro(
-          "step_count", [](const State& s) { return s.step_count; }, "Accepted steps so far.")
-      .def_prop_ro(
-          "point_positions",
-          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_position)); },
-          nb::rv_policy::automatic, "Positions of the points of cloth and solids (n, 3) [m].")
-      .def_prop_ro(
-          "point_velocities",
-          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.point_velocity)); },
-          nb::rv_policy::automatic, "Their velocities (n, 3) [m/s].")
-      .def_prop_ro(
-          "body_positions",
-          [](const State& s) { return to_numpy<double>(std::vector<Vec3>(s.body_position)); },
-          nb::rv_policy::automatic, "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
+      .def_prop_ro("time", path<&State::time>, "Simulated time [s].")
+      .def_prop_ro("time_step", path<&State::time_step>,
+                   "Length of the next step, or less for the next mark [s].")
+      .def_prop_ro("step_count", path<&State::step_count>, "Accepted steps so far.")
+      .def_prop_ro("point_positions", array_at<&State::point_position>,
+                   "Positions of the points of cloth and solids (n, 3) [m].")
+      .def_prop_ro("point_velocities", array_at<&State::point_velocity>, "Their velocities (n, 3) [m/s].")
+      .def_prop_ro("body_positions", array_at<&State::body_position>,
+                   "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
       .def_prop_ro(
           "hash", [](const State& s) { return hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
       .def(
@@ -110,9 +96,6 @@ void bind_state(nb::module_& m) {
           "or of another type or shape.")
       .def_static("fields", &state_fields, "Name, unit and meaning of every field, in order.")
       .def("__eq__", [](const State& a, const State& b) { return first_difference(a, b).empty(); })
-      .def(
-          "first_difference", [](const State& a, const State& b) { return first_difference(a, b); },
-          "Name of the first field that differs, '' when all bits are equal.");
+      .def("first_difference", &first_difference,
+           "Name of the first field that differs, '' when all bits are equal.");
 }
-
-}  // namespace stark::bindings

@@ -1,5 +1,8 @@
 #include "watch.h"
 
+#include "casters.h"
+#include "domains.h"
+
 namespace stark::bindings {
 
 namespace {
@@ -46,57 +49,44 @@ void Watch::look(bool reports) {
   if (reports) reported_ = looked_;
 }
 
-void bind_step_progress(nb::module_& m) {
-  using P = LiveProgress;
-  nb::class_<P>(m, "StepProgress", "How far a time step has come that is under way.")
-      .def_prop_ro(
-          "step", [](const P& p) { return p.step.step; }, "Number of the step, from 1.")
-      .def_ro("time", &P::time, "Simulated time at its start [s].")
-      .def_ro("seconds", &P::seconds, "Wall-clock time since the step began [s].")
-      .def_prop_ro(
-          "attempt", [](const P& p) { return p.step.attempt; },
-          "From 1; what fails is tried again with a shorter time step.")
-      .def_prop_ro(
-          "iterations", [](const P& p) { return p.step.iterations; },
-          "Newton iterations, those of earlier attempts included.")
-      .def_prop_ro(
-          "refreshes", [](const P& p) { return p.step.solve.lag_updates; },
-          "Refreshes of friction and joints in this attempt.")
-      .def_prop_ro(
-          "residual", [](const P& p) { return p.step.solve.residual; }, "Largest unbalanced force [N].")
-      .def_prop_ro(
-          "acceleration", [](const P& p) { return p.step.solve.acceleration; },
-          "Largest M^-1 residual [m/s^2].")
-      .def_prop_ro(
-          "last_motion", [](const P& p) { return p.step.solve.last_motion; },
-          "Largest motion of a vertex in the last Newton step, taken in full [m].")
-      .def_prop_ro(
-          "step_length", [](const P& p) { return p.step.solve.last_step_length; },
-          "Share of it that was taken.")
-      .def_prop_ro(
-          "bound", [](const P& p) { return p.step.solve.last_bound; },
-          "Largest share of it that collision detection and the limit of rotations allowed.")
-      .def_prop_ro(
-          "slope", [](const P& p) { return p.step.solve.last_slope; },
-          "Of the energy along it [J]: a quadratic energy falls by half of that.")
-      .def_prop_ro(
-          "difference", [](const P& p) { return p.step.solve.last_difference; },
-          "Change of the energy by what was taken of it [J].")
-      .def_prop_ro(
-          "backtracks", [](const P& p) { return p.step.solve.backtracks; },
-          "Times that steps were halved in this attempt.")
-      .def_prop_ro(
-          "projected_iterations", [](const P& p) { return p.step.solve.projected_iterations; },
-          "Iterations of this attempt whose Hessians were projected.")
-      .def_prop_ro(
-          "factorizations", [](const P& p) { return p.step.solve.factorizations; },
-          "Of matrices, in this attempt.")
-      .def_prop_ro(
-          "linear_iterations", [](const P& p) { return p.step.solve.linear_iterations; },
-          "Of conjugate gradients, in this attempt.")
-      .def_prop_ro(
-          "contacts", [](const P& p) { return p.step.contact_count; },
-          "Pairs within their contact distance.");
-}
-
 }  // namespace stark::bindings
+
+void bind_step_progress(nanobind::module_& m) {
+  using namespace stark;
+  using namespace stark::bindings;
+  using L = LiveProgress;
+  using P = StepProgress;
+  using S = SolveReport;
+  nb::class_<L>(m, "StepProgress", "How far a time step has come that is under way.")
+      .def_prop_ro("step", path<&L::step, &P::step>, "Number of the step, from 1.")
+      .def_ro("time", &L::time, "Simulated time at its start [s].")
+      .def_ro("seconds", &L::seconds, "Wall-clock time since the step began [s].")
+      .def_prop_ro("attempt", path<&L::step, &P::attempt>,
+                   "From 1; what fails is tried again with a shorter time step.")
+      .def_prop_ro("iterations", path<&L::step, &P::iterations>,
+                   "Newton iterations, those of earlier attempts included.")
+      .def_prop_ro("refreshes", path<&L::step, &P::solve, &S::lag_updates>,
+                   "Refreshes of friction and joints in this attempt.")
+      .def_prop_ro("residual", path<&L::step, &P::solve, &S::residual>, "Largest unbalanced force [N].")
+      .def_prop_ro("acceleration", path<&L::step, &P::solve, &S::acceleration>,
+                   "Largest M^-1 residual [m/s^2].")
+      .def_prop_ro("last_motion", path<&L::step, &P::solve, &S::last_motion>,
+                   "Largest motion of a vertex in the last Newton step, taken in full [m].")
+      .def_prop_ro("step_length", path<&L::step, &P::solve, &S::last_step_length>,
+                   "Share of it that was taken.")
+      .def_prop_ro("bound", path<&L::step, &P::solve, &S::last_bound>,
+                   "Largest share of it that collision detection and the limit of rotations allowed.")
+      .def_prop_ro("slope", path<&L::step, &P::solve, &S::last_slope>,
+                   "Of the energy along it [J]: a quadratic energy falls by half of that.")
+      .def_prop_ro("difference", path<&L::step, &P::solve, &S::last_difference>,
+                   "Change of the energy by what was taken of it [J].")
+      .def_prop_ro("backtracks", path<&L::step, &P::solve, &S::backtracks>,
+                   "Times that steps were halved in this attempt.")
+      .def_prop_ro("projected_iterations", path<&L::step, &P::solve, &S::projected_iterations>,
+                   "Iterations of this attempt whose Hessians were projected.")
+      .def_prop_ro("factorizations", path<&L::step, &P::solve, &S::factorizations>,
+                   "Of matrices, in this attempt.")
+      .def_prop_ro("linear_iterations", path<&L::step, &P::solve, &S::linear_iterations>,
+                   "Of conjugate gradients, in this attempt.")
+      .def_prop_ro("contacts", path<&L::step, &P::contact_count>, "Pairs within their contact distance.");
+}

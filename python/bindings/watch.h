@@ -60,6 +60,4 @@ auto watched(Simulation& sim, const ProgressCallback& callback, const Steps& ste
   return result;
 }
 
-void bind_step_progress(nb::module_& m);
-
 }  // namespace stark::bindings

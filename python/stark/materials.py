@@ -33,21 +33,37 @@ class _Material(Generic[_CoreMaterial]):
 
     __slots__ = ("_core", "_fields", "_recorded", "law", "name", "source")
     _core_type: type[Any]
+    _law_type: ClassVar[type[Any]]
     _laws: ClassVar[dict[str, Any]]
     _core: _CoreMaterial
     _fields: _Fields
     _recorded: Any  # (recorded law, whether it is isotropic), None for laws of the core
     law: Any
-    """The constitutive law, None for that of the class."""
+    """The constitutive law, None for that of the class. Made with the name of a built-in one, or with the law
+    itself: ``SolidMaterial(law="neo_hookean", ...)``."""
     name: str
     source: str
 
     def __init__(
-        self, *, law: _Law | None = None, name: str = "", source: str = "", **parameters: ArrayLike
+        self, *, law: _Law | str | None = None, name: str = "", source: str = "", **parameters: ArrayLike
     ) -> None:
-        self._assign(self._core_type(), name, source, law, {})
+        found = self._law_of(law)
+        self._assign(self._core_type(), name, source, found, {})
         core, fields = self._changed(parameters, name)
-        self._assign(core, name, source, law, fields)
+        self._assign(core, name, source, found, fields)
+
+    @classmethod
+    def _law_of(cls, law: _Law | str | None) -> _Law | None:
+        """The law itself, or that of a name."""
+        if law is None or isinstance(law, cls._law_type):
+            return law
+        if isinstance(law, str) and law in cls._laws:
+            found: _Law = cls._laws[law]
+            return found
+        raise InvalidArgument(
+            f"{cls.__name__}: law = {law!r}: must be one of {', '.join(cls._laws)}; laws of your own are "
+            f"functions with @stark.material, which make materials when they are called"
+        )
 
     def _assign(self, core: _CoreMaterial, name: str, source: str, law: Any, fields: _Fields) -> None:
         values = (core, fields, None, law, name, source)
@@ -211,6 +227,7 @@ class ShellMaterial(_Material[_core.ShellMaterial]):
 
     __slots__ = ()
     _core_type = _core.ShellMaterial
+    _law_type = ShellLaw
     _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.shell_laws()}
     density: float
     thickness: float
@@ -237,6 +254,7 @@ class SolidMaterial(_Material[_core.SolidMaterial]):
 
     __slots__ = ()
     _core_type = _core.SolidMaterial
+    _law_type = SolidLaw
     _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.solid_laws()}
     density: float
     youngs_modulus: float
@@ -258,6 +276,7 @@ class RodMaterial(_Material[_core.RodMaterial]):
 
     __slots__ = ()
     _core_type = _core.RodMaterial
+    _law_type = RodLaw
     _laws: ClassVar[dict[str, Any]] = {law.name: law for law in _core.rod_laws()}
     density: float
     youngs_modulus: float

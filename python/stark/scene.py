@@ -22,6 +22,7 @@ from stark.bodies.restitution import RestitutionTable
 from stark.bodies.scene_bodies import SceneBodies
 from stark.joints.scene_joints import SceneJoints
 from stark.loads.scene_loads import SceneLoads
+from stark.named import NamedTuple
 from stark.robots.scene_robots import SceneRobots
 from stark.scene_record import RecordedScene
 from stark.settings import Settings
@@ -154,9 +155,9 @@ class Scene(
         return handle
 
     @property
-    def energies(self) -> tuple[Energy, ...]:
+    def energies(self) -> NamedTuple[Energy]:
         """Energies that were added, in the order of adding."""
-        return tuple(self._energies)
+        return NamedTuple("energy", self._energies)
 
     # --- files ---
 
@@ -188,14 +189,14 @@ class Scene(
     # --- bodies ---
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> NamedTuple[Body]:
         """All bodies in the order of adding."""
-        return tuple(self._bodies)
+        return NamedTuple("body", self._bodies)
 
     @property
-    def layers(self) -> tuple[Layer, ...]:
+    def layers(self) -> NamedTuple[Layer]:
         """Skins and fibres of all bodies, in the order of adding."""
-        return tuple(self._layers)
+        return NamedTuple("layer", self._layers)
 
     def __getitem__(self, name: str) -> Any:
         """The body of a name; what kind of body it is, type checkers do not know."""

@@ -18,6 +18,7 @@ from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
 from stark.errors import StarkWarning
 from stark.handle import Follower, placed_together
+from stark.named import NamedList
 from stark.overloads import overload
 from stark.pictures import Pictures
 from stark.scene import Scene
@@ -320,9 +321,9 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         return self._scene
 
     @property
-    def bodies(self) -> list[Body]:
+    def bodies(self) -> NamedList[Body]:
         """Handles of all bodies, bound to this simulation, in the order of the scene."""
-        return [body._bound_to(self) for body in self._scene.bodies[: self._core.body_count]]
+        return NamedList("body", (b._bound_to(self) for b in self._scene.bodies[: self._core.body_count]))
 
     @overload
     def __getitem__(self, body: AnyBody) -> AnyBody: ...
@@ -338,36 +339,40 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         return found._bound_to(self)
 
     @property
-    def layers(self) -> list[Layer]:
+    def layers(self) -> NamedList[Layer]:
         """Handles of all skins and fibres, bound to this simulation, in the order of the scene."""
         counts = {"skin": self._core.skin_count, "fibres": self._core.fibres_count}
-        return [layer._bound_to(self) for layer in self._scene.layers if layer._index < counts[layer.kind]]
+        known = (layer for layer in self._scene.layers if layer._index < counts[layer.kind])
+        return NamedList("layer", (layer._bound_to(self) for layer in known))
 
     @property
-    def joints(self) -> list[Joint]:
-        """Handles of the joints of the scene; their coordinates and reactions are those of this
-        simulation."""
-        return [joint._bound_to(self) for joint in self._scene.joints[: self._core.joint_count]]
+    def joints(self) -> NamedList[Joint]:
+        """Handles of the joints of the scene, by number or name (``sim.joints["elbow"]``, and so with what
+        follows here); their coordinates and reactions are those of this simulation."""
+        return NamedList("joint", (j._bound_to(self) for j in self._scene.joints[: self._core.joint_count]))
 
     @property
-    def actuators(self) -> list[Actuator]:
+    def actuators(self) -> NamedList[Actuator]:
         """Handles of the actuators of the scene; their values and efforts are those of this simulation."""
-        return [a._bound_to(self) for a in self._scene.actuators[: self._core.actuator_count]]
+        known = self._scene.actuators[: self._core.actuator_count]
+        return NamedList("actuator", (actuator._bound_to(self) for actuator in known))
 
     @property
-    def robots(self) -> list[Robot]:
+    def robots(self) -> NamedList[Robot]:
         """Handles of the robots of the scene; their coordinates and efforts are those of this simulation."""
-        return [robot._bound_to(self) for robot in self._scene.robots if robot._is_in(self)]
+        return NamedList("robot", (r._bound_to(self) for r in self._scene.robots if r._is_in(self)))
 
     @property
-    def attachments(self) -> list[Attachment]:
+    def attachments(self) -> NamedList[Attachment]:
         """Handles of the attachments of the scene; their forces are those of this simulation."""
-        return [a._bound_to(self) for a in self._scene.attachments[: self._core.attachment_count]]
+        known = self._scene.attachments[: self._core.attachment_count]
+        return NamedList("attachment", (attachment._bound_to(self) for attachment in known))
 
     @property
-    def energies(self) -> list[Energy]:
+    def energies(self) -> NamedList[Energy]:
         """Handles of the energies of the scene; their energies and forces are those of this simulation."""
-        return [live.energy._bound_to(self) for live in self._live_values[: self._energy_count]]
+        known = self._live_values[: self._energy_count]
+        return NamedList("energy", (live.energy._bound_to(self) for live in known))
 
     @property
     def contacts(self) -> Contacts:

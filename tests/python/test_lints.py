@@ -141,6 +141,17 @@ def test_mirror_lists_sources_without_test(tree: Path) -> None:
     ]
 
 
+def test_mirror_takes_folders_whose_sources_are_rows_of_a_table(tree: Path) -> None:
+    (tree / "tools").mkdir()
+    (tree / "tools/tested_elsewhere.txt").write_text("src/stark/linalg/\nsrc/stark/solve/\n")
+    (tree / "src/stark/solve/rows").mkdir()
+    (tree / "src/stark/solve/rows/c.cpp").write_text("\n")
+    assert [e.split(" ")[0:2] for e in check_mirror.check(tree)] == [
+        ["src/stark/solve/rows/c.cpp", "has"],  # folders in it are not meant
+        ["tools/tested_elsewhere.txt:", "src/stark/solve/"],
+    ]
+
+
 def test_mirror_wants_a_test_for_every_public_module(tree: Path) -> None:
     for folder in ("python/stark/mesh", "tests/python", "tools"):
         (tree / folder).mkdir(parents=True)

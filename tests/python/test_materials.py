@@ -94,3 +94,23 @@ def test_unknown_presets_are_answered_with_the_nearest() -> None:
         _ = stark.materials.coton  # type: ignore[attr-defined]
     with pytest.raises(AttributeError, match=r"'xyz'.*presets are cotton"):
         _ = stark.materials.xyz  # type: ignore[attr-defined]
+
+
+def test_laws_are_given_by_name_or_as_they_are() -> None:
+    values = {"density": 1000.0, "youngs_modulus": 1e5, "poissons_ratio": 0.3}
+    by_name = stark.SolidMaterial(law="neo_hookean", **values)
+    assert by_name.law is stark.materials.solid_laws["neo_hookean"]
+    assert stark.SolidMaterial(law=by_name.law, **values).law is by_name.law
+    assert by_name.replace(density=900.0).law is by_name.law
+    scene = stark.Scene()
+    scene.add_solid(mesh.tet_box(0.1, 1), by_name)
+    for kind, law in (
+        (stark.SolidMaterial, "hooke"),
+        (stark.ShellMaterial, "neo_hookean"),
+        (stark.ShellMaterial, by_name.law),
+        (stark.RodMaterial, 3),
+    ):
+        with pytest.raises(
+            stark.InvalidArgument, match=f"{kind.__name__}: law = .*must be one of .*@stark.material"
+        ):
+            kind(law=law)

@@ -104,6 +104,59 @@ TEST_CASE("forces that crush are named before joints that they pull apart") {
   CHECK(names(diagnosis, "rigid body 'cube' is 2e-06 m from rigid body 'finger'"));
 }
 
+TEST_CASE("joints that hold where a step starts, and that nothing prescribed pulls, are forced apart") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::ConstraintViolated;
+  evidence.joint_violation = "joint 'slide' is apart by 1 mm; look at it";
+  evidence.actuator = StrongActuator{"motor", {"rigid body 'finger'"}, 1e3, false, 1.0};
+  CHECK(judged(evidence).cause == FailureCause::ContradictingJoints);
+  evidence.joints_held = true;
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::Overload);
+  CHECK(names(diagnosis, "joint 'slide' is apart by 1 mm under forces that are too strong"));
+  CHECK(names(diagnosis, "actuator 'motor' accelerates rigid body 'finger' with 1000 m/s^2"));
+  CHECK(diagnosis.bodies == std::vector<std::string>{"rigid body 'finger'"});
+}
+
+TEST_CASE("an actuator that no step follows is named, for what it turns or moves") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::LineSearchFailed;
+  evidence.time_step = 1e-6;
+  evidence.actuator = StrongActuator{"effort", {"rigid body 'speck'"}, 6e9, true, 0.01};
+  const Diagnosis turned = judged(evidence);
+  CHECK(turned.cause == FailureCause::Overload);
+  CHECK(names(turned, "turns it by 0.6 rad within 1e-06 s"));
+  evidence.actuator->size = 0.1;
+  CHECK(judged(evidence).cause == FailureCause::Unknown);
+  evidence.actuator = StrongActuator{"effort", {"rigid body 'speck'"}, 2e12, false, 1.0};
+  CHECK(names(judged(evidence), "moves it by 2 times the size of the scene"));
+  evidence.unit_suspicions = {"rigid body 'speck': extent of the mesh = 4e-05 m"};
+  const Diagnosis suspicious = judged(evidence);
+  CHECK(suspicious.cause == FailureCause::Overload);
+  CHECK(suspicious.remedy.find("numbers look as if in other units") != std::string::npos);
+}
+
+TEST_CASE("what crushes is measured and comes before numbers that look as if in other units") {
+  StepEvidence evidence = plain();
+  evidence.unit_suspicions = {"rigid body 'grain': extent of the mesh = 4e-05 m"};
+  CHECK(judged(evidence).cause == FailureCause::UnitMistake);
+  evidence.gaps = {{{"rigid body 'grain'"}, {"rigid body 'bullet'"}, 2e-6, 2e-3}};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::CrushingLoad);
+  CHECK(diagnosis.remedy.find("extent of the mesh = 4e-05 m") != std::string::npos);
+}
+
+TEST_CASE("what prescribed motion has blocked in longer attempts is blocked motion") {
+  StepEvidence evidence = plain();
+  evidence.gaps = {{sheet({0}), sheet({6}), 1e-5, 9e-5}};
+  evidence.attempts = {{1e-3, SolveStatus::Blocked, 19}, {1e-6, SolveStatus::MaxIterations, 200}};
+  CHECK(judged(evidence).cause == FailureCause::IterationBudget);
+  evidence.pushing = {"rigid body 'jaw'"};
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::BlockedMotion);
+  CHECK(names(diagnosis, "rigid body 'jaw' cannot get where prescribed"));
+}
+
 TEST_CASE("what meets on the way is named") {
   StepEvidence evidence = plain();
   evidence.solve.status = SolveStatus::Detour;

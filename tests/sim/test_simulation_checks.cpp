@@ -29,6 +29,30 @@ TEST_CASE("bodies that start well within their contact distance are found, once 
   CHECK(close[0].find("0.002 m") != std::string::npos);
 }
 
+TEST_CASE("a sheet that one narrow fold makes thin everywhere is named") {
+  // A strip, its end folded back at a height; half-way to the crease the gap is half as wide.
+  const auto findings_of_fold = [](double height, double stiffness) {
+    Scene scene;
+    const TriangleMesh strip = make_grid(0.1, 0.3, 4, 12);
+    std::vector<Vec3> folded = strip.vertices;
+    for (Vec3& x : folded)
+      if (x.y > 0.05) x = {x.x, 0.1 - x.y, height};
+    ClothDescription cloth{.name = "towel", .mesh = strip, .initial_positions = folded};
+    cloth.contact_distance = 1e-3;
+    if (stiffness > 0.0) cloth.contact_stiffness = stiffness;
+    scene.add_cloth(cloth);
+    return Simulation(scene).check_state();
+  };
+  CHECK(findings_of_fold(2.5e-3, 0.0).empty());
+  CHECK(findings_of_fold(1.4e-3, 0.0).size() == 1);
+  CHECK(findings_of_fold(1.4e-3, 1e9).empty());
+  const std::vector<std::string> found = findings_of_fold(1e-4, 0.0);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].find("cloth 'towel'") != std::string::npos);
+  CHECK(found[0].find("instead of 0.002 m") != std::string::npos);
+  CHECK(found[0].find("wider folds") != std::string::npos);
+}
+
 TEST_CASE("solids that start inverted are found") {
   Scene scene;
   const TetMesh mesh = make_tet_box({0.1, 0.1, 0.1}, {2, 2, 2});

@@ -143,3 +143,29 @@ def test_a_second_impact_of_a_pair_meets_a_layer() -> None:
     """With a coefficient of restitution the first impact leaves a layer of 3e-4 of its stiffness, on all of
     the room: the second one goes down to 2e-8 m, and in worse cases the step fails."""
     assert narrowest(0.5) > 0.1 * narrowest(None)
+
+
+@pytest.mark.parametrize(
+    ("seed", "index", "kind", "cause", "named"),
+    [
+        # 1000 N m on 0.1 g: no time step follows it.
+        (2, 147, "joints", "overload", "actuator 'effort' accelerates rigid body 'rigid'"),
+        # Fingers of 5 mg with a motor of 40 kN: sliders that hold at the start are forced apart.
+        (2, 242, "joints", "overload", "joint 'slider_2' is apart"),
+        (3, 362, "joints", "overload", "joint 'cylindrical' is apart"),
+        # 600 m/s into a plate; contact distances as large as the bodies do not make it fail.
+        (2, 481, "impacts", "crushing_load", "rigid body 'rigid_2'"),
+        # Jaws that close have been blocked in the longer attempts.
+        (2, 534, "squeezes", "blocked_motion", "rigid body 'jaw_0'"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::stark.StarkWarning")
+def test_causes_that_were_wrong(seed: int, index: int, kind: str, cause: str, named: str) -> None:
+    """They were unknown, contradicting_joints (twice), unit_mistake and iteration_budget."""
+    pytest.importorskip("ipctk")
+    from benchmarks.torture.campaign import run_one
+
+    outcome = run_one(seed, index, kind)
+    assert outcome.cause == cause, outcome.message
+    assert named in outcome.message
+    assert not outcome.problems

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from stark.courses import TimeValue
 from stark.handle import SceneLink
+from stark.named import NamedTuple
 
 if TYPE_CHECKING:
     from stark.actuators.definition import ActuatorFormula
@@ -44,6 +45,6 @@ class SceneActuators(SceneLink):
         return actuator
 
     @property
-    def actuators(self) -> tuple[Actuator, ...]:
+    def actuators(self) -> NamedTuple[Actuator]:
         """Actuators in the order of adding."""
-        return tuple(self._actuators)
+        return NamedTuple("actuator", self._actuators)

@@ -41,7 +41,7 @@ class Attachment(Handle, KnownAttributes):
 
     @property
     def forces(self) -> Floats:
-        """Forces on the points of ``a`` in the last step (n, 3) [N], zero for pairs that do not hold; what
+        """Forces on the points of ``a`` in the last step (n, 3) [N], zero for pairs that were not held; what
         carries them gets the opposite. After a rewind, of the multipliers of the state, which differ by what
         residuals below a hundredth of the tolerance hold."""
         return self._require_simulation("forces")._core.attachment_forces(self._index)

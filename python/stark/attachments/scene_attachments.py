@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from stark.attachments.handle import Attachment
 from stark.bodies import Body
 from stark.handle import SceneLink
+from stark.named import NamedTuple
 from stark.selections import Points, Stencils
 
 
@@ -56,6 +57,6 @@ class SceneAttachments(SceneLink):
         return attachment
 
     @property
-    def attachments(self) -> tuple[Attachment, ...]:
+    def attachments(self) -> NamedTuple[Attachment]:
         """Attachments in the order of adding."""
-        return tuple(self._attachments)
+        return NamedTuple("attachment", self._attachments)

@@ -1,7 +1,7 @@
 """Metal plasticity of solids at finite strain, as an incremental potential.
 
 Multiplicative split F = Fe Fp with isotropic elasticity in logarithmic strains (Hencky), the yield criterion
-of von Mises and linear isotropic hardening; radial return with the exponential map (Simo 1992, Comput.
+of von Mises and isotropic hardening, linear and saturating; radial return with the exponential map (Simo 1992, Comput.
 Methods Appl. Mech. Engrg. 99, 61-112; Ortiz and Stainier 1999, ibid. 171, 419-444). The energy of a step is
 the least over the plastic strain of the step, in closed form, so that stresses and tangents are exact
 derivatives [theory eq. 10d, 10e]. Kinematic hardening is a spring beside what yields (Haward and Thackray
@@ -10,6 +10,7 @@ Adv. Appl. Mech. 9, 243-377) [theory eq. 10j, 10k]."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from stark.formulas.arguments import TimeStep
 from stark.formulas.internal import internal
 from stark.formulas.material import DeformationGradient, material
 from stark.formulas.parameters import parameter
-from stark.symbolic.functions import log, mark_stage, maximum, sqrt, where
+from stark.symbolic.functions import exp, log, mark_stage, maximum, minimum, sqrt, where
 from stark.symbolic.linear_algebra import determinant, inverse, squared_norm, trace
 from stark.symbolic.signature import Mat3
 from stark.symbolic.tensor import identity, vec
@@ -29,6 +30,8 @@ _LOGARITHM_TERMS = 7
 _SQUARE_TERMS = 8
 #: Powers in the series of the exponential of a quarter of the strain.
 _EXPONENTIAL_TERMS = 8
+#: Steps of Halley's method for the slip of a hardening that saturates.
+_SATURATION_STEPS = 2
 
 
 def _deviatoric_strain(b: Any) -> Any:
@@ -79,11 +82,51 @@ def _exponential(A: Any) -> Any:
     return half @ half
 
 
+@dataclass(frozen=True)
+class _Hardening:
+    """Growth of the yield stress Y with the plastic strain p [theory eq. 10q]."""
+
+    first: Any  # of Y, at p = 0 [Pa]
+    modulus: Any  # of the part that is linear [Pa]
+    increase: Any  # of Y by the part that saturates, at last [Pa]
+    rate: Any  # at which it does, 1 over a plastic strain
+
+    def left(self, p: Any) -> Any:
+        """What is left of the part that saturates [Pa]."""
+        return self.increase * exp(-self.rate * p)
+
+    def resistance(self, p: Any) -> Any:
+        """Yield stress [Pa]."""
+        return self.first + self.modulus * p + (self.increase - self.left(p))
+
+    def stored(self, p: Any) -> Any:
+        """Energy of hardening [J/m^3], the integral of what Y has grown by."""
+        return 0.5 * self.modulus * p**2 + (self.increase * p - (self.increase - self.left(p)) / self.rate)
+
+
+def _saturating(K: Any, slip: Any, left: Any, rate: Any) -> tuple[Any, Any]:
+    """Slip of a step from that of the linear part, and the energy that saturation adds. left [Pa]: growth of
+    the yield stress that is to come.
+
+    The root x of K x = left (1 - exp(-rate (slip - x))), by which the slip is less, by Halley's method from
+    the least of two bounds above: within 1e-8 of the slip where rate * left is below 10 K, of metals 0.1 K.
+    Without saturation x and the energy are 0 to the last bit."""
+    x = minimum(slip * (rate * left / (K + rate * left)), left / K)
+    for _ in range(_SATURATION_STEPS):
+        rest = left * exp(-rate * (slip - x))
+        value, slope = K * x - (left - rest), K + rate * rest
+        x = x - value * slope / (slope**2 - 0.5 * value * rate**2 * rest)
+    reached = slip - x
+    energy = 0.5 * K * x**2 + (left * reached - (left - left * exp(-rate * reached)) / rate)
+    return reached, energy
+
+
 def _step(
-    F: Any, mu: Any, bulk: Any, resistance: Any, modulus: Any, kinematic: Any, G: Any, p: Any
+    F: Any, mu: Any, bulk: Any, hardening: _Hardening, viscous: Any, kinematic: Any, G: Any, p: Any
 ) -> tuple[Any, dict[str, Any]]:
-    """Energy of a step and updates. resistance [Pa]: yield stress at the start of the step; modulus [Pa]: its
-    growth with the plastic strain of the step; kinematic [Pa]: of the back stress."""
+    """Energy of a step and updates. viscous [Pa]: overstress over the plastic strain of the step; kinematic
+    [Pa]: modulus of the back stress."""
+    resistance = hardening.resistance(p)
     J = mark_stage(determinant(F))
     b = (F @ G @ F.T) * J ** (-2.0 / 3.0)
     b = type(b)([[b[min(i, j), max(i, j)] for j in range(3)] for i in range(3)])  # symmetric to the last bit
@@ -95,12 +138,13 @@ def _step(
     squared = _equivalent_strain_squared(b)
     strain = sqrt(maximum(squared, (0.5 * elastic_limit) ** 2))
     excess = maximum(3.0 * mu * strain - resistance, 0.0)
-    stiffness = 3.0 * mu + r * modulus
+    stiffness = 3.0 * mu + r * (hardening.modulus + viscous)
+    slip, saturation = _saturating(stiffness, excess / stiffness, hardening.left(p), r * hardening.rate)
     volumetric = 0.5 * bulk * log(J) ** 2
     back = 0.5 * mu * (1.0 - r) * (squared_norm(F) * J ** (-2.0 / 3.0) - 3.0)
-    psi = volumetric + back + r * (1.5 * mu * squared - 0.5 * excess**2 / stiffness)
+    psi = volumetric + back + r * (1.5 * mu * squared - 0.5 * excess**2 / stiffness + saturation)
+    psi = psi + hardening.stored(p)
 
-    slip = excess / stiffness
     relaxed = _exponential(trial * (2.0 * (1.0 - slip / strain)))
     inverted = inverse(F)
     metric = (inverted @ relaxed @ inverted.T) * J ** (2.0 / 3.0)
@@ -118,6 +162,8 @@ def j2_plasticity(
     yield_stress: float = parameter(unit="Pa", above=0.0),
     hardening_modulus: float = parameter(0.0, unit="Pa", min=0.0),
     kinematic_modulus: float = parameter(0.0, unit="Pa", min=0.0),
+    saturation_increase: float = parameter(0.0, unit="Pa", min=0.0),
+    saturation_rate: float = parameter(10.0, above=0.0),
     plastic_metric: Mat3 = internal(np.eye(3), doc="inverse of Fp^T Fp, determinant 1"),
     plastic_strain: float = internal(0.0, doc="equivalent plastic strain, which never falls"),
 ) -> Any:
@@ -126,14 +172,13 @@ def j2_plasticity(
     shear_modulus, bulk_modulus [Pa]: of the elastic part. yield_stress [Pa]: von Mises equivalent of the
     Kirchhoff stress at which it starts to yield. hardening_modulus [Pa]: growth of the yield stress with the
     equivalent plastic strain. kinematic_modulus [Pa]: of the back stress, by which the metal yields earlier
-    on the way back (Bauschinger's effect). Elastic isochoric strains must stay below 0.3, the step's trial
-    strain among them."""
-    resistance = yield_stress + hardening_modulus * plastic_strain
-    psi, updates = _step(
-        F, shear_modulus, bulk_modulus, resistance, hardening_modulus, kinematic_modulus, plastic_metric,
-        plastic_strain,
-    )  # fmt: skip
-    return psi + 0.5 * hardening_modulus * plastic_strain**2, updates
+    on the way back (Bauschinger's effect). saturation_increase [Pa], saturation_rate [1]: Q and b of a yield
+    stress that grows by Q (1 - exp(-b p)) besides, with the plastic strain p (Voce 1948, J. Inst. Metals 74,
+    537-562). Elastic isochoric strains must stay below 0.3, the step's trial strain among them."""
+    hardening = _Hardening(yield_stress, hardening_modulus, saturation_increase, saturation_rate)
+    return _step(
+        F, shear_modulus, bulk_modulus, hardening, 0.0, kinematic_modulus, plastic_metric, plastic_strain
+    )
 
 
 @material
@@ -146,6 +191,8 @@ def j2_viscoplasticity(
     viscosity: float = parameter(unit="Pa s", above=0.0),
     hardening_modulus: float = parameter(0.0, unit="Pa", min=0.0),
     kinematic_modulus: float = parameter(0.0, unit="Pa", min=0.0),
+    saturation_increase: float = parameter(0.0, unit="Pa", min=0.0),
+    saturation_rate: float = parameter(10.0, above=0.0),
     plastic_metric: Mat3 = internal(np.eye(3), doc="inverse of Fp^T Fp, determinant 1"),
     plastic_strain: float = internal(0.0, doc="equivalent plastic strain, which never falls"),
 ) -> Any:
@@ -153,9 +200,8 @@ def j2_viscoplasticity(
 
     viscosity [Pa s]: stress above the yield stress over the rate of the equivalent plastic strain. The other
     parameters are those of ``j2_plasticity``."""
-    resistance = yield_stress + hardening_modulus * plastic_strain
-    psi, updates = _step(
-        F, shear_modulus, bulk_modulus, resistance, hardening_modulus + viscosity / h, kinematic_modulus,
-        plastic_metric, plastic_strain,
+    hardening = _Hardening(yield_stress, hardening_modulus, saturation_increase, saturation_rate)
+    return _step(
+        F, shear_modulus, bulk_modulus, hardening, viscosity / h, kinematic_modulus, plastic_metric,
+        plastic_strain,
     )  # fmt: skip
-    return psi + 0.5 * hardening_modulus * plastic_strain**2, updates

@@ -232,7 +232,7 @@ def _labels(arguments: Sequence[Argument], frames: Sequence[str]) -> list[str]:
 def unused_text(argument: str) -> str:
     """Message of an argument that does not occur."""
     return (
-        f"the energy does not depend on '{argument}'; use every argument, or remove it from the signature "
+        f"the formula does not depend on '{argument}'; use every argument, or remove it from the signature "
         f"(a value that drops out, such as 0 * {argument}, does not count)"
     )
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from stark._core import InvalidArgument
 from stark.bodies import Body
 from stark.handle import SceneLink
+from stark.named import NamedTuple
 from stark.rotations import Vec3Like, direction, vector
 from stark.selections import FrameHandle
 
@@ -255,9 +256,9 @@ class SceneJoints(SceneLink):
             raise
 
     @property
-    def joints(self) -> tuple[Joint, ...]:
+    def joints(self) -> NamedTuple[Joint]:
         """Joints in the order of adding."""
-        return tuple(self._joints)
+        return NamedTuple("joint", self._joints)
 
 
 def _points(

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from stark._core import InvalidArgument
 from stark.arguments import given_choice, given_flag, given_name
 from stark.handle import SceneLink
+from stark.named import NamedTuple
 from stark.rotations import Vec3Like, as_matrix, vector
 
 if TYPE_CHECKING:
@@ -94,9 +95,9 @@ class SceneRobots(SceneLink):
         return built
 
     @property
-    def robots(self) -> tuple[Robot, ...]:
+    def robots(self) -> NamedTuple[Robot]:
         """Robots in the order of adding."""
-        return tuple(self._robots)
+        return NamedTuple("robot", self._robots)
 
     def _robot_name(self, name: str, *, chosen: bool) -> str:
         taken = {robot.name for robot in self._robots}

@@ -168,6 +168,8 @@ def _plan(given: dict[str, Any]) -> Plan:
     numbers = (plan.fps, plan.checkpoint_every, plan.until, plan.limits.time_out)
     if not all(value is None or isinstance(value, (int, float)) for value in numbers):
         raise TypeError("fps, checkpoint_every, until and time_out must be numbers")
+    if type(plan.certify) is not bool:
+        raise TypeError("certify must be true or false")
     if type(plan.limits.retries) is not int or type(plan.repetitions) is not int:
         raise TypeError("retries and repetitions must be integers")
     return plan

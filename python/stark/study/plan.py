@@ -23,7 +23,7 @@ LARGEST_STUDY = 100_000
 #: Largest plan that is read [bytes].
 LARGEST_PLAN = 1 << 22
 
-_KINDS = ("grid", "list", "random", "latin_hypercube")
+_KINDS = ("grid", "one_at_a_time", "list", "random", "latin_hypercube")
 
 
 class PlanError(InvalidArgument):
@@ -43,7 +43,8 @@ class Limits:
 class Plan:
     """A study: ``samples`` are the options of its runs, each made ``repetitions`` times. The number of the
     repetition goes into the option ``repetition_option`` of the scene, if that is given. ``settings`` go over
-    those of the scene; ``until`` [s] replaces its end."""
+    those of the scene; ``until`` [s] replaces its end. ``certify`` records every accepted step in double
+    precision, for ``stark verify``."""
 
     scene: str
     samples: list[Options]
@@ -53,6 +54,7 @@ class Plan:
     repetition_option: str = ""
     fps: float = 60.0
     checkpoint_every: float = 60.0
+    certify: bool = False
     limits: Limits = field(default_factory=Limits)
 
     def __post_init__(self) -> None:
@@ -141,6 +143,12 @@ class _Table:
             raise self.error(key, value, f"must be a number {'>=' if zero else '>'} 0, in {unit}")
         return float(value)
 
+    def flag(self, key: str, default: bool) -> bool:
+        value = self.take(key, default)
+        if not isinstance(value, bool):
+            raise self.error(key, value, "must be true or false")
+        return value
+
     def finish(self) -> None:
         """Raises PlanError for keys that nobody took."""
         for key in sorted(self._left):
@@ -163,6 +171,7 @@ def _plan(table: _Table, folder: Path) -> Plan:
         repetition_option=table.text("repetition_option", ""),
         fps=table.number("fps", 60.0, "frames per simulated second") or 60.0,
         checkpoint_every=table.number("checkpoint_every", 60.0, "s", zero=True) or 0.0,
+        certify=table.flag("certify", False),
         limits=Limits(limits.number("time_out", None, "s"), limits.whole("retries", 3, 0, 100)),
         samples=_samples(table.table("sampling")) if table.has("sampling") else [{}],
     )
@@ -200,13 +209,8 @@ def _samples(table: _Table) -> list[Options]:
     if kind == "list":
         samples = _listed(table)
     else:
-        drawn = kind != "grid"
-        options = table.table("options")
-        axes = {name: _axis(options, name, value, drawn) for name, value in options.items()}
-        if not axes:
-            raise PlanError(
-                f"{table.owner}: sampling.options is empty; give the values of at least one option"
-            )
+        drawn = kind in ("random", "latin_hypercube")
+        axes = _axes(table, "options", drawn)
         if drawn:
             count, seed = table.whole("count", None, 1), table.whole("seed", 0, 0, 2**32 - 1)
             draw = sampling.random if kind == "random" else sampling.latin_hypercube
@@ -214,8 +218,18 @@ def _samples(table: _Table) -> list[Options]:
         else:
             _check_size(table, axes)
             samples = sampling.grid(axes)
+            if kind == "one_at_a_time":
+                samples = sampling.one_at_a_time(samples, _axes(table, "variations", False))
     table.finish()
     return samples
+
+
+def _axes(table: _Table, key: str, drawn: bool) -> dict[str, Axis]:
+    options = table.table(key)
+    axes = {name: _axis(options, name, value, drawn) for name, value in options.items()}
+    if not axes:
+        raise PlanError(f"{table.owner}: sampling.{key} is empty; give the values of at least one option")
+    return axes
 
 
 def _check_size(table: _Table, axes: Mapping[str, Axis]) -> None:

@@ -56,6 +56,13 @@ def grid(axes: dict[str, Axis]) -> list[Options]:
     return [dict(zip(axes, row, strict=True)) for row in itertools.product(*values)]
 
 
+def one_at_a_time(bases: Sequence[Options], variations: dict[str, Axis]) -> list[Options]:
+    """Each base, and after it the base with each value of one variation at a time."""
+    axes = {name: axis.grid() if isinstance(axis, Range) else axis for name, axis in variations.items()}
+    changes: list[Options] = [{name: value} for name, values in axes.items() for value in values]
+    return [{**base, **change} for base in bases for change in [{}, *changes]]
+
+
 def random(axes: dict[str, Axis], count: int, seed: int) -> list[Options]:
     """``count`` independent draws, the same for the same seed."""
     return _points(axes, np.random.default_rng(seed).random((count, len(axes))))

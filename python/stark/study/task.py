@@ -38,6 +38,7 @@ class Task:
     settings: dict[str, Any]
     fps: float
     checkpoint_every: float
+    certify: bool
     time_out: float | None
     folder: str
 
@@ -68,6 +69,8 @@ def tasks(plan: Plan, folder: Path) -> list[Task]:
                 "repetition": repetition,
                 "stark": __version__,
             }
+            if plan.certify:
+                what["certify"] = True
             made.append(
                 Task(
                     key=_digest(what),
@@ -79,6 +82,7 @@ def tasks(plan: Plan, folder: Path) -> list[Task]:
                     settings=plan.settings,
                     fps=plan.fps,
                     checkpoint_every=plan.checkpoint_every,
+                    certify=plan.certify,
                     time_out=plan.limits.time_out,
                     folder=str(folder),
                 )

@@ -145,6 +145,7 @@ def _make(task: Task, folder: StudyFolder, on_time: OnTime | None) -> dict[str, 
             settings=settings,
             fps=task.fps,
             checkpoint_every=task.checkpoint_every,
+            certify=task.certify,
             **common,
         )
     recording = Recording(place)

@@ -1,5 +1,5 @@
-"""Joints: what they hold and their coordinates, from frames. Built-in kinds are written down here once more;
-others are read from the recording, operation by operation."""
+"""Joints of users: what they hold and their coordinates, from frames. Their formulas are read from the
+recording, operation by operation."""
 
 from __future__ import annotations
 
@@ -19,38 +19,6 @@ Frames = tuple[Floats, Floats, Floats, Floats]
 class UnknownFormula(Exception):  # noqa: N818 (says what it is)
     """A formula that needs what is not recorded, or does what is not known here."""
 
-
-def turn_about_z(A: Floats, B: Floats) -> float:
-    """Rotation of b against a about their z axes [rad]."""
-    return math.atan2(B[:, 0] @ A[:, 1], B[:, 0] @ A[:, 0])
-
-
-def _tilt(A: Floats, B: Floats) -> float:
-    return math.atan2(float(np.linalg.norm(np.cross(A[:, 2], B[:, 2]))), float(A[:, 2] @ B[:, 2]))
-
-
-#: Coordinates of built-in joints by kind and name.
-COORDINATES: dict[str, dict[str, Callable[[Floats, Floats, Floats, Floats], float]]] = {
-    "hinge": {"angle": lambda p, A, q, B: turn_about_z(A, B)},
-    "direction": {"angle": lambda p, A, q, B: turn_about_z(A, B)},
-    "slider": {"displacement": lambda p, A, q, B: float(A[:, 2] @ (q - p))},
-    "point_on_axis": {"displacement": lambda p, A, q, B: float(A[:, 2] @ (q - p))},
-    "cylindrical": {
-        "displacement": lambda p, A, q, B: float(A[:, 2] @ (q - p)),
-        "angle": lambda p, A, q, B: turn_about_z(A, B),
-    },
-    "planar": {
-        "displacement_x": lambda p, A, q, B: float(A[:, 0] @ (q - p)),
-        "displacement_y": lambda p, A, q, B: float(A[:, 1] @ (q - p)),
-        "angle": lambda p, A, q, B: turn_about_z(A, B),
-    },
-    "universal": {
-        "angle_a": lambda p, A, q, B: math.atan2(B[:, 1] @ A[:, 2], B[:, 1] @ A[:, 1]),
-        "angle_b": lambda p, A, q, B: math.atan2(-(A[:, 0] @ B[:, 2]), A[:, 0] @ B[:, 0]),
-    },
-    "span": {"distance": lambda p, A, q, B: float(np.linalg.norm(q - p))},
-    "tilt": {"angle": lambda p, A, q, B: _tilt(A, B)},
-}
 
 _OPERATIONS: dict[str, Callable[..., float]] = {
     "+": lambda a, b: a + b,

@@ -5,7 +5,6 @@ The residuals are those of docs/joints.md, written down here once more."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
-from .formulas import COORDINATES, Frames, UnknownFormula, evaluate
+from .formulas import Frames, UnknownFormula, evaluate
+from .joint_kinds import KINDS
 from .reading import Run, State, pair_count
 from .stops import StopCheck
 
@@ -21,75 +21,6 @@ Floats = NDArray[np.float64]
 
 _SLACK = 1e-6  # of a tolerance, for the rounding of rotations
 _ROUNDING = 1e-12  # [m], [rad]
-
-#: Residuals of two frames (origins p, q; axes as columns of A, B): lengths [m] and angles [rad], each held by
-#: its norm.
-Residuals = tuple[list[Floats], list[Floats]]
-
-
-def _fixed(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [p - q], [A[:, 0] - B[:, 0], A[:, 2] - B[:, 2]]
-
-
-def _ball(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [p - q], []
-
-
-def _hinge(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [p - q], [A[:, 2] - B[:, 2]]
-
-
-def _slider(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [A[:, :1].T @ (q - p), A[:, 1:2].T @ (q - p)], [A[:, 0] - B[:, 0], A[:, 2] - B[:, 2]]
-
-
-def _cylindrical(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [A[:, :1].T @ (q - p), A[:, 1:2].T @ (q - p)], [A[:, 2] - B[:, 2]]
-
-
-def _universal(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [p - q], [A[:, :1].T @ B[:, 1]]
-
-
-def _planar(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [A[:, 2:].T @ (q - p)], [A[:, 2] - B[:, 2]]
-
-
-def _point_on_axis(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [A[:, :1].T @ (q - p), A[:, 1:2].T @ (q - p)], []
-
-
-def _distance(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [np.array([np.linalg.norm(q - p) - values["length"][0][0]])], []
-
-
-def _direction(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [], [A[:, 2] - B[:, 2]]
-
-
-def _orientation(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [], [A[:, 0] - B[:, 0], A[:, 2] - B[:, 2]]
-
-
-def _nothing(p: Floats, A: Floats, q: Floats, B: Floats, values: dict[str, Any]) -> Residuals:
-    return [], []
-
-
-KINDS: dict[str, Callable[[Floats, Floats, Floats, Floats, dict[str, Any]], Residuals]] = {
-    "fixed": _fixed,
-    "ball": _ball,
-    "hinge": _hinge,
-    "slider": _slider,
-    "cylindrical": _cylindrical,
-    "universal": _universal,
-    "planar": _planar,
-    "point_on_axis": _point_on_axis,
-    "distance": _distance,
-    "direction": _direction,
-    "orientation": _orientation,
-    "span": _nothing,
-    "tilt": _nothing,
-}
 
 
 @dataclass
@@ -167,8 +98,9 @@ class JointCheck:
         units = {name: unit for name, unit in joint.get("coordinates", [])}
         if joint["built_in"]:
             frames = self._frames(state, joint)
-            lengths, angles = KINDS[joint["kind"]](*frames, joint["values"])
-            values = {name: float(f(*frames)) for name, f in COORDINATES.get(joint["kind"], {}).items()}
+            kind = KINDS[joint["kind"]]
+            lengths, angles = kind.held(*frames, joint["values"])
+            values = {name: float(f(*frames)) for name, f in kind.coordinates.items()}
         elif (state.index == 0 or state.is_placed) and joint["formula"]["uses_motion"]:
             return {}  # no step led there
         else:

@@ -300,6 +300,14 @@ void ContactSet::reset(std::vector<Contact> contacts) {
   }
 }
 
+void ContactSet::swap(ContactSet& other) {
+  std::swap_ranges(batches_.begin(), batches_.end(), other.batches_.begin());
+  contact_of_.swap(other.contact_of_);
+  contacts_.swap(other.contacts_);
+  energies_.swap(other.energies_);
+  std::swap(weight_, other.weight_);
+}
+
 std::vector<const PotentialBatch*> ContactSet::batches() const {
   std::vector<const PotentialBatch*> result;
   for (const PotentialBatch& batch : batches_)

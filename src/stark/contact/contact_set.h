@@ -122,6 +122,8 @@ class ContactSet {
 
   /// Takes the contacts (with stiffness) and fills the batches.
   void reset(std::vector<Contact> contacts);
+  /// Changes places with another set of the same potentials; batches stay where they are.
+  void swap(ContactSet& other);
   /// Factor of the energies and of what the batches have, from the next reset() on; forces are without it.
   void set_weight(double weight) { weight_ = weight; }
 

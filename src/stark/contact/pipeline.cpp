@@ -106,10 +106,10 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
   law_.begin_step(std::move(memory.load), restitution_.spent());
   geometry_.has_least_distance = is_bound_;
-  is_active_ = false;
+  forget_sets();
   update(x);
   if (is_bound_ && lower_separations()) {
-    is_active_ = false;
+    forget_sets();
     update(x);
   }
   if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
@@ -224,7 +224,7 @@ void ContactPipeline::set_filter(PairFilter filter) {
   broad_phase_.set_filter(std::move(filter));
   candidates_.x.clear();
   trial_candidates_.x.clear();
-  is_active_ = false;
+  forget_sets();
 }
 
 bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
@@ -250,9 +250,8 @@ void ContactPipeline::build(std::span<const Vec3> x, Candidates& out) {
   counters_.candidates += out.list.size();
 }
 
-void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out) {
-  std::vector<Contact> contacts;
-  find_contacts(geometry_, list, x, pool_, contacts);
+void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec3> x, ContactSet& out) {
+  std::vector<Contact> contacts = near;
   merge_by_feature(geometry_, cells_, names_, x, contacts);
   law_.assign(mesh(), x, contacts);
   merge_equal_stencils(x, contacts);
@@ -261,7 +260,8 @@ void ContactPipeline::fill(const CandidateList& list, std::span<const Vec3> x, C
 }
 
 void ContactPipeline::update(std::span<const Vec3> x) {
-  if (is_active_ && std::ranges::equal(x, x_active_)) return;
+  const bool is_here = std::ranges::equal(x, x_active_);
+  if (is_active_ && is_here) return;
   if (!covers(candidates_, x)) {
     // The accepted trial point left a list behind.
     if (covers(trial_candidates_, x))
@@ -271,7 +271,15 @@ void ContactPipeline::update(std::span<const Vec3> x) {
   }
   x_active_.assign(x.begin(), x.end());
   is_active_ = true;
-  fill(candidates_.list, x, active_);
+  if (is_trial_ && std::ranges::equal(x, x_trial_)) {
+    active_.swap(trial_);
+    near_active_.swap(near_trial_);
+  } else {
+    if (!is_near_ || !is_here) find_contacts(geometry_, candidates_.list, x, pool_, near_active_);
+    fill(near_active_, x, active_);
+  }
+  is_near_ = true;
+  is_trial_ = false;
   friction_.remember(x);
   restitution_.remember(x);
 }
@@ -317,7 +325,10 @@ EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
     if (!covers(trial_candidates_, x)) build(x, trial_candidates_);
     list = &trial_candidates_.list;
   }
-  fill(*list, x, trial_);
+  find_contacts(geometry_, *list, x, pool_, near_trial_);
+  fill(near_trial_, x, trial_);
+  x_trial_.assign(x.begin(), x.end());
+  is_trial_ = true;
   EnergyDifference total = stark::energy_difference(active_, trial_);
   for (const EnergyDifference& other : {friction_.energy_difference(x), restitution_.energy_difference(x)}) {
     total.difference += other.difference;
@@ -356,7 +367,7 @@ void ContactPipeline::keep_names() {
     if (is_name(contact.key)) names_.push_back(contact.key);
   std::ranges::sort(names_);
   names_.erase(std::ranges::unique(names_).begin(), names_.end());
-  if (names_ != before) is_active_ = false;
+  if (names_ != before) is_active_ = is_trial_ = false;
 }
 
 double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {

@@ -112,7 +112,7 @@ class ContactPipeline final : public ActiveSet {
   void keep_lagged() override { friction_.keep(); }
   void restore_lagged() override {
     friction_.restore();
-    is_active_ = false;
+    forget_sets();
   }
 
   const std::vector<Contact>& contacts() const { return active_.contacts(); }
@@ -158,6 +158,8 @@ class ContactPipeline final : public ActiveSet {
     std::vector<Vec3> x;
   };
 
+  void forget_sets() { is_active_ = is_trial_ = is_near_ = false; }
+
   bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
   void build(std::span<const Vec3> x, Candidates& out);
   /// Largest safe fraction of the way from x0 to x1.
@@ -174,7 +176,7 @@ class ContactPipeline final : public ActiveSet {
   bool is_name(const PairKey& key) const;
   std::map<int64_t, double> smallest_gaps(std::span<const Vec3> x);
   CloseBodies parted(std::span<const Vec3> x);
-  void fill(const CandidateList& list, std::span<const Vec3> x, ContactSet& out);
+  void fill(const std::vector<Contact>& near, std::span<const Vec3> x, ContactSet& out);
 
   BroadPhase broad_phase_;
   ContactGeometry geometry_;
@@ -187,6 +189,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<PairKey> names_;  ///< of contacts of points, sorted: see merge_by_feature
   std::vector<Vec3> rest_positions_;
   ContactSet active_, trial_;
+  std::vector<Contact> near_active_,
+      near_trial_;  ///< what they were merged from: by primitives, without laws
   FrictionSet friction_;
   RestitutionSet restitution_;
   bool is_bound_ = true;
@@ -196,8 +200,9 @@ class ContactPipeline final : public ActiveSet {
   ContactCounters counters_;
   std::vector<int32_t> surface_sites_;
   std::vector<Vec3> x_reference_;
-  std::vector<Vec3> x_active_;  ///< of the last update()
-  bool is_active_ = false;      ///< nothing but x decides what the next update() gives
+  std::vector<Vec3> x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
+  /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.
+  bool is_active_ = false, is_trial_ = false, is_near_ = false;
   double duration_ = 0.0, weight_ = 1.0;
   double friction_residual_ = 0.0;
 };

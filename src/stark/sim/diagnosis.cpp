@@ -10,6 +10,9 @@ namespace stark {
 
 namespace {
 
+/// Angle, or motion over the size of the scene, in the shortest step beyond which no step follows an
+/// actuator.
+constexpr double kOverwhelming = 0.5;
 /// Stretch of a body between two of its pins that nobody means.
 constexpr double kPinStretch = 1.5;
 /// Distance over contact distance below which bodies that start like that overlap in thickness.
@@ -136,10 +139,8 @@ Verdict judge_load(const StepEvidence& e) {
           bodies_of(gaps)};
 }
 
-Verdict judge_prescribed(const StepEvidence& e) {
-  const std::vector<NarrowGap> crushed = crushed_gaps(e);
-  const bool presses = !crushed.empty() && !e.pushing.empty();
-  if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
+/// What prescribed parts press on.
+Verdict blocked(const StepEvidence& e, const std::vector<NarrowGap>& crushed) {
   if (Verdict pins = judge_pins(e); pins.cause != FailureCause::None && find_inverted(e, true)) return pins;
   if (!e.blocking && e.gaps.empty() && crushed.empty()) return judge_pins(e);
   std::vector<std::string> bodies = e.pushing;
@@ -158,6 +159,64 @@ Verdict judge_prescribed(const StepEvidence& e) {
       "end the prescribed motion before the obstacle, leave room for what is in between and for the "
       "contact distances, move the obstacle, or drive the body by an actuator with a force that has a cap",
       bodies};
+}
+
+Verdict judge_prescribed(const StepEvidence& e) {
+  const std::vector<NarrowGap> crushed = crushed_gaps(e);
+  const bool presses = !crushed.empty() && !e.pushing.empty();
+  if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
+  return blocked(e, crushed);
+}
+
+/// The last attempts, in which prescribed parts hardly move, may end otherwise than the first, which they
+/// have blocked.
+Verdict judge_earlier_attempts(const StepEvidence& e) {
+  const auto was_blocked = [](const Attempt& attempt) { return attempt.status == SolveStatus::Blocked; };
+  if (!is_stuck(e.solve.status) || e.pushing.empty() || std::ranges::none_of(e.attempts, was_blocked))
+    return {};
+  return blocked(e, crushed_gaps(e));
+}
+
+bool is_overwhelming(const StepEvidence& e) {
+  return e.actuator && e.actuator->reach(e.time_step) > kOverwhelming;
+}
+
+std::string actuator_text(const StepEvidence& e) {
+  const StrongActuator& actuator = *e.actuator;
+  std::string text = "actuator '" + actuator.name + "' accelerates " + place_text(actuator.at) + " with " +
+                     rough(actuator.acceleration, "m/s^2");
+  if (!is_overwhelming(e)) return text;
+  const double reach = actuator.reach(e.time_step);
+  return text + ", which " +
+         (actuator.is_turn ? "turns it by " + rough(reach, "rad")
+                           : "moves it by " + rough(reach, "1") + " times the size of the scene") +
+         " within " + rough(e.time_step, "s");
+}
+
+/// Where all joints hold at the start of a step in which nothing prescribed pulls, they can hold at its end,
+/// too: there.
+bool is_forced_apart(const StepEvidence& e) {
+  return e.solve.status == SolveStatus::ConstraintViolated && e.joints_held;
+}
+
+Verdict judge_overload(const StepEvidence& e) {
+  if (!is_forced_apart(e) && !is_overwhelming(e)) return {};
+  std::vector<std::string> findings, bodies;
+  if (is_forced_apart(e))
+    findings.push_back(e.joint_violation.substr(0, e.joint_violation.find("; ")) +
+                       " under forces that are too strong for it, as it could stay where the step starts");
+  if (e.actuator) {
+    findings.push_back(actuator_text(e));
+    bodies.push_back(e.actuator->at.body);
+  }
+  if (!e.gaps.empty()) {
+    findings.push_back(gap_text(e.gaps.front()));
+    bodies.insert(bodies.end(), {e.gaps.front().a.body, e.gaps.front().b.body});
+  }
+  std::string what;
+  for (const std::string& finding : findings) what += (what.empty() ? "" : "; ") + finding;
+  return {FailureCause::Overload, what,
+          "lower the efforts, caps and speeds that act on these bodies, or make light ones heavier", bodies};
 }
 
 Verdict judge_not_finite(const StepEvidence& e) {
@@ -289,6 +348,10 @@ Verdict judge_status(const StepEvidence& e) {
           "write_reproducer(path) keeps the step for study"};
 }
 
+std::string suspicion_text(const StepEvidence& e) {
+  return "numbers look as if in other units: " + e.unit_suspicions.front();
+}
+
 Verdict find_cause(const StepEvidence& e, const Settings& settings) {
   switch (e.solve.status) {
     case SolveStatus::Interrupted:
@@ -300,7 +363,8 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
                   force_text(e),
               "raise newton.max_seconds, make the scene smaller, or lower time.step"};
     case SolveStatus::ConstraintViolated: {
-      if (Verdict load = judge_load(e); load.cause != FailureCause::None) return load;
+      for (Verdict verdict : {judge_load(e), judge_overload(e)})
+        if (verdict.cause != FailureCause::None) return verdict;
       const size_t end = e.joint_violation.find("; ");
       return {FailureCause::ContradictingJoints, e.joint_violation.substr(0, end),
               end == std::string::npos ? "look for joints that contradict each other"
@@ -314,10 +378,11 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
         judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (e.solve.status == SolveStatus::Detour && e.in_the_way) return judge_detour(e);
+  for (Verdict verdict : {judge_load(e), judge_overload(e), judge_earlier_attempts(e)})
+    if (verdict.cause != FailureCause::None) return verdict;
   if (!e.unit_suspicions.empty())
-    return {FailureCause::UnitMistake, "numbers look as if in other units: " + e.unit_suspicions.front(),
+    return {FailureCause::UnitMistake, suspicion_text(e),
             "check the units of all that is named here; lengths are in m, masses in kg, times in s"};
-  if (Verdict load = judge_load(e); load.cause != FailureCause::None) return load;
   return judge_status(e);
 }
 
@@ -335,6 +400,10 @@ Diagnosis judge(StepEvidence evidence, const Settings& settings) {
   Verdict verdict = find_cause(evidence, settings);
   Diagnosis diagnosis{
       .cause = verdict.cause, .finding = std::move(verdict.finding), .remedy = std::move(verdict.remedy)};
+  // Measured, but it may come from a number in another unit.
+  if ((verdict.cause == FailureCause::CrushingLoad || verdict.cause == FailureCause::Overload) &&
+      !evidence.unit_suspicions.empty())
+    diagnosis.remedy += "; " + suspicion_text(evidence);
   const auto add = [&](const std::string& body) {
     if (!body.empty() && std::ranges::find(diagnosis.bodies, body) == diagnosis.bodies.end())
       diagnosis.bodies.push_back(body);

@@ -31,6 +31,7 @@ enum class FailureCause : uint8_t {
   ThicknessOverlap,        ///< bodies that start well within their contact distances
   UnitMistake,             ///< numbers that look as if given in other units
   CrushingLoad,            ///< forces press bodies together harder than contact can carry
+  Overload,                ///< forces that joints do not hold against, or too strong for what they move
   Detour,                  ///< bodies would change places within the step
   SingularSystem,          ///< the linear system could not be solved
   StiffnessContrast,       ///< stiffnesses too far apart for double precision
@@ -39,7 +40,7 @@ enum class FailureCause : uint8_t {
 };
 template <>
 struct EnumNames<FailureCause> {
-  static constexpr std::array<std::string_view, 19> kNames{"none",
+  static constexpr std::array<std::string_view, 20> kNames{"none",
                                                            "interrupted",
                                                            "time_budget",
                                                            "contradicting_joints",
@@ -53,6 +54,7 @@ struct EnumNames<FailureCause> {
                                                            "thickness_overlap",
                                                            "unit_mistake",
                                                            "crushing_load",
+                                                           "overload",
                                                            "detour",
                                                            "singular_system",
                                                            "stiffness_contrast",
@@ -116,6 +118,17 @@ struct SteepEnergy {
   double length = 0.0;  ///< [m] force over stiffness: about the distance to where it has no value
 };
 
+/// What an actuator does to the body that it accelerates most.
+struct StrongActuator {
+  std::string name;
+  BodyVertices at;
+  double acceleration = 0.0;  ///< [m/s^2], of what turns that of its surface
+  bool is_turn = false;
+  double size = 1.0;  ///< [m] radius of what turns, the size of the scene of what moves
+  /// Angle, or motion over the size of the scene, in a step of length h [s].
+  double reach(double h) const { return acceleration * h * h / size; }
+};
+
 /// What one attempt at a step came to.
 struct Attempt {
   double time_step = 0.0;  ///< [s]
@@ -139,6 +152,7 @@ struct StepEvidence {
   std::optional<BlockingPair> in_the_way;  ///< of an attempt that went around something
   std::vector<BodyVertices> not_finite;    ///< where energies are not finite, and their owners
   std::optional<SteepEnergy> steep;        ///< the steepest
+  std::optional<StrongActuator> actuator;  ///< the strongest
   /// Smallest unbalanced force and acceleration that rounding of the positions lets forces tell apart.
   double force_rounding = 0.0;         ///< [N]
   double acceleration_rounding = 0.0;  ///< [m/s^2]
@@ -147,6 +161,7 @@ struct StepEvidence {
   std::string stiffest, softest;
   double motion = 0.0, scene_size = 0.0;  ///< [m] largest motion in the step; diagonal of all bodies
   std::string joint_violation;
+  bool joints_held = false;  ///< all did where the step started, and what is prescribed has hardly moved
   std::vector<std::string> unit_suspicions;
   std::vector<Attempt> attempts;
 };

@@ -162,8 +162,8 @@ class Simulation {
   void set_attachment_enabled(AttachmentId attachment, bool enabled);
   /// By pair: 1 held, 0 released, -1 broken.
   std::vector<int32_t> attachment_status(AttachmentId attachment) const;
-  /// Forces [N] on the points of side a in the last step, zero for pairs that do not hold; what carries them
-  /// gets the opposite. After set_state, of the multipliers of the state, as joint_reaction.
+  /// Forces [N] on the points of side a in the last step, zero for pairs that were not held; what carries
+  /// them gets the opposite. After set_state, of the multipliers of the state, as joint_reaction.
   std::vector<Vec3> attachment_forces(AttachmentId attachment) const;
 
   /// Numbers in State::contact_regained are below this one.

@@ -51,9 +51,8 @@ std::vector<Vec3> Simulation::attachment_forces(AttachmentId id) const {
   const std::vector<double> reactions = energies_.constraints.reactions(site_positions());
   std::vector<Vec3> forces(pairs);
   for (int32_t pair = 0; pair < pairs; ++pair)
-    if (state_.attachment_held[place.first_pair + pair] == kHeld)  // the residual is x_a - x_b
-      forces[pair] =
-          -vector_at(reactions, energies_.constraints.place(place.first_constraint + pair).residual);
+    forces[pair] =  // the residual is x_a - x_b; no minus before zeros of pairs that do not hold
+        Vec3{} - vector_at(reactions, energies_.constraints.place(place.first_constraint + pair).residual);
   return forces;
 }
 

@@ -1,7 +1,10 @@
 // Simulation: what is suspicious about a state before a step is taken.
+#include <algorithm>
 #include <map>
 #include <utility>
 
+#include <stark/sim/body_checks.h>
+#include <stark/sim/contact_distance.h>
 #include <stark/sim/element_strain.h>
 #include <stark/sim/simulation.h>
 #include <stark/sim/step_evidence.h>
@@ -12,6 +15,8 @@ namespace {
 
 /// Distance over contact distance below which bodies that start there are pushed apart (contact/pipeline).
 constexpr double kOverlap = 0.01;
+/// The same of a body with itself below which it gets thin without having been pressed.
+constexpr double kThin = 0.5;
 constexpr size_t kMostGaps = 10000, kMostElements = 1000;
 
 /// One sentence for each pair of bodies, about the narrowest gap.
@@ -32,13 +37,39 @@ void warn_about_overlap(const std::vector<NarrowGap>& gaps, std::vector<std::str
   }
 }
 
+/// One sentence about the narrowest gap of a body with itself, whose size `distance` [m] counts everywhere in
+/// it, where that is much less than the two layers of its contact distance.
+void warn_about_thin_layers(const std::vector<NarrowGap>& gaps, const std::string& body, double distance,
+                            double layers, std::vector<std::string>& out) {
+  if (distance >= kThin * layers) return;
+  const auto narrow = std::ranges::find_if(
+      gaps, [&](const NarrowGap& gap) { return gap.a.body == body && gap.b.body == body; });
+  if (narrow == gaps.end()) return;
+  out.push_back(
+      place_text(narrow->a) + " starts " + quantity_text(distance, "m") + " from " + place_text(narrow->b) +
+      ": all its layers come as close as that, instead of " + quantity_text(layers, "m") +
+      ", until no part of it is near another; start it with wider folds, of at least a quarter of that "
+      "where its surface or contact stiffness is given");
+}
+
 }  // namespace
 
 std::vector<std::string> Simulation::check_state() const {
   std::vector<std::string> warnings;
   const std::vector<Vec3> x = site_positions();
-  if (contact_)
-    warn_about_overlap(find_narrow_gaps(scene_, *model_, contact_->find_contacts_at(x), kMostGaps), warnings);
+  if (contact_) {
+    const std::vector<NarrowGap> gaps =
+        find_narrow_gaps(scene_, *model_, contact_->find_contacts_at(x), kMostGaps);
+    warn_about_overlap(gaps, warnings);
+    for (size_t k = 0; k < state_.contact_close_bodies.size(); ++k) {
+      const int64_t code = state_.contact_close_bodies[k];
+      const BodyId a{static_cast<int32_t>(code >> 32)}, b{static_cast<int32_t>(code & 0xffffffff)};
+      if (a.index == b.index)
+        warn_about_thin_layers(gaps, owner_text(scene_.kind(a), scene_.name(a)),
+                               state_.contact_close_distance[k], 2.0 * contact_distance(scene_, a, settings_),
+                               warnings);
+    }
+  }
   for (int32_t b = 0; b < scene_.body_count(); ++b) {
     if (scene_.kind(BodyId{b}) != BodyKind::Solid || scene_.solid(BodyId{b}).initial_positions.empty())
       continue;  // at rest: checked when it was added

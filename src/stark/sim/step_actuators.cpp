@@ -98,4 +98,13 @@ double actuator_power(const ModelActuator& actuator, const State& state) {
   return power;
 }
 
+double actuator_work(const ModelActuator& actuator, const State& state, std::span<const double> before) {
+  double work = 0.0;
+  for (size_t c = 0; c < actuator.coordinates.size(); ++c) {
+    const int64_t q = actuator.coordinates[c];
+    work += state.actuator_effort[actuator.effort + c] * (state.joint_coordinate[q] - before[q]);
+  }
+  return work;
+}
+
 }  // namespace stark

@@ -1,5 +1,6 @@
 #include <stark/sim/step_evidence.h>
 
+#include <stark/mechanics/congruence.h>
 #include <stark/mechanics/force_rounding.h>
 
 #include <algorithm>
@@ -198,11 +199,18 @@ void add_rounding(const FailedStep& step, const BlockMatrix& hessian, StepEviden
   }
 }
 
+/// 1 for blocks that are rotations.
+std::vector<char> turning_blocks(const Model& model) {
+  const DofLayout& layout = model.map().layout();
+  std::vector<char> turns(layout.block_count, 0);
+  for (const int32_t block : layout.rotation_block)
+    if (block != kNoBlock) turns[block] = 1;
+  return turns;
+}
+
 void add_stiffness_ratio(const FailedStep& step, const BlockMatrix& hessian, StepEvidence& out) {
   const std::vector<BodyVertices> owners = block_owners(step.scene, step.model);
-  std::vector<char> turns(owners.size(), 0);
-  for (const int32_t block : step.model.map().layout().rotation_block)
-    if (block != kNoBlock) turns[block] = 1;
+  const std::vector<char> turns = turning_blocks(step.model);
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (size_t b = 0; b < owners.size(); ++b) {
     if (turns[b]) continue;
@@ -212,6 +220,40 @@ void add_stiffness_ratio(const FailedStep& step, const BlockMatrix& hessian, Ste
     if (stiffness > largest) largest = stiffness, out.stiffest = owners[b].body;
   }
   if (largest > 0.0 && smallest > 0.0) out.stiffness_ratio = largest / smallest;
+}
+
+/// Of what each actuator does where the attempt ended, the largest acceleration.
+void add_actuator(const FailedStep& step, StepEvidence& out) {
+  const KinematicMap& map = step.model.map();
+  const std::span<const Vec3> x = step.potential.site_positions();
+  const std::vector<BlockScale>& scales = step.model.block_scales();
+  const std::vector<BodyVertices> owners = block_owners(step.scene, step.model);
+  const std::vector<char> turns = turning_blocks(step.model);
+  const size_t joints = step.scene.joints().size(), actuators = step.scene.actuators().size();
+  std::vector<double> gradient(3 * owners.size());
+  for (const ConstraintGroup& group : step.energies.constraints.groups()) {
+    const size_t first = group.joints.front();
+    if (first < joints || first >= joints + actuators) continue;
+    const std::vector<double> values = group.batch.evaluate(symbolic::Order::Gradient, x);
+    const size_t outputs = values.size() / static_cast<size_t>(group.batch.size());
+    for (int64_t e = 0; e < group.batch.size(); ++e) {
+      std::ranges::fill(gradient, 0.0);
+      const double* g = values.data() + static_cast<size_t>(e) * outputs + 1;
+      for (const int32_t site : group.batch.stencil(e)) {
+        add_mapped_gradient(map.jacobian(site, step.potential.configuration()), {g[0], g[1], g[2]}, gradient);
+        g += 3;
+      }
+      for (size_t b = 0; b < owners.size(); ++b) {
+        const double a =
+            norm({gradient[3 * b], gradient[3 * b + 1], gradient[3 * b + 2]}) * scales[b].inverse_inertia;
+        if (!std::isfinite(a) || a <= (out.actuator ? out.actuator->acceleration : 0.0)) continue;
+        const bool is_turn = turns[b] != 0;
+        out.actuator =
+            StrongActuator{step.scene.actuators()[static_cast<size_t>(group.joints[e]) - joints].name,
+                           owners[b], a, is_turn, is_turn ? scales[b].reach : out.scene_size};
+      }
+    }
+  }
 }
 
 void add_motion(const FailedStep& step, StepEvidence& out) {
@@ -292,6 +334,7 @@ StepEvidence collect_evidence(const FailedStep& step) {
   add_rounding(step, hessian, evidence);
   add_stiffness_ratio(step, hessian, evidence);
   add_steep_energy(step, evidence);
+  add_actuator(step, evidence);
   evidence.unit_suspicions = check_units(step.scene, step.settings);
   return evidence;
 }

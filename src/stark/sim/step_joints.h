@@ -22,6 +22,8 @@ std::string residual_text(double residual, ResidualUnit unit);
 
 /// Power [W] that an actuator fed into the motion in the last step.
 double actuator_power(const ModelActuator& actuator, const State& state);
+/// Work [J] of its efforts on the way of its coordinates since they were `before`. [theory eq. 27]
+double actuator_work(const ModelActuator& actuator, const State& state, std::span<const double> before);
 
 class StepJoints : private StepPart {
  public:

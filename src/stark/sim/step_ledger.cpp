@@ -219,7 +219,7 @@ double StepLedger::prescribed_work() {
   return total;
 }
 
-EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
+EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const double> coordinates_before) {
   const std::span<const Vec3> x = potential_.site_positions();
   EnergyLedger ledger = stored_energies(x);
   if (contact_) {
@@ -236,7 +236,7 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, double h) {
   ledger.external = prescribed_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)
-      ledger.actuation += actuator_power(model_.actuators()[k], state_) * h;
+      ledger.actuation += actuator_work(model_.actuators()[k], state_, coordinates_before);
   ledger.numerical = before.stored() + ledger.external + ledger.actuation + ledger.restitution -
                      ledger.stored() - ledger.damping - ledger.friction;
   return ledger;

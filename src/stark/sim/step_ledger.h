@@ -17,9 +17,9 @@ class StepLedger : private StepPart {
   /// What the elements of one elastic batch store, 0 for others.
   double stored_energy(ModelBatch& batch, std::span<const Vec3> x);
   double stored_energy(ModelQuadrature& elements, std::span<const Vec3> x);
-  /// Completes the ledger of the step of length h that has just been committed; `before`: stored energies at
-  /// its start.
-  EnergyLedger balance(const EnergyLedger& before, double h);
+  /// Completes the ledger of the step that has just been committed; `before`: stored energies at its start,
+  /// where joints had the coordinates `coordinates_before`.
+  EnergyLedger balance(const EnergyLedger& before, std::span<const double> coordinates_before);
   Momentum momentum() const;
 
  private:

@@ -17,6 +17,10 @@ namespace stark {
 /// Accepted: at the first attempt. Retried: after at least one halving of the time step. Failed: the state is
 /// unchanged.
 enum class StepStatus : uint8_t { Accepted, Retried, Failed, Interrupted };
+template <>
+struct EnumNames<StepStatus> {
+  static constexpr std::array<std::string_view, 4> kNames{"accepted", "retried", "failed", "interrupted"};
+};
 
 /// What is not quite as asked of a step that was accepted all the same.
 enum class Caveat : uint8_t {

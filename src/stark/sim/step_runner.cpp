@@ -83,6 +83,20 @@ Failure failure_of(SolveStatus status) {
   return {};
 }
 
+/// Residual over its tolerance, and motion over that of lengths, from which what is prescribed has not pulled
+/// a joint apart.
+constexpr double kFarApart = 2.0, kHardly = 0.1;
+
+/// The largest of prescribed sites in a step to a target from sites at `start` [m].
+double prescribed_motion(const KinematicMap& map, const Configuration& target, std::span<const Vec3> start) {
+  std::vector<Vec3> end(start.size());
+  map.positions(target, end);
+  double motion = 0.0;
+  for (int32_t i = 0; i < map.site_count(); ++i)
+    if (map.is_prescribed(i)) motion = std::max(motion, norm(end[i] - start[i]));
+  return motion;
+}
+
 /// The next number of one digit above twice a value.
 double rounded_up(double value) {
   const double digit = std::pow(10.0, std::floor(std::log10(2.0 * value)));
@@ -192,7 +206,7 @@ void StepRunner::accept(double h, bool is_cut) {
   ++state_.step_count;
   {
     const PhaseTimer::Scope scope(timer_, Phase::Commit);
-    report_.energy = ledger_.balance(energies_before_, h);
+    report_.energy = ledger_.balance(energies_before_, coordinates_before_);
     report_.energy.placed = placing_.placed().energy;
     report_.placed = placing_.placed().bodies;
     placing_.forget();
@@ -269,6 +283,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     else
       motion_.predict(h);
     energies_before_ = ledger_.stored_energies(step_start_);
+    coordinates_before_ = state_.joint_coordinate;
     joints_.begin_actuators(h);
   }
   if (has_joints) {
@@ -320,8 +335,15 @@ Diagnosis StepRunner::diagnose() {
   evidence.solve = report_.solve;
   evidence.time_step = h;
   evidence.attempts = attempts_;
-  if (report_.solve.status == SolveStatus::ConstraintViolated)
+  if (report_.solve.status == SolveStatus::ConstraintViolated) {
     evidence.joint_violation = joints_.violation_text();
+    const double apart = energies_.constraints.worst(potential_.site_positions()).ratio;
+    const double motion = prescribed_motion(model_.map(), motion_.target_configuration(h), step_start_);
+    const bool is_pulled =
+        motion > 0.0 && (apart < kFarApart || motion > kHardly * settings_.joints.length_tolerance);
+    evidence.joints_held =
+        !is_pulled && joints_.violation_text(step_start_, [](int32_t) { return true; }).empty();
+  }
   return judge(std::move(evidence), settings_);
 }
 

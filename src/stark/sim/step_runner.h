@@ -70,6 +70,7 @@ class StepRunner : private StepPart {
   int repeats_ = 0;                ///< of its shortest attempt
   LoadMemory load_;                ///< of its barriers: that of the state, more after attempts that failed
   EnergyLedger energies_before_;   ///< stored at the start of the last attempt
+  std::vector<double> coordinates_before_;  ///< of joints, at the same time
   BlockMatrix diagonal_hessian_;
   std::vector<double> scratch_gradient_;
 };

@@ -103,7 +103,14 @@ CASES: dict[str, tuple[Any, list[curves.Curve], dict[str, float], dict[str, Any]
         stark.j2_plasticity, [blank("uniaxial", PATH)],
         {"shear_modulus": 8e10, "yield_stress": 2.4e8, "hardening_modulus": 3e9, "kinematic_modulus": 2e9},
         {"shear_modulus": 6e10, "yield_stress": 4e8, "hardening_modulus": 1e9, "kinematic_modulus": 5e8},
-        {"bulk_modulus": 1.7e11},
+        {"bulk_modulus": 1.7e11, "saturation_increase": 0.0, "saturation_rate": 1.0},
+    ),
+    "saturation": (
+        stark.j2_plasticity, [blank("uniaxial", np.exp(np.linspace(0.0, 0.3, 31)[1:]))],
+        {"yield_stress": 4.5e8, "hardening_modulus": 1.3e8, "saturation_increase": 2.65e8,
+         "saturation_rate": 16.93},
+        {"yield_stress": 3e8, "hardening_modulus": 5e8, "saturation_increase": 1e8, "saturation_rate": 5.0},
+        {"bulk_modulus": 1.642e11, "shear_modulus": 8.02e10, "kinematic_modulus": 0.0},
     ),
     "Prony series": (
         maxwell(), [curves.relaxation(TIMES, 1.0 + TIMES, stretch=1.2)],

@@ -179,6 +179,8 @@ STEEL = {
     "yield_stress": 2.4e8,
     "hardening_modulus": 3e9,
     "kinematic_modulus": 0.0,
+    "saturation_increase": 0.0,
+    "saturation_rate": 1.0,
 }
 YOUNG = 9.0 * 1.7e11 * 8e10 / (3.0 * 1.7e11 + 8e10)
 PATH = np.concatenate(
@@ -186,14 +188,21 @@ PATH = np.concatenate(
 )  # logarithmic strain
 
 
-def hardening_bar(strain: np.ndarray) -> np.ndarray:
+def hardening_bar(strain: np.ndarray, increase: float = 0.0, rate: float = 1.0) -> np.ndarray:
     """Nominal stress of a bar in logarithmic strains: tau = E (e - p), |tau| <= sigma_y + H |p| along the
-    path."""
+    path, and the increase (1 - exp(-rate |p|)) more."""
     p = total = 0.0
     stresses = []
     for e in strain:
         trial = YOUNG * (e - p)
-        excess = max(abs(trial) - 2.4e8 - 3e9 * total, 0.0) / (YOUNG + 3e9)
+        first = max(abs(trial) - 2.4e8 - 3e9 * total, 0.0) / (YOUNG + 3e9)
+        low, high = 0.0, first
+        for _ in range(100):  # of the bisection of what the bar slips
+            excess = 0.5 * (low + high)
+            saturated = increase * (1 - np.exp(-rate * (total + excess)))
+            over = (YOUNG + 3e9) * (first - excess) > saturated
+            low, high = (excess, high) if over else (low, excess)
+        excess = first if increase == 0.0 else low
         p, total = p + np.sign(trial) * excess, total + excess
         stresses.append(YOUNG * (e - p) / np.exp(e))
     return np.array(stresses)
@@ -203,6 +212,12 @@ def test_steel_yields_and_hardens_along_a_path() -> None:
     stress, _ = response(stark.j2_plasticity, curve("uniaxial", np.exp(PATH)), **STEEL)
     # The return is radial, so that steps of any length are exact; the series of the law are within 1e-9.
     assert np.abs(stress[:, 0] - hardening_bar(PATH)).max() < 1e-6 * 2.4e8
+
+
+def test_steel_whose_hardening_saturates() -> None:
+    saturation = {"saturation_increase": 2e8, "saturation_rate": 150.0}
+    stress, _ = response(stark.j2_plasticity, curve("uniaxial", np.exp(PATH)), **{**STEEL, **saturation})
+    assert np.abs(stress[:, 0] - hardening_bar(PATH, 2e8, 150.0)).max() < 1e-6 * 2.4e8
 
 
 def branches(count: int = 1) -> Any:
@@ -264,6 +279,10 @@ DERIVATIVES: dict[str, tuple[Any, curves.Curve, dict[str, Any]]] = {
         {"flexural_rigidity": 0.02, "poissons_ratio": 0.3},
     ),
     "plasticity": (stark.j2_plasticity, curve("uniaxial", np.exp(PATH)), STEEL),
+    "saturation": (
+        stark.j2_plasticity, curve("uniaxial", np.exp(PATH)),
+        {**STEEL, "saturation_increase": 2e8, "saturation_rate": 150.0},
+    ),
     "relaxation": (branches(2), curves.relaxation([0.1, 1.0, 10.0], [3, 2, 1], stretch=1.3), MAXWELL),
     "rate": (
         branches(2),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -162,6 +163,62 @@ def test_slow_flow_is_that_without_viscosity() -> None:
     assert paths[0] == pytest.approx(paths[1], rel=1e-6)
 
 
+INCREASE, RATE = 3e4, 40.0  # [Pa], 1
+
+
+def root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a falling function is 0, by bisection."""
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize(
+    ("increase", "rate", "back", "viscosity"),
+    [(INCREASE, RATE, 0.0, 0.0), (INCREASE, RATE, 4e5, 0.0), (2e5, 100.0, 0.0, 0.0), (3e4, 40.0, 0.0, 2e3)],
+)
+def test_hardening_that_saturates(increase: float, rate: float, back: float, viscosity: float) -> None:
+    """Loading, unloading and reversal against Y(p) = Y0 + H p + Q (1 - exp(-b p)), whose slips are found by
+    bisection; Q b is 7 times 3 mu in the third case. Stored energy and dissipation, too."""
+    more = {"kinematic_modulus": back, "saturation_increase": increase, "saturation_rate": rate}
+    step = 1e-2
+    sim, body = block(step=step, **more, **({"viscosity": viscosity} if viscosity else {}))
+    r = 3 * MU / (3 * MU + back)
+    over = viscosity / step
+    flow = p = 0.0
+
+    def growth(p: float) -> float:
+        return HARDENING * p + increase * (1 - np.exp(-rate * p))
+
+    path = np.concatenate([np.linspace(0.0, 0.1, 9)[1:], np.linspace(0.1, -0.1, 9)[1:]])
+    for strain in path:
+        stretched(body, strain)
+        report = sim.step()
+        assert not report.failed
+        trial = 3 * MU * (strain - flow)
+        before = p
+        if abs(trial) > YIELD + growth(p):
+            slip = root(
+                lambda s, trial=trial, p=p: (
+                    abs(trial) - 3 * MU * s - YIELD - growth(p + r * s) - over * r * s
+                ),
+                0.0,
+                abs(trial) / (3 * MU),
+            )
+            flow, p = flow + np.copysign(slip, trial), p + r * slip
+        assert slip_of(sim) == pytest.approx(p, rel=1e-6, abs=1e-12)
+        hardening = 0.5 * HARDENING * p**2 + increase * (p + (np.exp(-rate * p) - 1) / rate)
+        spring = 0.5 * MU * (1 - r) * (np.exp(2 * strain) + 2 * np.exp(-strain) - 3)
+        stored = spring + 1.5 * MU * r * (strain - flow) ** 2 + hardening
+        assert report.energy["elastic"] / VOLUME == pytest.approx(stored, rel=1e-6)
+        lost = (YIELD + over * (p - before)) * (p - before)
+        if p > before or not viscosity:  # overstress that is left also relaxes while nothing flows [10c]
+            tiny = 1e-5 * YIELD * 0.01
+            assert report.energy["damping"] / VOLUME == pytest.approx(lost, rel=1e-5, abs=tiny)
+    assert p > 0.08
+
+
 def test_plastic_flow_keeps_the_volume_and_rotations_store_nothing() -> None:
     sim, body = block()
     deform(body, np.array([[1.0, 0.0, 0.08], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
@@ -182,8 +239,9 @@ def test_plastic_flow_keeps_the_volume_and_rotations_store_nothing() -> None:
 
 def test_derivatives_are_those_of_the_energy() -> None:
     report = stark.j2_plasticity.check(
-        shear_modulus=MU, bulk_modulus=BULK, yield_stress=YIELD, hardening_modulus=HARDENING
-    )
+        shear_modulus=MU, bulk_modulus=BULK, yield_stress=YIELD, hardening_modulus=HARDENING,
+        saturation_increase=INCREASE, saturation_rate=RATE,
+    )  # fmt: skip
     assert {f.name: f.status for f in report.findings}["stress"] == "ok", str(report)
 
 

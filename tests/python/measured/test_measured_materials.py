@@ -87,6 +87,8 @@ def test_steel_has_the_modulus_yield_stress_and_slope_of_the_standard() -> None:
             "yield_stress",
             "hardening_modulus",
             "kinematic_modulus",
+            "saturation_increase",
+            "saturation_rate",
         )
     }
     point = np.array(list(values.values()))

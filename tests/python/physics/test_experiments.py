@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import runpy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import stark
 from stark import scenes
 from stark.recording import Recording
+from stark.study import Plan
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -46,13 +49,36 @@ def test_the_robot_meets_a_towel(tmp_path: Path) -> None:
     assert robot_towel.plot(recording, tmp_path / "curves.svg").read_text().count("<polyline") == 8
 
 
-def test_the_towel_folded_three_times_is_that_of_its_program() -> None:
+@pytest.mark.filterwarnings("ignore:invalid value encountered:RuntimeWarning")  # of curves that stay at 0
+def test_a_study_of_robot_and_towel_is_drawn_and_tabled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    module = runpy.run_path(str(EXAMPLES / "robot_towel_sheet.py"))
+    plan = Plan(
+        str(EXAMPLES / "robot_towel.py"), [{"towel": "flat", "floor": "carpet", "cells": 26}], until=0.12
+    )
+    study = stark.study.run(plan, tmp_path / "study", processes=1)
+    # At the start it stands in front of the towel, at a speed of zero.
+    assert module["table"](study).splitlines()[2].startswith("| flat | carpet | over | stuck | -0.")
+    picture = stark.render.read_png(module["sheet"](study, tmp_path / "outcomes.png"))
+    assert picture.shape[:2] == (module["HEIGHT"], 2 * module["WIDTH"])
+    half = picture[:, : module["WIDTH"]].reshape(-1, 3)
+    assert len(np.unique(half, axis=0)) > 100  # floor, towel, robot, title; the other floor is left blank
+    assert (picture[:, module["WIDTH"] :] == 255).all()
+    shown, curves = module["sequence"](study, "flat", "carpet", tmp_path)
+    assert stark.render.read_png(shown).shape[:2] == (2 * module["HEIGHT"], 2 * module["WIDTH"])
+    assert curves.read_text().count("<polyline") == 8
+
+
+@pytest.mark.parametrize("cells", [52, 100])
+def test_the_towel_folded_three_times_is_that_of_its_program(cells: int) -> None:
     """The file is what the sources beside it make: eight layers that do not intersect, with the area of the
     towel."""
     towel = scenes.load(EXAMPLES / "robot_towel.py").module.towel
-    assert str(np.load(towel.folded_file(52))["made_by"]) == towel.recipe()
-    mesh = towel.mesh(52)
-    folded, open_side = (towel.placed(52, f"three_folds_{side}") for side in ("folded", "open"))
+    assert str(np.load(towel.folded_file(cells))["made_by"]) == towel.recipe()
+    mesh = towel.mesh(cells)
+    folded, open_side = (towel.placed(cells, f"three_folds_{side}") for side in ("folded", "open"))
     assert np.ptp(folded, axis=0) == pytest.approx(np.ptp(open_side, axis=0))
     across, deep, high = np.ptp(folded, axis=0)
     assert 0.36 < across < 0.40 and 0.35 < deep < 0.40  # [m], a half of 0.75 and about a quarter of 1.35

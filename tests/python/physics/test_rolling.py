@@ -3,7 +3,9 @@
 A ball of mass m between plate and ground is driven by the force f of the plate above and g of the ground
 below, m a = f + g and 2/5 m r alpha = f - g. While it rolls on both, alpha r = a, so f = 0.7 m a, g = 0.3 m
 a, the plate has 2 a, and F = (2 M + 0.7 n m) a. That takes f <= mu M g / n, F <= mu M g (1 + 20 M / (7 n m)).
-Beyond, the plate slips with f = mu M g / n, and the ball rolls on the ground, a = 10 f / (7 m)."""
+Beyond, the plate slips with f = mu M g / n, and the ball rolls on the ground, a = 10 f / (7 m).
+
+How far a wheel comes for the angle that it turns by."""
 
 from __future__ import annotations
 
@@ -93,3 +95,41 @@ def test_plate_rolls_and_slips_as_hard_as_friction_allows() -> None:
     validate("V27.slips", accelerations(200.0, 0.0, 4, 0.015))
     limit = MU_PLATE * PLATE * G * (1 + 20 * PLATE / (7 * SIDE**2 * BALL))
     assert 150.0 < limit < 200.0
+
+
+def short_by(speed: float, step: float, integrator: str, **contact: float) -> tuple[float, float]:
+    """Part of its way that a rolling wheel lacks, and the angle by which it turns in a step [rad]."""
+    radius, gap = 0.05, 0.5e-3
+    scene = stark.Scene()
+    scene.default_friction = 0.8
+    scene.add_floor(10.0)
+    wheel = scene.add_cylinder(
+        radius,
+        0.04,
+        mass=1.0,
+        segments=128,
+        rotation=stark.rotation(axis="x", angle=90 * stark.deg),
+        position=(0.003, 0.0007, radius + 1.84 * gap),
+        velocity=(speed, 0, 0),
+        angular_velocity=(0, speed / radius, 0),
+    )
+    settings = {"time": {"integrator": integrator}, "contact": {"distance": gap, **contact}}
+    sim = stark.Simulation(scene, settings, time_step=step)
+    advance(sim, 0.1)
+    start, turned = wheel.position[0], 0.0
+    for report in sim.run(0.5):
+        assert not report.failed
+        turned += wheel.angular_velocity[1] * step
+    return 1.0 - (wheel.position[0] - start) / (radius * turned), speed / radius * step
+
+
+@pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
+def test_wheels_roll_short_by_what_the_guide_says(integrator: str) -> None:
+    """The chord of a step is the most of it; bristles and the layer of contact take 0.05 to 0.2 %
+    (docs/friction.md)."""
+    for speed in (1.0, 2.0):
+        short, turn = short_by(speed, 0.01, integrator)
+        assert abs(short - turn**2 / 6) < 1.5e-3
+    for step in (1e-2, 5e-3):
+        short, turn = short_by(0.5, step, integrator, stick_velocity=1e-4)
+        assert 0.0 < short - turn**2 / 6 < 8e-4

@@ -22,6 +22,7 @@ repetitions = 3
 repetition_option = "seed"
 fps = 30
 checkpoint_every = 0
+certify = true
 [settings]
 time_step = 0.01
 newton.max_iterations = 50
@@ -46,9 +47,12 @@ label = "b"
         0.0,
     )
     assert plan.settings == {"time_step": 0.01, "newton.max_iterations": 50}
-    assert plan.limits == Limits(5.0, 1)
+    assert plan.limits == Limits(5.0, 1) and plan.certify
     assert plan.samples == [{"angle": 10.0}, {"angle": 20.0, "label": "b"}]
     assert Plan.parse(HEAD).samples == [{}]
+    one = "a = [1]\n[sampling.variations]\nb = [2, 3]"
+    plan = Plan.parse(HEAD + '[sampling]\nkind = "one_at_a_time"\n[sampling.options]\n' + one)
+    assert plan.samples == [{"a": 1}, {"a": 1, "b": 2}, {"a": 1, "b": 3}]
 
 
 @pytest.mark.parametrize(
@@ -68,7 +72,10 @@ label = "b"
         (HEAD + "limits = 3", "limits = 3; must be a table"),
         (HEAD + "[settings]\nnewton.max_iteration = 5", "settings.newton.max_iteration = 5;"),
         (HEAD + "[settings]\ntime_step = -1", "settings.time_step = -1;"),
-        (HEAD + '[sampling]\nkind = "gird"', "sampling.kind = 'gird'; must be one of grid, list"),
+        (
+            HEAD + '[sampling]\nkind = "gird"',
+            "sampling.kind = 'gird'; must be one of grid, one_at_a_time, list",
+        ),
         (HEAD + '[sampling]\nkind = "grid"', "sampling.options is empty; give the values"),
         (GRID + "a = 3", "sampling.options.a = 3; must be a list of values, or a range"),
         (GRID + "a = []", "sampling.options.a = []; must hold at least one value"),
@@ -93,6 +100,10 @@ label = "b"
         (
             DRAW + "count = 3\nseed = -1\n[sampling.options]\na = [1]",
             "sampling.seed = -1; must be an integer",
+        ),
+        (
+            HEAD + '[sampling]\nkind = "one_at_a_time"\n[sampling.options]\na = [1]',
+            "sampling.variations is empty; give the values of at least one option",
         ),
         (HEAD + '[sampling]\nkind = "list"\nruns = []', "sampling.runs = []; must be tables of options"),
         (

@@ -13,7 +13,7 @@ from stark.study.task import tasks
 ROOT = Path(__file__).parents[3]
 
 
-@pytest.mark.parametrize("name", ["cup"])
+@pytest.mark.parametrize("name", ["cup", "robot_towel"])
 def test_keys_are_those_of_the_plan(name: str, tmp_path: Path) -> None:
     with (ROOT / f"benchmarks/results/{name}.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stark.study.sampling import Range, grid, latin_hypercube, random
+from stark.study.sampling import Range, grid, latin_hypercube, one_at_a_time, random
 
 
 def test_a_grid_has_all_combinations_and_the_last_option_varies_fastest() -> None:
@@ -13,6 +13,12 @@ def test_a_grid_has_all_combinations_and_the_last_option_varies_fastest() -> Non
     assert rows == [{"a": a, "b": b} for a in (1, 2) for b in (0.0, 0.5, 1.0)]
     assert [row["x"] for row in grid({"x": Range(0.01, 1.0, 3, log=True)})] == pytest.approx([0.01, 0.1, 1.0])
     assert grid({"x": Range(0.1, 0.3, 3)})[-1]["x"] == 0.3  # ends are met exactly
+
+
+def test_one_at_a_time_has_each_base_and_each_change_alone() -> None:
+    rows = one_at_a_time([{"k": 1}, {"k": 2}], {"a": [5.0, 6.0], "b": Range(0.0, 1.0, 2)})
+    changes = [{}, {"a": 5.0}, {"a": 6.0}, {"b": 0.0}, {"b": 1.0}]
+    assert rows == [{"k": k} | change for k in (1, 2) for change in changes]
 
 
 def test_draws_follow_their_seed_and_stay_in_range() -> None:

@@ -20,6 +20,7 @@ from stark.recording import Recording
 from stark.study import Study, StudyError, local
 from stark.study.sampling import latin_hypercube
 from stark.study.table import COST
+from stark.verify import verify
 
 STUBBORN = """
 def drive(sim):
@@ -66,6 +67,19 @@ def test_a_study_has_a_row_for_each_run(tmp_path: Path) -> None:
     assert without_cost(again.rows()) == without_cost(study.rows())
 
 
+def test_runs_can_be_certified(tmp_path: Path) -> None:
+    """Another study than the same without: other keys."""
+    plan = write_study(tmp_path, grid(height="[1.0]"), "certify = true")
+    study = stark.study.run(plan, tmp_path / "out", processes=1)
+    (row,) = study.rows()
+    certificate = verify(study.run_folder(row["key"]))
+    assert certificate.verdict == "certified"
+    write_study(tmp_path, grid(height="[1.0]"))
+    (other,) = stark.study.run(plan, tmp_path / "plain", processes=1).rows()
+    assert other["state_hash"] == row["state_hash"] and other["key"] != row["key"]
+    assert verify(tmp_path / "plain/runs" / other["key"]).verdict == "inconclusive"
+
+
 def test_resuming_repeats_nothing_and_a_plan_may_grow(tmp_path: Path) -> None:
     plan = write_study(tmp_path, grid(height="[1.0, 2.0]"))
     first = stark.study.run(plan, tmp_path / "out", processes=1).rows()
@@ -105,7 +119,7 @@ def test_failures_are_rows(tmp_path: Path) -> None:
         f'die = "{tmp_path}/no/such/folder"',  # open() raises
         "wait = 60.0",
     ]
-    sampling = '[limits]\ntime_out = 0.5\nretries = 0\n[sampling]\nkind = "list"\n'
+    sampling = '[limits]\ntime_out = 3.0\nretries = 0\n[sampling]\nkind = "list"\n'
     plan = write_study(tmp_path, sampling + "".join(f"[[sampling.runs]]\n{run}\n" for run in runs))
     study = stark.study.run(plan, tmp_path / "out", processes=4)
     good, bad, raised, late = study.rows()
@@ -113,7 +127,7 @@ def test_failures_are_rows(tmp_path: Path) -> None:
     assert bad["status"] == "error"
     assert bad["message"].startswith("ValueError: a bad scene (fall.py, line ")
     assert raised["status"] == "error" and raised["message"].startswith("FileNotFoundError")
-    assert late["status"] == "timed_out" and "limits.time_out = 0.5 s" in late["message"]
+    assert late["status"] == "timed_out" and "limits.time_out = 3 s" in late["message"]
     assert len(rows_of_csv(tmp_path / "out")) == 4
     assert study.resume(retry_failed=False).rows()[1]["cost.attempts"] == 1
     assert study.resume(retry_failed=True).rows()[1]["cost.attempts"] == 2

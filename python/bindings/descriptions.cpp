@@ -1,0 +1,241 @@
+#include "descriptions.h"
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "solid_mesh.h"
+
+namespace stark::bindings {
+
+namespace {
+
+Given given_of(const nb::dict& given, const char* kind) {
+  const auto name = nb::cast<std::string>(given["name"]);
+  return {given, std::string(kind) + (name.empty() ? "" : " '" + name + "'")};
+}
+
+/// Fields that all bodies share.
+template <typename Description>
+void read_body(const Given& given, Description& body) {
+  given.read("name", body.name);
+  given.read("position", body.position);
+  given.read("rotation", body.rotation);
+  given.read("velocity", body.velocity);
+  given.read("angular_velocity", body.angular_velocity);
+  given.read("contact_distance", body.contact_distance);
+  given.read("contact_stiffness", body.contact_stiffness);
+  given.read("contact_core", body.contact_core);
+  given.read("friction", body.friction);
+  given.read("color", body.color);
+  given.read("vertices", body.mesh.vertices);
+}
+
+/// Those of bodies that deform.
+template <typename Description, typename Material>
+void read_deformable(const Given& given, const Material& material, Description& body) {
+  read_body(given, body);
+  body.material = material;
+  given.read("law", body.law);
+  given.read("fields", body.fields);
+  given.read("initial_positions", body.initial_positions);
+  given.read("self_contact", body.self_contact);
+}
+
+template <typename Description, typename Material>
+void read_layer(const Given& given, const Material& material, Description& layer) {
+  given.read("name", layer.name);
+  given.read("body", layer.body);
+  layer.material = material;
+  given.read("law", layer.law);
+  given.read("fields", layer.fields);
+  given.read("color", layer.color);
+}
+
+PointSet points_of(const nb::dict& entries) {
+  const Given given(entries, "points");
+  std::string kind;
+  BodyId body;
+  int32_t node = -1;
+  given.read("kind", kind);
+  given.read("body", body);
+  given.read("node", node);
+  if (kind == "vertices")
+    return vertex_points(
+        body, numbers_of<int32_t>(entries["vertices"], "vertices", "a flat array of vertex indices"));
+  if (kind == "embedded") {
+    using Supports = std::array<int32_t, 4>;
+    using Weights = std::array<double, 4>;
+    return embedded_points(
+        body, rows_of<Supports, int32_t, 4>(entries["supports"], "supports", "an (n, 4) array of vertices"),
+        rows_of<Weights, double, 4>(entries["weights"], "weights", "an (n, 4) array"));
+  }
+  const auto local = rows_of<Vec3, double, 3>(entries["local"], "points", "an (n, 3) array");
+  if (kind == "world") return world_points(local);
+  if (kind == "point") return body_points(body, local);
+  if (kind == "direction") return body_directions(body, local);
+  return kind == "node_point" ? node_points(body, node, local) : node_directions(body, node, local);
+}
+
+std::vector<PointSet> point_sets_of(nb::handle list) {
+  std::vector<PointSet> sets;
+  for (const nb::handle set : list) sets.push_back(points_of(nb::cast<nb::dict>(set)));
+  return sets;
+}
+
+FrameDescription frame_of(const nb::dict& entries) {
+  const Given given(entries, "frame");
+  std::string carrier;
+  BodyId body;
+  Vec3 position;
+  Mat3 rotation;
+  int32_t node = -1;
+  given.read("carrier", carrier);
+  given.read("body", body);
+  given.read("position", position);
+  given.read("node", node);
+  const auto numbers = numbers_of<double>(entries["rotation"], "frame rotation", "nine numbers");
+  if (numbers.size() != 9) throw InvalidArgument("frame rotation: must have nine numbers");
+  std::copy_n(numbers.data(), 9, rotation.m.begin());
+  if (carrier == "world") return world_frame(position, rotation);
+  if (carrier == "body") return body_frame(body, position, rotation);
+  if (carrier == "node") return node_frame(body, node, position, rotation);
+  const auto vertices = numbers_of<int32_t>(entries["vertices"], "frame vertices", "three vertex indices");
+  if (vertices.size() != 3) throw InvalidArgument("frame vertices: must be three vertex indices");
+  return patch_frame(body, {vertices[0], vertices[1], vertices[2]}, position, rotation);
+}
+
+}  // namespace
+
+ClothDescription cloth_of(const nb::dict& entries, const ShellMaterial& material) {
+  const Given given = given_of(entries, "cloth");
+  ClothDescription body;
+  read_deformable(given, material, body);
+  given.read("triangles", body.mesh.triangles);
+  given.read("rest_angles", body.rest_angles);
+  return body;
+}
+
+SolidDescription solid_of(const nb::dict& entries, const SolidMaterial& material) {
+  const Given given = given_of(entries, "solid");
+  SolidDescription body;
+  read_deformable(given, material, body);
+  read_elements(entries["elements"], given.owner() + ": elements", body.mesh);
+  if (const nb::object embedding = given.find("embedding"))
+    body.mesh.embedding = embedding_of(nb::cast<nb::dict>(embedding), given.owner());
+  given.read("formulation", body.formulation);
+  return body;
+}
+
+RodDescription rod_of(const nb::dict& entries, const RodMaterial& material) {
+  const Given given = given_of(entries, "rod");
+  RodDescription body;
+  read_deformable(given, material, body);
+  given.read("normal", body.normal);
+  given.read("rest_shape", body.rest_shape);
+  return body;
+}
+
+RigidDescription rigid_of(const nb::dict& entries) {
+  const Given given = given_of(entries, "rigid body");
+  RigidDescription body;
+  read_body(given, body);
+  given.read("triangles", body.mesh.triangles);
+  given.read("motion", body.motion);
+  given.read("mass", body.mass);
+  given.read("density", body.density);
+  given.read("hollow", body.hollow);
+  given.read("linear_damping", body.linear_damping);
+  given.read("angular_damping", body.angular_damping);
+  if (const nb::object inertia = given.find("inertia")) {
+    const std::string name = given.owner() + ": inertia.";
+    body.inertia =
+        RigidInertia{number_of(inertia[0], name + "mass"), vector_of(inertia[1], name + "center_of_mass"),
+                     matrix_of(inertia[2], name + "tensor")};
+  }
+  return body;
+}
+
+SkinDescription skin_of(const nb::dict& entries, const ShellMaterial& material) {
+  const Given given(entries, "skin");
+  SkinDescription skin;
+  read_layer(given, material, skin);
+  given.read("triangles", skin.triangles);
+  given.read("rest_angles", skin.rest_angles);
+  return skin;
+}
+
+FibresDescription fibres_of(const nb::dict& entries, const RodMaterial& material) {
+  const Given given(entries, "fibres");
+  FibresDescription fibres;
+  read_layer(given, material, fibres);
+  const auto all =
+      numbers_of<int32_t>(entries["vertices"], "fibres: vertices of paths", "a row of vertex indices");
+  auto next = all.begin();
+  for (const size_t count : nb::cast<std::vector<size_t>>(entries["counts"])) {
+    fibres.paths.emplace_back(next, next + count);
+    next += count;
+  }
+  given.read("bending", fibres.bending);
+  given.read("rest_shape", fibres.rest_shape);
+  given.read("normal", fibres.normal);
+  return fibres;
+}
+
+EnergyDescription energy_of(const nb::dict& entries) {
+  const Given given = given_of(entries, "energy");
+  EnergyDescription energy;
+  given.read("name", energy.name);
+  energy.potential =
+      define_potential(nb::cast<std::string>(entries["formula_name"]), nb::cast<std::string>(entries["doc"]),
+                       nb::cast<Formula>(entries["formula"]));
+  given.read("translation_invariant", energy.potential.translation_invariant);
+  energy.points = point_sets_of(entries["points"]);
+  energy.values = parameter_values_of(entries["values"], "energy '" + energy.name + "'");
+  return energy;
+}
+
+JointDescription joint_of(const nb::dict& entries) {
+  const Given given = given_of(entries, "joint");
+  JointDescription joint;
+  given.read("name", joint.name);
+  given.read("definition", joint.definition);
+  joint.a = frame_of(nb::cast<nb::dict>(entries["a"]));
+  joint.b = frame_of(nb::cast<nb::dict>(entries["b"]));
+  joint.values = parameter_values_of(entries["values"], "joint '" + joint.name + "'");
+  given.read("enabled", joint.enabled);
+  given.read("break_force", joint.break_force);
+  given.read("break_torque", joint.break_torque);
+  given.read("contact", joint.contact);
+  return joint;
+}
+
+ActuatorDescription actuator_of(const nb::dict& entries) {
+  const Given given = given_of(entries, "actuator");
+  ActuatorDescription actuator;
+  given.read("name", actuator.name);
+  given.read("definition", actuator.definition);
+  for (const auto& [joint, coordinate] :
+       nb::cast<std::vector<std::pair<JointId, std::string>>>(entries["on"]))
+    actuator.on.push_back({joint, coordinate});
+  given.read("values", actuator.values);
+  given.read("enabled", actuator.enabled);
+  return actuator;
+}
+
+AttachmentDescription attachment_of(const nb::dict& entries) {
+  const Given given = given_of(entries, "attachment");
+  AttachmentDescription attachment;
+  given.read("name", attachment.name);
+  attachment.a = points_of(nb::cast<nb::dict>(entries["a"]));
+  attachment.b = point_sets_of(entries["b"]);
+  if (const nb::object patches = given.find("patches"))
+    attachment.patches = rows_of<Index3, int32_t, 3>(patches, "patches", "an (n, 3) array of vertices");
+  given.read("patch_body", attachment.patch_body);
+  given.read("break_force", attachment.break_force);
+  given.read("enabled", attachment.enabled);
+  given.read("contact", attachment.contact);
+  return attachment;
+}
+
+}  // namespace stark::bindings

@@ -1,0 +1,84 @@
+"""Parts of a scene in their order, which are found by number and by name: ``sim.joints[1]``,
+``sim.joints["elbow"]``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Generic, NoReturn, Protocol, SupportsIndex, TypeVar
+
+from stark._core import InvalidArgument
+from stark.overloads import overload
+
+
+class Named(Protocol):
+    """What has a name that no other part of its kind has."""
+
+    @property
+    def name(self) -> str: ...
+
+
+Part = TypeVar("Part", bound=Named)
+
+
+class NamedList(list[Part], Generic[Part]):
+    """A list of the parts of a simulation; ``kind`` is what messages call one of them."""
+
+    def __init__(self, kind: str, parts: Iterable[Part]) -> None:
+        super().__init__(parts)
+        self._kind = kind
+
+    @overload
+    def __getitem__(self, at: SupportsIndex | str) -> Part: ...
+
+    @overload
+    def __getitem__(self, at: slice) -> list[Part]: ...
+
+    def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
+        return _named(self, at, self._kind) if isinstance(at, str) else super().__getitem__(at)
+
+    def __contains__(self, part: object) -> bool:
+        return (
+            any(known.name == part for known in self) if isinstance(part, str) else super().__contains__(part)
+        )
+
+
+class NamedTuple(tuple[Part, ...], Generic[Part]):
+    """The same as a tuple, of the parts of a scene."""
+
+    _kind: str
+
+    def __new__(cls, kind: str, parts: Iterable[Part]) -> NamedTuple[Part]:
+        made = super().__new__(cls, parts)
+        made._kind = kind
+        return made
+
+    @overload
+    def __getitem__(self, at: SupportsIndex | str) -> Part: ...
+
+    @overload
+    def __getitem__(self, at: slice) -> tuple[Part, ...]: ...
+
+    def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
+        return _named(self, at, self._kind) if isinstance(at, str) else super().__getitem__(at)
+
+    def __contains__(self, part: object) -> bool:
+        return (
+            any(known.name == part for known in self) if isinstance(part, str) else super().__contains__(part)
+        )
+
+
+def _named(parts: Iterable[Part], name: str, kind: str) -> Part:
+    for part in parts:
+        if part.name == name:
+            return part
+    _refuse(name, [part.name for part in parts], kind)
+
+
+def _refuse(name: str, known: list[str], kind: str) -> NoReturn:
+    import difflib  # not at start-up
+
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f" (did you mean '{near[0]}'?)" if near else ""
+    some = ", ".join(f"'{one}'" for one in known[:8]) + (", ..." if len(known) > 8 else "")
+    there = f"there {'is' if len(known) == 1 else 'are'} {len(known)}: {some}" if known else "there are none"
+    raise InvalidArgument(f"unknown {kind} '{name}'{hint}: must be the name of one; {there}")
