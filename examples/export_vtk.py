@@ -1,4 +1,5 @@
-"""A box falls on a block of jelly; the simulation is exported to VTU files, and PyVista draws the stress of the block.
+"""A box falls on a block of jelly; the simulation is exported to VTU files, and PyVista draws the stress of
+the block.
 
     pip install 'stark-sim[samples]'
     python examples/export_vtk.py
@@ -7,7 +8,9 @@ Leaves out/fall.pvd and out/export_vtk.png, the picture of docs/export.md."""
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,8 +34,7 @@ def simulate(path: Path) -> None:
 
 def draw(path: Path, picture: Path) -> None:
     """The last time of the file."""
-    import pyvista
-
+    pyvista: Any = importlib.import_module("pyvista")
     reader = pyvista.get_reader(str(path))
     reader.set_active_time_value(reader.time_values[-1])
     (mesh,) = reader.read()
@@ -42,13 +44,21 @@ def draw(path: Path, picture: Path) -> None:
     plotter.set_background("white")
     plotter.add_mesh(floor, color=(0.93, 0.94, 0.95), ambient=0.5, diffuse=0.5)
     plotter.add_mesh(box, color=(0.75, 0.76, 0.79), ambient=0.3, diffuse=0.7)
+    bar = {
+        "title": "von Mises stress [Pa]\n", "fmt": "%.0f", "n_labels": 5, "color": "black",
+        "title_font_size": 20, "label_font_size": 18,
+        "vertical": True, "position_x": 0.86, "position_y": 0.2, "height": 0.6, "width": 0.05,
+    }  # fmt: skip
     plotter.add_mesh(
-        jelly, scalars="stress", cmap="viridis", show_edges=True, line_width=1, edge_opacity=0.25, ambient=0.4,
-        scalar_bar_args={
-            "title": "von Mises stress [Pa]\n", "vertical": True, "position_x": 0.86, "position_y": 0.2, "height": 0.6,
-            "width": 0.05, "fmt": "%.0f", "color": "black", "title_font_size": 20, "label_font_size": 18, "n_labels": 5,
-        },
-    )  # fmt: skip
+        jelly,
+        scalars="stress",
+        cmap="viridis",
+        show_edges=True,
+        line_width=1,
+        edge_opacity=0.25,
+        ambient=0.4,
+        scalar_bar_args=bar,
+    )
     plotter.camera_position = [(0.22, -0.34, 0.2), (0.0, 0.0, 0.055), (0.0, 0.0, 1.0)]
     plotter.enable_anti_aliasing("ssaa")
     plotter.screenshot(str(picture))

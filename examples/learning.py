@@ -2,8 +2,8 @@
 
     python examples/learning.py [--pictures]
 
-Any learner for Gymnasium takes the place of the policies. --pictures draws four moments of an episode of each into
-out/, the pictures of docs/learning.md."""
+Any learner for Gymnasium takes the place of the policies. --pictures draws four moments of an episode of
+each into out/, the pictures of docs/learning.md."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def draw(moments: list[Moment], name: str, apart: float, azimuth: float, elevati
 
 def main() -> None:
     pictures = "--pictures" in sys.argv
-    for make, policy, first, *picture in (
+    for make, policy, first, name, apart, azimuth, elevation in (
         (gym.DragCloth, drag, 10, "learning_cloth", 0.42, -90.0, 50.0),
         (gym.GraspBall, grasp, 7, "learning_ball", 0.25, -70.0, 15.0),
     ):
@@ -92,7 +92,7 @@ def main() -> None:
             steps += count
             assert reached, "the policy has to reach the goal"
         if pictures:
-            draw(moments, *picture)
+            draw(moments, name, apart, azimuth, elevation)
         else:
             print(f"  {steps / (time.process_time() - begin):.0f} actions a second of one core")
         env.close()

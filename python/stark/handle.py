@@ -159,6 +159,7 @@ class Handle:
 
     @property
     def name(self) -> str:
+        """Name, unique in its scene."""
         raise NotImplementedError
 
     @property
@@ -210,6 +211,7 @@ class BodyHandle(Handle):
 
     @property
     def name(self) -> str:
+        """Name of the body, unique in its scene."""
         return self._scene._core.name(self._index)
 
     @property

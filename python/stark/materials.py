@@ -410,10 +410,10 @@ if not TYPE_CHECKING:  # checkers would take every name for known
 
     def __getattr__(name: str) -> Any:
         """Says which preset was probably meant."""
-        import difflib
-
         if name.startswith("_"):
             raise AttributeError(name)
+        import difflib  # not at start-up
+
         near = difflib.get_close_matches(name, [other for other in globals() if other[0].islower()], n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"presets are {', '.join(presets)}"
         raise AttributeError(f"there is no material '{name}' in stark.materials; {hint}")

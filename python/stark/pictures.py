@@ -50,7 +50,8 @@ class Pictures(SimulationLink):
         Name bodies by handle, by name or by a pattern such as "finger*"; a list names several. Only
         ``bodies`` are drawn, ``hide`` leaves some out, ``opacity`` makes some transparent: {"glass*": 0.3}.
         ``clip`` = (point [m], normal) or (point, normal, bodies) removes the side that the normal points to;
-        closed bodies show their section. ``edges`` draws the edges of meshes, ``grid`` the lines on the ground.
+        closed bodies show their section. ``edges`` draws the edges of meshes, ``grid`` the lines on the
+        ground.
 
         ``field`` colours bodies by "stress", "strain", "pressure", "contact_force" or "speed". A dictionary
         colours chosen bodies, by one of these words or by values at the vertices (n,). ``limits`` = (low,
@@ -58,8 +59,8 @@ class Pictures(SimulationLink):
         "magma", "coolwarm" or colours (k, 3) in [0, 1]. ``label`` replaces the title of the scale.
         ``contacts=True`` draws points and forces of contact; give a body to draw the forces on it.
 
-        Raises InvalidArgument for unknown names and words, numbers out of range, paths that do not end with .png,
-        and where ``bodies`` and ``hide`` leave nothing to draw."""
+        Raises InvalidArgument for unknown names and words, numbers out of range, paths that do not end with
+        .png, and where ``bodies`` and ``hide`` leave nothing to draw."""
         from stark.render import render, write_png
         from stark.render.png import png_path
 

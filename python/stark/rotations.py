@@ -39,6 +39,19 @@ def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
     return result
 
 
+def direction(value: str | ArrayLike, name: str) -> NDArray[np.float64]:
+    """A vector (3,) that is not zero, of any length: one of the axes "x", "y", "z" of the world, or three
+    numbers."""
+    if isinstance(value, str):
+        if value not in _AXES:
+            raise InvalidArgument(f"{name} = {value!r}: must be 'x', 'y', 'z' or three numbers")
+        return np.array(_AXES[value])
+    result = vector(value, name)
+    if not result.any():
+        raise InvalidArgument(f"{name} = (0, 0, 0): must have a direction; give 'x', 'y', 'z' or a vector")
+    return result
+
+
 def check_places(places: NDArray[np.float64], name: str) -> None:
     """That rows of positions (n, 3) [m] are finite and not beyond what can be computed with."""
     wrong = np.flatnonzero(~(np.abs(places) < LARGEST).all(axis=1))  # also NaN
@@ -74,20 +87,11 @@ def rotation(
         raise InvalidArgument(
             "rotation: axis= and angle= belong together; angle is in radians, use 90 * stark.deg"
         )
-    if isinstance(axis, str):
-        if axis not in _AXES:
-            raise InvalidArgument(f"rotation: axis = {axis!r}: must be 'x', 'y', 'z' or three numbers")
-        direction = np.array(_AXES[axis])
-    else:
-        direction = _vector(axis, "rotation: axis")
-        if not direction.any():
-            raise InvalidArgument(
-                "rotation: axis = (0, 0, 0): must have a direction; give 'x', 'y', 'z' or a vector"
-            )
+    along = direction(axis, "rotation: axis")
     angle = real_number(angle, "rotation: angle")
     if not math.isfinite(angle):
         raise InvalidArgument(f"rotation: angle = {angle} rad: must be finite; check where it is computed")
-    return _from_axis(direction, angle)
+    return _from_axis(along, angle)
 
 
 def as_matrix(value: ArrayLike | None, name: str) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from stark._core import InvalidArgument
 from stark.actuators.scene_actuators import SceneActuators
 from stark.arguments import refuse_copy
 from stark.attachments.scene_attachments import SceneAttachments
-from stark.attributes import KnownAttributes
+from stark.attributes import AnsweredAttributes
 from stark.bodies.body import Body
 from stark.bodies.friction import FrictionTable
 from stark.bodies.layers import Layer
@@ -40,12 +40,12 @@ def _is_group(bodies: Any) -> TypeGuard[Sequence[Body | str]]:
 
 
 class Scene(
-    SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoads, SceneRobots, KnownAttributes
+    SceneBodies, SceneJoints, SceneActuators, SceneAttachments, SceneLoads, SceneRobots, AnsweredAttributes
 ):
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     name: str
-    _elsewhere = {
+    _elsewhere: ClassVar[Mapping[str, str]] = {
         "set_friction": "scene.friction[a, b] = 0.5, or friction=0.5 where a body is added",
         "add_ground": "scene.add_floor()",
         "add_plane": "scene.add_floor()",
@@ -153,6 +153,9 @@ class Scene(
         return indices
 
     def contact_enabled(self, a: Body | str, b: Body | str) -> bool:
+        """Whether two bodies act on each other by contact: not where ``disable_contact`` or a joint between
+        them says otherwise. A body with itself: whether it has self-contact. Raises InvalidArgument for
+        bodies of another scene and unknown names."""
         return self._core.contact_enabled(*self._pair((a, b)))
 
     # --- energies ---

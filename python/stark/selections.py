@@ -97,6 +97,7 @@ class Stencils:
 
     @property
     def point_count(self) -> int:
+        """Number of points of each stencil."""
         return len(self.columns)
 
     def __len__(self) -> int:

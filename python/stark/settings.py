@@ -101,9 +101,11 @@ class Settings:
         self._core.validate()
 
     def copy(self) -> Settings:
+        """Settings with the same values, independent of these."""
         return Settings._of(self._core.copy())
 
     def names(self) -> list[str]:
+        """Dotted names of all settings, as in docs/reference.md."""
         return [field["name"] for field in _core.Settings.fields()]
 
     @staticmethod

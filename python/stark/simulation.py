@@ -149,7 +149,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
             raise InvalidArgument(f"run: until = {until} s: must be >= 0; it is a time, not a duration")
         if reached(self, end) and end < self.time * (1.0 - 1e-9):
             warnings.warn(
-                f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is taken; until is a "
+                f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is "
+                f"taken; until is a "
                 f"time, not a duration: for {end:g} s more write run(until=sim.time + {end:g})",
                 StarkWarning,
                 stacklevel=2,
@@ -257,7 +258,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         self._require_free("state = ...")
         if not isinstance(state, _core.State):
             raise InvalidArgument(
-                f"state = {state!r}: must be one that the state of a simulation of this scene gave"
+                f"state = {state!r}: must be a state that sim.state of a simulation of this scene returned"
             )
         self._core.state = state
         self._last_step = self._taken = None
@@ -316,6 +317,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
 
     @property
     def scene(self) -> Scene:
+        """The scene that is simulated."""
         return self._scene
 
     @property

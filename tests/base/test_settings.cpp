@@ -169,7 +169,7 @@ TEST_CASE("unknown names are refused with the nearest one, or with all of them")
     return message_of([&] { Outer::fields().set(&object, name, 1.0); });
   };
   CHECK(contains(unknown("inner.stifness"),
-                 "unknown setting 'inner.stifness' of the test (did you mean 'inner.stiffness'?)"));
+                 "unknown setting 'inner.stifness' (did you mean 'inner.stiffness'?)"));
   CHECK(contains(unknown("stiffness"), "did you mean 'inner.stiffness'?"));
   CHECK(contains(unknown("angel"), "did you mean 'angle'?"));
   CHECK(contains(unknown("something_else_entirely"), "known are 'active', 'count'"));

@@ -311,6 +311,8 @@ CASES = [
          ("'iterations'", "'newton.max_iterations'")),
     Case("start of the name of a setting", lambda: stark.Settings().update({"newton.residual": 1e-3}), InvalidSetting,
          ("unknown setting 'newton.residual' (did you mean 'newton.residual_tolerance'?)",)),
+    Case("part of the name of a parameter", lambda: stark.materials.cotton.replace(damping=1), InvalidArgument,
+         ("unknown parameter 'damping'", "did you mean")),
     # Simulations.
     Case("empty scene", lambda: simulate(stark.Scene("nothing")), InvalidArgument, ("'nothing'", "0 bodies", "add_cloth")),
     Case("crossing surfaces", lambda: simulate(crossing()), InitialIntersection,
@@ -339,6 +341,7 @@ CASES = [
     # Shapes, rotations, files.
     Case("negative size", lambda: mesh.box(-1.0), InvalidArgument, ("box: size = -1.0 m", "positive")),
     Case("size of two numbers", lambda: stark.Scene().add_box((1, 2), mass=1), InvalidArgument, ("box: size", "(1, 2)", "three")),
+    Case("no turns", lambda: mesh.helix(0.1, 0.1, 0, 4), InvalidArgument, ("helix: turns = 0: must be a number > 0",)),
     Case("no cells", lambda: mesh.grid(1.0, 1.0, 0), InvalidArgument, ("grid: cells = 0", "[1, 100000]")),
     Case("fractional cells", lambda: mesh.tet_box(1.0, (1, 2, 2.5)), InvalidArgument, ("tet_box: cells = 2.5", "whole number")),
     Case("nan radius", lambda: mesh.sphere(NAN), InvalidArgument, ("sphere: radius = nan m", "> 0")),

@@ -32,8 +32,8 @@ NEEDS = {
 
 
 def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
-    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner; on the way to
-    a name, pictures are drafts."""
+    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner; on the
+    way to a name, pictures are drafts."""
     names: dict[str, Any] = {}
     for block in guides.python_blocks(ROOT / guide):
         code = re.sub(r"until=[\d.]+", "until=0.05", block)

@@ -136,10 +136,11 @@ def test_what_is_added_too_late_to_act_is_warned_about() -> None:
         (lambda s: s.set_friction, r"'set_friction': write scene\.friction\[a, b\] = 0\.5"),
         (lambda s: s.add_ground, r"write scene\.add_floor\(\)"),
         (lambda s: s.add_hinges, "has no attribute 'add_hinges'; did you mean 'add_hinge'"),
-        (lambda s: s["crate"].add_force, r"'crate'.*write scene\.add_force\(body, \(0, 0, 1\.0\)\) \[N\]"),
-        (lambda s: s["crate"].positon, "'crate'.*did you mean 'position'"),
-        (lambda s: stark.Simulation(s).tme, "did you mean 'time'"),
-        (lambda s: s["crate"]._private, "_private"),
+        (
+            lambda s: setattr(s["crate"], "force", 1.0),
+            r"'crate'.*write scene\.add_force\(body, \(0, 0, 1\.0\)\) \[N\]",
+        ),
+        (lambda s: s._private, "_private"),
     ],
 )
 def test_unknown_attributes_say_what_was_meant(read: Any, said: str) -> None:

@@ -90,7 +90,7 @@ def test_the_annotations_of_materials_are_the_parameters_of_the_core(kind: type)
 
 
 def test_unknown_presets_are_answered_with_the_nearest() -> None:
-    with pytest.raises(AttributeError, match="no material 'coton' in stark.materials; did you mean 'cotton'"):
+    with pytest.raises(AttributeError, match=r"no material 'coton' in .*; did you mean 'cotton'"):
         _ = stark.materials.coton  # type: ignore[attr-defined]
     with pytest.raises(AttributeError, match=r"'xyz'.*presets are cotton"):
         _ = stark.materials.xyz  # type: ignore[attr-defined]

@@ -26,6 +26,7 @@ class Attachment(Handle, KnownAttributes):
 
     @property
     def name(self) -> str:
+        """Name of the attachment, unique in its scene."""
         return self._scene._core.attachment_name(self._index)
 
     @property

@@ -6,8 +6,8 @@ simulation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,8 +27,9 @@ Floats = NDArray[np.float64]
 class Body(ContactSensors, KnownAttributes):
     """A body of a scene; equal and hashed by scene and name."""
 
-    _elsewhere = {
-        "force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation; contact_force is what others do to it",
+    _elsewhere: ClassVar[Mapping[str, str]] = {
+        "force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation; contact_force is what "
+        "others do to it",
         "add_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
         "apply_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
         "torque": "scene.add_torque(body, (0, 0, 1.0)) [N m], before the simulation",

@@ -81,6 +81,7 @@ class Skin(Layer):
 
     @property
     def name(self) -> str:
+        """Name of the layer, unique among bodies and layers of its scene."""
         return self._scene._core.skin_name(self._index)
 
     def _count_in(self, simulation: SimulationLink) -> int:
@@ -113,6 +114,7 @@ class Skin(Layer):
 
     @property
     def surface_triangles(self) -> Indices:
+        """Triangles for pictures (m, 3), as indices of ``surface_positions``."""
         return self._used()[1]
 
     def _used(self) -> tuple[Indices, Indices]:
@@ -132,6 +134,7 @@ class Fibres(Layer):
 
     @property
     def name(self) -> str:
+        """Name of the layer, unique among bodies and layers of its scene."""
         return self._scene._core.fibres_name(self._index)
 
     def _count_in(self, simulation: SimulationLink) -> int:
@@ -178,7 +181,8 @@ class Fibres(Layer):
             return self._scene._core.initial_fibre_frames(self._index).reshape(-1, 3, 3)
         if self._index >= simulation._core.fibres_count:
             raise InvalidArgument(
-                f"fibres '{self.name}' were added after the simulation was created, which has no frames of them: "
+                f"fibres '{self.name}' were added after the simulation was created, which has no frames "
+                f"of them: "
                 f"create a new stark.Simulation(scene)"
             )
         return simulation._core.fibre_frames(self._index).reshape(-1, 3, 3)
@@ -192,6 +196,7 @@ class Fibres(Layer):
 
     @property
     def surface_triangles(self) -> Indices:
+        """Triangles for pictures (m, 3), as indices of ``surface_positions``."""
         x = self._body.mesh.vertices
         return prisms(x[self.edges[:, 0]], x[self.edges[:, 1]], None, outline(self._material))[1]
 

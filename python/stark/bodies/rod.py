@@ -117,6 +117,7 @@ class Rod(DeformableBody):
 
     @property
     def surface_triangles(self) -> Indices:
+        """Triangles of a tube around the rod (m, 3), as indices of ``surface_positions``; for pictures."""
         if "tube" not in self._shared:
             self._shared["tube"] = tube(len(self._mesh.vertices), len(outline(self._shared["material"])))
         return self._shared["tube"]

@@ -315,7 +315,9 @@ class SceneBodies(SceneLink):
         return self._add_shape("capsule", meshes.capsule(radius, height, segments), options)
 
     def add_floor(self, size: float = 4.0, *, height: float = 0.0, **options: Any) -> RigidBody:
-        """Fixed square of two triangles in the plane z = ``height`` [m]; options as in ``add_rigid``."""
+        """Fixed square of two triangles in the plane z = ``height`` [m], ``size`` [m] along x and y, seen
+        from above; ``options`` as in ``add_rigid``, for instance friction=0.3. What lies on it must not
+        stick out of it: bodies fall off its edge. Raises InvalidArgument for numbers out of range."""
         options = {"motion": "fixed", "position": (0.0, 0.0, height), **options}
         return self._add_shape("floor", meshes.grid(size, size, 1), options)
 
@@ -397,7 +399,8 @@ def _size(mesh: Any, measure: str) -> float:
 def _require(material: Any, kind: type[Any], body: str, example: str) -> None:
     if not isinstance(material, kind):
         raise InvalidArgument(
-            f"material of a {body} = {material!r}: must be a stark.{kind.__name__}, for instance {example}"
+            f"material of a {body} = {_short(material)}: must be a stark.{kind.__name__}, for instance "
+            f"{example}"
         )
 
 
@@ -417,7 +420,8 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
         raise InvalidArgument(f"{owner}: pins of shape {array.shape}: must be a row of vertex indices")
     if (array.size or array.dtype == bool) and array.dtype.kind not in "iu":
         raise InvalidArgument(
-            f"{owner}: pins = {_short(pins)}: must be indices of vertices, like [0, {vertex_count - 1}], or a mask of "
+            f"{owner}: pins = {_short(pins)}: must be indices of vertices, like [0, {vertex_count - 1}], "
+            f"or a mask of "
             f"({vertex_count},)"
         )
     wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array

@@ -81,12 +81,16 @@ class Solid(LayeredBody):
 
     @property
     def triangles(self) -> Indices:
+        """Triangles of the surface (m, 3), as indices of ``positions``, counterclockwise from outside."""
         return self._surface()[0]
 
     @property
     def surface_positions(self) -> Floats:
+        """Positions of the vertices of the surface (k, 3) [m]."""
         return self.positions[self._surface()[1]]
 
     @property
     def surface_triangles(self) -> Indices:
+        """Triangles of the surface (m, 3), as indices of ``surface_positions``, counterclockwise from
+        outside."""
         return self._surface()[2]

@@ -52,7 +52,8 @@ class Checkpoint(Content):
         )
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Writes a file, whole or not at all."""
+        """Writes the checkpoint to a file, in one piece. Raises ``CheckpointError`` if it cannot be
+        written."""
         file.write(self, given_path(path, "checkpoint: path"))
 
     @classmethod

@@ -33,6 +33,7 @@ class Energy(Handle):
 
     @property
     def name(self) -> str:
+        """Name of the energy, unique in its scene."""
         return self._scene._core.energy_name(self._index)
 
     @property
@@ -42,6 +43,7 @@ class Energy(Handle):
 
     @property
     def element_count(self) -> int:
+        """Number of elements: points, edges, triangles and so on that the energy is evaluated on."""
         return self._binding.element_count
 
     @property

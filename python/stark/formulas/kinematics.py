@@ -62,7 +62,7 @@ class Inputs:
 
     @property
     def time_step(self) -> Scalar:
-        """[s]"""
+        """Length of the time step [s]."""
         value = self.builder.time_step()
         self.note([value], "time_step")
         return value
@@ -148,12 +148,12 @@ class Edge(Stencil):
 
     @property
     def length(self) -> Scalar:
-        """[m]"""
+        """Distance of the two ends [m]."""
         return _length(*self._positions("x"))
 
     @property
     def rest_length(self) -> Scalar:
-        """[m]"""
+        """Length at rest [m]."""
         return _length(*self._positions("X"))
 
     @property
@@ -210,12 +210,12 @@ class Triangle(Stencil):
 
     @property
     def area(self) -> Scalar:
-        """[m^2]"""
+        """Area [m^2]."""
         return 0.5 * norm(self._normal("x"))
 
     @property
     def rest_area(self) -> Scalar:
-        """[m^2]"""
+        """Area at rest [m^2]."""
         return 0.5 * sqrt(determinant(self.rest_metric))
 
     @property
@@ -230,7 +230,7 @@ class Triangle(Stencil):
 
     @property
     def center(self) -> Vec:
-        """[m]"""
+        """Mean of the vertices, a Vec3 [m]."""
         return _mean(self._positions("x"))
 
     def _normal(self, kind: str) -> Vec:
@@ -274,17 +274,17 @@ class Tetrahedron(Stencil):
 
     @property
     def volume(self) -> Scalar:
-        """[m^3]"""
+        """Volume [m^3], negative if inverted."""
         return determinant(self.edges) / 6.0
 
     @property
     def rest_volume(self) -> Scalar:
-        """[m^3]"""
+        """Volume at rest [m^3]."""
         return determinant(self.rest_edges) / 6.0
 
     @property
     def center(self) -> Vec:
-        """[m]"""
+        """Mean of the vertices, a Vec3 [m]."""
         return _mean(self._positions("x"))
 
 
@@ -300,7 +300,7 @@ class Hinge(Stencil):
 
     @property
     def rest_angle(self) -> Scalar:
-        """[rad]"""
+        """Signed angle between the normals at rest [rad], zero when flat."""
         return _fold_angle(*self._positions("X"))
 
     @property
@@ -316,7 +316,7 @@ class Hinge(Stencil):
 
     @property
     def rest_edge(self) -> Vec:
-        """[m]"""
+        """Vector along the shared edge at rest, a Vec3 [m]."""
         a, b, *_ = self._positions("X")
         return b - a
 

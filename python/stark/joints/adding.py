@@ -16,7 +16,7 @@ from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.handle import SceneLink
 from stark.joints.definition import JointFormula, built_in
 from stark.joints.handle import Joint
-from stark.rotations import as_matrix, vector
+from stark.rotations import as_matrix, direction, vector
 from stark.selections import FrameHandle, rigid_frame, world_frame
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ def add_joint(
     b: Any,
     *,
     anchor: ArrayLike | None,
-    axis: ArrayLike | None,
+    axis: str | ArrayLike | None,
     rotation: ArrayLike | None,
     name: str | None,
     contact: bool,
@@ -109,13 +109,10 @@ def place_side(scene: SceneLink, owner: str, label: str, side: Any, position: Fl
     return rigid_frame(side, axes.T @ (position - origin), axes.T)
 
 
-def frame_with_z(axis: ArrayLike, owner: str) -> Floats:
+def frame_with_z(axis: str | ArrayLike, owner: str) -> Floats:
     """A rotation whose third column is the axis."""
-    z = vector(axis, f"{owner}: axis")
-    length = np.linalg.norm(z)
-    if not length > 0.0:
-        raise InvalidArgument(f"{owner}: axis = {z.tolist()}: must not be zero")
-    z = z / length
+    z = direction(axis, f"{owner}: axis")
+    z = z / np.linalg.norm(z)
     helper = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = np.cross(helper, z)
     x = x / np.linalg.norm(x)
@@ -123,7 +120,7 @@ def frame_with_z(axis: ArrayLike, owner: str) -> Floats:
 
 
 def _placement(
-    owner: str, anchor: ArrayLike | None, axis: ArrayLike | None, rotation: ArrayLike | None
+    owner: str, anchor: ArrayLike | None, axis: str | ArrayLike | None, rotation: ArrayLike | None
 ) -> tuple[Floats, Floats]:
     """Position and rotation in the world at time 0 that both frames get."""
     if anchor is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Self
 
@@ -12,10 +14,14 @@ from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula
 from stark.arguments import real_number
 from stark.courses import TimeValue, at_start, set_courses
+from stark.errors import StarkWarning
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.definition import JointFormula
 
 Floats = NDArray[np.float64]
+
+#: Limits beyond it are probably in degrees [rad].
+_MANY_TURNS = 4.0 * math.pi
 
 
 class Wrench(NamedTuple):
@@ -31,6 +37,8 @@ class JointActuators(Handle):
     All act along a coordinate of the joint: its only one, or ``coordinate="angle"``. Efforts are torques
     [N m] along angles and forces [N] along displacements, positive where they raise the coordinate: they act
     on side b, their opposites on side a. Options of all: ``coordinate``, ``name``, ``enabled``."""
+
+    _coordinates: tuple[tuple[str, str], ...]  # names and units
 
     def add_actuator(
         self,
@@ -116,6 +124,15 @@ class JointActuators(Handle):
             raise InvalidArgument("add_limit: neither lower nor upper is given: give one of them or both")
         if len(given) == 2 and not given["lower"] < given["upper"]:
             raise InvalidArgument(f"add_limit: lower = {lower}, upper = {upper}: lower must be below upper")
+        units = {unit for _, unit in self._coordinates}
+        if units == {"rad"} and all(abs(value) > _MANY_TURNS for value in given.values()):
+            warnings.warn(
+                f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
+                f"radians; write "
+                f"90 * stark.deg if degrees are meant",
+                StarkWarning,
+                stacklevel=2,
+            )
         kind = "limit" if len(given) == 2 else f"{next(iter(given))}_limit"
         return self.add_actuator(kind, **given, **options)
 
@@ -163,7 +180,6 @@ class Joint(JointActuators):
     is assigned, what hangs on side b of the joint is placed so, at once and as one (docs/state.md)."""
 
     _formula: JointFormula
-    _coordinates: tuple[tuple[str, str], ...]  # names and units
     _enabled_at_start: bool
     _given: Mapping[str, Any]  # sides a and b and values, as the core was given them
 
@@ -177,6 +193,7 @@ class Joint(JointActuators):
 
     @property
     def name(self) -> str:
+        """Name, unique in its scene."""
         return self._scene._core.joint_name(self._index)
 
     @property
@@ -258,7 +275,10 @@ class Joint(JointActuators):
         for k, (known, _) in enumerate(self._coordinates):
             if name == known:
                 return self._require_simulation(name)._core.joint_coordinate(self._index, k)
-        raise AttributeError(f"joint of the kind '{self._formula.name}' has no attribute '{name}'")
+        known = ", ".join(coordinate for coordinate, _ in self._coordinates) or "none"
+        raise AttributeError(
+            f"joint of the kind '{self._formula.name}' has no attribute '{name}'; its coordinates: {known}"
+        )
 
     def __setattr__(self, name: str, value: Any) -> None:
         # A plain attribute would hide the coordinate of that name, and misspelt ones would do nothing.
@@ -326,6 +346,7 @@ class Actuator(Handle):
 
     @property
     def name(self) -> str:
+        """Name, unique in its scene."""
         return self._scene._core.actuator_name(self._index)
 
     @property

@@ -13,7 +13,7 @@ from stark._core import InvalidArgument
 from stark.bodies import Body
 from stark.handle import SceneLink
 from stark.named import NamedTuple
-from stark.rotations import Vec3Like, vector
+from stark.rotations import Vec3Like, direction, vector
 from stark.selections import FrameHandle
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class SceneJoints(SceneLink):
         b: Side,
         *,
         anchor: Vec3Like | None = None,
-        axis: Vec3Like | None = None,
+        axis: str | Vec3Like | None = None,
         rotation: ArrayLike | None = None,
         name: str | None = None,
         contact: bool = False,
@@ -52,11 +52,11 @@ class SceneJoints(SceneLink):
     ) -> Joint:
         """Adds a joint of any kind: the name of a built-in one or a function with ``@stark.joint``.
 
-        ``axis`` is the z axis of both frames, or ``rotation`` (matrix or quaternion) gives all axes, in the
-        world at time 0; without them, a body gets the frame of the other side. ``values``: constants that
-        the kind has. A joint whose reaction exceeds ``break_force`` [N] or ``break_torque`` [N m], about the
-        origin of frame b, in a step is released at its end for good. Joints are held within
-        ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the settings."""
+        ``axis`` ("x", "y", "z" or three numbers) is the z axis of both frames, or ``rotation`` (matrix or
+        quaternion) gives all axes, in the world at time 0; without them, a body gets the frame of the other
+        side. ``values``: constants that the kind has. A joint whose reaction exceeds ``break_force`` [N] or
+        ``break_torque`` [N m], about the origin of frame b, in a step is released at its end for good.
+        Joints are held within ``joints.length_tolerance`` and ``joints.angle_tolerance`` of the settings."""
         from stark.joints.adding import add_joint
 
         joint = add_joint(
@@ -92,7 +92,7 @@ class SceneJoints(SceneLink):
         a: Side,
         b: Side,
         anchor: Vec3Like | None = None,
-        axis: Vec3Like | None = None,
+        axis: str | Vec3Like | None = None,
         *,
         limits: tuple[float, float] | None = None,
         **options: Any,
@@ -110,7 +110,7 @@ class SceneJoints(SceneLink):
         a: Side,
         b: Side,
         anchor: Vec3Like | None = None,
-        axis: Vec3Like | None = None,
+        axis: str | Vec3Like | None = None,
         *,
         limits: tuple[float, float] | None = None,
         **options: Any,
@@ -124,14 +124,24 @@ class SceneJoints(SceneLink):
         return joint
 
     def add_cylindrical(
-        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        axis: str | Vec3Like | None = None,
+        **options: Any,
     ) -> Joint:
         """Cylindrical joint along and about ``axis``; coordinates ``displacement`` [m] and ``angle``
         [rad]."""
         return self.add_joint("cylindrical", a, b, anchor=anchor, axis=axis, **options)
 
     def add_planar(
-        self, a: Side, b: Side, anchor: Vec3Like | None = None, normal: Vec3Like | None = None, **options: Any
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        normal: str | Vec3Like | None = None,
+        **options: Any,
     ) -> Joint:
         """Planar joint in the plane through ``anchor`` [m] with this ``normal``; coordinates
         ``displacement_x``,
@@ -139,7 +149,12 @@ class SceneJoints(SceneLink):
         return self.add_joint("planar", a, b, anchor=anchor, axis=normal, **options)
 
     def add_point_on_axis(
-        self, a: Side, b: Side, anchor: Vec3Like | None = None, axis: Vec3Like | None = None, **options: Any
+        self,
+        a: Side,
+        b: Side,
+        anchor: Vec3Like | None = None,
+        axis: str | Vec3Like | None = None,
+        **options: Any,
     ) -> Joint:
         """The point of b at ``anchor`` [m] stays on the axis of a; coordinate ``displacement`` [m]."""
         return self.add_joint("point_on_axis", a, b, anchor=anchor, axis=axis, **options)
@@ -149,8 +164,8 @@ class SceneJoints(SceneLink):
         a: Side,
         b: Side,
         anchor: Vec3Like | None = None,
-        axis_a: Vec3Like | None = None,
-        axis_b: Vec3Like | None = None,
+        axis_a: str | Vec3Like | None = None,
+        axis_b: str | Vec3Like | None = None,
         **options: Any,
     ) -> Joint:
         """Universal (Cardan) joint: a turns about ``axis_a``, b about ``axis_b``, which are perpendicular;
@@ -215,7 +230,7 @@ class SceneJoints(SceneLink):
         a: Side,
         b: Side,
         anchor: Vec3Like | None = None,
-        axis: Vec3Like | None = None,
+        axis: str | Vec3Like | None = None,
         *,
         limit: float | None = None,
         contact: bool = True,
@@ -284,14 +299,13 @@ def _anchored(a: Side, b: Side, anchor: Vec3Like | None) -> dict[str, Any]:
     return {"anchor": (0.0, 0.0, 0.0) if anchor is None else anchor}
 
 
-def _cross_axes(axis_a: Vec3Like | None, axis_b: Vec3Like | None) -> Any:
+def _cross_axes(axis_a: str | Vec3Like | None, axis_b: str | Vec3Like | None) -> Any:
     if axis_a is None or axis_b is None:
         raise InvalidArgument("universal: only one of axis_a and axis_b is given: give both")
-    x, y = vector(axis_a, "universal: axis_a"), vector(axis_b, "universal: axis_b")
-    lengths = np.linalg.norm(x) * np.linalg.norm(y)
-    if not lengths > 0.0 or abs(x @ y) > 1e-9 * lengths:
+    x, y = direction(axis_a, "universal: axis_a"), direction(axis_b, "universal: axis_b")
+    if abs(x @ y) > 1e-9 * np.linalg.norm(x) * np.linalg.norm(y):
         raise InvalidArgument(
-            f"universal: axis_a = {x.tolist()} and axis_b = {y.tolist()}: must be perpendicular and not zero"
+            f"universal: axis_a = {x.tolist()} and axis_b = {y.tolist()}: must be perpendicular"
         )
     x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
     return np.column_stack([x, y, np.cross(x, y)])

@@ -82,11 +82,11 @@ def sizes_of(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
     return values
 
 
-def positive(value: float, name: str) -> float:
-    """A length [m], or InvalidArgument."""
+def positive(value: float, name: str, unit: str = " m") -> float:
+    """A length [m] or another number above 0, or InvalidArgument."""
     number = numbers_of(value)
     if number.shape != () or not 0.0 < number < np.inf:
-        raise InvalidArgument(f"{name} = {value!r} m: must be a number > 0")
+        raise InvalidArgument(f"{name} = {value!r}{unit}: must be a number > 0")
     return float(value)
 
 

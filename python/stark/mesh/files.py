@@ -227,7 +227,8 @@ def _load_by_trimesh(file: Path) -> TriangleMesh:
         raise ImportError(f"'{file}': {error}: pip install 'stark-sim[mesh]'") from error
     except Exception as error:  # readers of many formats raise what they like
         raise InvalidMesh(
-            f"'{file}' cannot be read: {error}; must be OBJ, PLY, STL, NPZ, or a mesh of a format of trimesh or meshio"
+            f"'{file}' cannot be read: {error}; must be OBJ, PLY, STL, NPZ, or a mesh of a format of "
+            f"trimesh or meshio"
         ) from None
     return TriangleMesh(np.asarray(loaded.vertices), np.asarray(loaded.faces))
 

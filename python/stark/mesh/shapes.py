@@ -21,8 +21,10 @@ from stark.rotations import vector
 
 
 def grid(width: float, depth: float, cells: int | tuple[int, int]) -> TriangleMesh:
-    """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m], two triangles
-    a cell."""
+    """Rectangle in the plane z = 0 about the origin: ``width`` along x, ``depth`` along y [m]. ``cells``:
+    along both, or (nx, ny); two triangles a cell. The (nx + 1)(ny + 1) vertices come in rows along x, from
+    the smallest y: the corners are 0, nx, ny (nx + 1) and the last. Raises InvalidArgument for numbers out
+    of range."""
     nx, ny = cells_of(cells, 2, "grid: cells")
     return TriangleMesh(
         *_core.make_grid(positive(width, "grid: width"), positive(depth, "grid: depth"), nx, ny)
@@ -30,14 +32,17 @@ def grid(width: float, depth: float, cells: int | tuple[int, int]) -> TriangleMe
 
 
 def box(size: float | ArrayLike, subdivisions: int = 1) -> TriangleMesh:
-    """Closed box about the origin; ``size`` is one edge length or three [m]."""
+    """Closed box about the origin; ``size`` is one edge length or three [m], ``subdivisions`` the squares
+    along each edge of a face, of two triangles. Raises InvalidArgument for numbers out of range."""
     count = count_of(subdivisions, "box: subdivisions")
     require_few(6 * count**2, f"box: subdivisions = {count}")
     return TriangleMesh(*_core.make_box(sizes_of(size, "box: size").tolist(), count))
 
 
 def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
-    """Icosphere about the origin: an icosahedron split ``subdivisions`` times."""
+    """Sphere of ``radius`` [m] about the origin: an icosahedron split ``subdivisions`` times, 20 * 4^n
+    triangles with vertices on the sphere. Raises InvalidArgument for numbers out of range, and more than 8
+    subdivisions."""
     count = count_of(subdivisions, "sphere: subdivisions", 0)
     if count > 8:
         raise InvalidArgument(
@@ -47,7 +52,9 @@ def sphere(radius: float, subdivisions: int = 3) -> TriangleMesh:
 
 
 def cylinder(radius: float, height: float, segments: int = 32, stacks: int = 1) -> TriangleMesh:
-    """Closed cylinder about the z axis, ``height`` from cap to cap."""
+    """Closed cylinder about the z axis with the origin in its middle: ``radius`` and ``height`` from cap to
+    cap [m]; ``segments`` around the axis, ``stacks`` along it. Raises InvalidArgument for numbers out of
+    range."""
     return TriangleMesh(
         *_core.make_cylinder(
             positive(radius, "cylinder: radius"),
@@ -58,7 +65,9 @@ def cylinder(radius: float, height: float, segments: int = 32, stacks: int = 1) 
 
 
 def capsule(radius: float, height: float, segments: int = 32, rings: int = 8) -> TriangleMesh:
-    """Capsule about the z axis; ``height`` between the centres of the half spheres."""
+    """Capsule about the z axis with the origin in its middle: ``radius`` [m], ``height`` between the centres
+    of the half spheres [m]; ``segments`` around the axis, ``rings`` on each half sphere. Raises
+    InvalidArgument for numbers out of range."""
     return TriangleMesh(
         *_core.make_capsule(
             positive(radius, "capsule: radius"),
@@ -71,7 +80,9 @@ def capsule(radius: float, height: float, segments: int = 32, rings: int = 8) ->
 def torus(
     major_radius: float, minor_radius: float, major_segments: int = 48, minor_segments: int = 24
 ) -> TriangleMesh:
-    """Torus about the z axis: a tube of ``minor_radius`` around a circle of ``major_radius``."""
+    """Torus about the z axis and the origin: a tube of ``minor_radius`` [m] around a circle of
+    ``major_radius`` [m]; ``major_segments`` along the circle, ``minor_segments`` around the tube. Raises
+    InvalidArgument for numbers out of range and tubes that reach the axis."""
     if positive(minor_radius, "torus: minor_radius") >= positive(major_radius, "torus: major_radius"):
         raise InvalidArgument(
             f"torus: minor_radius = {minor_radius} m: must be below major_radius = {major_radius} m"
@@ -86,25 +97,29 @@ def torus(
 
 
 def polyline(start: ArrayLike, end: ArrayLike, segments: int) -> Polyline:
-    """Straight chain from ``start`` to ``end`` [m] with equal edges."""
+    """Straight chain of ``segments`` equal edges from ``start`` to ``end``, (3,) [m] each. Raises
+    InvalidArgument for numbers out of range."""
     a, b = vector(start, "polyline: start"), vector(end, "polyline: end")
     t = np.linspace(0.0, 1.0, count_of(segments, "polyline: segments") + 1)[:, None]
     return Polyline(a + t * (b - a))
 
 
 def helix(radius: float, pitch: float, turns: float, segments: int) -> Polyline:
-    """Helix about z that starts at (radius, 0, 0) and rises by ``pitch`` [m] a turn; ``segments`` in all."""
+    """Helix of ``radius`` [m] about z that starts at (radius, 0, 0) and rises by ``pitch`` [m] a turn;
+    ``segments`` edges in all ``turns``. Raises InvalidArgument for numbers out of range."""
     r, rise = positive(radius, "helix: radius"), numbers_of(pitch)
     if rise.shape != () or not np.isfinite(rise):
         raise InvalidArgument(f"helix: pitch = {pitch!r} m: must be a finite number")
     angle = np.linspace(
-        0.0, 2.0 * np.pi * positive(turns, "helix: turns"), count_of(segments, "helix: segments") + 1
+        0.0, 2.0 * np.pi * positive(turns, "helix: turns", ""), count_of(segments, "helix: segments") + 1
     )
     return Polyline(np.column_stack([r * np.cos(angle), r * np.sin(angle), rise * angle / (2.0 * np.pi)]))
 
 
 def tet_box(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> TetMesh:
-    """Solid box about the origin: cuboid cells with a node at each centre, twelve tetrahedra a cell."""
+    """Solid box about the origin: ``size`` is one edge length or three [m], ``cells`` one number for all
+    directions or (nx, ny, nz); each cell has a node at its centre and twelve tetrahedra. Raises
+    InvalidArgument for numbers out of range."""
     return TetMesh(
         *_core.make_tet_box(sizes_of(size, "tet_box: size").tolist(), cells_of(cells, 3, "tet_box: cells"))
     )
@@ -141,7 +156,9 @@ def tet_ball(radius: float, subdivisions: int = 2, shells: ArrayLike = (0.4, 0.7
 
 
 def box_hexahedra(size: float | ArrayLike, cells: int | tuple[int, int, int]) -> SolidMesh:
-    """Solid box about the origin of cuboid elements with 8 nodes."""
+    """Solid box of hexahedra with 8 nodes about the origin: ``size`` is one edge length or three [m],
+    ``cells`` one number for all directions or (nx, ny, nz). Raises InvalidArgument for numbers out of
+    range."""
     return SolidMesh(
         *_core.make_hex_box(
             sizes_of(size, "box_hexahedra: size").tolist(), cells_of(cells, 3, "box_hexahedra: cells")

@@ -91,6 +91,7 @@ class TriangleMesh(MeshBase):
 
     @property
     def area(self) -> float:
+        """Area of all triangles [m^2]."""
         a, b, c = corners_of(self.vertices, self.triangles, "TriangleMesh: triangles")
         return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
@@ -122,6 +123,7 @@ class TetMesh(MeshBase):
 
     @property
     def volume(self) -> float:
+        """Volume [m^3]."""
         return float(self.volumes.sum())
 
     def surface_triangles(self) -> Indices:
@@ -165,6 +167,7 @@ class SolidMesh(MeshBase):
 
     @property
     def volume(self) -> float:
+        """Volume [m^3]."""
         return float(self.volumes.sum())
 
     def surface_triangles(self) -> Indices:
@@ -295,7 +298,7 @@ class Polyline(MeshBase):
 
     @property
     def length(self) -> float:
-        """[m]"""
+        """Sum of the lengths of all edges [m]."""
         return float(np.linalg.norm(np.diff(self.vertices, axis=0), axis=1).sum())
 
     def __repr__(self) -> str:

@@ -121,7 +121,8 @@ class Recording:
             manifest = _strict_json(read_text(self._place / MANIFEST))
         except FileNotFoundError:
             raise RecordingError(
-                f"'{self.folder}' is not a run folder: it has no {MANIFEST}, which stark run and stark.recording.Recorder write"
+                f"'{self.folder}' is not a run folder: it has no {MANIFEST}, which stark run and "
+                f"stark.recording.Recorder write"
             ) from None
         except (OSError, ValueError, RecursionError) as error:
             raise RecordingError(f"'{path}' is damaged: {error}") from error

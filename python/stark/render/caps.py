@@ -1,8 +1,10 @@
-"""Sections of closed surfaces with a plane, so that bodies whose inside has no elements look solid when they are cut.
+"""Sections of closed surfaces with a plane, so that bodies whose inside has no elements look solid when they
+are cut.
 
-The triangles that cross the plane leave closed polygons in it, which run with the inside on their left. A point of the
-plane is inside where it winds around it, as in the replay page (replay/caps.js). Lines through all corners divide
-the polygons into trapezoids, which need no other care: neither for rooms in a body nor for parts that overlap."""
+The triangles that cross the plane leave closed polygons in it, which run with the inside on their left. A
+point of the plane is inside where it winds around it, as in the replay page (replay/caps.js). Lines through
+all corners divide the polygons into trapezoids, which need no other care: neither for rooms in a body nor
+for parts that overlap."""
 
 from __future__ import annotations
 
@@ -13,8 +15,9 @@ from .clipping import Plane
 
 
 def cap(plane: Plane, positions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Section of what a surface bounds: points (k, 3) [m] and triangles (m, 3) that look along the normal of the plane,
-    none where the plane misses it. None if the surface is open; vertices at the same place count as one."""
+    """Section of what a surface bounds: points (k, 3) [m] and triangles (m, 3) that look along the normal of
+    the plane, none where the plane misses it. None if the surface is open; vertices at the same place count
+    as one."""
     places, index = np.unique(positions, axis=0, return_inverse=True)
     faces = index.reshape(-1)[triangles]
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)].astype(np.int32)
@@ -25,12 +28,14 @@ def cap(plane: Plane, positions: np.ndarray, triangles: np.ndarray) -> tuple[np.
     corners = _trapezoids(np.stack([begin @ across, begin @ up], -1), np.stack([end @ across, end @ up], -1))
     points = corners.reshape(-1, 2) @ np.stack([across, up]) + plane.offset * plane.normal
     first = 4 * np.arange(len(corners))[:, None]
-    return points, np.concatenate([first + [0, 1, 2], first + [0, 2, 3]]).astype(np.int32)
+    return points, np.concatenate([first + np.array(half) for half in ([0, 1, 2], [0, 2, 3])]).astype(
+        np.int32
+    )
 
 
 def _polygons(plane: Plane, positions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where each triangle that crosses the plane enters and leaves it, (s, 3) each. Neighbours share the very same
-    points: an edge is cut from its vertex with the smaller index."""
+    """Where each triangle that crosses the plane enters and leaves it, (s, 3) each. Neighbours share the
+    very same points: an edge is cut from its vertex with the smaller index."""
     height = plane.heights(positions)
     above = (height > 0.0)[triangles]
     count = above.sum(axis=1)
@@ -54,7 +59,8 @@ def _axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _trapezoids(begin: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Corners (k, 4, 2), counterclockwise, of the trapezoids that fill the polygons of oriented edges (s, 2)."""
+    """Corners (k, 4, 2), counterclockwise, of the trapezoids that fill the polygons of oriented edges (s,
+    2)."""
     upwards = end[:, 1] > begin[:, 1]
     low, high = np.where(upwards[:, None], begin, end), np.where(upwards[:, None], end, begin)
     levels = np.unique(np.concatenate([low[:, 1], high[:, 1]]))

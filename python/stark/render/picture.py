@@ -125,7 +125,8 @@ def _nothing_left(bodies: Any, hide: Any, names: Sequence[str]) -> str:
     if bodies is not None and matching(bodies, names, "bodies"):
         asked += f", hide = {hide!r}"
     return (
-        f"picture: {asked} leaves none of the {len(names)} bodies to draw: name at least one that is to be seen; leave "
+        f"picture: {asked} leaves none of the {len(names)} bodies to draw: name at least one that is to "
+        f"be seen; leave "
         f"out bodies and hide to draw all"
     )
 

@@ -86,7 +86,8 @@ def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
 
 
 def _clipped(piece: Piece, body: Any, values: np.ndarray | None, plane: Plane) -> list[Piece]:
-    """What is left of a piece, and its section: of a solid with its values inside, of other closed bodies without."""
+    """What is left of a piece, and its section: of a solid with its values inside, of other closed bodies
+    without."""
     parts = [_cut(piece, plane)]
     tets = _tetrahedra(body)
     if tets is not None:

@@ -41,6 +41,7 @@ class EncodedReplay:
 
     @property
     def size(self) -> int:
+        """Length of the encoded data [bytes]."""
         return sum(len(block) for block in self.blocks)
 
 

@@ -160,6 +160,7 @@ class Flex:
 
     @property
     def is_solid(self) -> bool:
+        """Whether it becomes a solid (three dimensions), not a cloth (two)."""
         return self.cells.shape[1] == 4
 
 

@@ -40,17 +40,17 @@ class Report:
 
     @property
     def kept(self) -> tuple[Finding, ...]:
-        """What the scene has of the file."""
+        """Parts of the file that the scene has: findings with ``part`` and ``text``."""
         return self.of("kept")
 
     @property
     def assumed(self) -> tuple[Finding, ...]:
-        """What the file leaves out, with the value that was taken instead."""
+        """Values that the file leaves out, and what was assumed: findings with ``part`` and ``text``."""
         return self.of("assumed")
 
     @property
     def dropped(self) -> tuple[Finding, ...]:
-        """What the file says and the scene does not have."""
+        """Parts of the file that the scene leaves out, and why: findings with ``part`` and ``text``."""
         return self.of("dropped")
 
     @property

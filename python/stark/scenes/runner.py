@@ -58,6 +58,7 @@ class RunResult:
 
     @property
     def exit_code(self) -> int:
+        """Exit code of ``stark run``: 0 complete, 130 interrupted, else 1."""
         return {"complete": 0, "interrupted": 130}.get(self.status, 1)
 
 

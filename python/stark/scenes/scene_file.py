@@ -81,6 +81,7 @@ class SceneFile:
 
     @property
     def has_check(self) -> bool:
+        """Whether the scene file defines ``check(sim)``."""
         return hasattr(self.module, "check")
 
     def check(self, recording: Any) -> None:

@@ -45,10 +45,12 @@ class Tensor:
 
     @property
     def ndim(self) -> int:
+        """Number of dimensions: 1 for vectors, 2 for matrices."""
         return len(self.shape)
 
     @property
     def size(self) -> int:
+        """Number of entries."""
         return len(self._entries)
 
     def map(self, function: Callable[[Scalar], object]) -> Self:
@@ -237,14 +239,17 @@ class Vec(Tensor):
 
     @property
     def x(self) -> Scalar:
+        """First component."""
         return self._component(0, "x")
 
     @property
     def y(self) -> Scalar:
+        """Second component."""
         return self._component(1, "y")
 
     @property
     def z(self) -> Scalar:
+        """Third component."""
         return self._component(2, "z")
 
     @property
@@ -279,9 +284,11 @@ class Mat(Tensor):
         return transpose(self)
 
     def row(self, i: int) -> Vec:
+        """Row ``i`` as a vector."""
         return self[i, :]
 
     def column(self, j: int) -> Vec:
+        """Column ``i`` as a vector."""
         return self[:, j]
 
 

@@ -146,6 +146,7 @@ class TelemetryWriter:
         self._step += 1
 
     def close(self) -> None:
+        """Closes the file. Raises OSError where the disk is full."""
         with naming(self.path):
             self._file.close()
 

@@ -74,6 +74,7 @@ class Certificate:
 
     @property
     def exit_code(self) -> int:
+        """Exit code of ``stark verify``: 0 certified, 1 violated, 3 inconclusive."""
         codes = {"certified": EXIT_CERTIFIED, "violated": EXIT_VIOLATED, "inconclusive": EXIT_INCONCLUSIVE}
         return codes[self.verdict]
 
@@ -85,6 +86,7 @@ class Certificate:
         raise KeyError(f"no claim '{name}'; there are: {', '.join(claim.name for claim in self.claims)}")
 
     def to_json(self) -> dict[str, Any]:
+        """The certificate as its JSON file has it: a dictionary."""
         return {
             "format": "stark-certificate",
             "version": CERTIFICATE_VERSION,

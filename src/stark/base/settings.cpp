@@ -150,7 +150,13 @@ const Field& FieldTable::find(std::string_view name) const {
     if (field.name == name) return field;
   std::vector<std::string> known;
   for (const Field& field : fields_) known.push_back(field.name);
-  const std::string hint = nearest_name_hint(name, known);
+  std::string hint = nearest_name_hint(name, known);
+  if (hint.empty()) {  // a part of longer names
+    std::vector<std::string> longer;
+    for (const std::string& other : known)
+      if (name.size() > 2 && other.find(name) != std::string::npos) longer.push_back(other);
+    if (!longer.empty()) hint = " (did you mean " + joined(longer) + "?)";
+  }
   const std::string what = kind_ == TableKind::Settings ? "setting '" + std::string(name) + "'"
                                                         : "parameter '" + std::string(name) + "' of " + name_;
   fail("unknown " + what + (hint.empty() ? "; known are " + joined(known) : hint));

@@ -313,3 +313,13 @@ def test_a_brake_holds_where_it_is_engaged_and_rewinds() -> None:
         brake.engaged = 2.0
     with pytest.raises(stark.InvalidArgument, match="give"):
         slider.add_brake(1.0, give=0.0)
+
+
+def test_limits_that_look_like_degrees_warn() -> None:
+    scene = stark.Scene()
+    arm = scene.add_box(0.1, mass=1.0)
+    hinge = scene.add_hinge(None, arm, anchor=(0, 0, 0), axis="z")
+    with pytest.warns(stark.StarkWarning, match=r"lower = -90 rad, upper = 90 rad.*90 \* stark\.deg"):
+        hinge.add_limit(-90, 90)
+    with pytest.raises(AttributeError, match="'hinge' has no attribute 'angel'; its coordinates: angle"):
+        _ = hinge.angel

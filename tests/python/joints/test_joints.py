@@ -100,7 +100,14 @@ def test_states_rewind_bitwise_with_joints() -> None:
     [
         (lambda s, b, c: s.add_hinge(None, b, axis=(0, 0, 1)), "axis or rotation without anchor"),
         (lambda s, b, c: s.add_hinge(None, b), "no anchor: give anchor"),
-        (lambda s, b, c: s.add_hinge(None, b, anchor=(0, 0, 0), axis=(0, 0, 0)), "must not be zero"),
+        (
+            lambda s, b, c: s.add_hinge(None, b, anchor=(0, 0, 0), axis=(0, 0, 0)),
+            "must have a direction; give 'x'",
+        ),
+        (
+            lambda s, b, c: s.add_hinge(None, b, anchor=(0, 0, 0), axis="w"),
+            "axis = 'w': must be 'x', 'y', 'z' or three numbers",
+        ),
         (lambda s, b, c: s.add_hinge(None, c, anchor=(0, 0, 0)), "give a patch of it"),
         (lambda s, b, c: s.add_hinge(None, None, anchor=(0, 0, 0)), "both frames are of the world"),
         (lambda s, b, c: s.add_hinge(3, b, anchor=(0, 0, 0)), "must be a rigid body"),

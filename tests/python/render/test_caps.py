@@ -1,4 +1,5 @@
-"""Filled sections of closed surfaces: areas against closed forms and volumes, rooms, overlaps, open surfaces."""
+"""Filled sections of closed surfaces: areas against closed forms and volumes, rooms, overlaps, open
+surfaces."""
 
 from __future__ import annotations
 
@@ -46,7 +47,8 @@ def test_areas_are_the_change_of_the_volume_behind_the_plane(normal) -> None:
 
 
 def _kept_volume(mesh: stark.TriangleMesh, plane: Plane) -> float:
-    """Volume behind the plane by the theorem of Gauss from a point of the plane, where the section counts nothing."""
+    """Volume behind the plane by the theorem of Gauss from a point of the plane, where the section counts
+    nothing."""
     from stark.render.clipping import cut_triangles
 
     data, triangles = cut_triangles(plane, mesh.vertices, mesh.triangles)
