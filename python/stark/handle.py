@@ -78,9 +78,12 @@ class SceneLink:
     _simulations: list[weakref.ref[SimulationLink]]  # in the order in which they were made
     _simulated_bodies: int  # that some simulation had
     _warned: int  # warnings of the core that were passed on
+    _changes: int  # of pairs of bodies that were simulated already
+    _last_change: str
 
     def _begin_simulations(self) -> None:
         self._simulations, self._simulated_bodies, self._warned = [], 0, 0
+        self._changes, self._last_change = 0, ""
 
     def _is_simulated_by(self, simulation: SimulationLink) -> None:
         """Handles of the scene read the newest simulation that is alive. Weak, or a scene would keep all of
@@ -134,6 +137,12 @@ class SceneLink:
                 StarkWarning,
                 stacklevel=4,
             )
+
+    def _note_change(self, what: str, *bodies: int) -> None:
+        """After a change of what bodies have with each other: simulations that have them warn of it when they
+        go on, not before, as another one may be made next."""
+        if all(body < self._simulated_bodies for body in bodies):
+            self._changes, self._last_change = self._changes + 1, what
 
     def _warn_of_simulation(self, body: BodyHandle, what: str) -> None:
         """After a change of a body that one may take for a change of the simulation that it is in."""

@@ -100,6 +100,8 @@ class Scene(
         if isinstance(coefficient, bool) or not isinstance(coefficient, (int, float, np.number)):
             raise InvalidArgument(f"scene: default_friction = {coefficient!r}: must be a number >= 0")
         self._core.default_friction = float(coefficient)
+        if self._simulated_bodies:
+            self._note_change("default_friction")
 
     def disable_contact(self, a: Bodies, b: Bodies | None = None) -> None:
         """Lets two bodies pass through each other; ``a`` with itself switches its self-contact off. With
@@ -107,17 +109,23 @@ class Scene(
         ``disable_contact(fingers)`` all of a group among each other, self-contact excepted."""
         groups = self._groups("disable_contact", a, b)
         if groups is None:
-            self._core.disable_contact(*self._pair((a, b)))
+            first, second = self._pair((a, b))
+            self._core.disable_contact(first, second)
+            self._note_change("disable_contact", first, second)
         else:
             self._core.disable_contacts(*groups)
+            self._note_change("disable_contact", *groups[0], *groups[1])
 
     def enable_contact(self, a: Bodies, b: Bodies | None = None) -> None:
         """Undoes ``disable_contact``, of two bodies or of groups."""
         groups = self._groups("enable_contact", a, b)
         if groups is None:
-            self._core.enable_contact(*self._pair((a, b)))
+            first, second = self._pair((a, b))
+            self._core.enable_contact(first, second)
+            self._note_change("enable_contact", first, second)
         else:
             self._core.enable_contacts(*groups)
+            self._note_change("enable_contact", *groups[0], *groups[1])
 
     def disable_overlapping(self, bodies: Iterable[Body | str] | None = None) -> list[tuple[Body, Body]]:
         """Lets the bodies that overlap at the start pass through each other, as neighbouring links of robots

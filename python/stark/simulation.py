@@ -100,6 +100,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         self._pins = [scene._core.pins(k) for k in range(len(scene))]
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._is_simulated_by(self)
+        self._changes = scene._changes  # of the scene that it has
         self._energy_count = len(scene.energies)
         self._live_values = [energy._live_values() for energy in scene.energies]
         self._live_values += [
@@ -166,6 +167,15 @@ class Simulation(Pictures, Stepping, KnownAttributes):
                 raise StepFailed(report)
 
     def _step(self, limit: float | None, progress: OnProgress | None) -> StepReport:
+        if self._changes != self._scene._changes:
+            self._changes = self._scene._changes
+            warnings.warn(
+                f"scene '{self._scene.name}': {self._scene._last_change} was changed after the simulation "
+                f"was made and does not affect it; change it before you make stark.Simulation(scene), or "
+                f"make a new simulation",
+                StarkWarning,
+                stacklevel=3,
+            )
         if self._scene._followers or self._scene._courses:
             duration, end = self._core.next_step(limit)
             for course in self._scene._courses.values():

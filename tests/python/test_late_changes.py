@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -103,3 +104,36 @@ def test_a_late_actuator_says_so() -> None:
     with pytest.raises(stark.InvalidArgument, match=r"actuator 'late' was added after the simulation"):
         _ = late.effort
     del sim
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        (lambda scene: scene.friction.__setitem__(("box", "floor"), 0.1), "friction"),
+        (lambda scene: scene.friction.__setitem__(("box", "floor"), stark.Anisotropic(0.1, 0.2)), "friction"),
+        (lambda scene: scene.restitution.__setitem__(("box", "floor"), 0.5), "restitution"),
+        (lambda scene: setattr(scene, "default_friction", 0.1), "default_friction"),
+        (lambda scene: scene.disable_contact("box", "floor"), "disable_contact"),
+        (lambda scene: scene.enable_contact(["box"], ["floor"]), "enable_contact"),
+    ],
+)
+def test_late_changes_of_pairs_are_told_by_the_simulation_that_goes_on(
+    change: Callable[[stark.Scene], None], name: str
+) -> None:
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    scene.add_box(0.1, mass=1.0, position=(0, 0, 0.06), name="box").surface_direction = (1, 0, 0)
+    sim = stark.Simulation(scene)
+    sim.step()
+    change(scene)
+    with pytest.warns(stark.StarkWarning, match=f"{name} was changed after .* does not affect it") as told:
+        sim.step()
+    assert told[0].filename == __file__
+    later = stark.Simulation(scene)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sim.step()  # once is enough
+        later.step()  # has it
+        scene.add_box(0.1, mass=1.0, position=(1, 0, 0.06), name="late")
+        scene.disable_contact("late", "box")  # of a body that no simulation has
+        later.step()

@@ -64,6 +64,7 @@ class FrictionTable:
                 real_number(value, f"{owner}: {name}") for name, value in zip(_FIELDS, values, strict=True)
             ]
             self._scene._core.set_anisotropic_friction(a, b, *numbers)
+            self._scene._note_change("friction", a, b)
             return
         given = coefficient if isinstance(coefficient, (tuple, list)) else [coefficient]
         try:
@@ -76,3 +77,4 @@ class FrictionTable:
                 f"stark.Anisotropic(along, across)"
             ) from None
         self._scene._core.set_friction(a, b, *map(float, both))
+        self._scene._note_change("friction", a, b)

@@ -23,3 +23,4 @@ class RestitutionTable:
     def __setitem__(self, pair: tuple[BodyHandle | str, BodyHandle | str], coefficient: float) -> None:
         a, b = self._scene._pair(pair)
         self._scene._core.set_restitution(a, b, real_number(coefficient, f"restitution of {pair!r}"))
+        self._scene._note_change("restitution", a, b)
