@@ -364,7 +364,8 @@ TEST_CASE("of what has moved all pairs are found, and no others") {
     });
   }
   CandidateList list;
-  CHECK_THROWS_AS(broad_phase.find(scene.x, inflation, pool, list, std::vector<uint8_t>(3, 1)), InvalidArgument);
+  CHECK_THROWS_AS(broad_phase.find(scene.x, inflation, pool, list, std::vector<uint8_t>(3, 1)),
+                  InvalidArgument);
 }
 
 TEST_CASE("degraded trees are rebuilt without changing the result") {

@@ -55,8 +55,8 @@ class Bvh {
 
   /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair
   /// once, in groups that the filter allows, but for those of which neither has moved and those that the slab
-  /// of a triangle that is large beside the other group keeps apart. Order unspecified; on several threads. Extent: Box, or MovingBox after a
-  /// refit for motion.
+  /// of a triangle that is large beside the other group keeps apart. Order unspecified; on several threads.
+  /// Extent: Box, or MovingBox after a refit for motion.
   template <typename Extent, typename Body>
   void for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body);
 

@@ -13,17 +13,18 @@ template <PairKind kind, typename Reach>
 void mark_near(const SurfaceMesh& mesh, std::span<const PrimitivePair> pairs, const Reach& reach,
                std::span<const Vec3> x, ThreadPool& pool, std::vector<uint8_t>& out) {
   out.assign(pairs.size(), 0);
-  pool.for_each_range(static_cast<int64_t>(pairs.size()), kCandidatesPerTask, [&](int64_t begin, int64_t end) {
-    for (int64_t first = begin; first < end; first += detail::kPairs) {
-      const detail::FourPairs<kind> four(mesh, pairs, first, end, reach);
-      for (int open = four.find_open(std::array{x}); open != 0; open &= open - 1) {
-        const int lane = __builtin_ctz(static_cast<unsigned>(open));
-        typename PairRow<kind>::Positions at;
-        for (size_t i = 0; i < at.size(); ++i) at[i] = x[four.ids[lane][i]];
-        out[first + lane] = PairRow<kind>::squared_distance(at) <= four.limit[lane] * four.limit[lane];
-      }
-    }
-  });
+  pool.for_each_range(
+      static_cast<int64_t>(pairs.size()), kCandidatesPerTask, [&](int64_t begin, int64_t end) {
+        for (int64_t first = begin; first < end; first += detail::kPairs) {
+          const detail::FourPairs<kind> four(mesh, pairs, first, end, reach);
+          for (int open = four.find_open(std::array{x}); open != 0; open &= open - 1) {
+            const int lane = __builtin_ctz(static_cast<unsigned>(open));
+            typename PairRow<kind>::Positions at;
+            for (size_t i = 0; i < at.size(); ++i) at[i] = x[four.ids[lane][i]];
+            out[first + lane] = PairRow<kind>::squared_distance(at) <= four.limit[lane] * four.limit[lane];
+          }
+        }
+      });
 }
 
 }  // namespace

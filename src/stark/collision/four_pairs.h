@@ -52,8 +52,8 @@ void try_normal(const Vec3x4 (&x)[count], Test&& test) {
 }
 
 // Lanes whose primitives one axis, or the gap between their boxes, keeps apart by more than the limit at each
-// of the instants, hence, gaps of vertex pairs along an axis being linear in time, on the straight way between
-// two of them. x: positions by instant and vertex.
+// of the instants, hence, gaps of vertex pairs along an axis being linear in time, on the straight way
+// between two of them. x: positions by instant and vertex.
 template <PairKind kind, size_t kInstants, size_t kCount>
 int find_separated(const Vec3x4 (&x)[kInstants][kCount], const Double4& limit) {
   constexpr int kA = PairRow<kind>::kFirstCount, kB = PairRow<kind>::kSecondCount;
