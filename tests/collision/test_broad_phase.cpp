@@ -317,6 +317,57 @@ TEST_CASE("a list built with a motion budget stays complete while vertices move 
   CHECK(missing(10 * budget) > 0);
 }
 
+TEST_CASE("of what has moved all pairs are found, and no others") {
+  RandomPoints random(35);
+  SceneBuilder scene = mixed_scene(random);
+  const PairFilter filter(scene.group_count);
+  const std::vector<double> inflation(scene.group_count, 0.04);
+  ThreadPool pool(2);
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, filter);
+  const int32_t count = scene.surface.vertex_count;
+  for (int round = 0; round < 9; ++round) {
+    std::vector<Vec3> x0 = scene.x, x1 = scene.x;
+    for (size_t v = 0; v < x0.size(); ++v) x1[v] += random.point() * 0.03;
+    // None, single vertices, a body, a region of several bodies, more and more at random, all.
+    std::vector<uint8_t> moved(count, 0);
+    for (int32_t v = 0; v < count; ++v) {
+      const bool is_near = norm(scene.x[v]) < 0.3;
+      moved[v] = round == 1   ? v == 70 || v == count - 3
+                 : round == 2 ? scene.surface.vertex_group[v] == 0
+                 : round == 3 ? is_near
+                              : round > 3 && random.uniform(0.0, 1.0) < (round - 3) * 0.2;
+    }
+    const auto check = [&](const auto& find) {
+      CandidateList expected, list;
+      find(expected, std::span<const uint8_t>{});
+      find(list, std::span<const uint8_t>{moved});
+      int64_t all = 0;
+      for_each_pair_kind([&](auto kind) {
+        all += expected[kind].size();
+        std::erase_if(expected[kind], [&](const PrimitivePair& pair) {
+          return std::ranges::none_of(PairRow<kind.value>::vertices(scene.surface, pair),
+                                      [&](int32_t v) { return moved[v] != 0; });
+        });
+      });
+      CHECK(list == expected);
+      if (round == 0) CHECK(list.size() == 0);
+      if (round > 0) CHECK(list.size() > 0);
+      if (round == 8) CHECK(list.size() == all);
+      if (round < 4) CHECK(list.size() < all);
+    };
+    check([&](CandidateList& out, std::span<const uint8_t> marks) {
+      broad_phase.find(x0, inflation, pool, out, marks);
+    });
+    check([&](CandidateList& out, std::span<const uint8_t> marks) {
+      broad_phase.find_swept(x0, x1, inflation, pool, out, marks);
+    });
+  }
+  CandidateList list;
+  CHECK_THROWS_AS(broad_phase.find(scene.x, inflation, pool, list, std::vector<uint8_t>(3, 1)),
+                  InvalidArgument);
+}
+
 TEST_CASE("degraded trees are rebuilt without changing the result") {
   RandomPoints random(33);
   SceneBuilder scene;

@@ -138,6 +138,16 @@ void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, Candidat
   });
 }
 
+/// Drops the pairs of which no vertex has moved: cells at the border of what has.
+void remove_still(const SurfaceMesh& mesh, std::span<const uint8_t> moved, CandidateList& list) {
+  for_each_pair_kind([&](auto tag) {
+    std::erase_if(list[tag], [&](const PrimitivePair& pair) {
+      return std::ranges::none_of(PairRow<tag.value>::vertices(mesh, pair),
+                                  [&](int32_t v) { return moved[v] != 0; });
+    });
+  });
+}
+
 }  // namespace
 
 struct BroadPhase::Implementation {
@@ -174,15 +184,18 @@ void BroadPhase::set_filter(PairFilter filter) {
 }
 
 void BroadPhase::find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
-                      CandidateList& out) {
-  implementation_->bvh.refit(x, group_inflation, pool);
+                      CandidateList& out, std::span<const uint8_t> moved) {
+  implementation_->bvh.refit(x, group_inflation, pool, moved);
   implementation_->collect<Box>(pool, out);
+  if (!moved.empty()) remove_still(mesh(), moved, out);
 }
 
 void BroadPhase::find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1,
-                            std::span<const double> group_inflation, ThreadPool& pool, CandidateList& out) {
-  implementation_->bvh.refit(x0, x1, group_inflation, pool);
+                            std::span<const double> group_inflation, ThreadPool& pool, CandidateList& out,
+                            std::span<const uint8_t> moved) {
+  implementation_->bvh.refit(x0, x1, group_inflation, pool, moved);
   implementation_->collect<MovingBox>(pool, out);
+  if (!moved.empty()) remove_still(mesh(), moved, out);
 }
 
 template <typename Extent>

@@ -31,14 +31,15 @@ class BroadPhase {
   /// All allowed pairs whose distance at positions x [m] can be <= group_inflation[a] + group_inflation[b]
   /// [m], except those that share a vertex; a superset that depends on the primitives' boxes only, not on
   /// threads or history. Positions must be finite. Reuses the capacity of `out`.
+  /// moved: by vertex; where given, only pairs with a vertex where it is not 0.
   void find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
-            CandidateList& out);
+            CandidateList& out, std::span<const uint8_t> moved = {});
 
   /// As find, for primitives that move linearly from x0 to x1: every pair that can come that near on the way.
   /// Of what moves along together hardly more than at rest: boxes are of positions at the start and of
   /// displacements, and only relative ones count.
   void find_swept(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-                  ThreadPool& pool, CandidateList& out);
+                  ThreadPool& pool, CandidateList& out, std::span<const uint8_t> moved = {});
 
  private:
   struct Implementation;

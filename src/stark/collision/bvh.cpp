@@ -188,6 +188,7 @@ void Bvh::make_cells(int32_t group_count) {
   }
   nodes_.assign(node_count, BoxNode{});
   motion_nodes_.assign(node_count, BoxNode{});
+  moved_nodes_.assign(node_count, kAll);
 }
 
 void Bvh::build(Tree& tree) {
@@ -210,7 +211,7 @@ void Bvh::build(Tree& tree) {
 }
 
 void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-                ThreadPool& pool, bool is_moving) {
+                ThreadPool& pool, std::span<const uint8_t> moved, bool is_moving) {
   const size_t vertex_count = static_cast<size_t>(mesh_.vertex_count);
   if (x0.size() < vertex_count || x1.size() < vertex_count) {
     throw InvalidArgument("collision: " + std::to_string(std::min(x0.size(), x1.size())) + " positions for " +
@@ -220,16 +221,23 @@ void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<co
     throw InvalidArgument("collision: " + std::to_string(group_inflation.size()) + " inflations for " +
                           std::to_string(trees_.size()) + " groups; give one each, in metres");
   }
+  if (!moved.empty() && moved.size() < vertex_count) {
+    throw InvalidArgument("collision: " + std::to_string(moved.size()) + " marks of motion for " +
+                          std::to_string(vertex_count) + " vertices; give one each, or none");
+  }
   if (points_.empty()) return;
   is_moving_ = is_moving;
+  moved_.assign(moved.begin(), moved.end());
   refit_vertices(x0, x1, group_inflation, pool);
   for (Tree& tree : trees_) {
     tree.is_fitted = false;
+    tree.has_moved = moved.empty();
     tree.extent = {kEmptyBox, kEmptyBox};
   }
   for (const int32_t v : points_) {
     Tree& tree = trees_[mesh_.vertex_group[v]];
     tree.extent.start = merge(tree.extent.start, vertex_boxes_[v]);
+    if (!moved.empty() && moved[v] != 0) tree.has_moved = true;
     if (is_moving) tree.extent.motion = merge(tree.extent.motion, vertex_motions_[v]);
   }
   for (Tree& tree : trees_) {
@@ -268,6 +276,7 @@ void Bvh::fit_trees(ThreadPool& pool) {
     }
     refit_upper_levels(*tree, nodes_);
     if (is_moving_) refit_upper_levels(*tree, motion_nodes_);
+    mark_moved(*tree);
   }
 }
 
@@ -364,6 +373,26 @@ void Bvh::refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) cons
   }
 }
 
+void Bvh::mark_moved(const Tree& tree) {
+  const auto has_moved = [&](const Cell& cell) {
+    return moved_[cell.vertices[0]] | moved_[cell.vertices[1]] | moved_[cell.vertices[2]];
+  };
+  for (int level = 0; level < tree.level_count; ++level) {
+    const int32_t count = level == 0 ? tree.cell_count : tree.level_size[level - 1];
+    for (int32_t n = 0; n < tree.level_size[level]; ++n) {
+      uint8_t& mask = moved_nodes_[tree.level_begin[level] + n];
+      mask = kAll;
+      if (moved_.empty()) continue;
+      mask = 0;
+      for (int32_t child = kWidth * n; child < std::min(kWidth * (n + 1), count); ++child) {
+        const bool moved = level == 0 ? has_moved(cells_[tree.cell_begin + child]) != 0
+                                      : moved_nodes_[tree.level_begin[level - 1] + child] != 0;
+        mask |= static_cast<uint8_t>(moved << (child - kWidth * n));
+      }
+    }
+  }
+}
+
 // Of a group of one leaf there is nothing to save.
 bool Bvh::is_large(const Cell& cell, const Box& box, const Tree& other) const {
   const Box& bounds = other.extent.start;
@@ -399,7 +428,7 @@ void Bvh::find_tasks(const PairFilter& filter) {
   Box all = kEmptyBox;
   for (int32_t g = 0; g < group_count(); ++g) {
     if (trees_[g].cell_count == 0) continue;
-    if (filter.allowed(g, g)) add(g, g);
+    if (trees_[g].has_moved && filter.allowed(g, g)) add(g, g);
     order_.push_back(g);
     all = merge(all, trees_[g].bounds);
   }
@@ -414,7 +443,8 @@ void Bvh::find_tasks(const PairFilter& filter) {
   for (size_t i = 0; i < order_.size(); ++i) {
     const Box& box = trees_[order_[i]].bounds;
     for (size_t j = i + 1; j < order_.size() && trees_[order_[j]].bounds.low[axis] <= box.high[axis]; ++j) {
-      if (box.overlaps(trees_[order_[j]].bounds) && filter.allowed(order_[i], order_[j]))
+      const bool has_moved = trees_[order_[i]].has_moved || trees_[order_[j]].has_moved;
+      if (has_moved && box.overlaps(trees_[order_[j]].bounds) && filter.allowed(order_[i], order_[j]))
         add(order_[i], order_[j]);
     }
   }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -39,21 +40,23 @@ class Bvh {
   int32_t group_count() const { return static_cast<int32_t>(trees_.size()); }
 
   /// Boxes of all vertices and groups at x, inflated by the group's value. The trees follow when
-  /// for_each_pair needs them, and are built anew where leaves have grown too much.
-  void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool) {
-    refit(x, x, group_inflation, pool, false);
+  /// for_each_pair needs them, and are built anew where leaves have grown too much. moved: by vertex, not 0
+  /// where pairs of cells with it are asked for; none: all are.
+  void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
+             std::span<const uint8_t> moved = {}) {
+    refit(x, x, group_inflation, pool, moved, false);
   }
 
   /// The same for linear motion from x0 to x1.
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-             ThreadPool& pool) {
-    refit(x0, x1, group_inflation, pool, true);
+             ThreadPool& pool, std::span<const uint8_t> moved = {}) {
+    refit(x0, x1, group_inflation, pool, moved, true);
   }
 
   /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair
-  /// once, in groups that the filter allows, but for those that the slab of a triangle that is large beside
-  /// the other group keeps apart. Order unspecified; on several threads. Extent: Box, or MovingBox after a
-  /// refit for motion.
+  /// once, in groups that the filter allows, but for those of which neither has moved and those that the slab
+  /// of a triangle that is large beside the other group keeps apart. Order unspecified; on several threads.
+  /// Extent: Box, or MovingBox after a refit for motion.
   template <typename Extent, typename Body>
   void for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body);
 
@@ -71,6 +74,7 @@ class Bvh {
 
  private:
   static constexpr int kMaxLevels = 11;
+  static constexpr int kAll = (1 << kWidth) - 1;
   struct Tree {
     int32_t cell_begin = 0, cell_count = 0;  // cell_begin is a multiple of kWidth
     int32_t level_count = 0;                 // 0 for a group without primitives
@@ -78,6 +82,7 @@ class Bvh {
     int32_t level_size[kMaxLevels] = {};
     double built_size = -1.0;  // sum of leaf extents when built; < 0: not built yet
     bool is_fitted = false;    // nodes are those of the last refit
+    bool has_moved = true;     // some of it
     MovingBox extent{};        // of all of it
     Box bounds{};              // of all its way
   };
@@ -89,11 +94,12 @@ class Bvh {
   void make_cells(int32_t group_count);
   void build(Tree& tree);
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
-             ThreadPool& pool, bool is_moving);
+             ThreadPool& pool, std::span<const uint8_t> moved, bool is_moving);
   void refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
                       std::span<const double> group_inflation, ThreadPool& pool);
   void fit_trees(ThreadPool& pool);
   void refit_leaves(int64_t begin, int64_t end);
+  void mark_moved(const Tree& tree);
   void refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const;
   double leaf_size(const Tree& tree) const;
   void find_tasks(const PairFilter& filter);
@@ -114,6 +120,8 @@ class Bvh {
   std::vector<Cell> cells_;            // per group in tree order, padded to a multiple of kWidth
   std::vector<BoxNode> nodes_;         // level 0 of all groups first: node k holds cells 8 k ...
   std::vector<BoxNode> motion_nodes_;  // displacements, where there are any
+  std::vector<uint8_t> moved_;         // by vertex; empty: all have
+  std::vector<uint8_t> moved_nodes_;   // bit k set where some of box k has moved
   std::vector<Tree> trees_;
   std::vector<Box> vertex_boxes_, vertex_motions_;
   bool is_moving_ = false;
@@ -195,6 +203,7 @@ void Bvh::descend(const Task& task, int32_t leaf_a, Test&& test, Visit&& visit) 
   }
 }
 
+// What has not moved is looked up among what has.
 template <typename Extent, typename Body>
 void Bvh::run_task(const Task& task, int thread, Body& body) {
   const Tree &a = trees_[task.a], &b = trees_[task.b];
@@ -216,22 +225,26 @@ void Bvh::run_task(const Task& task, int thread, Body& body) {
     Extent query = boxes[0] = cell_extent<Extent>(cells_a[0]);
     for (int k = 1; k < count_a; ++k) query = merge(query, boxes[k] = cell_extent<Extent>(cells_a[k]));
     if (!self && !query.overlaps(bounds)) continue;
+    const int moved = moved_nodes_[a.level_begin[0] + leaf_a];
+    const auto partners = [&](int k, int32_t node) { return (moved >> k) & 1 ? kAll : moved_nodes_[node]; };
     int small = (1 << count_a) - 1;
     for (int k = 0; k < count_a && !self; ++k) {
       if (!is_large(cells_a[k], start_of(boxes[k]), b) || !boxes[k].overlaps(bounds)) continue;
       small &= ~(1 << k);
       const Slab slab = cell_slab<Extent>(cells_a[k]);
       descend(
-          task, leaf_a, [&](int32_t node) { return near_mask(node, boxes[k], slab); },
+          task, leaf_a, [&](int32_t node) { return near_mask(node, boxes[k], slab) & partners(k, node); },
           [&](int32_t leaf_b, int hits) { pass(k, leaf_b, hits); });
     }
     if (small == 0) continue;
     descend(
-        task, leaf_a, [&](int32_t node) { return node_mask(node, query); },
+        task, leaf_a,
+        [&](int32_t node) { return (moved == 0 ? moved_nodes_[node] : kAll) & node_mask(node, query); },
         [&](int32_t leaf_b, int) {
           for (int left = small; left != 0; left &= left - 1) {
             const int k = __builtin_ctz(static_cast<unsigned>(left));
-            int hits = node_mask(b.level_begin[0] + leaf_b, boxes[k]);
+            const int32_t node = b.level_begin[0] + leaf_b;
+            int hits = node_mask(node, boxes[k]) & partners(k, node);
             if (self && leaf_b == leaf_a) hits &= ~((2 << k) - 1);
             pass(k, leaf_b, hits);
           }

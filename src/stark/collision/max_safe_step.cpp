@@ -6,103 +6,14 @@
 #include <vector>
 
 #include <stark/base/error.h>
+#include <stark/collision/four_pairs.h>
 #include <stark/collision/max_safe_step.h>
 
 namespace stark {
 
 namespace {
 
-constexpr int kLanes = 4;
-using Double4 = double __attribute__((vector_size(32)));
-using Long4 = int64_t __attribute__((vector_size(32)));
-
-struct Vec3x4 {
-  Double4 x, y, z;
-};
-
-Vec3x4 operator+(const Vec3x4& a, const Vec3x4& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec3x4 operator-(const Vec3x4& a, const Vec3x4& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Double4 dot(const Vec3x4& a, const Vec3x4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec3x4 cross(const Vec3x4& a, const Vec3x4& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Double4 min(const Double4& a, const Double4& b) { return a < b ? a : b; }
-Double4 max(const Double4& a, const Double4& b) { return a > b ? a : b; }
-Double4 abs(const Double4& a) { return max(a, -a); }
-
-int lane_mask(const Long4& lanes) {
-#if defined(__AVX__)
-  return __builtin_ia32_movmskpd256(reinterpret_cast<Double4>(lanes));
-#else
-  int mask = 0;
-  for (int k = 0; k < kLanes; ++k) mask |= static_cast<int>(lanes[k] & 1) << k;
-  return mask;
-#endif
-}
-
-// A direction that may separate the primitives, besides the coordinate axes and the line of centres: the
-// normal of a triangle, or the common normal of two edges.
-template <PairKind kind, size_t count, typename Test>
-void try_normal(const Vec3x4 (&x)[count], Test&& test) {
-  if constexpr (kind == PairKind::PointTriangle) test(cross(x[2] - x[1], x[3] - x[1]));
-  if constexpr (kind == PairKind::EdgeEdge) test(cross(x[1] - x[0], x[3] - x[2]));
-}
-
-// Rounding errors of a projected gap relative to the size of the differences, as in ccd.cpp.
-constexpr double kGapError = 32.0 * 0x1p-53;
-
-// Lanes whose primitives one axis keeps apart by more than the separation at both ends of the motion, hence,
-// gaps of vertex pairs along an axis being linear in time, on all of it.
-template <PairKind kind, size_t kCount>
-int find_separated(const Vec3x4 (&x0)[kCount], const Vec3x4 (&x1)[kCount], const Double4& separation) {
-  constexpr int kA = PairRow<kind>::kFirstCount, kB = PairRow<kind>::kSecondCount, kGaps = 2 * kA * kB;
-  Vec3x4 gaps[kGaps];
-  for (int i = 0; i < kA; ++i) {
-    for (int j = 0; j < kB; ++j) {
-      gaps[2 * (i * kB + j)] = x0[i] - x0[kA + j];
-      gaps[2 * (i * kB + j) + 1] = x1[i] - x1[kA + j];
-    }
-  }
-  Vec3x4 low = gaps[0], high = gaps[0];
-  for (int k = 1; k < kGaps; ++k) {
-    low = {min(low.x, gaps[k].x), min(low.y, gaps[k].y), min(low.z, gaps[k].z)};
-    high = {max(high.x, gaps[k].x), max(high.y, gaps[k].y), max(high.z, gaps[k].z)};
-  }
-  const Double4 size =
-      max(abs(low.x), abs(high.x)) + max(abs(low.y), abs(high.y)) + max(abs(low.z), abs(high.z));
-  const Double4 margin = separation + 2.0 * kGapError * size;
-  Long4 separated = (low.x > margin) | (low.y > margin) | (low.z > margin) | (-high.x > margin) |
-                    (-high.y > margin) | (-high.z > margin);
-  // Comparisons drop numbers that are not finite; the sum of all gaps does not.
-  Vec3x4 centre = gaps[0];
-  for (int k = 1; k < kGaps; ++k) centre = centre + gaps[k];
-  const Long4 finite = 0.0 * centre.x + 0.0 * centre.y + 0.0 * centre.z == 0.0;
-  separated &= finite;
-  if (lane_mask(separated) == (1 << kLanes) - 1) return lane_mask(separated);
-  // An axis n of any length: the squares of gap and margin are compared.
-  const Double4 margin2 = margin * margin * (1.0 + 1e-12);
-  const auto test = [&](const Vec3x4& n) {
-    Double4 smallest = dot(n, gaps[0]), largest = smallest;
-    for (int k = 1; k < kGaps; ++k) {
-      const Double4 gap = dot(n, gaps[k]);
-      smallest = min(smallest, gap);
-      largest = max(largest, gap);
-    }
-    const Double4 limit = margin2 * dot(n, n);
-    separated |= (smallest > 0.0) & (smallest * smallest > limit);
-    separated |= (largest < 0.0) & (largest * largest > limit);
-  };
-  Vec3x4 middle[kCount];
-  for (size_t k = 0; k < kCount; ++k) middle[k] = x0[k] + x1[k];
-  test(centre);
-  try_normal<kind>(middle, test);
-  return lane_mask(separated & finite);
-}
-
-Vec3x4 gather(std::span<const Vec3> x, const int32_t (&ids)[kLanes]) {
-  const Vec3 &a = x[ids[0]], &b = x[ids[1]], &c = x[ids[2]], &d = x[ids[3]];
-  return {Double4{a.x, b.x, c.x, d.x}, Double4{a.y, b.y, c.y, d.y}, Double4{a.z, b.z, c.z, d.z}};
-}
+using detail::kPairs;
 
 struct Limit {
   double step = 1.0;
@@ -126,33 +37,18 @@ Limit find_limit(const SurfaceMesh& mesh, const std::vector<PrimitivePair>& pair
   pool.for_each_range(count, kGrain, [&](int64_t begin, int64_t end) {
     Limit limit;
     CcdSettings bounded = settings;
-    for (int64_t first = begin; first < end; first += kLanes) {
-      std::array<int32_t, kCount> ids[kLanes];
-      double minimum[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const PrimitivePair& pair = pairs[std::min(first + lane, end - 1)];
-        const PrimitivePair groups = Row::groups(mesh, pair);
-        ids[lane] = Row::vertices(mesh, pair);
-        minimum[lane] = separation(groups.first, groups.second);
-      }
-      Vec3x4 start[kCount], finish[kCount];
-      for (int i = 0; i < kCount; ++i) {
-        const int32_t lanes[kLanes] = {ids[0][i], ids[1][i], ids[2][i], ids[3][i]};
-        start[i] = gather(x0, lanes);
-        finish[i] = gather(x1, lanes);
-      }
-      const Double4 minima{minimum[0], minimum[1], minimum[2], minimum[3]};
-      int open =
-          ~find_separated<kind>(start, finish, minima) & ((1 << std::min<int64_t>(kLanes, end - first)) - 1);
+    for (int64_t first = begin; first < end; first += kPairs) {
+      const detail::FourPairs<kind> four(mesh, pairs, first, end, separation);
+      int open = four.find_open(std::array{x0, x1});
       for (; open != 0; open &= open - 1) {
         const int lane = __builtin_ctz(static_cast<unsigned>(open));
         std::array<Vec3, kCount> a, b;
         for (int i = 0; i < kCount; ++i) {
-          a[i] = x0[ids[lane][i]];
-          b[i] = x1[ids[lane][i]];
+          a[i] = x0[four.ids[lane][i]];
+          b[i] = x1[four.ids[lane][i]];
         }
         ++limit.tested;
-        const double step = Row::kCcd(a, b, minimum[lane], bounded);
+        const double step = Row::kCcd(a, b, four.limit[lane], bounded);
         if (step < limit.step) {
           limit.step = step;
           limit.candidate = first + lane;

@@ -235,36 +235,6 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
   });
 }
 
-namespace {
-
-/// Keeps the candidates for which is_near holds, in their order.
-template <typename Predicate>
-void keep_near(std::vector<PrimitivePair>& candidates, ThreadPool& pool, const Predicate& is_near) {
-  std::vector<uint8_t> keep(candidates.size());
-  pool.for_each_range(static_cast<int64_t>(candidates.size()), kCandidatesPerTask,
-                      [&](int64_t begin, int64_t end) {
-                        for (int64_t i = begin; i < end; ++i) keep[i] = is_near(candidates[i]);
-                      });
-  size_t count = 0;
-  for (size_t i = 0; i < candidates.size(); ++i)
-    if (keep[i]) candidates[count++] = candidates[i];
-  candidates.resize(count);
-}
-
-}  // namespace
-
-void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach, std::span<const Vec3> x,
-                    ThreadPool& pool, CandidateList& candidates) {
-  for_each_pair_kind([&](auto kind) {
-    using Row = PairRow<kind.value>;
-    keep_near(candidates[kind], pool, [&](const PrimitivePair& pair) {
-      const PrimitivePair groups = Row::groups(mesh, pair);
-      const double reach = group_reach[groups.first] + group_reach[groups.second];
-      return Row::squared_distance(Row::positions(mesh, pair, x)) <= reach * reach;
-    });
-  });
-}
-
 ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers,
                        ThreadPool& pool)
     : pool_(pool), contact_of_(kStencilKindCount) {

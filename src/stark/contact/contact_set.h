@@ -109,11 +109,6 @@ struct ContactGeometry {
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,
                    ThreadPool& pool, std::vector<Contact>& out);
 
-/// Removes candidates whose distance at x is above the sum of their groups' reach [m]: boxes overlap far more
-/// often than primitives are near, and a list is read many times.
-void remove_distant(const SurfaceMesh& mesh, std::span<const double> group_reach, std::span<const Vec3> x,
-                    ThreadPool& pool, CandidateList& candidates);
-
 class ContactSet {
  public:
   /// barriers: one potential per StencilKind.

@@ -12,10 +12,6 @@ namespace stark {
 
 namespace {
 
-/// A list is built with this part of the contact distance as motion budget. Longer motions are swept once
-/// instead of enlarging the list that all energy evaluations read.
-constexpr double kMarginFactor = 0.5;
-
 /// Part of their contact distance that bodies keep however close they start.
 constexpr double kClosest = 0.01;
 
@@ -41,21 +37,13 @@ ContactLaw make_law(const ContactSurfaces& surfaces) {
           std::move(bodies), surfaces.group_distance};
 }
 
-std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
-  std::vector<int32_t> sites(mesh.points);
-  for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
-  for (const Index3& triangle : mesh.triangles) sites.insert(sites.end(), triangle.begin(), triangle.end());
-  std::sort(sites.begin(), sites.end());
-  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-  return sites;
-}
-
 }  // namespace
 
 ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials,
                                  const ContactSettings& settings, double stick_displacement,
                                  const KinematicMap& map, ThreadPool& pool, PhaseTimer& timer)
-    : friction_coefficient_(std::move(surfaces.friction)),
+    : search_(surfaces.mesh, surfaces.filter, surfaces.group_distance, pool, timer),
+      friction_coefficient_(std::move(surfaces.friction)),
       settings_(settings),
       pool_(pool),
       timer_(timer),
@@ -67,7 +55,6 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
       friction_(potentials.friction, stick_displacement,
                 SurfaceDirections(surfaces.mesh, std::move(surfaces.directions))),
       restitution_(std::move(surfaces.restitution), potentials.restitution) {
-  surface_sites_ = find_surface_sites(surfaces.mesh);
   for (const Index2& edge : surfaces.mesh.edges)
     geometry_.edge_squared_length.push_back(
         squared_norm(rest_positions_[edge[1]] - rest_positions_[edge[0]]));
@@ -82,8 +69,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     const double core = geometry_.group_core.empty() ? 0.0 : geometry_.group_core[g];
     geometry_.group_separation.push_back(std::max(separation, core));
   }
-  broad_phase_.reset(std::move(surfaces.mesh), std::move(surfaces.filter));
-  geometry_.mesh = &broad_phase_.mesh();
+  geometry_.mesh = &search_.mesh();
   geometry_.edge_ranges = law_.areas().edge_ranges(mesh());
   std::vector<bool> rigid;
   for (int32_t i = 0; i < map.site_count(); ++i) rigid.push_back(map.site(i).kind == SiteKind::RigidPoint);
@@ -221,33 +207,8 @@ CloseBodies ContactPipeline::parted(std::span<const Vec3> x) {
 }
 
 void ContactPipeline::set_filter(PairFilter filter) {
-  broad_phase_.set_filter(std::move(filter));
-  candidates_.x.clear();
-  trial_candidates_.x.clear();
+  search_.set_filter(std::move(filter));
   forget_sets();
-}
-
-bool ContactPipeline::covers(const Candidates& candidates, std::span<const Vec3> x) const {
-  if (candidates.x.empty()) return false;
-  const std::vector<int32_t>& group = mesh().vertex_group;
-  for (const int32_t site : surface_sites_) {
-    const double margin = kMarginFactor * geometry_.group_distance[group[site]];
-    if (squared_norm(x[site] - candidates.x[site]) > margin * margin) return false;
-  }
-  return true;
-}
-
-void ContactPipeline::build(std::span<const Vec3> x, Candidates& out) {
-  const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
-  out.x.assign(x.begin(), x.end());
-  std::vector<double> reach(geometry_.group_distance);
-  for (double& r : reach) r *= 1.0 + kMarginFactor;
-  broad_phase_.find(x, reach, pool_, out.list);
-  // Rounding of the distance must not drop a pair at the very rim.
-  for (double& r : reach) r *= 1.0 + 1e-9;
-  remove_distant(mesh(), reach, x, pool_, out.list);
-  ++counters_.candidate_builds;
-  counters_.candidates += out.list.size();
 }
 
 void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec3> x, ContactSet& out) {
@@ -262,20 +223,14 @@ void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec
 void ContactPipeline::update(std::span<const Vec3> x) {
   const bool is_here = std::ranges::equal(x, x_active_);
   if (is_active_ && is_here) return;
-  if (!covers(candidates_, x)) {
-    // The accepted trial point left a list behind.
-    if (covers(trial_candidates_, x))
-      std::swap(candidates_, trial_candidates_);
-    else
-      build(x, candidates_);
-  }
+  const CandidateList& candidates = search_.at(x);
   x_active_.assign(x.begin(), x.end());
   is_active_ = true;
   if (is_trial_ && std::ranges::equal(x, x_trial_)) {
     active_.swap(trial_);
     near_active_.swap(near_trial_);
   } else {
-    if (!is_near_ || !is_here) find_contacts(geometry_, candidates_.list, x, pool_, near_active_);
+    if (!is_near_ || !is_here) find_contacts(geometry_, candidates, x, pool_, near_active_);
     fill(near_active_, x, active_);
   }
   is_near_ = true;
@@ -309,23 +264,12 @@ bool ContactPipeline::is_clear(std::span<const Vec3> x0, std::span<const Vec3> x
 
 double ContactPipeline::safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1,
                                       const Separations& separations) {
-  const CandidateList* list = &candidates_.list;
-  if (!covers(candidates_, x1) || !covers(candidates_, x0)) {
-    const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
-    broad_phase_.find_swept(x0, x1, separations.by_group, pool_, swept_);
-    ++counters_.swept_builds;
-    list = &swept_;
-  }
-  return max_safe_step(mesh(), *list, x0, x1, separations, pool_, &ccd_report_, {.is_bound = is_bound_});
+  const CandidateList& list = search_.on_way(x0, x1, separations.by_group);
+  return max_safe_step(mesh(), list, x0, x1, separations, pool_, &ccd_report_, {.is_bound = is_bound_});
 }
 
 EnergyDifference ContactPipeline::energy_difference(std::span<const Vec3> x) {
-  const CandidateList* list = &candidates_.list;
-  if (!covers(candidates_, x)) {
-    if (!covers(trial_candidates_, x)) build(x, trial_candidates_);
-    list = &trial_candidates_.list;
-  }
-  find_contacts(geometry_, *list, x, pool_, near_trial_);
+  find_contacts(geometry_, search_.at_trial(x), x, pool_, near_trial_);
   fill(near_trial_, x, trial_);
   x_trial_.assign(x.begin(), x.end());
   is_trial_ = true;
@@ -426,11 +370,11 @@ double ContactPipeline::min_distance(std::span<const Vec3> x) {
 }
 
 std::vector<Contact> ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
-  if (!covers(candidates_, x)) build(x, candidates_);
+  const CandidateList& candidates = search_.at(x);
   CloseBodies close = std::exchange(geometry_.close, {});
   EdgeRanges ranges = std::exchange(geometry_.edge_ranges, {});
   std::vector<Contact> contacts;
-  find_contacts(geometry_, candidates_.list, x, pool_, contacts);
+  find_contacts(geometry_, candidates, x, pool_, contacts);
   geometry_.close = std::move(close);
   geometry_.edge_ranges = std::move(ranges);
   return contacts;

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include <stark/base/timer.h>
-#include <stark/collision/broad_phase.h>
 #include <stark/collision/max_safe_step.h>
+#include <stark/contact/candidate_search.h>
 #include <stark/contact/closest_features.h>
 #include <stark/contact/contact_law.h>
 #include <stark/contact/contact_settings.h>
@@ -58,10 +58,6 @@ struct ContactMemory {
   LoadMemory load;
   CloseBodies close{};
   RestitutionMemory restitution{};
-};
-
-struct ContactCounters {
-  int64_t candidate_builds = 0, swept_builds = 0, candidates = 0;
 };
 
 class ContactPipeline final : public ActiveSet {
@@ -117,14 +113,14 @@ class ContactPipeline final : public ActiveSet {
 
   const std::vector<Contact>& contacts() const { return active_.contacts(); }
   const ContactSet& active_set() const { return active_; }
-  const SurfaceMesh& mesh() const { return broad_phase_.mesh(); }
+  const SurfaceMesh& mesh() const { return search_.mesh(); }
   /// Names of contacts of points and the law with the areas of this step.
   std::span<const PairKey> names() const { return names_; }
   const ContactLaw& law() const { return law_; }
-  const PairFilter& filter() const { return broad_phase_.filter(); }
+  const PairFilter& filter() const { return search_.filter(); }
   /// Other pairs that may touch, from the next begin_step() on.
   void set_filter(PairFilter filter);
-  const ContactCounters& counters() const { return counters_; }
+  const ContactCounters& counters() const { return search_.counters(); }
   /// The active contacts at x, where the last update() was.
   std::vector<ContactForce> contact_forces(std::span<const Vec3> x) const;
   /// Barrier energy of the active contacts [J].
@@ -151,17 +147,8 @@ class ContactPipeline final : public ActiveSet {
   const CcdReport& limiting_pair() const { return ccd_report_; }
 
  private:
-  /// Candidate list that is complete while no site is farther than its group's margin from where it was
-  /// built.
-  struct Candidates {
-    CandidateList list;
-    std::vector<Vec3> x;
-  };
-
   void forget_sets() { is_active_ = is_trial_ = is_near_ = false; }
 
-  bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
-  void build(std::span<const Vec3> x, Candidates& out);
   /// Largest safe fraction of the way from x0 to x1.
   double safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1, const Separations& separations);
   void set_close_bodies(CloseBodies close);
@@ -178,7 +165,7 @@ class ContactPipeline final : public ActiveSet {
   CloseBodies parted(std::span<const Vec3> x);
   void fill(const std::vector<Contact>& near, std::span<const Vec3> x, ContactSet& out);
 
-  BroadPhase broad_phase_;
+  CandidateSearch search_;
   ContactGeometry geometry_;
   FrictionTable friction_coefficient_;
   ContactSettings settings_;
@@ -194,11 +181,7 @@ class ContactPipeline final : public ActiveSet {
   FrictionSet friction_;
   RestitutionSet restitution_;
   bool is_bound_ = true;
-  Candidates candidates_, trial_candidates_;
-  CandidateList swept_;
   CcdReport ccd_report_;
-  ContactCounters counters_;
-  std::vector<int32_t> surface_sites_;
   std::vector<Vec3> x_reference_;
   std::vector<Vec3> x_active_, x_trial_;  ///< of the last update(), of the last energy_difference()
   /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stark/collision/distant_pairs.h>
 #include <stark/collision/intersection.h>
 #include <stark/collision/max_safe_step.h>
-#include <stark/contact/contact_set.h>
 
 namespace stark {
 

@@ -1,0 +1,182 @@
+#include <stark/contact/candidate_search.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <stark/collision/broad_phase.h>
+#include <stark/collision/distant_pairs.h>
+
+namespace stark {
+
+namespace {
+
+/// Margin of a site over its contact distance. Longer motions are swept once instead of enlarging the list
+/// that all energy evaluations read.
+constexpr double kMarginFactor = 0.5;
+
+/// Part of their margin from which sites are looked for anew together with those that are beyond it.
+constexpr double kNearlyUsedUp = 0.5;
+
+std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
+  std::vector<int32_t> sites(mesh.points);
+  for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
+  for (const Index3& triangle : mesh.triangles) sites.insert(sites.end(), triangle.begin(), triangle.end());
+  std::sort(sites.begin(), sites.end());
+  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+  return sites;
+}
+
+struct Candidates {
+  CandidateList list;
+  std::vector<Vec3> x;  ///< where each site was when its pairs were found
+};
+
+}  // namespace
+
+struct CandidateSearch::Implementation {
+  ThreadPool& pool;
+  PhaseTimer& timer;
+  BroadPhase broad_phase{};
+  std::vector<int32_t> sites{};  ///< of the surfaces, sorted
+  std::vector<double> reach{};   ///< by group [m]: distance and margin
+  std::vector<double> margin{};  ///< by site [m]
+  Candidates current{}, trial{};
+  CandidateList on_way{}, found{};
+  std::vector<uint8_t> moved{}, moved_in_trial{};
+  std::vector<PrimitivePair> still{};
+  ContactCounters counters{};
+
+  const SurfaceMesh& mesh() const { return broad_phase.mesh(); }
+  bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
+  /// Marks the sites that are to be looked for again in a list for x; returns how many.
+  int64_t mark(const Candidates& candidates, std::span<const Vec3> x, std::vector<uint8_t>& out) const;
+  /// Makes `out` a list for x of `base` and of what is found anew for the marked sites.
+  void renew(const Candidates& base, std::span<const uint8_t> marked, std::span<const Vec3> x,
+             Candidates& out);
+  /// The same of the one of both lists that needs less.
+  void renew_nearer(std::span<const Vec3> x, Candidates& out);
+  void merge(const CandidateList& base, std::span<const uint8_t> marked, CandidateList& out);
+};
+
+CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<const double> group_distance,
+                                 ThreadPool& pool, PhaseTimer& timer)
+    : implementation_(new Implementation{pool, timer}) {
+  Implementation& self = *implementation_;
+  self.sites = find_surface_sites(mesh);
+  self.margin.assign(mesh.vertex_group.size(), 0.0);
+  for (const int32_t site : self.sites)
+    self.margin[site] = kMarginFactor * group_distance[mesh.vertex_group[site]];
+  self.reach.assign(group_distance.begin(), group_distance.end());
+  for (double& r : self.reach) r *= 1.0 + kMarginFactor;
+  self.broad_phase.reset(std::move(mesh), std::move(filter));
+}
+
+CandidateSearch::CandidateSearch(CandidateSearch&&) noexcept = default;
+CandidateSearch::~CandidateSearch() = default;
+
+const SurfaceMesh& CandidateSearch::mesh() const { return implementation_->mesh(); }
+const PairFilter& CandidateSearch::filter() const { return implementation_->broad_phase.filter(); }
+const ContactCounters& CandidateSearch::counters() const { return implementation_->counters; }
+
+void CandidateSearch::set_filter(PairFilter filter) {
+  implementation_->broad_phase.set_filter(std::move(filter));
+  implementation_->current = implementation_->trial = {};
+}
+
+bool CandidateSearch::Implementation::covers(const Candidates& candidates, std::span<const Vec3> x) const {
+  if (candidates.x.empty()) return false;
+  return std::ranges::all_of(sites, [&](int32_t site) {
+    return squared_norm(x[site] - candidates.x[site]) <= margin[site] * margin[site];
+  });
+}
+
+int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std::span<const Vec3> x,
+                                              std::vector<uint8_t>& out) const {
+  const auto count = static_cast<int64_t>(sites.size());
+  out.assign(x.size(), candidates.x.empty() ? 1 : 0);
+  if (candidates.x.empty()) return count;
+  int64_t marked = 0;
+  for (const int32_t site : sites) {
+    const double part = kNearlyUsedUp * margin[site];
+    out[site] = !(squared_norm(x[site] - candidates.x[site]) <= part * part);
+    marked += out[site];
+  }
+  return marked;
+}
+
+void CandidateSearch::Implementation::merge(const CandidateList& base, std::span<const uint8_t> marked,
+                                            CandidateList& out) {
+  for_each_pair_kind([&](auto kind) {
+    still.clear();
+    std::ranges::copy_if(base[kind], std::back_inserter(still), [&](const PrimitivePair& pair) {
+      return std::ranges::none_of(PairRow<kind.value>::vertices(mesh(), pair),
+                                  [&](int32_t site) { return marked[site] != 0; });
+    });
+    out[kind].resize(still.size() + found[kind].size());
+    std::ranges::merge(still, found[kind], out[kind].begin());
+  });
+}
+
+void CandidateSearch::Implementation::renew(const Candidates& base, std::span<const uint8_t> marked,
+                                            std::span<const Vec3> x, Candidates& out) {
+  const PhaseTimer::Scope scope(timer, Phase::BroadPhase);
+  out.x.resize(x.size());
+  for (size_t site = 0; site < x.size(); ++site) out.x[site] = marked[site] != 0 ? x[site] : base.x[site];
+  broad_phase.find(out.x, reach, pool, found, marked);
+  // Rounding of the distance must not drop a pair at the very rim.
+  std::vector<double> rim(reach);
+  for (double& r : rim) r *= 1.0 + 1e-9;
+  remove_distant(mesh(), rim, out.x, pool, found);
+  merge(base.list, marked, out.list);
+  ++counters.candidate_builds;
+}
+
+void CandidateSearch::Implementation::renew_nearer(std::span<const Vec3> x, Candidates& out) {
+  const int64_t count = mark(current, x, moved), in_trial = mark(trial, x, moved_in_trial);
+  counters.sites += std::min(count, in_trial);
+  if (count <= in_trial)
+    renew(current, moved, x, out);
+  else
+    renew(trial, moved_in_trial, x, out);
+}
+
+const CandidateList& CandidateSearch::at(std::span<const Vec3> x) {
+  Implementation& self = *implementation_;
+  if (!self.covers(self.current, x)) {
+    // The accepted trial point left a list behind.
+    if (!self.covers(self.trial, x)) self.renew_nearer(x, self.trial);
+    std::swap(self.current, self.trial);
+  }
+  return self.current.list;
+}
+
+const CandidateList& CandidateSearch::at_trial(std::span<const Vec3> x) {
+  Implementation& self = *implementation_;
+  if (self.covers(self.current, x)) return self.current.list;
+  if (!self.covers(self.trial, x)) self.renew_nearer(x, self.trial);
+  return self.trial.list;
+}
+
+const CandidateList& CandidateSearch::on_way(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                                             std::span<const double> group_separation) {
+  Implementation& self = *implementation_;
+  const Candidates& current = self.current;
+  if (self.covers(current, x1) && self.covers(current, x0)) return current.list;
+  const PhaseTimer::Scope scope(self.timer, Phase::BroadPhase);
+  self.moved.assign(x0.size(), 0);
+  for (const int32_t site : self.sites) {
+    const auto is_within = [&](const Vec3& at) {
+      return squared_norm(at - current.x[site]) <= self.margin[site] * self.margin[site];
+    };
+    // Balls are convex: what starts and ends within its margin is there all the way.
+    self.moved[site] = current.x.empty() || !is_within(x0[site]) || !is_within(x1[site]);
+    self.counters.sites += self.moved[site];
+  }
+  self.broad_phase.find_swept(x0, x1, group_separation, self.pool, self.found, self.moved);
+  self.merge(current.list, self.moved, self.on_way);
+  ++self.counters.swept_builds;
+  return self.on_way;
+}
+
+}  // namespace stark

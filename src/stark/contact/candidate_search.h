@@ -1,0 +1,50 @@
+// Lists of the pairs that contact looks at, each complete while no site is farther than its margin from where
+// its pairs were found. Sites that have moved farther are looked for anew, alone: where part of a scene
+// moves, the rest costs nothing (step phases 2, 4b and 4h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <stark/base/thread_pool.h>
+#include <stark/base/timer.h>
+#include <stark/collision/candidates.h>
+
+namespace stark {
+
+struct ContactCounters {
+  int64_t candidate_builds = 0, swept_builds = 0;
+  int64_t sites = 0;  ///< that were looked for in all builds
+};
+
+class CandidateSearch {
+ public:
+  /// group_distance: within the sum of two groups' values pairs act [m].
+  CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<const double> group_distance,
+                  ThreadPool& pool, PhaseTimer& timer);
+  CandidateSearch(CandidateSearch&&) noexcept;
+  ~CandidateSearch();
+
+  const SurfaceMesh& mesh() const;
+  const PairFilter& filter() const;
+  /// Other pairs that may touch.
+  void set_filter(PairFilter filter);
+
+  /// All pairs that act with sites at x, and others, sorted. A reference to what the next call may change.
+  const CandidateList& at(std::span<const Vec3> x);
+  /// The same; the list of at() stays, and that of a trial point is at hand where at() asks for it next.
+  const CandidateList& at_trial(std::span<const Vec3> x);
+  /// All pairs that come within the sum of their groups' separations [m] on the straight way from x0 to x1,
+  /// no more than their contact distances, and others.
+  const CandidateList& on_way(std::span<const Vec3> x0, std::span<const Vec3> x1,
+                              std::span<const double> group_separation);
+
+  const ContactCounters& counters() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace stark

@@ -1,0 +1,120 @@
+// Lists that are renewed where sites have moved, against a search for everything.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include <stark/collision/broad_phase.h>
+#include <stark/collision/distant_pairs.h>
+#include <stark/collision/max_safe_step.h>
+#include <stark/contact/candidate_search.h>
+#include <stark/geometry/shapes.h>
+#include <support/collision_scenes.h>
+#include <support/random_points.h>
+
+using namespace stark;
+using namespace stark::test;
+
+namespace {
+
+struct Bench {
+  Bench() {
+    builder.add_mesh(make_grid(0.5, 0.5, 10, 10));
+    builder.add_mesh(make_icosphere(0.1, 2), {0, 0, 0.12});
+    builder.add_mesh(make_box({0.1, 0.1, 0.1}, 2), {0.2, 0.1, 0.07});
+    builder.add_rod({{-0.2, -0.2, 0.02}, {-0.15, -0.2, 0.02}, {-0.1, -0.2, 0.02}, {-0.05, -0.2, 0.03}});
+    builder.add_particles({{-0.1, -0.1, 0.05}, {-0.12, -0.1, 0.05}});
+    filter = PairFilter(builder.group_count);
+    reference.reset(builder.surface, filter);
+  }
+
+  /// All pairs within the sums of the groups' distances at x.
+  CandidateList near(std::span<const Vec3> x) {
+    CandidateList list;
+    reference.find(x, distance, pool, list);
+    remove_distant(builder.surface, distance, x, pool, list);
+    return list;
+  }
+
+  /// Some bodies, or vertices of the sheet beyond a line, move; all by a little.
+  void move(std::vector<Vec3>& x, RandomPoints& random, double size) const {
+    const int group = random.integer(-1, builder.group_count - 1);
+    const double line = random.uniform(-0.2, 0.2);
+    const Vec3 shift = random.point() * size;
+    for (size_t v = 0; v < x.size(); ++v) {
+      const int32_t of = builder.surface.vertex_group[v];
+      if (of == group || (group < 0 && of == 0 && x[v].x > line)) x[v] += shift;
+      x[v] += random.point() * (0.02 * size);
+    }
+  }
+
+  SceneBuilder builder;
+  PairFilter filter;
+  std::vector<double> distance = {0.012, 0.02, 0.01, 0.02, 0.03};
+  ThreadPool pool{2};
+  PhaseTimer timer;
+  BroadPhase reference;
+};
+
+bool is_sorted_and_includes(const CandidateList& large, const CandidateList& small) {
+  bool holds = true;
+  for_each_pair_kind([&](auto kind) {
+    holds = holds && std::ranges::is_sorted(large[kind]) &&
+            std::ranges::adjacent_find(large[kind]) == large[kind].end() &&
+            std::ranges::includes(large[kind], small[kind]);
+  });
+  return holds;
+}
+
+}  // namespace
+
+TEST_CASE("no pair is missed while parts of a scene move, at iterates, trial points and between them") {
+  Bench bench;
+  RandomPoints random(61);
+  CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
+  const std::vector<double> none(bench.distance.size(), 0.0);
+  std::vector<Vec3> x = bench.builder.x;
+  int64_t most = 0;
+  int limited = 0;
+  for (const double size : {1e-3, 4e-3, 1e-2, 5e-2})
+    for (int n = 0; n < 40; ++n) {
+      std::vector<Vec3> trial = x;
+      bench.move(trial, random, size);
+      if (n % 3 == 0) bench.move(trial, random, size);
+      const CandidateList expected = bench.near(x), expected_trial = bench.near(trial);
+      CHECK(is_sorted_and_includes(search.at(x), expected));
+      // What limits the way is what limits it among all pairs of a search for everything.
+      CandidateList swept;
+      bench.reference.find_swept(x, trial, none, bench.pool, swept);
+      const double step = max_safe_step(bench.builder.surface, search.on_way(x, trial, none), x, trial, 0.0,
+                                        bench.pool, nullptr);
+      CHECK(step == max_safe_step(bench.builder.surface, swept, x, trial, 0.0, bench.pool, nullptr));
+      limited += step < 1.0;
+      CHECK(is_sorted_and_includes(search.at_trial(trial), expected_trial));
+      CHECK(is_sorted_and_includes(search.at(x), expected));  // that of a trial point leaves it as it is
+      if (n % 2 == 0) x = trial;
+      if (n % 10 == 9) x = bench.builder.x;
+      most = std::max(most, expected.size());
+    }
+  CHECK(most > 200);
+  CHECK(limited > 10);
+}
+
+TEST_CASE("what has not moved is not looked for again") {
+  Bench bench;
+  CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
+  std::vector<Vec3> x = bench.builder.x;
+  search.at(x);
+  const auto count = static_cast<int64_t>(x.size());
+  CHECK(search.counters().sites == count);
+  CHECK(search.counters().candidate_builds == 1);
+  search.at(x);
+  CHECK(search.counters().candidate_builds == 1);
+  // The two particles, alone.
+  for (int n = 0; n < 5; ++n) {
+    for (int32_t p : bench.builder.surface.points) x[p].z += 0.05;
+    search.at_trial(x);
+    search.at(x);
+  }
+  CHECK(search.counters().sites == count + 5 * 2);
+  CHECK(search.counters().candidate_builds == 6);
+}
