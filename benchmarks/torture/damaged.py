@@ -1,12 +1,13 @@
-"""Damaged run folders, checkpoints and scene documents through every verb, thousands in one process: counts of
-what was said. The damages are those of tests/python/fuzz, which `tools/fuzz.py` runs in processes of their own.
+"""Damaged run folders, checkpoints and scene documents through every verb, thousands in one process: counts
+of what was said. The damages are those of tests/python/fuzz, which `tools/fuzz.py` runs, too, in processes of
+their own.
 
     PYTHONPATH=python .venv/bin/python -m benchmarks.torture.damaged --count 20000 --seed 1 --write
     PYTHONPATH=python .venv/bin/python -m benchmarks.torture.damaged checkpoints --seconds 600
 
 Each case must end in what it should or in one clear line; nothing is written outside, nothing is lost, and
-memory stays bounded: the process may not have more than 4 GB. Inputs that fail are written to ``out/fuzz``; run
-them once more with ``tools/fuzz.py TARGET --input FILE``. The exit code is 1 if there are any."""
+memory stays bounded: the process may not have more than 4 GB. Inputs that fail are written to ``out/fuzz``;
+run them once more with ``tools/fuzz.py TARGET --input FILE``. The exit code is 1 if there are any."""
 
 from __future__ import annotations
 
