@@ -39,9 +39,8 @@ _HANG = 60  # [s] of the processor for one input
 _BLOCKED = 600.0  # [s] of the clock for one input, also on a machine that does other things
 
 
-def run_one(name: str, data: bytes) -> str:
+def run_one(name: str, draw: Draw) -> str:
     """What went wrong, in short, "" if nothing did."""
-    draw = Draw(data)
     faulthandler.dump_traceback_later(_BLOCKED, exit=True)
     faulthandler.register(signal.SIGXCPU, chain=True)
     hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
@@ -64,7 +63,7 @@ def run_batch(name: str, seed: int, folder: Path) -> None:
     current = folder / f"{name}-current.bin"
     for data in seeds(name, _BATCH, seed):
         current.write_bytes(data)
-        if found := run_one(name, data):
+        if found := run_one(name, Draw(data)):
             print(f"{data.hex()} {found}", flush=True)
     current.unlink()
 
@@ -101,7 +100,7 @@ def guided(name: str, folder: Path) -> None:
         (corpus / f"seed-{k}").write_bytes(data)
 
     def test(data: bytes) -> None:
-        if found := run_one(name, data):
+        if found := run_one(name, Draw(data)):
             raise AssertionError(found)
 
     atheris.Setup([sys.argv[0], str(corpus), f"-artifact_prefix={folder}/{name}-"], test)

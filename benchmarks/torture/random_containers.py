@@ -76,7 +76,9 @@ def build_containers(d: Description) -> Setup:
     if d["floor"]:
         scene.add_floor(40.0 * size, height=-5.5 * size)
     still = d["motion"] == "fixed" or d["shell"] in ("bag", "soft_walls") or d["motion"] == "dynamic"
-    return setup_of(scene, d, passive=still, watch=staying(held), causes=_CAUSES)
+    # A shell that is moved presses what is in it against its walls and the floor.
+    causes = (*_CAUSES, "blocked_motion") if d["motion"] == "scripted" else _CAUSES
+    return setup_of(scene, d, passive=still, watch=staying(held), causes=causes)
 
 
 def _mass(thing: Description, radius: float) -> float:

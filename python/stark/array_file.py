@@ -36,6 +36,8 @@ _HEADER = re.compile(
 _MAGIC = b"\x93NUMPY\x01\x00"
 #: Members of an archive that are not compressed [zipfile.ZIP_STORED].
 _STORED = 0
+#: Characters of what is said of damage.
+_LONGEST = 300
 
 
 class DamageError(ValueError):
@@ -111,7 +113,8 @@ def read_arrays(path: Path) -> dict[str, Array]:
     except (FileNotFoundError, DamageError):
         raise
     except Exception as error:  # the decoder meets damage in ways that have no common base
-        raise DamageError(f"{type(error).__name__}: {error}") from error
+        # The error of an archive whose directory is damaged quotes a name of up to 64 kB.
+        raise DamageError(f"{type(error).__name__}: {error}"[:_LONGEST]) from error
 
 
 def check_format(header: Any, noun: str, name: str, version: int) -> dict[str, Any]:

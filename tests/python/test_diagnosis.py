@@ -115,6 +115,33 @@ def test_an_energy_that_is_not_finite_later() -> None:
     assert "vertex 4" in diagnosis.finding
 
 
+@stark.material
+def forgetful(
+    F: stark.DeformationGradient,
+    modulus: float = stark.parameter(unit="Pa", above=0.0),
+    left: float = stark.internal(0.0, doc="root of what is left of the stretch"),
+) -> Any:
+    """What it remembers has no value beyond a strain of 0.3, where its energy still has one."""
+    E = 0.5 * (F.T @ F - stark.identity(3))
+    return modulus * (stark.squared_norm(E) + 1e-9 * left), {"left": stark.sqrt(0.3 - E[2, 2])}
+
+
+def test_what_a_material_remembers_stays_finite() -> None:
+    """A step that would leave it without a value was accepted, and all after it failed."""
+    scene = stark.Scene()
+    block = scene.add_solid(stark.mesh.tet_box(0.1, 1), forgetful(modulus=1e5, density=1000.0), name="block")
+    block.pin(np.arange(len(block.mesh.vertices)))
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0), **ONCE)
+    for k in range(1, 6):  # to a strain of 0.28
+        block.pin_targets = block.mesh.vertices * (1, 1, 1 + 0.05 * k)
+        assert not sim.step().failed
+        assert np.isfinite(sim.state.arrays()["internal_variable"]).all()
+    block.pin_targets = block.mesh.vertices * (1, 1, 1.3)
+    diagnosis = failed(sim, "not_finite")
+    assert "solid 'block'" in diagnosis.finding
+    assert np.isfinite(sim.state.arrays()["internal_variable"]).all()
+
+
 def test_an_energy_that_pulls_a_vertex_into_a_point() -> None:
     @stark.energy
     def attraction(p: stark.Point, centre: stark.Vec3, strength: float):

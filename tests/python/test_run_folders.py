@@ -344,6 +344,21 @@ def test_counts_are_bounded_before_memory_is_asked_for(run: Path, change: Callab
         tracemalloc.stop()
 
 
+def test_a_description_of_a_gigabyte_is_not_read(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Going on with a run compared it whole with that of the scene."""
+    import tracemalloc
+
+    with (run / "states/scene.json").open("wb") as file:  # a hole
+        file.truncate(1 << 30)
+    tracemalloc.start()
+    try:
+        assert main(["run", "--resume", str(run), "--until", "0.06", *QUIET]) != 0
+        assert tracemalloc.get_traced_memory()[1] < 100e6
+    finally:
+        tracemalloc.stop()
+    assert "more than" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("number", [math.nan, -math.inf])
 def test_a_manifest_with_numbers_that_json_lacks_is_damaged(
     run: Path, number: float, capsys: pytest.CaptureFixture[str]

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, NoReturn
 
 from stark.array_file import DamageError, read_arrays
-from stark.files import printable, read_bytes
+from stark.files import open_regular, printable, read_bytes
 
 from .errors import DocumentError
 from .format import DOCUMENT, FORMAT_NAME, FORMAT_VERSION
@@ -73,13 +73,18 @@ def _check_version(given: dict[str, Any], owner: str) -> None:
         )
 
 
+def _digest(path: Path) -> str:
+    with open_regular(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()  # type: ignore[arg-type]
+
+
 def _arrays(path: Path, given: Any) -> Arrays:
     if given is None:
         return {}
     row = DOCUMENT.fields["arrays"].kind.read(given, "scene.arrays", {})
     file = inside(path.parent, row["file"], "scene.arrays.file")
     try:
-        if row["sha256"] is not None and hashlib.sha256(read_bytes(file)).hexdigest() != row["sha256"]:
+        if row["sha256"] is not None and _digest(file) != row["sha256"]:
             raise DocumentError(
                 f"'{row['file']}' is not what the document was written with: take both from one place; "
                 f"where it was changed on purpose, remove sha256"

@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 
 from ..array_file import DamageError, make_folder, read_arrays, write_arrays, write_atomically
-from ..files import read_bytes
+from ..files import LARGEST_TEXT, read_bytes
 from . import chain
 from .chain import RowChain
 from .format import STATES, STATES_VERSION, RecordingError
@@ -159,7 +159,7 @@ class StateWriter:
         writer = cls.__new__(cls)
         writer._begin(folder, chunk_states)
         try:
-            same = read_bytes(writer._folder / "scene.json") == _description_text(sim)
+            same = read_bytes(writer._folder / "scene.json", LARGEST_TEXT) == _description_text(sim)
             mesh = read_arrays(writer._folder / "mesh.npz")
         except (OSError, DamageError) as error:
             raise RecordingError(f"'{writer._folder}' is damaged ({error}); run the scene anew") from error

@@ -19,6 +19,8 @@ import numpy as np
 
 LARGEST_JSON = 1 << 28  # bytes
 LONGEST_LINE = 1 << 24  # bytes
+#: Characters of what is said of damage.
+_LONGEST = 300
 _LONGEST_HEADER = 4096  # bytes
 _MAGIC = b"\x93NUMPY\x01\x00"
 
@@ -110,7 +112,8 @@ def read_npz(path: Path) -> dict[str, np.ndarray]:
         zipfile.BadZipFile,
         zlib.error,
     ) as error:
-        raise UnreadableRecording(f"'{path}' is damaged or cut off ({error})") from error
+        # The error of an archive whose directory is damaged quotes a name of up to 64 kB.
+        raise UnreadableRecording(f"'{path}' is damaged or cut off ({str(error)[:_LONGEST]})") from error
 
 
 def _array(data: bytes, name: str) -> np.ndarray:

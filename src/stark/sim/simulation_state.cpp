@@ -99,6 +99,7 @@ bool Simulation::resume(const State& before, double max_time_step, const State& 
     return false;
   }
   state_ = state;  // with what was set since that step
+  set_mark_step(state_, settings_.time.step);
   return true;
 }
 

@@ -97,6 +97,12 @@ double prescribed_motion(const KinematicMap& map, const Configuration& target, s
   return motion;
 }
 
+/// Whether what materials would remember of a step that ends at x is finite: their energies may be where
+/// their flow is not, as of metal that is drawn out a hundredfold.
+bool remembers_finite(const Energies& energies, std::span<const Vec3> x) {
+  return std::ranges::all_of(updated_internal(energies, x), [](double v) { return std::isfinite(v); });
+}
+
 /// The next number of one digit above twice a value.
 double rounded_up(double value) {
   const double digit = std::pow(10.0, std::floor(std::log10(2.0 * value)));
@@ -314,6 +320,8 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   SolveReport solved = newton_.minimize(potential_, h);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
+  if (is_success(solved.status) && !remembers_finite(energies_, potential_.site_positions()))
+    solved.status = SolveStatus::NotFinite;
   attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);
   return is_success(solved.status);

@@ -22,6 +22,7 @@ from stark import scenes
 from stark.array_file import DamageError, read_arrays
 from stark.checkpoint import Checkpoint, CheckpointError
 from stark.recording import Recording, RecordingError
+from stark.verify.files import UnreadableRecording, read_npz
 
 sys.path.append(str(Path(__file__).parent.parent))
 from fake_simulation import record
@@ -126,6 +127,20 @@ def test_strange_arrays(name: str, tmp_path: Path) -> None:
             sim.step()  # may fail, as a value
 
 
+def test_marks_of_time_that_are_not_there(tmp_path: Path) -> None:
+    """The next step was 0.02 s before the start of a simulation whose marks are 1e-300 s apart."""
+    case, path = CASES["peel"], tmp_path / "bad.stark"
+    sim = case.simulate()
+    advance(case, sim, {}, 2)
+    sim.save(path)
+    header, arrays = arrays_of(path)
+    arrays["state/mark_step"] = np.full_like(arrays["state/mark_step"], 1e-300)
+    fields = {n.partition("/")[2]: a for n, a in arrays.items() if n.startswith("state/")}
+    header["state_hash"] = stark._core.State.of_arrays(fields).hash
+    sim.load(rewrite(path, header, arrays))
+    assert sim.step().time == pytest.approx(0.03)
+
+
 def npy(header: str, data: bytes = b"") -> bytes:
     text = header.encode() + b" " * (-(len(header) + 11) % 64) + b"\n"
     return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + data
@@ -154,6 +169,21 @@ def test_headers_of_arrays_that_lie_take_no_memory(header: str, tmp_path: Path) 
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 3e6
+
+
+def test_errors_do_not_quote_long_names(tmp_path: Path) -> None:
+    """Names of an archive may have 64 kB, and what its reader says of two that differ has both."""
+    path = tmp_path / "a.npz"
+    np.savez(path, **{"x" * 5000: np.zeros(3)})
+    data = path.read_bytes()
+    at = data.rindex(b"x" * 5000)
+    path.write_bytes(data[:at] + b"y" + data[at + 1 :])
+    with pytest.raises(DamageError, match="BadZipFile") as raised:
+        read_arrays(path)
+    assert len(str(raised.value)) <= 300
+    with pytest.raises(UnreadableRecording, match="cut off") as unreadable:
+        read_npz(path)
+    assert len(str(unreadable.value)) < 500
 
 
 def test_bombs_are_refused(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@ are good input, and input with few other bytes is good but for a few values."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
@@ -31,6 +32,8 @@ class Draw:
         self._data, self._at = data, 0
         #: What was done, for the message of a failure.
         self.trace: list[str] = []
+        #: Where temporary files go: in memory, as disks take longer than what is tested.
+        self.memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 
     def byte(self) -> int:
         self._at += 1

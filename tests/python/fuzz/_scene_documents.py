@@ -82,7 +82,7 @@ def scene_documents(draw: Draw) -> None:
     given, arrays = copy.deepcopy(given), dict(arrays)
     if draw.byte() % 4:
         given["arrays"]["sha256"] = None  # else most damages of arrays are found by it
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory(dir=draw.memory) as name:
         folder = Path(os.path.realpath(name)) / "here"
         folder.mkdir()
         damages = [_DAMAGES[draw.integer(len(_DAMAGES))] for _ in range(draw.pick((1, 1, 1, 2, 3)))]

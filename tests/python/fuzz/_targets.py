@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from _checkpoints import checkpoints
 from _draw import ODD_NUMBERS, Draw
 from _run_folders import run_folders
 from _scene_documents import scene_documents
@@ -309,7 +310,8 @@ def _place_together(sim: stark.Simulation, world: World, three: Any, value: Any)
 
 #: Targets by name, with the longest input that makes sense.
 TARGETS: dict[str, Callable[[Draw], None]] = {
-    f.__name__: f for f in (scene, meshes, mesh_files, material, settings, live, run_folders, scene_documents)
+    f.__name__: f
+    for f in (scene, meshes, mesh_files, material, settings, live, run_folders, checkpoints, scene_documents)
 }
 INPUT_SIZE = 160
 

@@ -30,6 +30,7 @@ _COUNTS = {
     "settings": 500,
     "live": 12,
     "run_folders": 100,
+    "checkpoints": 100,
     "scene_documents": 150,
 }
 
