@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 from gymnasium import Env
-from pictures import save, snapshot
+from pictures import OUT, WIDTH, fitted_camera, snapshot
 
-from stark import gym
+from stark import gym, render
 
 Floats = np.ndarray
 Moment = list[SimpleNamespace]
+HEIGHT = 360  # of pictures [px]
 
 
 def drag(observation: Floats) -> Floats:
@@ -74,7 +75,12 @@ def draw(moments: list[Moment], name: str, apart: float, azimuth: float, elevati
             body.positions = body.positions + k * right
             bodies.append(body)
     seen = {"cloth": 0.75} if any(body.name == "cloth" for body in bodies) else None
-    print(f"  {save(name, bodies, azimuth=azimuth, elevation=elevation, height=360, opacity=seen)}")
+    points = np.concatenate([body.positions for body in bodies])
+    camera = fitted_camera(points, angle, np.radians(elevation), WIDTH / HEIGHT)
+    picture = render.render(SimpleNamespace(bodies=bodies), WIDTH, HEIGHT, camera=camera, opacity=seen)
+    OUT.mkdir(exist_ok=True)
+    render.write_png(OUT / f"{name}.png", picture)
+    print(f"  {OUT / name}.png")
 
 
 def main() -> None:

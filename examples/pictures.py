@@ -38,15 +38,12 @@ def save(
     elevation: float,
     height: int = 480,
     edges: bool = False,
-    opacity: Mapping[str, float] | None = None,
 ) -> Path:
     """Draws bodies, seen from ``azimuth`` and ``elevation`` [degrees], and writes out/NAME.png."""
     bodies = list(bodies)
     points = np.concatenate([body.positions for body in bodies])
     camera = fitted_camera(points, azimuth * stark.deg, elevation * stark.deg, WIDTH / height)
-    picture = stark.render.render(
-        SimpleNamespace(bodies=bodies), WIDTH, height, camera=camera, edges=edges, opacity=opacity
-    )
+    picture = stark.render.render(SimpleNamespace(bodies=bodies), WIDTH, height, camera=camera, edges=edges)
     OUT.mkdir(exist_ok=True)
     path = OUT / f"{name}.png"
     stark.render.write_png(path, picture)

@@ -21,7 +21,7 @@ from stark.joints.definition import JointFormula
 Floats = NDArray[np.float64]
 
 #: Limits beyond it are probably in degrees [rad].
-_MANY_TURNS = 4.0 * math.pi
+_MANY_TURNS = 8.0 * math.pi
 
 
 class Wrench(NamedTuple):

@@ -104,7 +104,7 @@ def test_handles_of_a_simulation_are_its_own() -> None:
     assert of_second.body.positions[0, 2] < -1e-3 == of_first.body.positions[0, 2] - 1e-3
     assert np.array_equal(fibres.frames, of_second.frames)
     assert late.frames.shape == (2, 3, 3)
-    with pytest.raises(stark.InvalidArgument, match="'late': were added after the simulation was made"):
+    with pytest.raises(stark.InvalidArgument, match="'late' were added after the simulation was created"):
         _ = late._bound_to(first).frames
 
 

@@ -25,6 +25,7 @@ WITHOUT = {
         ("curves", "hand_paths", "pictures", "robot_parts", "running", "three_fingers", "towel"),
         "functions for other examples",
     ),
+    "robot_towel_sheet": "pictures of a study",
     "learning": "environments, whose scenes are below",
     "fit_ellipse": "derivatives without a scene",
     "fold_towel": "a program of two simulations",

@@ -88,7 +88,7 @@ def test_counts_are_whole_numbers_within_their_range() -> None:
 
 def test_cells_and_counts_that_make_too_many_vertices_are_refused_before_any_work() -> None:
     assert cells_of(3, 2, "cells") == [3, 3] and cells_of((1, 2, 3), 3, "cells") == [1, 2, 3]
-    with pytest.raises(stark.InvalidArgument, match="one whole number or 3"):
+    with pytest.raises(stark.InvalidArgument, match="one whole number, or 3"):
         cells_of((1, 2), 3, "cells")
     with pytest.raises(stark.InvalidArgument, match=f"makes {1001**3} vertices"):
         cells_of(1000, 3, "cells")
