@@ -41,6 +41,7 @@ ELSEWHERE = {
     "benchmarks/results/scene_documents.md": "benchmarks/scene_documents.md",
     "benchmarks/results/torture.md": "benchmarks/torture.md",
     "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",
+    "benchmarks/results/torture_damaged.md": "benchmarks/torture_damaged.md",
 }
 #: Page with the table of contents, and the section that generated pages are part of.
 CONTENTS = "docs/README.md"
