@@ -97,12 +97,6 @@ double prescribed_motion(const KinematicMap& map, const Configuration& target, s
   return motion;
 }
 
-/// Whether what materials would remember of a step that ends at x is finite: their energies may be where
-/// their flow is not, as of metal that is drawn out a hundredfold.
-bool remembers_finite(const Energies& energies, std::span<const Vec3> x) {
-  return std::ranges::all_of(updated_internal(energies, x), [](double v) { return std::isfinite(v); });
-}
-
 /// The next number of one digit above twice a value.
 double rounded_up(double value) {
   const double digit = std::pow(10.0, std::floor(std::log10(2.0 * value)));
@@ -320,8 +314,12 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   SolveReport solved = newton_.minimize(potential_, h);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
-  if (is_success(solved.status) && !remembers_finite(energies_, potential_.site_positions()))
-    solved.status = SolveStatus::NotFinite;
+  if (is_success(solved.status)) {
+    // Energies may be finite where flow is not, as of metal that is drawn out a hundredfold.
+    remembered_ = updated_internal(energies_, potential_.site_positions());
+    const bool is_finite = std::ranges::all_of(remembered_, [](double v) { return std::isfinite(v); });
+    if (!is_finite) solved.status = SolveStatus::NotFinite;
+  }
   attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);
   return is_success(solved.status);
@@ -371,7 +369,7 @@ std::vector<Mat3> StepRunner::natural_stiffness(const Configuration& start) {
 }
 
 void StepRunner::commit(double h) {
-  state_.internal_variable = updated_internal(energies_, potential_.site_positions());
+  state_.internal_variable = std::move(remembered_);
   motion_.commit(h);
   if (contact_) commit_contact(h);
   joints_.commit();

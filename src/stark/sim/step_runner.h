@@ -71,6 +71,7 @@ class StepRunner : private StepPart {
   LoadMemory load_;                ///< of its barriers: that of the state, more after attempts that failed
   EnergyLedger energies_before_;   ///< stored at the start of the last attempt
   std::vector<double> coordinates_before_;  ///< of joints, at the same time
+  std::vector<double> remembered_;          ///< what materials keep of the last attempt
   BlockMatrix diagonal_hessian_;
   std::vector<double> scratch_gradient_;
 };
