@@ -126,7 +126,7 @@ struct type_caster<stark::JointId> : IdCaster<stark::JointId> {};
 template <>
 struct type_caster<stark::SkinId> : IdCaster<stark::SkinId> {};
 
-/// To Python only; what comes from there is read with the name of its field (readers.h).
+/// To Python only; what comes from there is read with the name of its field (given.h).
 template <typename Choice>
 struct ChoiceCaster {
   NB_TYPE_CASTER(Choice, const_name("str"))

@@ -85,8 +85,8 @@ nb::list kernel_list(const Simulation& sim) {
 nb::list close_bodies(const Simulation& sim) {
   nb::list pairs;
   for (size_t k = 0; k < sim.state().contact_close_bodies.size(); ++k) {
-    const int64_t code = sim.state().contact_close_bodies[k];
-    pairs.append(nb::make_tuple(code >> 32, code & 0xffffffff, sim.state().contact_close_distance[k]));
+    const auto [a, b] = groups_of_code(sim.state().contact_close_bodies[k]);
+    pairs.append(nb::make_tuple(a, b, sim.state().contact_close_distance[k]));
   }
   return pairs;
 }

@@ -68,6 +68,10 @@ inline Vec3 gap_vector(const Contact& contact, std::span<const Vec3> x) {
 
 /// Number of an unordered pair of groups.
 int64_t group_code(int32_t group_a, int32_t group_b);
+/// The groups of a number, the smaller one first.
+inline std::pair<int32_t, int32_t> groups_of_code(int64_t code) {
+  return {static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff)};
+}
 
 /// Pairs of bodies that started within their contact distance, and the smaller one that they have until they
 /// part. Part of the State; sorted, without doubles.

@@ -26,7 +26,8 @@ constexpr double kRounding = 1e-9;
 constexpr double kKeptGap = 0.5;
 
 Separations::Pair pair_of(int64_t code, double separation) {
-  return {static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff), separation};
+  const auto [a, b] = groups_of_code(code);
+  return {a, b, separation};
 }
 
 ContactLaw make_law(const ContactSurfaces& surfaces) {
@@ -109,7 +110,8 @@ void ContactPipeline::set_close_bodies(CloseBodies close) {
     const int64_t code = geometry_.close.bodies[k];
     const double distance = geometry_.close.distance[k];
     // Of a core there is as much as the gap at the start leaves room for.
-    const double core = std::min(0.5 * distance, geometry_.core(code >> 32, code & 0xffffffff));
+    const auto [a, b] = groups_of_code(code);
+    const double core = std::min(0.5 * distance, geometry_.core(a, b));
     const double separation = std::max(settings_.min_separation_factor * distance, core);
     geometry_.pair_separation.push_back(pair_of(code, separation));
   }
@@ -180,7 +182,7 @@ std::map<int64_t, double> ContactPipeline::smallest_gaps(std::span<const Vec3> x
 CloseBodies ContactPipeline::find_close_bodies(std::span<const Vec3> x) {
   CloseBodies close;
   for (const auto& [code, gap] : smallest_gaps(x)) {
-    const int32_t a = static_cast<int32_t>(code >> 32), b = static_cast<int32_t>(code & 0xffffffff);
+    const auto [a, b] = groups_of_code(code);
     double least = geometry_.group_distance[a] + geometry_.group_distance[b];
     // A fold that is tighter than the layer is thick compresses the layer there, if its law says how much
     // that takes. A smaller distance would make the body thinner everywhere.

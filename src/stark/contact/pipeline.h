@@ -176,8 +176,8 @@ class ContactPipeline final : public ActiveSet {
   std::vector<PairKey> names_;  ///< of contacts of points, sorted: see merge_by_feature
   std::vector<Vec3> rest_positions_;
   ContactSet active_, trial_;
-  std::vector<Contact> near_active_,
-      near_trial_;  ///< what they were merged from: by primitives, without laws
+  /// What they were merged from: by primitives, without laws.
+  std::vector<Contact> near_active_, near_trial_;
   FrictionSet friction_;
   RestitutionSet restitution_;
   bool is_bound_ = true;

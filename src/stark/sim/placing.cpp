@@ -27,9 +27,10 @@ void keep(const std::vector<bool>& dropped, Arrays&... arrays) {
 /// By pair of bodies: whether one of them is among some.
 std::vector<bool> involved(const std::vector<int64_t>& pairs, const std::set<int32_t>& some) {
   std::vector<bool> result;
-  for (const int64_t code : pairs)
-    result.push_back(some.contains(static_cast<int32_t>(code >> 32)) ||
-                     some.contains(static_cast<int32_t>(code & 0xffffffff)));
+  for (const int64_t code : pairs) {
+    const auto [a, b] = groups_of_code(code);
+    result.push_back(some.contains(a) || some.contains(b));
+  }
   return result;
 }
 

@@ -62,12 +62,12 @@ std::vector<std::string> Simulation::check_state() const {
         find_narrow_gaps(scene_, *model_, contact_->find_contacts_at(x), kMostGaps);
     warn_about_overlap(gaps, warnings);
     for (size_t k = 0; k < state_.contact_close_bodies.size(); ++k) {
-      const int64_t code = state_.contact_close_bodies[k];
-      const BodyId a{static_cast<int32_t>(code >> 32)}, b{static_cast<int32_t>(code & 0xffffffff)};
-      if (a.index == b.index)
-        warn_about_thin_layers(gaps, owner_text(scene_.kind(a), scene_.name(a)),
-                               state_.contact_close_distance[k], 2.0 * contact_distance(scene_, a, settings_),
-                               warnings);
+      const auto [a, b] = groups_of_code(state_.contact_close_bodies[k]);
+      const BodyId body{a};
+      if (a == b)
+        warn_about_thin_layers(gaps, owner_text(scene_.kind(body), scene_.name(body)),
+                               state_.contact_close_distance[k],
+                               2.0 * contact_distance(scene_, body, settings_), warnings);
     }
   }
   for (int32_t b = 0; b < scene_.body_count(); ++b) {
