@@ -219,7 +219,9 @@ def _samples(table: _Table) -> list[Options]:
             _check_size(table, axes)
             samples = sampling.grid(axes)
             if kind == "one_at_a_time":
-                samples = sampling.one_at_a_time(samples, _axes(table, "variations", False))
+                variations = _axes(table, "variations", False)
+                _check_size(table, axes, variations)
+                samples = sampling.one_at_a_time(samples, variations)
     table.finish()
     return samples
 
@@ -232,8 +234,13 @@ def _axes(table: _Table, key: str, drawn: bool) -> dict[str, Axis]:
     return axes
 
 
-def _check_size(table: _Table, axes: Mapping[str, Axis]) -> None:
-    count = math.prod(axis.count if isinstance(axis, Range) else len(axis) for axis in axes.values())
+def _check_size(
+    table: _Table, axes: Mapping[str, Axis], variations: Mapping[str, Axis] | None = None
+) -> None:
+    def counts(of: Mapping[str, Axis]) -> list[int]:
+        return [axis.count if isinstance(axis, Range) else len(axis) for axis in of.values()]
+
+    count = math.prod(counts(axes)) * (1 + sum(counts(variations or {})))
     if count > LARGEST_STUDY:
         raise PlanError(
             f"{table.owner}: sampling.options make {count} combinations; must be at most {LARGEST_STUDY}; "

@@ -50,16 +50,18 @@ class Range:
 Axis = Range | Sequence[Value]
 
 
+def _values(axis: Axis) -> list[Value]:
+    return axis.grid() if isinstance(axis, Range) else list(axis)
+
+
 def grid(axes: dict[str, Axis]) -> list[Options]:
     """All combinations; the last option varies fastest."""
-    values = [axis.grid() if isinstance(axis, Range) else list(axis) for axis in axes.values()]
-    return [dict(zip(axes, row, strict=True)) for row in itertools.product(*values)]
+    return [dict(zip(axes, row, strict=True)) for row in itertools.product(*map(_values, axes.values()))]
 
 
 def one_at_a_time(bases: Sequence[Options], variations: dict[str, Axis]) -> list[Options]:
     """Each base, and after it the base with each value of one variation at a time."""
-    axes = {name: axis.grid() if isinstance(axis, Range) else axis for name, axis in variations.items()}
-    changes: list[Options] = [{name: value} for name, values in axes.items() for value in values]
+    changes: list[Options] = [{name: value} for name, axis in variations.items() for value in _values(axis)]
     return [{**base, **change} for base in bases for change in [{}, *changes]]
 
 

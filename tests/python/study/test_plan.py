@@ -105,6 +105,12 @@ label = "b"
             HEAD + '[sampling]\nkind = "one_at_a_time"\n[sampling.options]\na = [1]',
             "sampling.variations is empty; give the values of at least one option",
         ),
+        (
+            HEAD
+            + '[sampling]\nkind = "one_at_a_time"\n[sampling.options]\na = {from = 0, to = 1, count = 100}\n'
+            "[sampling.variations]\nb = {from = 0, to = 1, count = 100000}",
+            "sampling.options make 10000100 combinations; must be at most 100000",
+        ),
         (HEAD + '[sampling]\nkind = "list"\nruns = []', "sampling.runs = []; must be tables of options"),
         (
             HEAD + '[sampling]\nkind = "list"\nruns = [{a = [1]}]',
