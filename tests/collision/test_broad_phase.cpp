@@ -15,6 +15,7 @@
 #include "support/slab_oracle.h"
 
 using namespace stark;
+using test::includes;
 using test::RandomPoints;
 using test::SceneBuilder;
 
@@ -115,16 +116,6 @@ CandidateList brute_force(const SceneBuilder& scene, const PairFilter& filter, s
     }
   }
   return list;
-}
-
-bool includes(const CandidateList& large, const CandidateList& small) {
-  bool holds = true;
-  for_each_pair_kind([&](auto kind) {
-    holds = holds && std::ranges::is_sorted(large[kind]) &&
-            std::ranges::adjacent_find(large[kind]) == large[kind].end() &&
-            std::ranges::includes(large[kind], small[kind]);
-  });
-  return holds;
 }
 
 SceneBuilder mixed_scene(RandomPoints& random) {

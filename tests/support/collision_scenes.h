@@ -1,7 +1,10 @@
 // Surface meshes of several bodies for collision tests.
 #pragma once
 
+#include <algorithm>
+
 #include <stark/collision/candidates.h>
+#include <stark/collision/primitive_pairs.h>
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/topology.h>
 
@@ -52,5 +55,16 @@ class SceneBuilder {
     return offset;
   }
 };
+
+/// Whether the lists of `large` are sorted, without doubles, and have all of `small`.
+inline bool includes(const CandidateList& large, const CandidateList& small) {
+  bool holds = true;
+  for_each_pair_kind([&](auto kind) {
+    holds = holds && std::ranges::is_sorted(large[kind]) &&
+            std::ranges::adjacent_find(large[kind]) == large[kind].end() &&
+            std::ranges::includes(large[kind], small[kind]);
+  });
+  return holds;
+}
 
 }  // namespace stark::test

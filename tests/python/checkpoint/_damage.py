@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from typing import Any
 
 import numpy as np
 
+import stark
+
 #: Mutations of each kind, always the same; STARK_NIGHTLY=1 draws more, and new ones.
 NIGHTLY = os.environ.get("STARK_NIGHTLY") == "1"
 COUNT = 4000 if NIGHTLY else 150
 SEED = int.from_bytes(os.urandom(4), "little") if NIGHTLY else 11
+
+_TYPES = ("f4", "i4", "u1", "i8", "?", "c16", "U4")
+_ODD = (np.nan, np.inf, -1.0, 0.0, 1e300, 1e-300, 17.0)
 
 STRANGE = (None, True, -1, 0, 7, 10**400, 1e308, float("nan"), "", "x" * 300, [], {}, [[]], {"$array": "no"})
 
@@ -61,3 +67,28 @@ def strange_json(value: Any, rng: np.random.Generator) -> Any:
         else:
             place[key] = STRANGE[int(rng.integers(len(STRANGE)))]
         return copied
+
+
+def strange_arrays(
+    header: dict[str, Any], arrays: dict[str, np.ndarray], rng: np.random.Generator
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Header and arrays of a checkpoint, one array of another type, shape or value, with hashes that fit."""
+    changed = {name: array.copy() for name, array in arrays.items()}
+    chosen = list(changed)[int(rng.integers(len(changed)))]
+    array, kind = changed[chosen], rng.integers(6)
+    if kind == 0:
+        del changed[chosen]
+    elif kind == 1:
+        changed[chosen] = array.astype(str(rng.choice(_TYPES)))
+    elif kind == 2:
+        changed[chosen] = array.reshape(-1)[:-1] if array.size else np.zeros(4)
+    elif kind == 3:
+        changed[chosen] = array[None]
+    elif array.size and array.dtype.kind == "f":
+        array.reshape(-1)[int(rng.integers(array.size))] = rng.choice(_ODD)
+    mended = {**header}
+    for folder, key in (("state", "state_hash"), ("before", "before_hash")):
+        fields = {n.partition("/")[2]: a for n, a in changed.items() if n.startswith(folder + "/")}
+        with contextlib.suppress(stark.Error):
+            mended[key] = stark._core.State.of_arrays(fields).hash
+    return mended, changed

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
 import shutil
@@ -13,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from _damage import COUNT, SEED, damaged, strange_json
+from _damage import COUNT, SEED, damaged, strange_arrays, strange_json
 from _runs import write_scene
 from _zoo import CASES, advance
 
@@ -98,26 +97,7 @@ def test_strange_arrays(name: str, tmp_path: Path) -> None:
     sim.save(path)
     header, arrays = arrays_of(path)
     for k in range(COUNT // 3):
-        changed = {name: array.copy() for name, array in arrays.items()}
-        chosen = list(changed)[int(rng.integers(len(changed)))]
-        array, kind = changed[chosen], rng.integers(6)
-        if kind == 0:
-            del changed[chosen]
-        elif kind == 1:
-            changed[chosen] = array.astype(rng.choice(["f4", "i4", "u1", "i8"]))
-        elif kind == 2:
-            changed[chosen] = array.reshape(-1)[:-1] if array.size else np.zeros(4)
-        elif kind == 3:
-            changed[chosen] = array[None]
-        else:
-            value = rng.choice([np.nan, np.inf, -1.0, 0.0, 1e300, 1e-300, 17.0])
-            if array.size and array.dtype.kind == "f":
-                array.reshape(-1)[int(rng.integers(array.size))] = value
-        mended = {**header}
-        for folder, key in (("state", "state_hash"), ("before", "before_hash")):
-            fields = {n.partition("/")[2]: a for n, a in changed.items() if n.startswith(folder + "/")}
-            with contextlib.suppress(stark.InvalidArgument):
-                mended[key] = stark._core.State.of_arrays(fields).hash
+        mended, changed = strange_arrays(header, arrays, rng)
         before = sim.state
         try:
             sim.load(rewrite(path, mended, changed))

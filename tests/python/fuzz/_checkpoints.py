@@ -23,12 +23,10 @@ from stark.checkpoint import CheckpointError
 from stark.cli import main
 
 sys.path.append(str(Path(__file__).parent.parent / "checkpoint"))
-from _damage import damaged, strange_json
+from _damage import damaged, strange_arrays, strange_json
 from _zoo import CASES, advance
 
 _NAMES = ("energies", "mechanism", "scripted", "peel", "rods")
-_TYPES = ("f4", "i4", "u1", "i8", "?", "c16", "U4")
-_ODD = (np.nan, np.inf, -1.0, 0.0, 1e300, 1e-300, 17.0)
 
 
 @cache
@@ -59,7 +57,7 @@ def checkpoints(draw: Draw) -> None:
             if kind == 2:
                 header = strange_json(header, rng)
             else:
-                header, arrays = _strange_arrays(header, arrays, rng)
+                header, arrays = strange_arrays(header, arrays, rng)
             text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
             with path.open("wb") as file:
                 np.savez(file, header=text, **arrays)
@@ -68,31 +66,6 @@ def checkpoints(draw: Draw) -> None:
             _look(draw, path, whole=kind == 0)
             _load(draw, sim, path, whole=kind == 0)
         assert [p.name for p in Path(folder).iterdir()] == ["bad.stark"]
-
-
-def _strange_arrays(
-    header: dict[str, Any], arrays: dict[str, np.ndarray], rng: np.random.Generator
-) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Of another type, shape or value, with hashes that fit."""
-    changed = {name: array.copy() for name, array in arrays.items()}
-    chosen = list(changed)[int(rng.integers(len(changed)))]
-    array, kind = changed[chosen], rng.integers(6)
-    if kind == 0:
-        del changed[chosen]
-    elif kind == 1:
-        changed[chosen] = array.astype(str(rng.choice(_TYPES)))
-    elif kind == 2:
-        changed[chosen] = array.reshape(-1)[:-1] if array.size else np.zeros(4)
-    elif kind == 3:
-        changed[chosen] = array[None]
-    elif array.size and array.dtype.kind == "f":
-        array.reshape(-1)[int(rng.integers(array.size))] = rng.choice(_ODD)
-    mended = {**header}
-    for folder, key in (("state", "state_hash"), ("before", "before_hash")):
-        fields = {n.partition("/")[2]: a for n, a in changed.items() if n.startswith(folder + "/")}
-        with contextlib.suppress(stark.Error):
-            mended[key] = stark._core.State.of_arrays(fields).hash
-    return mended, changed
 
 
 def _look(draw: Draw, path: Path, whole: bool) -> None:
