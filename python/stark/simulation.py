@@ -151,8 +151,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         if reached(self, end) and end < self.time * (1.0 - 1e-9):
             warnings.warn(
                 f"run: until = {end:g} s has passed, the simulation is at {self.time:g} s: no step is "
-                f"taken; until is a "
-                f"time, not a duration: for {end:g} s more write run(until=sim.time + {end:g})",
+                f"taken; until is a time, not a duration: for {end:g} s more write "
+                f"run(until=sim.time + {end:g})",
                 StarkWarning,
                 stacklevel=2,
             )

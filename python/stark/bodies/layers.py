@@ -182,8 +182,7 @@ class Fibres(Layer):
         if self._index >= simulation._core.fibres_count:
             raise InvalidArgument(
                 f"fibres '{self.name}' were added after the simulation was created, which has no frames "
-                f"of them: "
-                f"create a new stark.Simulation(scene)"
+                f"of them: create a new stark.Simulation(scene)"
             )
         return simulation._core.fibre_frames(self._index).reshape(-1, 3, 3)
 

@@ -148,9 +148,7 @@ class RigidBody(InertialSensors, Body):
         if self._newest() is None:
             raise InvalidArgument(
                 f"'{self.name}': {what} = ... needs a simulation: create one with sim = "
-                f"stark.Simulation(scene) and "
-                f"keep it; to say how a body starts, give position=, rotation=, velocity= and "
-                f"angular_velocity= "
-                f"where it is added"
+                f"stark.Simulation(scene) and keep it; to say how a body starts, give position=, rotation=, "
+                f"velocity= and angular_velocity= where it is added"
             )
         return self._require_simulation(f"setting its {what}")

@@ -421,8 +421,7 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
     if (array.size or array.dtype == bool) and array.dtype.kind not in "iu":
         raise InvalidArgument(
             f"{owner}: pins = {_short(pins)}: must be indices of vertices, like [0, {vertex_count - 1}], "
-            f"or a mask of "
-            f"({vertex_count},)"
+            f"or a mask of ({vertex_count},)"
         )
     wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array
     if wrong.size:

@@ -128,8 +128,7 @@ class JointActuators(Handle):
         if units == {"rad"} and all(abs(value) > _MANY_TURNS for value in given.values()):
             warnings.warn(
                 f"{self._title}: add_limit: lower = {lower} rad, upper = {upper} rad: angles are in "
-                f"radians; write "
-                f"90 * stark.deg if degrees are meant",
+                f"radians; write 90 * stark.deg if degrees are meant",
                 StarkWarning,
                 stacklevel=2,
             )

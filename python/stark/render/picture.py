@@ -126,8 +126,7 @@ def _nothing_left(bodies: Any, hide: Any, names: Sequence[str]) -> str:
         asked += f", hide = {hide!r}"
     return (
         f"picture: {asked} leaves none of the {len(names)} bodies to draw: name at least one that is to "
-        f"be seen; leave "
-        f"out bodies and hide to draw all"
+        f"be seen; leave out bodies and hide to draw all"
     )
 
 

@@ -288,7 +288,7 @@ class Mat(Tensor):
         return self[i, :]
 
     def column(self, j: int) -> Vec:
-        """Column ``i`` as a vector."""
+        """Column ``j`` as a vector."""
         return self[:, j]
 
 
