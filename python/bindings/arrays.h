@@ -48,6 +48,13 @@ std::span<const T> values(const Column<T>& array) {
 /// str(value) of Python.
 inline std::string text(nb::handle value) { return nb::str(value).c_str(); }
 
+/// A value as a message shows it: its repr, cut where it is long.
+inline std::string shown(nb::handle value) {
+  constexpr std::size_t kLongest = 80;
+  std::string all = nb::repr(value).c_str();
+  return all.size() <= kLongest ? all : all.substr(0, kLongest) + "...";
+}
+
 /// Converts any array-like object to Array (Rows or Column), or throws InvalidArgument naming the argument,
 /// what came and what is needed. Fractions are never truncated to integers, nor wide integers to narrow ones.
 template <typename Array>
@@ -57,7 +64,10 @@ Array array(nb::handle object, const std::string& name, const std::string& expec
   std::string got = text(object.type().attr("__name__"));
   try {
     nb::object values = numpy.attr("asarray")(object);
-    got = "an array of shape " + text(values.attr("shape")) + " and type " + text(values.attr("dtype"));
+    if (nb::cast<std::size_t>(values.attr("ndim")) == 0)
+      got = shown(object);
+    else
+      got = "an array of shape " + text(values.attr("shape")) + " and type " + text(values.attr("dtype"));
     const std::string kinds = std::is_integral_v<T> ? "iu" : "iuf";
     const bool empty = nb::cast<std::size_t>(values.attr("size")) == 0;
     if (empty || kinds.find(text(values.attr("dtype").attr("kind"))) != std::string::npos) {
@@ -90,8 +100,7 @@ std::vector<T> numbers_of(nb::handle object, const std::string& name, const std:
 
 inline Vec3 vector_of(nb::handle object, const std::string& name) {
   const auto v = numbers_of<double>(object, name, "three numbers");
-  if (v.size() != 3)
-    throw InvalidArgument(name + ": got " + std::to_string(v.size()) + " numbers, need three numbers");
+  if (v.size() != 3) throw InvalidArgument(name + ": got " + shown(object) + ", need three numbers");
   return {v[0], v[1], v[2]};
 }
 inline Mat3 matrix_of(nb::handle object, const std::string& name,

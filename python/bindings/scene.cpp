@@ -8,6 +8,7 @@
 #include <stark/sim/layers.h>
 #include <stark/sim/lumped_mass.h>
 #include <stark/sim/settings.h>
+#include <stark/sim/unit_checks.h>
 
 #include "descriptions.h"
 #include "domains.h"
@@ -184,6 +185,7 @@ void bind_actions(nb::class_<Scene>& c) {
       .def_prop_ro("warnings", &Scene::warnings)
       .def("contact_distance_in", contact_distance, "body"_a, "settings"_a)
       .def("check_contact_distances", check_contact_distances, "settings"_a)
+      .def("check_units", check_units, "settings"_a)
       .def("add_attachment", adding<&Scene::add_attachment, attachment_of>, "description"_a,
            "Glues points; returns the index.")
       .def("attachment_name", path_of<&Scene::attachment, &AttachmentDescription::name>, "attachment"_a);

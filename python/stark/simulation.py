@@ -42,9 +42,6 @@ if TYPE_CHECKING:
 
 AnyBody = TypeVar("AnyBody", bound=Body)
 
-#: Longer steps are probably given in milliseconds [s].
-_LONG_STEP = 1.0
-
 #: From one call of a progress callback to the next, and to the first [s].
 PROGRESS_PERIOD = 0.25
 
@@ -83,17 +80,12 @@ class Simulation(Pictures, Stepping, KnownAttributes):
                 f"add one with scene.add_cloth, add_solid or add_rigid"
             )
         self._scene = scene
-        for message in scene._core.check_contact_distances(self._settings._core):
+        for message in [
+            *scene._core.check_contact_distances(self._settings._core),
+            *scene._core.check_units(self._settings._core),
+        ]:
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)
-        step = self._settings.time_step
-        if step > _LONG_STEP and self._settings.time.integrator != "quasistatic":
-            warnings.warn(
-                f"time_step = {step:g} s: a step is given in seconds and rarely longer than 0.1 s; write "
-                f"{step / 1000:g} if {step:g} ms are meant",
-                StarkWarning,
-                stacklevel=2,
-            )
         for message in self._core.check_state():
             warnings.warn(message, StarkWarning, stacklevel=2)
         # Of rows of targets: bodies of the scene may be pinned after this.

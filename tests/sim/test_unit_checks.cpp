@@ -66,7 +66,19 @@ TEST_CASE("each mistake of units is named with the object, the value and the uni
   settings.time.step = 10.0;
   const std::string text = all(check_units(cube_scene(0.1, materials::steel()), settings));
   CHECK(text.find("gravity of 9810 m/s^2") != std::string::npos);
-  CHECK(text.find("time.step = 10 s") != std::string::npos);
+  CHECK(text.find("time_step = 10 s") != std::string::npos);
+}
+
+TEST_CASE("friction that is no ratio of forces is named, of bodies and of pairs") {
+  Scene scene = cube_scene(0.1, materials::soft_rubber());
+  const BodyId cube{0};
+  scene.set_friction(cube, cube, 40.0);
+  CHECK(all(check_units(scene, {})).find("'cube' and 'cube': friction = 40 (ordinary: 0 to 10)") !=
+        std::string::npos);
+  scene.set_friction(cube, cube, 2.0);
+  CHECK(all(check_units(scene, {})) == "");
+  scene.set_default_friction(50.0);
+  CHECK(all(check_units(scene, {})).find("scene: default_friction = 50") != std::string::npos);
 }
 
 TEST_CASE("fixed and scripted bodies may have any size") {

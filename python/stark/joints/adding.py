@@ -80,8 +80,20 @@ def _limit(owner: str, what: str, given: float | None, unit: str) -> float:
     return number
 
 
+#: Joints whose reaction has no force, or no torque about the origin of frame b, and what to give instead.
+_NEVER_BREAK = {
+    ("orientation", "break_force"): "it holds no point; give break_torque",
+    ("ball", "break_torque"): "it holds a point alone; give break_force",
+    ("point_on_axis", "break_torque"): "it holds a point alone; give break_force",
+    ("distance", "break_torque"): "it pulls and pushes along a line alone; give break_force",
+}
+
+
 def _require_held(owner: str, formula: JointFormula, given: dict[str, Any]) -> None:
     """A joint that holds nothing has no reaction, and cannot break."""
+    for (kind, limit), remedy in _NEVER_BREAK.items():
+        if formula.residuals is None and formula.name == kind and math.isfinite(given[limit]):
+            raise InvalidArgument(f"{owner}: {limit} = {given[limit]:g}: must be left out: {remedy}")
     holds = bool(formula.groups) if formula.residuals is not None else formula.name not in ("span", "tilt")
     what = next((name for name in ("break_force", "break_torque") if math.isfinite(given[name])), None)
     if what is not None and not holds:

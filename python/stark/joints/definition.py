@@ -62,8 +62,8 @@ def hold(
     may jump by full turns and are counted over them."""
     groups = [("m", entries) for entries in _groups("length", length)]
     groups += [("rad", entries) for entries in _groups("direction", direction)]
-    coordinates = [(name, "m", _scalar(name, value)) for name, value in (displacement or {}).items()]
-    coordinates += [(name, "rad", _scalar(name, value)) for name, value in (angle or {}).items()]
+    coordinates = [(name, "m", value) for name, value in _coordinates("displacement", displacement)]
+    coordinates += [(name, "rad", value) for name, value in _coordinates("angle", angle)]
     if not groups and not coordinates:
         raise TraceError("stark.hold() of nothing: give length=, direction=, displacement= or angle=")
     return Held(tuple(groups), tuple(coordinates))
@@ -76,6 +76,15 @@ def _groups(what: str, given: Any) -> list[tuple[Scalar, ...]]:
         value = convert(row, f"hold: {what}")
         groups.append(tuple(value.entries) if isinstance(value, Tensor) else (value,))
     return groups
+
+
+def _coordinates(what: str, given: Any) -> list[tuple[str, Scalar]]:
+    if given is not None and not isinstance(given, Mapping):
+        raise TraceError(
+            f"hold: {what}= names coordinates, that are free to move: must be a mapping such as "
+            f'{{"{what}": value}}; what is held at zero goes into length= or direction='
+        )
+    return [(name, _scalar(name, value)) for name, value in (given or {}).items()]
 
 
 def _scalar(name: str, value: Any) -> Scalar:

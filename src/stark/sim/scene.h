@@ -248,6 +248,8 @@ class Scene {
   /// Throws InvalidArgument for anisotropic friction of bodies that both have no direction.
   void check_friction() const;
   bool has_anisotropic_friction() const;
+  /// Pairs that set_friction or set_anisotropic_friction gave coefficients of their own.
+  std::vector<std::pair<BodyId, BodyId>> pairs_with_friction() const;
   /// Coefficient of bodies that were given none.
   void set_default_friction(double coefficient);
   double default_friction() const { return default_friction_; }

@@ -63,6 +63,12 @@ std::optional<double> Scene::restitution(BodyId a, BodyId b) const {
   return entry == restitution_.end() ? std::nullopt : std::optional(entry->second);
 }
 
+std::vector<std::pair<BodyId, BodyId>> Scene::pairs_with_friction() const {
+  std::vector<std::pair<BodyId, BodyId>> pairs;
+  for (const auto& [pair, unused] : friction_) pairs.emplace_back(BodyId{pair.first}, BodyId{pair.second});
+  return pairs;
+}
+
 void Scene::set_default_friction(double coefficient) {
   check_number("scene", "default_friction", coefficient, "1", non_negative(), "use 0 for none");
   default_friction_ = coefficient;
@@ -132,8 +138,7 @@ bool Scene::has_anisotropic_friction() const {
 }
 
 void Scene::check_friction() const {
-  for (const auto& [pair, unused] : friction_) {
-    const BodyId a{pair.first}, b{pair.second};
+  for (const auto& [a, b] : pairs_with_friction()) {
     const FrictionCoefficient coefficient = friction(a, b);
     if (coefficient.is_anisotropic() && coefficient.frame < 0)
       throw InvalidArgument(pair_text(*this, a, b) +

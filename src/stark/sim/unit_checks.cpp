@@ -21,9 +21,11 @@ struct Range {
 constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-3, 100.0}, kModulus{10.0, 2e12};
 /// Extent of what is simulated as moving [m].
 constexpr Range kExtent{1e-4, 50.0};
+/// Coulomb's coefficient, from none to soft rubber and gecko-like pads.
+constexpr Range kFriction{0.0, 10.0};
 constexpr double kThickestContact = 0.2;  ///< contact distance over the extent of a body
 constexpr double kHeaviest = 10.0;        ///< pressure of a body's own weight over its Young's modulus
-constexpr double kStrongestGravity = 300.0, kLongestStep = 0.5;  ///< [m/s^2], the Sun's; [s]
+constexpr double kStrongestGravity = 300.0, kLongestStep = 1.0;  ///< [m/s^2], the Sun's; [s]
 
 class Suspicions {
  public:
@@ -77,6 +79,17 @@ void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec
   }
 }
 
+void check_friction(const Scene& scene, Suspicions& out) {
+  const char* const hint = "Coulomb's coefficient is the ratio of two forces, not an angle or a percentage";
+  out.check("scene", "default_friction", scene.default_friction(), "1", kFriction, hint);
+  for (int32_t i = 0; i < scene.body_count(); ++i)
+    if (const auto own = scene.body_friction({i}))
+      out.check(owner_text(scene.kind({i}), scene.name({i})), "friction", *own, "1", kFriction, hint);
+  for (const auto& [a, b] : scene.pairs_with_friction())
+    out.check("'" + scene.name(a) + "' and '" + scene.name(b) + "'", "friction",
+              scene.friction(a, b).sticking, "1", kFriction, hint);
+}
+
 }  // namespace
 
 std::vector<std::string> check_units(const Scene& scene, const Settings& settings) {
@@ -85,8 +98,9 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
     suspicions.add("the settings: gravity of " + quantity_text(norm(settings.gravity), "m/s^2") +
                    " (ordinary: 9.81 m/s^2); in mm/s^2 it would be 9810");
   if (settings.time.step > kLongestStep && has_inertia(settings.time.integrator))
-    suspicions.add("the settings: time.step = " + quantity_text(settings.time.step, "s") +
-                   " (ordinary: 0.001 to 0.05 s); 1 ms is 1e-3 s");
+    suspicions.add("the settings: time_step = " + quantity_text(settings.time.step, "s") +
+                   " (ordinary: 0.001 to 0.05 s); write " + to_text(settings.time.step / 1000.0) + " if " +
+                   quantity_text(settings.time.step, "ms") + " are meant");
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId body{i};
     if (scene.motion(body) != Motion::Dynamic) continue;
@@ -102,6 +116,7 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
                      quantity_text(0.01 * max_abs(size), "m"));
     check_material(scene, body, size, settings.gravity, suspicions);
   }
+  if (settings.contact.enabled) check_friction(scene, suspicions);
   return suspicions.take();
 }
 

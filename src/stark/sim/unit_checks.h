@@ -1,5 +1,6 @@
 // Numbers of a scene that look as if they were given in other units than SI: densities, moduli, sizes,
-// distances, gravity, time steps. Nothing here is forbidden; it is what a failed step is explained with.
+// distances, friction, gravity, time steps. Nothing here is forbidden; who makes a simulation is warned of
+// it, and a failed step is explained with it.
 #pragma once
 
 #include <string>

@@ -128,3 +128,29 @@ def test_what_holds_nothing_cannot_break() -> None:
         with pytest.raises(stark.InvalidArgument, match="holds nothing that could break"):
             add()
     assert len(scene.joints) == 0
+
+
+def test_a_limit_that_no_reaction_can_exceed_is_refused() -> None:
+    """Each of these had the limit and never broke: the reaction that it bounds is always zero."""
+
+    def held(**limits: float) -> list[Any]:
+        scene = stark.Scene()
+        a = scene.add_box(0.1, mass=MASS)
+        motion: dict[str, Any] = {"velocity": (0.3, 1.0, 2.0), "angular_velocity": (1.0, 3.0, 2.0)}
+        b = scene.add_box(0.1, mass=MASS, position=(0.2, 0.05, 0.0), **motion)
+        return [
+            lambda: (scene, scene.add_ball(a, b, anchor=(0.1, 0, 0), **limits)),
+            lambda: (scene, scene.add_point_on_axis(a, b, anchor=(0.1, 0, 0), axis="x", **limits)),
+            lambda: (scene, scene.add_distance(a, b, (0.05, 0, 0), (0.15, 0.05, 0), **limits)),
+            lambda: (scene, scene.add_joint("orientation", a, b, anchor=(0.1, 0, 0), **limits)),
+        ]
+
+    for k, has_no in enumerate(("torque", "torque", "torque", "force")):
+        with pytest.raises(stark.InvalidArgument, match=f"break_{has_no} = 5: must be left out"):
+            held(**{f"break_{has_no}": 5.0})[k]()
+        other = "force" if has_no == "torque" else "torque"
+        scene, joint = held(**{f"break_{other}": 1e3})[k]()
+        sim = stark.Simulation(scene, gravity=(0, 0, 0), **QUIET)
+        sim.step()  # it takes away what the joint does not allow
+        assert np.abs(getattr(joint.reaction, has_no)).max() < 1e-9
+        assert np.abs(getattr(joint.reaction, other)).max() > 1e-3

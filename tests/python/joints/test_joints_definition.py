@@ -89,6 +89,7 @@ def test_joints_of_cloth_patches_and_bodies() -> None:
         (lambda a, b: stark.hold(length=a.origin - b.origin) if a.x @ b.x > 0 else None, "stark.where"),
         (lambda a, b: stark.hold(displacement={"no name": a.x @ b.x}), "must be an identifier"),
         (lambda a, b: stark.hold(angle={"q": a.x}), "must be one number"),
+        (lambda a, b: stark.hold(angle=[a.x @ b.x]), "goes into length= or direction="),
     ],
 )
 def test_formulas_that_are_no_joints(formula: object, message: str) -> None:
