@@ -45,6 +45,11 @@ class Body(ContactSensors, KnownAttributes):
         self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
         self._rest_placement = None
 
+    @classmethod
+    def _mesh_of(cls, given: Mapping[str, Any]) -> AnyMesh:
+        """The mesh of a body of this kind from the arrays of its description."""
+        return TriangleMesh(given["vertices"], given["triangles"])
+
     @property
     def triangles(self) -> Indices:
         """Surface triangles (m, 3) as indices of ``positions``."""
