@@ -151,8 +151,9 @@ def _bodies(scene: Any, formulas: Formulas) -> list[dict[str, Any]]:
         row["surface_direction"] = directions if len(directions) else None
         if has_pose(body):
             row["inertia"] = _inertia(given["inertia"])
-        else:
+        if "material" in body._shared:
             row["material"] = _material(body._shared["material"], formulas)
+        if not has_pose(body):
             row["pins"] = scene._core.pins(body._index)
             row["rest_state"] = {name: value.array for name, value in body._rest_values.items()}
         if has_frames(body):
