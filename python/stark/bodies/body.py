@@ -38,6 +38,9 @@ class Body(ContactSensors, KnownAttributes):
         "orientation": "rotation",
     }
 
+    #: Arrays of the description that its mesh is made of.
+    _mesh_arrays: ClassVar[tuple[str, ...]] = ("vertices", "triangles")
+
     def __init__(self, scene: SceneLink, index: int, mesh: AnyMesh, color: Any = None) -> None:
         super().__init__(scene, index)
         self._mesh = mesh

@@ -22,6 +22,7 @@ class Rod(DeformableBody):
     """A thin elastic rod: a chain of nodes, each with a material frame."""
 
     kind = "rod"
+    _mesh_arrays = ("vertices",)
 
     @classmethod
     def _mesh_of(cls, given: Mapping[str, Any]) -> Polyline:

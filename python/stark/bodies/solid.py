@@ -21,6 +21,7 @@ class Solid(LayeredBody):
     """A soft volume."""
 
     kind = "solid"
+    _mesh_arrays = ("vertices", "elements", "embedding")
 
     @classmethod
     def _mesh_of(cls, given: Mapping[str, Any]) -> TetMesh | SolidMesh:

@@ -44,7 +44,6 @@ from .robots import add_robot
 _MATERIALS: dict[str, Any] = {kind.__name__: kind for kind in (ShellMaterial, SolidMaterial, RodMaterial)}
 _INFINITE = {"inf": math.inf, "-inf": -math.inf}
 _COUNTS = (4, 8, 10, 20, 27)
-_MESHES = {"vertices", "triangles", "elements", "embedding"}
 
 
 def _surface(given: dict[str, Any], core: float, where: str) -> Surface:
@@ -351,7 +350,7 @@ _ANY = {built_in_joint: "hinge", built_in_actuator: "effort"}
 
 def _mesh(kind: str, given: dict[str, Any], where: str) -> Any:
     """Takes the mesh of a body out of what is given."""
-    arrays = {name: given.pop(name) for name in _MESHES & given.keys()}
+    arrays = {name: given.pop(name) for name in HANDLES[kind]._mesh_arrays}
     elements = arrays.get("elements")
     if elements is not None and elements.shape[1] not in _COUNTS:
         raise DocumentError(f"{where}.elements have {elements.shape[1]} nodes: must be one of {_COUNTS}")
