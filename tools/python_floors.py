@@ -23,7 +23,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "arguments",
         "named",
     ),
-    ("array_file", "rotations", "palette", "scene_record", "telemetry"),
+    ("array_file", "rotations", "body_kinds", "palette", "scene_record", "telemetry"),
     ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic", "curves"),
     ("handle",),
     ("courses", "selections"),

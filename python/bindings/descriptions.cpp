@@ -4,43 +4,9 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include "solid_mesh.h"
-
 namespace stark::bindings {
 
 namespace {
-
-Given given_of(const nb::dict& given, const char* kind) {
-  const auto name = nb::cast<std::string>(given["name"]);
-  return {given, std::string(kind) + (name.empty() ? "" : " '" + name + "'")};
-}
-
-/// Fields that all bodies share.
-template <typename Description>
-void read_body(const Given& given, Description& body) {
-  given.read("name", body.name);
-  given.read("position", body.position);
-  given.read("rotation", body.rotation);
-  given.read("velocity", body.velocity);
-  given.read("angular_velocity", body.angular_velocity);
-  given.read("contact_distance", body.contact_distance);
-  given.read("contact_stiffness", body.contact_stiffness);
-  given.read("contact_core", body.contact_core);
-  given.read("friction", body.friction);
-  given.read("color", body.color);
-  given.read("vertices", body.mesh.vertices);
-}
-
-/// Those of bodies that deform.
-template <typename Description, typename Material>
-void read_deformable(const Given& given, const Material& material, Description& body) {
-  read_body(given, body);
-  body.material = material;
-  given.read("law", body.law);
-  given.read("fields", body.fields);
-  given.read("initial_positions", body.initial_positions);
-  given.read("self_contact", body.self_contact);
-}
 
 template <typename Description, typename Material>
 void read_layer(const Given& given, const Material& material, Description& layer) {
@@ -106,55 +72,6 @@ FrameDescription frame_of(const nb::dict& entries) {
 }
 
 }  // namespace
-
-ClothDescription cloth_of(const nb::dict& entries, const ShellMaterial& material) {
-  const Given given = given_of(entries, "cloth");
-  ClothDescription body;
-  read_deformable(given, material, body);
-  given.read("triangles", body.mesh.triangles);
-  given.read("rest_angles", body.rest_angles);
-  return body;
-}
-
-SolidDescription solid_of(const nb::dict& entries, const SolidMaterial& material) {
-  const Given given = given_of(entries, "solid");
-  SolidDescription body;
-  read_deformable(given, material, body);
-  read_elements(entries["elements"], given.owner() + ": elements", body.mesh);
-  if (const nb::object embedding = given.find("embedding"))
-    body.mesh.embedding = embedding_of(nb::cast<nb::dict>(embedding), given.owner());
-  given.read("formulation", body.formulation);
-  return body;
-}
-
-RodDescription rod_of(const nb::dict& entries, const RodMaterial& material) {
-  const Given given = given_of(entries, "rod");
-  RodDescription body;
-  read_deformable(given, material, body);
-  given.read("normal", body.normal);
-  given.read("rest_shape", body.rest_shape);
-  return body;
-}
-
-RigidDescription rigid_of(const nb::dict& entries) {
-  const Given given = given_of(entries, "rigid body");
-  RigidDescription body;
-  read_body(given, body);
-  given.read("triangles", body.mesh.triangles);
-  given.read("motion", body.motion);
-  given.read("mass", body.mass);
-  given.read("density", body.density);
-  given.read("hollow", body.hollow);
-  given.read("linear_damping", body.linear_damping);
-  given.read("angular_damping", body.angular_damping);
-  if (const nb::object inertia = given.find("inertia")) {
-    const std::string name = given.owner() + ": inertia.";
-    body.inertia =
-        RigidInertia{number_of(inertia[0], name + "mass"), vector_of(inertia[1], name + "center_of_mass"),
-                     matrix_of(inertia[2], name + "tensor")};
-  }
-  return body;
-}
 
 SkinDescription skin_of(const nb::dict& entries, const ShellMaterial& material) {
   const Given given(entries, "skin");

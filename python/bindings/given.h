@@ -105,6 +105,12 @@ class Given {
   std::string owner_;
 };
 
+/// Of a thing of this kind with a name.
+inline Given given_of(const nb::dict& given, const char* kind) {
+  const auto name = nb::cast<std::string>(given["name"]);
+  return {given, std::string(kind) + (name.empty() ? "" : " '" + name + "'")};
+}
+
 /// Rows {name, unit, rule, doc, width} of what a potential asks for.
 nb::list describe(const std::vector<ParameterDeclaration>& declarations);
 

@@ -29,8 +29,6 @@ void for_each_pair_of(Scene& scene, const Bodies& a, const Bodies& b) {
       if (i != j) (scene.*action)(i, j);
 }
 
-std::string quoted(const Scene& s, BodyId body) { return "'" + s.name(body) + "'"; }
-
 std::vector<Mat3> initial_fibre_frames(const Scene& scene, FibresId k) {
   const FibresDescription& fibres = scene.fibres(k);
   std::vector<Mat3> frames;
@@ -38,55 +36,6 @@ std::vector<Mat3> initial_fibre_frames(const Scene& scene, FibresId k) {
   for (const PathFrames& of_path : path_frames(scene, fibres))
     frames.insert(frames.end(), of_path.initial.begin(), of_path.initial.end());
   return frames;
-}
-
-/// Adds what a function of descriptions.h reads.
-template <auto add, auto read>
-struct Adding;
-template <typename Id, typename Description, Id (Scene::*add)(Description), typename... Args,
-          Description (*read)(Args...)>
-struct Adding<add, read> {
-  static Id call(Scene& scene, Args... args) { return (scene.*add)(read(args...)); }
-};
-template <auto add, auto read>
-constexpr auto adding = &Adding<add, read>::call;
-
-void bind_bodies(nb::class_<Scene>& c) {
-  c.def("add_cloth", adding<&Scene::add_cloth, cloth_of>, "description"_a, "material"_a)
-      .def("add_solid", adding<&Scene::add_solid, solid_of>, "description"_a, "material"_a)
-      .def("add_rigid", adding<&Scene::add_rigid, rigid_of>, "description"_a)
-      .def("add_rod", adding<&Scene::add_rod, rod_of>, "description"_a, "material"_a)
-      .def(
-          "set_rest_state",
-          [](Scene& s, BodyId body, nb::handle given) {
-            s.set_rest_state(body, parameter_values_of(given, quoted(s, body)));
-          },
-          "body"_a, "values"_a, "Fields of a rest state by name: (numbers, True).")
-      .def(
-          "check_rest_state",
-          [](const Scene& s, BodyId body, nb::handle given) {
-            s.check_rest_state(body, parameter_values_of(given, quoted(s, body)));
-          },
-          "body"_a, "values"_a)
-      .def(
-          "clamp",
-          [](Scene& s, BodyId body, nb::handle nodes) {
-            s.clamp(body,
-                    numbers_of<int32_t>(nodes, quoted(s, body) + ": clamped nodes", "a row of indices"));
-          },
-          "body"_a, "nodes"_a)
-      .def(
-          "clamped", [](const Scene& s, BodyId body) { return to_numpy(s.pins(body).clamped); }, "body"_a)
-      .def("initial_frames", array_from<&Scene::initial_frames>, "body"_a,
-           "Frames of the nodes of a rod at time 0 (n, 3, 3).")
-      .def(
-          "pin",
-          [](Scene& s, BodyId body, nb::handle vertices) {
-            s.pin(body, numbers_of<int32_t>(vertices, quoted(s, body) + ": pinned vertices",
-                                            "a row of vertex indices"));
-          },
-          "body"_a, "vertices"_a)
-      .def("pins", [](const Scene& s, BodyId body) { return to_numpy(s.pins(body).vertices); }, "body"_a);
 }
 
 void bind_friction(nb::class_<Scene>& c) {

@@ -44,9 +44,8 @@ bool resume(Simulation& sim, const State& before, std::optional<double> max_time
 /// First row and count of points, then of bodies, in the arrays of the state.
 nb::list place_list(const Simulation& sim) {
   return list_of(sim.model().bodies(), [](const ModelBody& body) {
-    if (body.kind == BodyKind::Cloth || body.kind == BodyKind::Solid)
-      return nb::make_tuple(body.first_site, body.site_count, 0, 0);
-    return nb::make_tuple(0, 0, body.rigid_index, body.kind == BodyKind::Rod ? body.site_count : 1);
+    if (has_points(body.kind)) return nb::make_tuple(body.first_site, body.site_count, 0, 0);
+    return nb::make_tuple(0, 0, body.rigid_index, body.rigid_count());
   });
 }
 

@@ -5,9 +5,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <cmath>
-#include <limits>
-
+#include <stark/base/error.h>
 #include <stark/symbolic/evaluate.h>
 
 #include "arrays.h"
@@ -46,17 +44,6 @@ std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::st
   return result;
 }
 
-std::string short_text(const TracedScalar& x) { return to_string(x.value, 60); }
-
-void require_kind(const TracedScalar& x, bool condition, const std::string& operation) {
-  if (x.value.is_condition() == condition) return;
-  if (condition)
-    throw TraceError(operation + ": " + short_text(x) +
-                     " is a number, not a condition; compare it first, as in x > 0.0");
-  throw TraceError(operation + ": " + short_text(x) +
-                   " is a condition, not a number; turn it into one by stark.where(condition, a, b)");
-}
-
 namespace {
 
 const char* const kNoBranches =
@@ -66,9 +53,6 @@ const char* const kNoBranches =
 
 // Operators.
 
-using Binary = Scalar (*)(const Scalar&, const Scalar&);
-using Unary = Scalar (*)(const Scalar&);
-
 /// bool becomes a condition where one is meant.
 std::optional<TracedScalar> to_condition(nb::handle object) {
   if (PyBool_Check(object.ptr()) || (nb::hasattr(object, "dtype") && text(object.attr("dtype")) == "bool"))
@@ -76,24 +60,9 @@ std::optional<TracedScalar> to_condition(nb::handle object) {
   return to_traced(object);
 }
 
-TracedScalar apply(Binary function, const TracedScalar& a, const TracedScalar& b, bool conditions,
-                   const char* operation) {
-  require_kind(a, conditions, operation);
-  require_kind(b, conditions, operation);
-  auto graph = common_graph(a, b, operation);
-  const Scalar value = function(a.value, b.value);
-  return {value.graph() ? std::move(graph) : nullptr, value};
-}
-
-TracedScalar apply(Unary function, const TracedScalar& a, const char* operation) {
-  require_kind(a, false, operation);
-  const Scalar value = function(a.value);
-  return {value.graph() ? a.graph : nullptr, value};
-}
-
 /// The operator of Python; other types get their turn by NotImplemented.
 template <bool Swap, bool Conditions = false>
-auto python_operator(Binary function, const char* operation) {
+auto python_operator(symbolic::BinaryOperation function, const char* operation) {
   return [function, operation](const TracedScalar& a, nb::handle other) -> nb::object {
     const auto b = Conditions ? to_condition(other) : to_traced(other);
     if (!b) return nb::borrow(Py_NotImplemented);
@@ -122,11 +91,7 @@ nb::object python_power(const TracedScalar& a, nb::handle exponent) {
   if (PyLong_Check(exponent.ptr())) {
     const long long n = PyLong_AsLongLong(exponent.ptr());
     if (n == -1 && PyErr_Occurred()) throw nb::python_error();
-    if (n > std::numeric_limits<int>::max() || n < -std::numeric_limits<int>::max())
-      throw TraceError("power: the exponent " + std::to_string(n) + " is too large; write it as a float");
-    require_kind(a, false, "power");
-    const Scalar value = symbolic::pow(a.value, static_cast<int>(n));
-    return nb::cast(TracedScalar{value.graph() ? a.graph : nullptr, value});
+    return nb::cast(symbolic::power(a, n));
   }
   return python_operator<false>(power, "power")(a, exponent);
 }
@@ -162,7 +127,7 @@ bool constant_truth(const TracedScalar& x) {
 
 struct NamedUnary {
   const char* name;
-  Unary function;
+  symbolic::UnaryOperation function;
   const char* doc;
 };
 
@@ -194,27 +159,7 @@ constexpr NamedUnary kUnary[] = {
 TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {
   auto c = to_condition(condition);
   if (!c) c = require_traced(condition, "where: the condition");
-  const TracedScalar x = require_traced(a, "where"), y = require_traced(b, "where");
-  require_kind(*c, true, "where");
-  require_kind(x, false, "where");
-  require_kind(y, false, "where");
-  common_graph(x, y, "where");
-  common_graph(*c, x, "where");
-  auto graph = common_graph(*c, y, "where");
-  if (!graph) graph = x.graph;
-  const Scalar value = symbolic::select(c->value, x.value, y.value);
-  return {value.graph() ? std::move(graph) : nullptr, value};
-}
-
-TracedScalar fused_multiply_add(nb::handle a, nb::handle b, nb::handle c) {
-  const TracedScalar x = require_traced(a, "fma"), y = require_traced(b, "fma"), z = require_traced(c, "fma");
-  for (const auto* operand : {&x, &y, &z}) require_kind(*operand, false, "fma");
-  common_graph(x, y, "fma");
-  common_graph(x, z, "fma");
-  auto graph = common_graph(y, z, "fma");
-  if (!graph) graph = x.graph;
-  const Scalar value = symbolic::fma(x.value, y.value, z.value);
-  return {value.graph() ? std::move(graph) : nullptr, value};
+  return symbolic::where(*c, require_traced(a, "where"), require_traced(b, "where"));
 }
 
 void bind_operators(nb::class_<TracedScalar>& c) {
@@ -266,8 +211,8 @@ void bind_functions(nb::module_& m) {
     m.def(
         f.name, [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); }, "x"_a,
         f.doc);
-  const auto binary = [&m](const char* name, Binary function, const char* first, const char* second,
-                           const char* doc) {
+  const auto binary = [&m](const char* name, symbolic::BinaryOperation function, const char* first,
+                           const char* second, const char* doc) {
     m.def(
         name,
         [function, name](nb::handle a, nb::handle b) {
@@ -283,7 +228,13 @@ void bind_functions(nb::module_& m) {
       "exponent"_a, "Power: products for integer exponents, else the real power of a base >= 0.");
   m.def("where", where, "condition"_a, "a"_a, "b"_a,
         "a where the condition holds, else b. The other branch never contributes, not even as NaN.");
-  m.def("fma", fused_multiply_add, "a"_a, "b"_a, "c"_a, "a b + c with one rounding.");
+  m.def(
+      "fma",
+      [](nb::handle a, nb::handle b, nb::handle c) {
+        return symbolic::fused_multiply_add(require_traced(a, "fma"), require_traced(b, "fma"),
+                                            require_traced(c, "fma"));
+      },
+      "a"_a, "b"_a, "c"_a, "a b + c with one rounding.");
   m.def(
       "is_same",
       [](const TracedScalar& a, const TracedScalar& b) { return symbolic::is_same(a.value, b.value); }, "a"_a,

@@ -10,17 +10,11 @@ from typing import Any
 
 import numpy as np
 
-Color = tuple[float, float, float]
+from stark.body_kinds import KINDS
+from stark.body_kinds import Color as Color
+
 FIXED: Color = (0.80, 0.81, 0.83)
-_BY_KIND: dict[str, tuple[Color, ...]] = {
-    "cloth": ((0.87, 0.44, 0.34), (0.36, 0.56, 0.86), (0.94, 0.68, 0.26), (0.62, 0.45, 0.80)),
-    "solid": ((0.20, 0.64, 0.60), (0.93, 0.60, 0.28), (0.84, 0.40, 0.52), (0.46, 0.66, 0.32)),
-    "fibres": ((0.22, 0.23, 0.26), (0.72, 0.28, 0.24), (0.30, 0.42, 0.62)),
-    "rigid": (
-        (0.33, 0.45, 0.66), (0.91, 0.66, 0.33), (0.47, 0.63, 0.50), (0.80, 0.45, 0.38), (0.55, 0.49, 0.70),
-        (0.36, 0.62, 0.70),
-    ),
-}  # fmt: skip
+_BY_KIND = {name: kind.colors for name, kind in KINDS.items() if kind.colors}
 
 
 def body_colors(bodies: Sequence[Any]) -> list[Color]:

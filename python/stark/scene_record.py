@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from stark import _core
+from stark.body_kinds import KINDS
 
 #: A call on the scene of the core: name and arguments.
 Call = tuple[str, tuple[Any, ...]]
@@ -35,24 +36,6 @@ class RecordedScene(_core.Scene):
         result = getattr(super(), name)(*arguments)
         self.calls.append((name, kept))
         return result
-
-    def add_cloth(self, description: dict[str, Any], material: _core.ShellMaterial) -> int:
-        return self._do("add_cloth", description, material)
-
-    def add_solid(self, description: dict[str, Any], material: _core.SolidMaterial) -> int:
-        return self._do("add_solid", description, material)
-
-    def add_rod(self, description: dict[str, Any], material: _core.RodMaterial) -> int:
-        return self._do("add_rod", description, material)
-
-    def add_rigid(self, description: dict[str, Any]) -> int:
-        return self._do("add_rigid", description)
-
-    def add_skin(self, description: dict[str, Any], material: _core.ShellMaterial) -> int:
-        return self._do("add_skin", description, material)
-
-    def add_fibres(self, description: dict[str, Any], material: _core.RodMaterial) -> int:
-        return self._do("add_fibres", description, material)
 
     def add_energy(self, description: dict[str, Any]) -> int:
         return self._do("add_energy", description)
@@ -104,6 +87,19 @@ class RecordedScene(_core.Scene):
 
     def enable_contacts(self, a: Sequence[int], b: Sequence[int]) -> None:
         self._do("enable_contacts", a, b)
+
+
+def _recorded(name: str) -> Any:
+    """A method that does what the core's does, and keeps the call."""
+
+    def method(self: RecordedScene, *arguments: Any) -> Any:
+        return self._do(name, *arguments)
+
+    return method
+
+
+for _kind in KINDS:
+    setattr(RecordedScene, f"add_{_kind}", _recorded(f"add_{_kind}"))
 
 
 def _copied(value: Any) -> Any:

@@ -7,4 +7,7 @@ from stark.bodies.rigid import RigidBody
 from stark.bodies.rod import Rod
 from stark.bodies.solid import Solid
 
-__all__ = ["Body", "Cloth", "Fibres", "Layer", "RigidBody", "Rod", "Skin", "Solid"]
+#: By kind of body.
+HANDLES: dict[str, type[Body]] = {handle.kind: handle for handle in (Cloth, Solid, RigidBody, Rod)}
+
+__all__ = ["HANDLES", "Body", "Cloth", "Fibres", "Layer", "RigidBody", "Rod", "Skin", "Solid"]

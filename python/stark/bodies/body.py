@@ -38,12 +38,20 @@ class Body(ContactSensors, KnownAttributes):
         "orientation": "rotation",
     }
 
+    #: Arrays of the description that its mesh is made of.
+    _mesh_arrays: ClassVar[tuple[str, ...]] = ("vertices", "triangles")
+
     def __init__(self, scene: SceneLink, index: int, mesh: AnyMesh, color: Any = None) -> None:
         super().__init__(scene, index)
         self._mesh = mesh
         self._color = None if color is None else tuple(float(c) for c in color)
         self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
         self._rest_placement = None
+
+    @classmethod
+    def _mesh_of(cls, given: Mapping[str, Any]) -> AnyMesh:
+        """The mesh of a body of this kind from the arrays of its description."""
+        return TriangleMesh(given["vertices"], given["triangles"])
 
     @property
     def triangles(self) -> Indices:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,11 @@ class Rod(DeformableBody):
     """A thin elastic rod: a chain of nodes, each with a material frame."""
 
     kind = "rod"
+    _mesh_arrays = ("vertices",)
+
+    @classmethod
+    def _mesh_of(cls, given: Mapping[str, Any]) -> Polyline:
+        return Polyline(given["vertices"])
 
     def frame(  # type: ignore[override]
         self, node: int, *, position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.bodies.layered import LayeredBody
-from stark.mesh import Indices, SolidMesh, TetMesh
+from stark.mesh import EmbeddedMesh, Indices, SolidMesh, TetMesh
 from stark.selections import Stencils
 
 Floats = NDArray[np.float64]
@@ -20,6 +21,15 @@ class Solid(LayeredBody):
     """A soft volume."""
 
     kind = "solid"
+    _mesh_arrays = ("vertices", "elements", "embedding")
+
+    @classmethod
+    def _mesh_of(cls, given: Mapping[str, Any]) -> TetMesh | SolidMesh:
+        elements = np.asarray(given["elements"])
+        if given.get("embedding") is not None:
+            return EmbeddedMesh(given["vertices"], elements, **given["embedding"])
+        mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
+        return mesh(given["vertices"], elements)
 
     @property
     def tetrahedra(self) -> Stencils:

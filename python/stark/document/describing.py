@@ -12,6 +12,7 @@ import numpy as np
 from stark import _core
 from stark.bodies.following import PinFollower, PoseFollower
 from stark.bodies.layers import Fibres
+from stark.body_kinds import KINDS, has_frames, has_pose
 from stark.motion import Motion
 from stark.robots.drives import GravityFollower
 from stark.settings import Settings
@@ -20,8 +21,8 @@ from . import recorded, robots
 from .errors import DocumentError
 from .format import FORMAT_NAME, FORMAT_VERSION
 
-_BODIES = {"add_cloth": "cloth", "add_solid": "solid", "add_rod": "rod", "add_rigid": "rigid"}
-_LAYERS = {"add_skin": "skin", "add_fibres": "fibres"}
+_BODIES = {f"add_{kind}": kind for kind, row in KINDS.items() if not row.is_layer}
+_LAYERS = {f"add_{kind}": kind for kind, row in KINDS.items() if row.is_layer}
 _PAIRS: dict[str, tuple[str, tuple[str, ...]]] = {
     "set_friction": ("friction", ("a", "b", "sticking", "sliding")),
     "set_anisotropic_friction": ("anisotropic_friction", ("a", "b", "along", "across", "kinetic")),
@@ -148,13 +149,14 @@ def _bodies(scene: Any, formulas: Formulas) -> list[dict[str, Any]]:
         row["name"] = body.name
         directions = scene._core.surface_directions(body._index)
         row["surface_direction"] = directions if len(directions) else None
-        if kind == "rigid":
+        if has_pose(body):
             row["inertia"] = _inertia(given["inertia"])
-        else:
+        if "material" in body._shared:
             row["material"] = _material(body._shared["material"], formulas)
+        if not has_pose(body):
             row["pins"] = scene._core.pins(body._index)
             row["rest_state"] = {name: value.array for name, value in body._rest_values.items()}
-        if kind == "rod":
+        if has_frames(body):
             row["clamps"] = scene._core.clamped(body._index)
         rows.append(row)
     return rows

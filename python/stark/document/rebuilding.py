@@ -13,7 +13,9 @@ from stark import motion
 from stark.actuators.definition import built_in as built_in_actuator
 from stark.arguments import given_name
 from stark.attachments.handle import Attachment
+from stark.bodies import HANDLES
 from stark.bodies.following import PinFollower
+from stark.body_kinds import has_frames, has_points, has_pose
 from stark.errors import StarkWarning
 from stark.formulas.adding import add_energy
 from stark.formulas.binding import BoundEnergy
@@ -22,7 +24,6 @@ from stark.formulas.parameters import Value, read_value
 from stark.joints.definition import built_in as built_in_joint
 from stark.joints.handle import Joint
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
-from stark.mesh import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
 from stark.rotations import check_places
 from stark.selections import (
     Points,
@@ -86,38 +87,22 @@ class Rebuilding:
     def _add_bodies(self, row: dict[str, Any], where: str) -> None:
         given = dict(row)
         kind, direction = given.pop("kind"), given.pop("surface_direction")
-        vertices = given.pop("vertices")
-        check_places(vertices, f"{where}.vertices")
+        check_places(given["vertices"], f"{where}.vertices")
         if core := given.pop("contact_core"):
             given["surface"] = _surface(given, core, where)
-        if kind == "rigid":
-            inertia = given.pop("inertia")
-            packed = None if inertia is None else tuple(inertia.values())
-            mesh = TriangleMesh(vertices, given.pop("triangles"))
-            body = self.scene.add_rigid(mesh, **given, inertia=packed)
-        else:
-            given = {**given, "material": self._material(given["material"], where)}
-            given["pins"] = given["pins"] if len(given["pins"]) else None
-            rest_state = given.pop("rest_state")
-            body = self._deformable(kind, vertices, given, where)
-            for name, values in rest_state.items():
-                body._set_rest_value(name, _plain(values))
+        rest_state = given.pop("rest_state", {})
+        if given.get("inertia") is not None:
+            given["inertia"] = tuple(given["inertia"].values())
+        if "material" in given:
+            given["material"] = self._material(given["material"], where)
+        for held in {"pins", "clamps"} & given.keys():
+            given[held] = given[held] if len(given[held]) else None
+        mesh = _mesh(kind, given, where)
+        body = getattr(self.scene, f"add_{kind}")(mesh, **given)
+        for name, values in rest_state.items():
+            body._set_rest_value(name, _plain(values))
         if direction is not None:
             body.surface_direction = direction[0] if len(direction) == 1 else direction
-
-    def _deformable(self, kind: str, vertices: Any, given: dict[str, Any], where: str) -> Any:
-        if kind == "cloth":
-            return self.scene.add_cloth(TriangleMesh(vertices, given.pop("triangles")), **given)
-        if kind == "rod":
-            given["clamps"] = given["clamps"] if len(given["clamps"]) else None
-            return self.scene.add_rod(Polyline(vertices), **given)
-        elements = given.pop("elements")
-        if elements.shape[1] not in _COUNTS:
-            raise DocumentError(f"{where}.elements have {elements.shape[1]} nodes: must be one of {_COUNTS}")
-        if (embedding := given.pop("embedding")) is not None:
-            return self.scene.add_solid(EmbeddedMesh(vertices, elements, **embedding), **given)
-        mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
-        return self.scene.add_solid(mesh(vertices, elements), **given)
 
     def _material(self, row: Mapping[str, Any], where: str) -> Any:
         kind, law, read = _MATERIALS[row["kind"]], row["law"], None
@@ -197,10 +182,8 @@ class Rebuilding:
             check_places(row["local"], where)
             return world_points(row["local"])
         body = self._body(row["body"], where)
-        of_kind = {"point": "rigid", "direction": "rigid", "node_point": "rod", "node_direction": "rod"}
-        if body.kind != of_kind.get(kind, body.kind) or (body.kind == "rigid") != (
-            kind in ("point", "direction")
-        ):
+        on_pose, on_frames = kind in ("point", "direction"), kind in ("node_point", "node_direction")
+        if has_pose(body) != on_pose or (on_frames and not has_frames(body)):
             raise DocumentError(f"{where}: '{body.name}' is a {body.kind} body, which has no points '{kind}'")
         count = len(body.mesh.vertices)
         for name in ("vertices", "supports", "node"):
@@ -247,8 +230,8 @@ class Rebuilding:
         """As the core reads it."""
         if row["carrier"] != "world":
             body = self._body(row["body"], where)
-            fits = {"body": body.kind == "rigid", "node": body.kind == "rod"}
-            if not fits.get(row["carrier"], body.kind in ("cloth", "solid")):
+            fits = {"body": has_pose(body), "node": has_frames(body)}
+            if not fits.get(row["carrier"], has_points(body)):
                 raise DocumentError(
                     f"{where}: '{body.name}' is a {body.kind} body: has no '{row['carrier']}'"
                 )
@@ -314,11 +297,11 @@ class Rebuilding:
             part: None if row[part] is None else _motion(row[part], f"{where}.{part}") for part in parts
         }
         if row["kind"] == "pose":
-            if body.kind != "rigid" or all(value is None for value in motions.values()):
+            if not has_pose(body) or all(value is None for value in motions.values()):
                 raise DocumentError(f"{where}: '{body.name}' must be a scripted rigid body, with a motion")
             body.follow(**motions)
             return
-        count = 0 if body.kind == "rigid" else len(body.pins)
+        count = 0 if has_pose(body) else len(body.pins)
         rows = row["rows"].astype(np.intp)
         both = motions["targets"] is not None and (motions["displacement"] or motions["rotation"])
         if not len(rows) or rows.min() < 0 or rows.max() >= count or both:
@@ -363,6 +346,15 @@ class Rebuilding:
 
 
 _ANY = {built_in_joint: "hinge", built_in_actuator: "effort"}
+
+
+def _mesh(kind: str, given: dict[str, Any], where: str) -> Any:
+    """Takes the mesh of a body out of what is given."""
+    arrays = {name: given.pop(name) for name in HANDLES[kind]._mesh_arrays}
+    elements = arrays.get("elements")
+    if elements is not None and elements.shape[1] not in _COUNTS:
+        raise DocumentError(f"{where}.elements have {elements.shape[1]} nodes: must be one of {_COUNTS}")
+    return HANDLES[kind]._mesh_of(arrays)
 
 
 def _named(row: Mapping[str, Any], where: str) -> str:

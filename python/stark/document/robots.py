@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stark.body_kinds import has_points, has_pose
 from stark.robots.description import Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.drives import Drives
 from stark.robots.handle import Robot
@@ -114,7 +115,7 @@ def add_robot(scene: Any, row: Mapping[str, Any], where: str) -> None:
 
 
 def _flex(scene: Any, number: int, where: str) -> Any:
-    if number >= len(scene.bodies) or scene.bodies[number].kind not in ("cloth", "solid"):
+    if number >= len(scene.bodies) or not has_points(scene.bodies[number]):
         raise DocumentError(f"{where}: flexes: body must be a cloth or a solid of the scene")
     return scene.bodies[number]
 
@@ -126,7 +127,7 @@ def _description(
     for link in row["links"]:
         body = None
         if link["body"] is not None:
-            if link["body"] >= len(scene.bodies) or scene.bodies[link["body"]].kind != "rigid":
+            if link["body"] >= len(scene.bodies) or not has_pose(scene.bodies[link["body"]]):
                 raise DocumentError(
                     f"{where}: link '{link['name'][:80]}': body must be a rigid one of the scene"
                 )

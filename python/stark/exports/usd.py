@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stark.array_file import naming, refuse_special
+from stark.body_kinds import has_pose
 from stark.files import printable
 from stark.render.colormaps import linear
 from stark.rotations import to_quaternion
@@ -98,7 +99,7 @@ class UsdWriter:
             self._meshes.append(mesh)
             self._starts.append(body.positions)
             self._last.append(body.positions)
-            if body.kind == "rigid" and body.motion != "fixed":
+            if has_pose(body) and body.motion != "fixed":
                 self._set_points(k, body.positions, None)
                 self._ops[k] = (
                     mesh.AddTranslateOp(self._geom.XformOp.PrecisionDouble),

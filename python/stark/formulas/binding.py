@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Self
 
 from stark._core import InvalidArgument
+from stark.body_kinds import has_pose
 from stark.formulas import tracing
 from stark.formulas.arguments import Argument, FrameArgument, PointArgument
 from stark.formulas.frames import KINDS
@@ -186,7 +187,7 @@ class BoundEnergy:
 
 
 def _is_rigid(given: Any) -> bool:
-    return isinstance(given, BodyHandle) and given.kind == "rigid"
+    return isinstance(given, BodyHandle) and has_pose(given)
 
 
 def _call_signature(signature: inspect.Signature, arguments: Sequence[Argument]) -> inspect.Signature:

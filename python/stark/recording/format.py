@@ -25,7 +25,6 @@ LOCK = "run.lock"
 STATES_VERSION = 2
 #: Where a run can be resumed from, see stark.checkpoint.
 CHECKPOINT = "checkpoint.stark"
-KINDS = ("cloth", "solid", "rigid", "rod", "skin", "fibres")
 
 
 class RecordingError(InvalidArgument):

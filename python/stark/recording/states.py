@@ -32,6 +32,8 @@ from typing import Any
 
 import numpy as np
 
+from stark.body_kinds import has_frames, has_points, has_pose, row_of
+
 from ..array_file import DamageError, make_folder, read_arrays, write_arrays, write_atomically
 from ..files import LARGEST_TEXT, read_bytes
 from . import chain
@@ -95,10 +97,10 @@ def _body(scene: Any, body: Any, contact_distance: float) -> dict[str, Any]:
         "motion": body.motion,
         "vertex_count": len(body.positions),
         "contact_distance": contact_distance,
-        "pins": [] if body.kind == "rigid" else body.pins,
-        "clamped": body.clamped if body.kind == "rod" else [],
+        "pins": [] if has_pose(body) else body.pins,
+        "clamped": body.clamped if has_frames(body) else [],
     }
-    return entry | ({"inertia": scene.inertia(body._index)} if body.kind == "rigid" else {})
+    return entry | ({"inertia": scene.inertia(body._index)} if has_pose(body) else {})
 
 
 def _pairs_without_contact(scene: Any, count: int, self_contact: bool) -> list[tuple[int, int]]:
@@ -236,13 +238,13 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
     turning = sim._core.state.arrays()["body_angular_velocity"]
     for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
         state[f"positions_{i:04d}"] = np.asarray(body.positions, dtype=np.float64)
-        if body.kind in ("rigid", "rod"):
+        if not has_points(body):
             rows = turning[place[2] : place[2] + place[3]]
-            state[f"angular_velocities_{i:04d}"] = rows[0] if body.kind == "rigid" else rows
-        if body.kind == "rigid":
+            state[f"angular_velocities_{i:04d}"] = rows[0] if has_pose(body) else rows
+        if has_pose(body):
             position, rotation = body.pose
             state[f"poses_{i:04d}"] = np.vstack([position, rotation])
-        if body.kind == "rod":
+        if has_frames(body):
             state[f"frames_{i:04d}"] = np.asarray(body.frames)
     state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)
     status = [sim._core.attachment_status(k) for k in range(len(sim.attachments))]
@@ -264,9 +266,9 @@ def _history_of(sim: Any) -> dict[str, np.ndarray]:
     arrays, found = sim._core.state.arrays(), {}
     spins = [arrays[f"body_spin_{name}"] for name in ("increment", "contact_increment", "lag")]
     for i, (body, place) in enumerate(zip(sim.bodies, sim._core.places(), strict=True)):
-        turns = body.kind in ("rigid", "rod")
+        turns = not has_points(body)
         first, count = place[2:4] if turns else place[0:2]
-        rows = first if body.kind == "rigid" else slice(first, first + count)
+        rows = first if has_pose(body) else slice(first, first + count)
         of = "body" if turns else "point"
         found[f"velocities_{i:04d}"] = arrays[f"{of}_velocity"][rows]
         found[f"lags_{i:04d}"] = arrays[f"{of}_lag"][rows]
@@ -325,8 +327,8 @@ def _mesh(sim: Any) -> dict[str, np.ndarray]:
     arrays: dict[str, np.ndarray] = {}
     for i, body in enumerate(sim.bodies):
         arrays[f"triangles_{i:04d}"] = np.asarray(body.triangles, dtype=np.int32).reshape(-1, 3)
-        rod_edges = body.mesh.edges if body.kind == "rod" else np.zeros((0, 2))
-        arrays[f"edges_{i:04d}"] = np.asarray(rod_edges, dtype=np.int32)
+        own_edges = np.zeros((0, 2)) if row_of(body).has_triangles else body.mesh.edges
+        arrays[f"edges_{i:04d}"] = np.asarray(own_edges, dtype=np.int32)
         for name, values in (("masses", point_masses(body)), ("second_moments", second_moments(body))):
             if values is not None:
                 arrays[f"{name}_{i:04d}"] = values

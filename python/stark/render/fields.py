@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stark.body_kinds import has_pose, names_of
+
 from .._core import InvalidArgument
 from ..arguments import real_array
 from .choosing import matching
@@ -140,7 +142,7 @@ def _given(body: Any, given: Any) -> np.ndarray:
 def _speed(body: Any) -> np.ndarray:
     if body.motion == "fixed":
         return np.zeros(len(body.positions))
-    if body.kind != "rigid":
+    if not has_pose(body):
         return np.asarray(np.linalg.norm(body.velocities, axis=1))
     position, rotation = body.pose
     center = position if body.motion == "scripted" else position + rotation @ body.center_of_mass
@@ -249,11 +251,11 @@ def _at_nodes(edges: np.ndarray) -> np.ndarray:
     return np.asarray(0.5 * (np.concatenate([edges[:1], edges]) + np.concatenate([edges, edges[-1:]])))
 
 
-_ELASTIC = ("cloth", "solid", "rod")
+_ELASTIC, _ALL = names_of(strains=True), names_of()
 FIELDS: dict[str, _Kind] = {
     "stress": _Kind("von Mises stress", "Pa", _ELASTIC, _stress),
     "strain": _Kind("strain", "", _ELASTIC, _strain),
-    "pressure": _Kind("contact pressure", "Pa", ("cloth", "solid", "rigid"), _pressure),
-    "contact_force": _Kind("contact force", "N", ("cloth", "solid", "rigid", "rod"), _contact_force),
-    "speed": _Kind("speed", "m/s", ("cloth", "solid", "rigid", "rod"), _speed),
+    "pressure": _Kind("contact pressure", "Pa", names_of(has_triangles=True), _pressure),
+    "contact_force": _Kind("contact force", "N", _ALL, _contact_force),
+    "speed": _Kind("speed", "m/s", _ALL, _speed),
 }

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from stark.body_kinds import has_frames, row_of
+
 from .._core import InvalidArgument
 from ..recording.format import surface
 from .caps import cap
@@ -57,7 +59,7 @@ def pieces_of(
             positions=positions.astype(np.float64),
             triangles=triangles.astype(np.int32),
             color=NEUTRAL if values and own is None else color,
-            smooth=str(getattr(body.kind, "name", body.kind)).lower() == "cloth",
+            smooth=row_of(body).is_sheet,
             scenery=far,
             opacity=share,
             values=None if own is None else at_surface(body, own),
@@ -77,8 +79,7 @@ def require_finite(name: str, positions: np.ndarray) -> None:
 def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
     """Values of the drawn vertices, of those of all vertices."""
     drawn = len(surface(body)[0])
-    kind = str(getattr(body.kind, "name", body.kind)).lower()
-    if kind == "rod" and drawn > len(values):  # rings around the nodes, then the middles of both ends
+    if has_frames(body) and drawn > len(values):  # rings around the nodes, then the middles of both ends
         return np.concatenate([np.repeat(values, (drawn - 2) // len(values)), values[[0, -1]]])
     if len(values) == drawn:
         return values

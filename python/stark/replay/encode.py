@@ -20,6 +20,8 @@ from typing import Any
 
 import numpy as np
 
+from stark.body_kinds import has_pose
+
 from ..palette import body_colors
 from ..recording import Recording, RecordingError
 from .encode_fields import encode_contacts, encode_fields, split_bytes
@@ -60,7 +62,7 @@ _LARGEST = 1e18
 
 def choose_stride(recording: Recording, max_megabytes: float) -> int:
     """Smallest frame stride whose estimated page size stays below ``max_megabytes``."""
-    vertices = sum(body.vertex_count for body in recording.bodies if body.kind != "rigid")
+    vertices = sum(body.vertex_count for body in recording.bodies if not has_pose(body))
     estimate = vertices * len(recording) * _BYTES_PER_VERTEX
     for entry in recording.fields:
         estimate += sum(recording.bodies[i].vertex_count for i in entry.bodies) * len(recording)
@@ -197,7 +199,7 @@ def _encode_body(recording: Recording, which: int, kept: list[int], add: Any) ->
         return {"mode": "fixed", "rest": add(_deflate(b""))}
     if all(np.array_equal(recording.positions(which, k), first) for k in kept[1:]):
         return {"mode": "fixed", "rest": add(_deflate(first.astype("<f4").tobytes()))}
-    if recording.bodies[which].kind == "rigid":
+    if has_pose(recording.bodies[which]):
         fit = _fit_rigid(np.stack([recording.positions(which, k) for k in kept]).astype(np.float64))
         if fit is not None:
             poses = np.concatenate([_quaternions(fit[0]), fit[1]], axis=1)

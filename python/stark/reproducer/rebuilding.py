@@ -5,13 +5,10 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
-import numpy as np
-
 from stark import _core
-from stark.bodies import Cloth, RigidBody, Rod, Solid
+from stark.bodies import HANDLES
 from stark.checkpoint import memory
 from stark.errors import StarkWarning
-from stark.mesh import EmbeddedMesh, Polyline, SolidMesh, TetMesh, TriangleMesh
 
 from .errors import ReproducerError
 from .parts import from_data
@@ -53,27 +50,11 @@ def _repeat(scene: Any, name: str, arguments: list[Any]) -> None:
         return
     index = getattr(scene._core, name)(*arguments)
     if name in _BODIES:
-        scene._append(_BODIES[name](scene, index, arguments[0]))
+        handle, given = _BODIES[name], arguments[0]
+        scene._append(handle(scene, index, handle._mesh_of(given), given["color"]))
 
 
-def _mesh_of_solid(given: dict[str, Any]) -> Any:
-    elements = np.asarray(given["elements"])
-    if given.get("embedding") is not None:
-        return EmbeddedMesh(given["vertices"], elements, **given["embedding"])
-    mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
-    return mesh(given["vertices"], elements)
-
-
-def _surface(given: dict[str, Any]) -> TriangleMesh:
-    return TriangleMesh(given["vertices"], given["triangles"])
-
-
-_BODIES: dict[str, Any] = {
-    "add_cloth": lambda scene, index, g: Cloth(scene, index, _surface(g), g["color"]),
-    "add_rigid": lambda scene, index, g: RigidBody(scene, index, _surface(g), g["color"]),
-    "add_solid": lambda scene, index, g: Solid(scene, index, _mesh_of_solid(g), g["color"]),
-    "add_rod": lambda scene, index, g: Rod(scene, index, Polyline(g["vertices"]), g["color"]),
-}
+_BODIES = {f"add_{kind}": handle for kind, handle in HANDLES.items()}
 _CALLS = {
     *_BODIES,
     *("add_skin", "add_fibres", "add_joint", "add_actuator", "add_attachment"),

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import real_number
+from stark.body_kinds import has_pose
 from stark.formulas import Frame, Point, TimeStep, Vec3, energy, parameter
 from stark.formulas.handle import Energy
 from stark.handle import SceneLink
@@ -127,7 +128,7 @@ class Pulls:
         self.let_go()
         handle, spring = self._scene[name], self._springs[name]
         damping = 2.0 * _DAMPING_RATIO * float(np.sqrt(given * handle.mass))
-        if handle.kind == "rigid":
+        if has_pose(handle):
             position, rotation = handle.pose
             place = np.asarray(rotation.T @ (at - position))
             self._held = Held(name, None, place)
@@ -189,7 +190,7 @@ def pulls_of(sim: Any) -> Pulls | None:
 
 def _spring(scene: Any, body: Any) -> Energy:
     none, name = np.zeros(3), f"pull of {body.name}"
-    if body.kind == "rigid":
+    if has_pose(body):
         return scene.add(pull_of_frame(body, stiffness=0.0, damping=0.0, place=none, target=none), name=name)
     still = np.zeros(len(body.mesh.vertices))
     return scene.add(

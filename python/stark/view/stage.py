@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stark.body_kinds import has_pose
 from stark.palette import body_colors
 from stark.recording.format import drawn, surface
 from stark.render.camera import auto_camera, bounds_of
@@ -120,7 +121,7 @@ class Stage:
 
     def _plain(self, body: Any, positions: Array, triangles: Array, color: Any) -> Any:
         """A mesh of one colour; of rigid bodies in their own frame, which moves."""
-        rigid, place = body.kind == "rigid", {}
+        rigid, place = has_pose(body), {}
         if rigid:
             position, rotation = body.pose
             positions = (positions - position) @ rotation
@@ -133,7 +134,7 @@ class Stage:
     def _move(self, body: Any, node: Any, positions: Array) -> None:
         if body.motion == "fixed":
             return
-        if body.kind == "rigid":
+        if has_pose(body):
             position, rotation = body.pose
             node.position, node.wxyz = position, to_quaternion(rotation)
         else:

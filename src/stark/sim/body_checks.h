@@ -14,7 +14,7 @@
 namespace stark {
 
 inline std::string owner_text(BodyKind kind, const std::string& name) {
-  return (kind == BodyKind::Rigid ? "rigid body '" : to_string(kind) + " '") + name + "'";
+  return std::string(row_of(kind).title) + " '" + name + "'";
 }
 
 /// What all kinds of bodies share.

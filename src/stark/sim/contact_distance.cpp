@@ -28,17 +28,17 @@ SmallestHeight smallest_height(const Scene& scene, BodyId body) {
 
 double automatic_distance(const Scene& scene, BodyId body, const Settings& settings) {
   const double by_size = std::min(kLargest, kPartOfSize * norm(box_size(scene.rest_vertices(body))));
-  if (scene.kind(body) == BodyKind::Rigid || !can_touch_itself(scene, body, settings)) return by_size;
+  if (is_rigid(scene.kind(body)) || !can_touch_itself(scene, body, settings)) return by_size;
   const double by_height = kPartOfHeight * smallest_height(scene, body).height;
   return std::clamp(by_height, kSmallestForHeight * by_size, by_size);
 }
 
 void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
                             std::vector<std::string>& warnings) {
-  const std::vector<double> lengths = polyline_lengths(scene.rod(body).mesh.vertices);
+  const std::vector<double> lengths = polyline_lengths(scene.rest_vertices(body));
   const double shortest = *std::min_element(lengths.begin(), lengths.end());
   if (2.0 * distance <= shortest || lengths.size() < 3) return;
-  warnings.push_back(owner_text(BodyKind::Rod, scene.name(body)) + ": contact_distance = " +
+  warnings.push_back(owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
                      quantity_text(distance, "m") + " is more than half of its shortest edge, " +
                      quantity_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
                      quantity_text(0.5 * shortest, "m") + ", longer edges, or self_contact = false");
@@ -72,7 +72,7 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
     const BodyId body{i};
     if (!can_touch_itself(scene, body, settings)) continue;
     const double distance = contact_distance(scene, body, settings);
-    if (scene.kind(body) == BodyKind::Rod) {
+    if (has_nodes(scene.kind(body))) {
       warn_about_short_edges(scene, body, distance, warnings);
       continue;
     }

@@ -21,18 +21,17 @@ constexpr double kStandardGravity = 9.80665;  ///< [m/s^2]
 double mass_of(const Model& model, BodyId id) {
   const ModelBody& body = model.bodies()[id.index];
   double mass = 0.0;
-  if (body.kind == BodyKind::Rigid) return model.rigid_masses()[body.rigid_index].mass;
-  for (int32_t i = 0; i < body.site_count; ++i)
-    mass += body.kind == BodyKind::Rod ? model.rigid_masses()[body.rigid_index + i].mass
-                                       : model.point_masses()[body.first_site + i];
+  for (int32_t i = 0; i < body.rigid_count(); ++i) mass += model.rigid_masses()[body.rigid_index + i].mass;
+  if (has_points(body.kind))
+    for (int32_t i = 0; i < body.site_count; ++i) mass += model.point_masses()[body.first_site + i];
   return mass;
 }
 
 /// What a body rests on: half of a closed surface, one side of a sheet [m^2].
 double resting_area(const Scene& scene, const Model& model, BodyId id, const Settings& settings) {
   const ModelBody& body = model.bodies()[id.index];
-  if (body.kind == BodyKind::Rod) {
-    const std::vector<double> lengths = polyline_lengths(scene.rod(id).mesh.vertices);
+  if (has_nodes(body.kind)) {
+    const std::vector<double> lengths = polyline_lengths(scene.rest_vertices(id));
     const double length = std::accumulate(lengths.begin(), lengths.end(), 0.0);
     const double diameter = 2.0 * contact_distance(scene, id, settings);
     return std::min(length, kRodLength * diameter) * diameter;

@@ -18,41 +18,6 @@ constexpr double kOrdinaryStrain = 0.1;
 /// Pins from which lengths are measured: each costs a search through all edges of the body.
 constexpr int kPinSamples = 8;
 
-/// Elements of a body of any kind as lists of vertices, and which of those an edge joins.
-struct Elements {
-  std::vector<int32_t> vertices;  ///< [count][width]
-  size_t width = 0;
-  std::vector<Index2> edges;  ///< within an element
-  size_t count() const { return width == 0 ? 0 : vertices.size() / width; }
-  std::span<const int32_t> at(size_t e) const { return {vertices.data() + e * width, width}; }
-};
-
-Elements elements_of(const Scene& scene, BodyId body) {
-  Elements elements;
-  if (scene.kind(body) == BodyKind::Cloth) {
-    elements.width = 3;
-    elements.edges = {{0, 1}, {1, 2}, {2, 0}};
-    for (const Index3& t : scene.cloth(body).mesh.triangles)
-      elements.vertices.insert(elements.vertices.end(), t.begin(), t.end());
-  } else if (scene.kind(body) == BodyKind::Solid) {
-    const SolidMesh& mesh = scene.solid(body).mesh;
-    elements.width = static_cast<size_t>(mesh.node_count());
-    elements.edges = reference_element(mesh.type).edges;
-    elements.vertices = mesh.elements;
-  } else if (scene.kind(body) == BodyKind::Rod) {
-    elements.width = 2;
-    elements.edges = {{0, 1}};
-    const auto nodes = static_cast<int32_t>(scene.rod(body).mesh.vertices.size());
-    for (int32_t i = 0; i + 1 < nodes; ++i) elements.vertices.insert(elements.vertices.end(), {i, i + 1});
-  }
-  return elements;
-}
-
-std::span<const Vec3> rest_of(const Scene& scene, BodyId body) {
-  if (scene.kind(body) == BodyKind::Rod) return scene.rod(body).mesh.vertices;
-  return scene.rest_vertices(body);
-}
-
 double area(std::span<const Vec3> x, std::span<const int32_t> t) {
   return 0.5 * norm(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
@@ -102,14 +67,13 @@ double severity(const StrainedElement& element) {
 
 std::vector<StrainedElement> find_strained_elements(const Scene& scene, BodyId body, std::span<const Vec3> x,
                                                     size_t count) {
-  const Elements elements = elements_of(scene, body);
+  const BodyElements elements = elements_of(scene, body);
   if (elements.count() == 0) return {};
-  const std::span<const Vec3> X = rest_of(scene, body);
-  const BodyKind kind = scene.kind(body);
-  const SolidMesh* rest = kind == BodyKind::Solid ? &scene.solid(body).mesh : nullptr;
+  const std::span<const Vec3> X = scene.rest_vertices(body);
+  const SolidMesh* rest = scene.solid_mesh(body);
   SolidMesh deformed;
   if (rest) deformed = {std::vector<Vec3>(x.begin(), x.end()), rest->type, rest->elements};
-  const std::string owner = owner_text(kind, scene.name(body));
+  const std::string owner = owner_text(scene.kind(body), scene.name(body));
   std::vector<char> pinned(X.size(), 0);
   for (const int32_t v : scene.pins(body).vertices) pinned[v] = 1;
 
@@ -122,9 +86,9 @@ std::vector<StrainedElement> find_strained_elements(const Scene& scene, BodyId b
       const double stretch = norm(x[nodes[j]] - x[nodes[i]]) / norm(X[nodes[j]] - X[nodes[i]]);
       if (!(std::fabs(std::log(stretch)) <= std::fabs(std::log(element.stretch)))) element.stretch = stretch;
     }
-    element.size = rest                      ? smallest_jacobian(deformed, id) / smallest_jacobian(*rest, id)
-                   : kind == BodyKind::Cloth ? area(x, nodes) / area(X, nodes)
-                                             : element.stretch;
+    element.size = rest                  ? smallest_jacobian(deformed, id) / smallest_jacobian(*rest, id)
+                   : elements.width == 3 ? area(x, nodes) / area(X, nodes)
+                                         : element.stretch;
     if (severity(element) < kOrdinaryStrain) continue;
     if (found.size() == count && severity(element) <= severity(found.back())) continue;
     element.at = {owner, {nodes.begin(), nodes.end()}};
@@ -140,8 +104,8 @@ std::vector<StrainedElement> find_strained_elements(const Scene& scene, BodyId b
 std::optional<PinPair> find_stretched_pins(const Scene& scene, BodyId body, std::span<const Vec3> x) {
   const std::vector<int32_t>& pins = scene.pins(body).vertices;
   if (pins.size() < 2) return {};
-  const std::span<const Vec3> X = rest_of(scene, body);
-  const Elements elements = elements_of(scene, body);
+  const std::span<const Vec3> X = scene.rest_vertices(body);
+  const BodyElements elements = elements_of(scene, body);
   std::vector<std::vector<std::pair<int32_t, double>>> next(X.size());
   for (size_t e = 0; e < elements.count(); ++e)
     for (const auto& [i, j] : elements.edges) {

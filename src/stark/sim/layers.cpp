@@ -20,23 +20,19 @@ struct Placement {
 };
 
 Placement placement_of(const Scene& scene, BodyId body) {
-  if (scene.kind(body) == BodyKind::Cloth)
-    return {scene.cloth(body).rotation, scene.cloth(body).initial_positions};
-  return {scene.solid(body).rotation, scene.solid(body).initial_positions};
+  return scene.visit(body, [](const auto& b) -> Placement {
+    if constexpr (requires { b.initial_positions; }) return {b.rotation, b.initial_positions};
+    return {b.rotation, {}};
+  });
 }
 
 /// Vertices that share an element.
 class Adjacency {
  public:
   Adjacency(const Scene& scene, BodyId body) {
-    if (scene.kind(body) == BodyKind::Cloth) {
-      width_ = 3;
-      for (const Index3& t : scene.cloth(body).mesh.triangles)
-        elements_.insert(elements_.end(), t.begin(), t.end());
-    } else {
-      width_ = static_cast<size_t>(scene.solid(body).mesh.node_count());
-      elements_ = scene.solid(body).mesh.elements;
-    }
+    BodyElements elements = elements_of(scene, body);
+    width_ = elements.width;
+    elements_ = std::move(elements.vertices);
     at_.resize(scene.rest_vertices(body).size());
     for (size_t k = 0; k < elements_.size(); ++k) at_[elements_[k]].push_back(k / width_);
   }

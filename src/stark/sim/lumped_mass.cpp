@@ -3,7 +3,6 @@
 
 #include <numeric>
 
-#include <stark/geometry/polyline.h>
 #include <stark/geometry/topology.h>
 #include <stark/sim/layers.h>
 #include <stark/sim/material_fields.h>
@@ -14,26 +13,9 @@ namespace {
 
 double sum(const std::vector<double>& masses) { return std::accumulate(masses.begin(), masses.end(), 0.0); }
 
-double rod_mass(const RodDescription& rod) {
-  const std::vector<double> lengths = polyline_lengths(rod.mesh.vertices);
-  const double area = section_of(rod.material).mass / rod.material.density;
-  double mass = 0.0;
-  for (size_t e = 0; e < lengths.size(); ++e) mass += lengths[e] * area * element_density(rod, e);
-  return mass;
-}
-
 double own_mass(const Scene& scene, BodyId body) {
-  switch (scene.kind(body)) {
-    case BodyKind::Cloth:
-      return sum(lumped_masses(scene.cloth(body)));
-    case BodyKind::Solid:
-      return sum(lumped_masses(scene.solid(body)));
-    case BodyKind::Rod:
-      return rod_mass(scene.rod(body));
-    case BodyKind::Rigid:
-      break;
-  }
-  return scene.rigid_inertia(body).mass;
+  const BodyKindRow& row = row_of(scene.kind(body));
+  return row.mass ? row.mass(scene, body) : sum(row.vertex_masses(scene, body));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <stark/base/error.h>
 #include <stark/mechanics/rest_state.h>
@@ -255,6 +256,13 @@ double element_density(const ClothDescription& cloth, size_t element) { return d
 double element_density(const RodDescription& rod, size_t element) { return density_at(rod, element); }
 double element_density(const FibresDescription& fibres, size_t element) {
   return density_at(fibres, element);
+}
+
+double smallest_modulus(const ElasticEnergy& energy) {
+  const auto found = energy.values.find("youngs_modulus");
+  if (found == energy.values.end() || found->second.values.empty())
+    return std::numeric_limits<double>::infinity();
+  return *std::ranges::min_element(found->second.values);
 }
 
 }  // namespace stark

@@ -33,6 +33,9 @@ void check_fields(std::string_view owner, const ClothDescription& cloth);
 void check_fields(std::string_view owner, const RodDescription& rod);
 void check_fields(std::string_view owner, const FibresDescription& fibres);
 
+/// Young's modulus of the elements [Pa], the smallest; infinity for laws without.
+double smallest_modulus(const ElasticEnergy& energy);
+
 /// Density of an element [kg/m^3], of cloth [kg/m^2].
 double element_density(const SolidDescription& solid, size_t element);
 double element_density(const ClothDescription& cloth, size_t element);

@@ -33,9 +33,9 @@ void Model::Builder::build() {
   add_attachment_sites();
   model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
   for (int32_t i = 0; i < scene.body_count(); ++i) {
-    if (scene.kind(BodyId{i}) == BodyKind::Cloth) add_cloth_energies(BodyId{i});
-    if (scene.kind(BodyId{i}) == BodyKind::Solid) add_solid_energies(BodyId{i});
-    if (scene.kind(BodyId{i}) == BodyKind::Rod) add_rod_energies(BodyId{i});
+    scene.visit(BodyId{i}, [&](const auto& body) {
+      if constexpr (requires { add_energies(BodyId{i}, body); }) add_energies(BodyId{i}, body);
+    });
   }
   add_layer_energies();
   add_inertia();
@@ -94,7 +94,7 @@ void Model::Builder::set_initial_state() {
   state.time_step = state.mark_step = settings.time.step;
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId id{i};
-    if (scene.kind(id) == BodyKind::Rigid || scene.kind(id) == BodyKind::Rod) continue;
+    if (!has_points(scene.kind(id))) continue;
     const std::vector<Vec3> x = scene.initial_positions(id), v = scene.initial_velocities(id);
     state.point_position.insert(state.point_position.end(), x.begin(), x.end());
     state.point_velocity.insert(state.point_velocity.end(), v.begin(), v.end());
@@ -180,9 +180,8 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
                  ContactSurfaces& out) {
   SurfaceMesh& mesh = out.mesh;
   const FlatFaces faces =
-      body.kind == BodyKind::Rigid
-          ? find_flat_faces(rest.subspan(body.first_site, body.site_count), body.triangles)
-          : separate_faces(body.triangles);
+      is_rigid(body.kind) ? find_flat_faces(rest.subspan(body.first_site, body.site_count), body.triangles)
+                          : separate_faces(body.triangles);
   const auto first_triangle = static_cast<int32_t>(mesh.triangles.size());
   for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
   for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
@@ -246,7 +245,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
     surfaces.core.push_back(scene.contact_core(id));
-    surfaces.is_sheet.push_back(bodies_[b].kind == BodyKind::Cloth || bodies_[b].kind == BodyKind::Rod);
+    surfaces.is_sheet.push_back(row_of(bodies_[b].kind).is_thin);
   }
   // Each triangle a face of its own: nothing to choose from, in every search for contacts.
   const auto triangles = std::views::iota(int32_t{0}, static_cast<int32_t>(surfaces.face.size()));
@@ -258,7 +257,7 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
       surfaces.filter.set(
           a, b, scene.contact_possible(BodyId{a}, BodyId{b}) && (a != b || settings.contact.self_contact));
   for (size_t b = 0; b < bodies_.size(); ++b)
-    if (bodies_[b].kind == BodyKind::Rod)
+    if (has_nodes(bodies_[b].kind))
       set_neighbours(bodies_[b], rest_positions_, 2.0 * surfaces.group_distance[b], surfaces.filter);
   surfaces.rest_positions = rest_positions_;
   std::vector<FrictionCoefficient> friction(static_cast<size_t>(groups) * groups);
@@ -274,7 +273,7 @@ RestitutionTable Model::make_restitution(const Scene& scene, const Settings& set
   RestitutionTable table;
   for (int32_t a = 0; a < scene.body_count(); ++a) {
     const ModelBody& body = bodies_[a];
-    const bool is_rigid = body.kind == BodyKind::Rigid;
+    const bool is_rigid = stark::is_rigid(body.kind);
     const bool falls = is_rigid && map_.layout().body_block[body.rigid_index] != kNoBlock;
     table.gravity.push_back(falls ? settings.gravity : Vec3{});
     table.frame.push_back(is_rigid ? spanning_sites(body, rest_positions_) : std::array<int32_t, 3>{});

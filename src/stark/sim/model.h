@@ -26,6 +26,9 @@ struct ModelBody {
   std::vector<Index2> edges;               ///< rods: from node to node
   std::vector<int32_t> pins;               ///< prescribed vertices
   std::vector<int32_t> clamped;            ///< rods: nodes with prescribed frames
+
+  /// Of bodies and frames in the arrays of the state.
+  int32_t rigid_count() const { return is_rigid(kind) ? 1 : has_nodes(kind) ? site_count : 0; }
 };
 
 /// Mass distribution of a rigid body in its principal frame, or of a node of a rod in its frame. Nodes of

@@ -61,10 +61,10 @@ struct Model::Builder {
   void set_initial_fibres();
 
   // Energies
-  void add_cloth_energies(BodyId id);
+  void add_energies(BodyId id, const ClothDescription& cloth);
+  void add_energies(BodyId id, const SolidDescription& solid);
+  void add_energies(BodyId id, const RodDescription& rod);
   void add_shell_energies(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
-  void add_solid_energies(BodyId id);
-  void add_rod_energies(BodyId id);
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
                             std::span<const int32_t> stencils, const std::string& body);
   // Bending of shells (model_bending.cpp)

@@ -70,7 +70,7 @@ void Model::Builder::add_deformables() {
     const BodyId id{i};
     ModelBody& body = model.bodies_[i];
     body.kind = scene.kind(id);
-    if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) continue;
+    if (!has_points(body.kind)) continue;
     const std::vector<Vec3>& rest = scene.rest_vertices(id);
     body.first_site = static_cast<int32_t>(sites.size());
     body.site_count = static_cast<int32_t>(rest.size());
@@ -86,15 +86,13 @@ void Model::Builder::add_deformables() {
       model.point_masses_.push_back(0.0);
       point_damping.push_back(0.0);
     }
-    if (body.kind == BodyKind::Solid) add_embedded_sites(scene.solid(id).mesh, body);
+    if (const SolidMesh* mesh = scene.solid_mesh(id)) add_embedded_sites(*mesh, body);
     for (const int32_t pin : body.pins) point_prescribed[body.first_site + pin] = true;
-    if (body.kind == BodyKind::Cloth) {
-      body.triangles = scene.cloth(id).mesh.triangles;
-      set_masses(body, lumped_masses(scene.cloth(id)), scene.cloth(id).material.mass_damping);
-    } else {
-      body.triangles = find_boundary_triangles(scene.solid(id).mesh);
-      set_masses(body, lumped_masses(scene.solid(id)), scene.solid(id).material.mass_damping);
-    }
+    body.triangles = scene.surface_triangles(id);
+    set_masses(body, row_of(body.kind).vertex_masses(scene, id), scene.visit(id, [](const auto& b) {
+      if constexpr (requires { b.material; }) return b.material.mass_damping;
+      return 0.0;
+    }));
   }
 }
 
@@ -197,8 +195,8 @@ void Model::Builder::add_strain_limit(const SolidDescription& solid, const Model
   }
 }
 
-void Model::Builder::add_cloth_energies(BodyId id) {
-  add_shell_energies(scene.cloth(id), model.bodies_[id.index], scene.name(id));
+void Model::Builder::add_energies(BodyId id, const ClothDescription& cloth) {
+  add_shell_energies(cloth, model.bodies_[id.index], scene.name(id));
 }
 
 void Model::Builder::add_shell_energies(const ClothDescription& sheet, const ModelBody& body,
@@ -238,8 +236,7 @@ void Model::Builder::add_quadrature_batch(const SolidMesh& mesh, const ElasticEn
   energies.quadrature.push_back({body, std::move(batch)});
 }
 
-void Model::Builder::add_solid_energies(BodyId id) {
-  const SolidDescription& solid = scene.solid(id);
+void Model::Builder::add_energies(BodyId id, const SolidDescription& solid) {
   const ModelBody& body = model.bodies_[id.index];
   add_elements(solid.mesh, elastic_energy(solid), body, scene.name(id));
   add_strain_limit(solid, body, scene.name(id));

@@ -133,9 +133,7 @@ void Model::Builder::set_initial_fibres() {
   State& state = model.initial_state_;
   for (const FibresDescription& fibres : scene.fibres()) {
     if (!fibres.bending) continue;
-    const Vec3& turning = scene.kind(fibres.body) == BodyKind::Cloth
-                              ? scene.cloth(fibres.body).angular_velocity
-                              : scene.solid(fibres.body).angular_velocity;
+    const Vec3 turning = scene.visit(fibres.body, [](const auto& body) { return body.angular_velocity; });
     for (const PathFrames& frames : path_frames(scene, fibres))
       for (const Mat3& frame : frames.initial) {
         state.body_position.push_back({});

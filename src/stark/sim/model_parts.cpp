@@ -91,15 +91,15 @@ void Model::Builder::list_bodies() {
     append_all(structure, body.clamped);
     const std::span<const Vec3> rest = model.rest_positions_;
     append_all(shape, rest.subspan(body.first_site, body.site_count));
-    if (body.kind == BodyKind::Rigid && scene.motion(id) == Motion::Fixed) {
+    if (scene.motion(id) == Motion::Fixed) {
       place.append(model.initial_state_.body_position[body.rigid_index]);
       place.append(model.initial_state_.body_rotation[body.rigid_index]);
     }
     mass.append(body.centre);
     mass.append(body.axes);
-    if (body.kind == BodyKind::Rigid || body.kind == BodyKind::Rod) {
-      const int32_t count = body.kind == BodyKind::Rod ? body.site_count : 1;
-      for (int32_t b = 0; b < count; ++b) append_mass(mass, model.rigid_masses_[body.rigid_index + b]);
+    if (!has_points(body.kind)) {
+      for (int32_t b = 0; b < body.rigid_count(); ++b)
+        append_mass(mass, model.rigid_masses_[body.rigid_index + b]);
     } else {
       const std::span<const double> masses = model.point_masses_;
       append_all(mass, masses.subspan(body.first_site, body.site_count));

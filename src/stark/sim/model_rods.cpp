@@ -89,7 +89,7 @@ void Model::Builder::add_rod_sites() {
   }
 }
 
-void Model::Builder::add_rod_energies(BodyId id) {
+void Model::Builder::add_energies(BodyId id, const RodDescription& rod) {
   const ModelBody& body = model.bodies_[id.index];
   std::vector<int32_t> stencils;
   for (const Index2& edge : body.edges) {

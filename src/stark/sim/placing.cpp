@@ -93,9 +93,7 @@ void Placing::end(const std::function<void(std::span<const Vec3> x)>& check_clea
 
 std::pair<int32_t, int32_t> Placing::rigid_range(int32_t body) const {
   const ModelBody& b = model_.bodies()[body];
-  if (b.kind == BodyKind::Rigid) return {b.rigid_index, 1};
-  if (b.kind == BodyKind::Rod) return {b.rigid_index, b.site_count};
-  return {0, 0};
+  return {b.rigid_count() == 0 ? 0 : b.rigid_index, b.rigid_count()};
 }
 
 std::vector<int32_t> Placing::fibre_frames(int32_t body) const {
@@ -127,7 +125,7 @@ void Placing::put_points(int32_t body, std::span<const Vec3> positions) {
   require_matching(body, positions.size(), "positions");
   const ModelBody& b = model_.bodies()[body];
   const std::string owner = "body '" + scene_.name(BodyId{body}) + "': positions";
-  if (b.kind == BodyKind::Rod)
+  if (has_nodes(b.kind))
     throw InvalidArgument(owner +
                           " of a rod cannot be placed, as its frames would not fit them; rewind to a state "
                           "in which the rod is as it should be, or turn a joint that it hangs on");
@@ -162,7 +160,7 @@ void Placing::push_points(int32_t body, std::span<const Vec3> velocities) {
   const ModelBody& b = model_.bodies()[body];
   const DofLayout& layout = model_.map().layout();
   for (int32_t i = 0; i < b.site_count; ++i) {
-    if (b.kind == BodyKind::Rod) {
+    if (has_nodes(b.kind)) {
       if (layout.body_block[b.rigid_index + i] != kNoBlock)
         state_.body_velocity[b.rigid_index + i] = velocities[i];
     } else if (layout.point_block[b.first_site + i] != kNoBlock) {

@@ -167,15 +167,15 @@ void Scene::check_vertices(BodyId body, std::string_view action, std::span<const
 }
 
 void Scene::pin(BodyId body, std::span<const int32_t> vertices) {
-  if (kind(body) == BodyKind::Rigid)
+  if (is_rigid(kind(body)))
     throw InvalidArgument(
         owner_text(kind(body), name(body)) +
         ": has no vertices of its own to pin: only cloth, solids and rods do; use motion = fixed or "
         "scripted for the whole body");
   check_vertices(body, "pinned", vertices);
-  if (kind(body) == BodyKind::Solid)
+  if (const SolidMesh* mesh = solid_mesh(body))
     for (const int32_t v : vertices)
-      if (const auto first = static_cast<int32_t>(solid(body).mesh.first_embedded()); v >= first)
+      if (const auto first = static_cast<int32_t>(mesh->first_embedded()); v >= first)
         throw InvalidArgument(owner_text(kind(body), name(body)) + ": pinned vertex " + std::to_string(v) +
                               " is embedded and follows the nodes of its cell: must be below " +
                               std::to_string(first) + "; pin those nodes, mesh.nodes_around(vertices)");
@@ -216,24 +216,21 @@ bool Scene::is_kept_apart(BodyId a, BodyId b) const {
 }
 
 bool Scene::is_filled(BodyId body) const {
-  return kind(body) == BodyKind::Solid || (kind(body) == BodyKind::Rigid && !rigid(body).hollow);
+  return visit(body, [&](const auto& b) {
+    if constexpr (requires { b.hollow; })
+      if (b.hollow) return false;
+    return row_of(kind(body)).can_be_filled;
+  });
 }
 
 bool Scene::contact_possible(BodyId a, BodyId b) const {
   if (contact_disabled_.contains(ordered(a, b))) return false;
   if (motion(a) != Motion::Dynamic && motion(b) != Motion::Dynamic) return false;
   if (a != b) return true;
-  switch (kind(a)) {
-    case BodyKind::Cloth:
-      return cloth(a).self_contact;
-    case BodyKind::Solid:
-      return solid(a).self_contact;
-    case BodyKind::Rod:
-      return rod(a).self_contact;
-    case BodyKind::Rigid:
-      return false;
-  }
-  return true;
+  return visit(a, [](const auto& b) {
+    if constexpr (requires { b.self_contact; }) return b.self_contact;
+    return false;
+  });
 }
 
 Scene::Pair Scene::ordered(BodyId a, BodyId b) const {
@@ -262,15 +259,13 @@ BodyId Scene::find(std::string_view name) const {
 }
 
 Motion Scene::motion(BodyId body) const {
-  return kind(body) == BodyKind::Rigid ? rigid(body).motion : Motion::Dynamic;
+  return visit(body, [](const auto& b) {
+    if constexpr (requires { b.motion; }) return b.motion;
+    return Motion::Dynamic;
+  });
 }
 
 namespace {
-
-double half_thickness(const RodDescription& rod) {
-  const RodMaterial& m = rod.material;
-  return m.width > 0.0 ? 0.5 * std::min(m.width, m.height) : m.radius;
-}
 
 [[noreturn]] void fail_kind(const std::string& name, BodyKind kind, BodyKind wanted) {
   throw InvalidArgument("body '" + name + "' is a " + to_string(kind) + " body: a " + to_string(wanted) +
@@ -279,29 +274,13 @@ double half_thickness(const RodDescription& rod) {
 
 }  // namespace
 
-const ClothDescription& Scene::cloth(BodyId body) const {
-  if (kind(body) != BodyKind::Cloth) fail_kind(name(body), kind(body), BodyKind::Cloth);
-  return cloths_[index_in_kind(body)];
-}
-
-const SolidDescription& Scene::solid(BodyId body) const {
-  if (kind(body) != BodyKind::Solid) fail_kind(name(body), kind(body), BodyKind::Solid);
-  return solids_[index_in_kind(body)];
-}
-
-const RigidDescription& Scene::rigid(BodyId body) const {
-  if (kind(body) != BodyKind::Rigid) fail_kind(name(body), kind(body), BodyKind::Rigid);
-  return rigids_[index_in_kind(body)];
-}
-
-const RodDescription& Scene::rod(BodyId body) const {
-  if (kind(body) != BodyKind::Rod) fail_kind(name(body), kind(body), BodyKind::Rod);
-  return rods_[index_in_kind(body)];
+size_t Scene::body_of_kind(BodyId body, BodyKind wanted) const {
+  if (kind(body) != wanted) fail_kind(name(body), kind(body), wanted);
+  return static_cast<size_t>(index_in_kind(body));
 }
 
 const std::vector<Vec3>& Scene::rest_vertices(BodyId body) const {
-  if (kind(body) == BodyKind::Rigid) return rigid(body).mesh.vertices;
-  return kind(body) == BodyKind::Cloth ? cloth(body).mesh.vertices : solid(body).mesh.vertices;
+  return visit(body, [](const auto& b) -> const std::vector<Vec3>& { return b.mesh.vertices; });
 }
 
 const RigidInertia& Scene::rigid_inertia(BodyId body) const {
@@ -310,22 +289,6 @@ const RigidInertia& Scene::rigid_inertia(BodyId body) const {
 }
 
 namespace {
-
-/// Calls function(description) with the description of a body of any kind.
-template <typename Function>
-auto visit_body(const Scene& scene, BodyId body, Function&& function) {
-  switch (scene.kind(body)) {
-    case BodyKind::Cloth:
-      return function(scene.cloth(body));
-    case BodyKind::Solid:
-      return function(scene.solid(body));
-    case BodyKind::Rod:
-      return function(scene.rod(body));
-    case BodyKind::Rigid:
-      break;
-  }
-  return function(scene.rigid(body));
-}
 
 template <typename Description>
 std::vector<Vec3> placed_vertices(const Description& body) {
@@ -340,33 +303,36 @@ std::vector<Vec3> placed_vertices(const Description& body) {
 }  // namespace
 
 std::optional<double> Scene::contact_distance(BodyId body) const {
-  if (kind(body) == BodyKind::Rod) return rod(body).contact_distance.value_or(half_thickness(rod(body)));
-  return visit_body(*this, body, [](const auto& b) { return b.contact_distance; });
+  return visit(body, [](const auto& b) -> std::optional<double> {
+    if constexpr (requires { b.default_contact_distance(); })
+      return b.contact_distance.value_or(b.default_contact_distance());
+    return b.contact_distance;
+  });
 }
 
 std::optional<double> Scene::contact_stiffness(BodyId body) const {
-  return visit_body(*this, body, [](const auto& b) { return b.contact_stiffness; });
+  return visit(body, [](const auto& b) { return b.contact_stiffness; });
 }
 
 double Scene::contact_core(BodyId body) const {
-  return visit_body(*this, body, [](const auto& b) { return b.contact_core; });
+  return visit(body, [](const auto& b) { return b.contact_core; });
 }
 
 std::optional<double> Scene::body_friction(BodyId body) const {
-  return visit_body(*this, body, [](const auto& b) { return b.friction; });
+  return visit(body, [](const auto& b) { return b.friction; });
 }
 
 std::optional<Color> Scene::color(BodyId body) const {
-  return visit_body(*this, body, [](const auto& b) { return b.color; });
+  return visit(body, [](const auto& b) { return b.color; });
 }
 
 std::vector<Vec3> Scene::initial_positions(BodyId body) const {
-  return visit_body(*this, body, [](const auto& b) { return placed_vertices(b); });
+  return visit(body, [](const auto& b) { return placed_vertices(b); });
 }
 
 std::vector<Vec3> Scene::initial_velocities(BodyId body) const {
-  if (kind(body) == BodyKind::Rigid) fail_kind(name(body), kind(body), BodyKind::Cloth);
-  return visit_body(*this, body, [](const auto& b) {
+  if (is_rigid(kind(body))) fail_kind(name(body), kind(body), BodyKind::Cloth);
+  return visit(body, [](const auto& b) {
     std::vector<Vec3> velocities = placed_vertices(b);
     for (Vec3& v : velocities) v = b.velocity + cross(b.angular_velocity, v - b.position);
     return velocities;

@@ -4,6 +4,7 @@
 // turns it into stencils and parameter tables. SI units.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -11,9 +12,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include <stark/base/error.h>
 #include <stark/base/math.h>
 #include <stark/contact/friction_coefficient.h>
 #include <stark/geometry/mesh.h>
@@ -23,6 +26,7 @@
 #include <stark/mechanics/rod_law.h>
 #include <stark/sim/actuator.h>
 #include <stark/sim/attachment.h>
+#include <stark/sim/body_kind.h>
 #include <stark/sim/energy.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/joint.h>
@@ -34,7 +38,6 @@
 
 namespace stark {
 
-enum class BodyKind : uint8_t { Cloth, Solid, Rigid, Rod };
 /// Dynamic bodies move by forces. Fixed ones never move. Scripted ones follow poses that the user sets, or
 /// else their constant initial velocities; forces do not move them.
 enum class Motion : uint8_t { Dynamic, Fixed, Scripted };
@@ -46,10 +49,6 @@ enum class Formulation : uint8_t { Displacement, MeanDilatation };
 template <>
 struct EnumNames<Formulation> {
   static constexpr std::array<std::string_view, 2> kNames{"displacement", "mean_dilatation"};
-};
-template <>
-struct EnumNames<BodyKind> {
-  static constexpr std::array<std::string_view, 4> kNames{"cloth", "solid", "rigid", "rod"};
 };
 template <>
 struct EnumNames<Motion> {
@@ -127,6 +126,10 @@ struct RodDescription {
   std::optional<double> friction{};
   bool self_contact = true;
   std::optional<Color> color{};
+
+  double default_contact_distance() const {
+    return material.width > 0.0 ? 0.5 * std::min(material.width, material.height) : material.radius;
+  }
 };
 
 /// Mass, centre and inertia of a rigid body in the frame of its mesh.
@@ -286,15 +289,30 @@ class Scene {
   Motion motion(BodyId body) const;  ///< Dynamic for cloth, solids and rods
   /// Position of the description in cloths(), solids(), rigids() or rods().
   int32_t index_in_kind(BodyId body) const { return at(body).index_in_kind; }
-  const std::vector<ClothDescription>& cloths() const { return cloths_; }
-  const std::vector<SolidDescription>& solids() const { return solids_; }
-  const std::vector<RigidDescription>& rigids() const { return rigids_; }
-  const std::vector<RodDescription>& rods() const { return rods_; }
-  const ClothDescription& cloth(BodyId body) const;
-  const SolidDescription& solid(BodyId body) const;
-  const RigidDescription& rigid(BodyId body) const;
-  const RodDescription& rod(BodyId body) const;
-  /// Rest positions [m] of the vertices of a cloth, a solid or a rigid body, in the frame of the body.
+  /// cloth(body), solids(), ...: descriptions of a kind; the former throw for bodies of other kinds.
+#define STARK_BODY_KIND(Kind, name)                                          \
+  const std::vector<Kind##Description>& name##s() const { return name##s_; } \
+  const Kind##Description& name(BodyId body) const { return name##s_[body_of_kind(body, BodyKind::Kind)]; }
+#include <stark/sim/body_kinds.inc>
+  /// Calls function(description) with the description of a body of any kind.
+  template <typename Function>
+  decltype(auto) visit(BodyId body, Function&& function) const {
+    switch (kind(body)) {
+#define STARK_BODY_KIND(Kind, name) \
+  case BodyKind::Kind:              \
+    return function(name(body));
+#include <stark/sim/body_kinds.inc>
+    }
+    throw InternalError("a body of an unknown kind");
+  }
+  /// Elements of a solid, null of other bodies.
+  const SolidMesh* solid_mesh(BodyId body) const {
+    return visit(body, [](const auto& b) -> const SolidMesh* {
+      if constexpr (std::is_same_v<decltype(b.mesh), SolidMesh>) return &b.mesh;
+      return nullptr;
+    });
+  }
+  /// Rest positions [m] of the vertices, in the frame of the body.
   const std::vector<Vec3>& rest_vertices(BodyId body) const;
   const RigidInertia& rigid_inertia(BodyId body) const;  ///< zero mass for fixed and scripted bodies
   const Pins& pins(BodyId body) const { return pins_[at_index(body)]; }
@@ -323,7 +341,8 @@ class Scene {
   };
   using Pair = std::pair<int32_t, int32_t>;
 
-  size_t at_index(BodyId body) const;  ///< throws for ids of another scene
+  size_t at_index(BodyId body) const;                       ///< throws for ids of another scene
+  size_t body_of_kind(BodyId body, BodyKind wanted) const;  ///< index in its list; throws for other kinds
   const Body& at(BodyId body) const { return bodies_[at_index(body)]; }
   void check_vertices(BodyId body, std::string_view action, std::span<const int32_t> vertices) const;
   BodyId append(std::string name, BodyKind kind, size_t index_in_kind);
@@ -339,10 +358,8 @@ class Scene {
   bool is_kept_apart(BodyId a, BodyId b) const;
 
   std::vector<Body> bodies_;
-  std::vector<ClothDescription> cloths_;
-  std::vector<SolidDescription> solids_;
-  std::vector<RigidDescription> rigids_;
-  std::vector<RodDescription> rods_;
+#define STARK_BODY_KIND(Kind, name) std::vector<Kind##Description> name##s_;
+#include <stark/sim/body_kinds.inc>
   std::vector<RigidInertia> inertias_;  // parallel to rigids_
   std::vector<Pins> pins_;              // parallel to bodies_
   std::vector<EnergyDescription> energies_;

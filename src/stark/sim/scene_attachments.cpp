@@ -21,7 +21,7 @@ void check_is_points(const std::string& owner, const PointSet& points) {
 
 void Scene::check_patches(const std::string& owner, const AttachmentDescription& attachment) const {
   const BodyId body = attachment.patch_body;
-  if (kind(body) == BodyKind::Rigid || kind(body) == BodyKind::Rod)
+  if (!has_points(kind(body)))
     throw InvalidArgument(owner + ": '" + name(body) + "' is a " + to_string(kind(body)) +
                           " body: patches belong to cloth and solids; give points of the body");
   const std::vector<Vec3> x = initial_positions(body);

@@ -29,14 +29,14 @@ void Scene::check_points(const std::string& owner, const PointSet& points) const
   };
   if (points.kind == PointKind::WorldPoints) return check_finite_points();
   const std::string where = owner + ": points of '" + name(points.body) + "'";
-  const bool is_rigid = kind(points.body) == BodyKind::Rigid;
+  const bool is_rigid = stark::is_rigid(kind(points.body));
   const auto check_vertex = [&,
                              count = static_cast<int32_t>(initial_positions(points.body).size())](int32_t v) {
     if (v < 0 || v >= count)
       throw InvalidArgument(where + ": vertex " + std::to_string(v) + ": must be in [0, " +
                             std::to_string(count) + "); give indices of vertices of the mesh");
   };
-  const bool is_rod = kind(points.body) == BodyKind::Rod;
+  const bool is_rod = has_nodes(kind(points.body));
   switch (points.kind) {
     case PointKind::Vertices:
       for (const int32_t v : points.vertices) check_vertex(v);

@@ -48,7 +48,7 @@ void Scene::set_anisotropic_friction(BodyId a, BodyId b, const AnisotropicFricti
 void Scene::set_restitution(BodyId a, BodyId b, double coefficient) {
   const std::string owner = "restitution of '" + name(a) + "' and '" + name(b) + "'";
   for (const BodyId body : {a, b})
-    if (kind(body) != BodyKind::Rigid)
+    if (!is_rigid(kind(body)))
       throw InvalidArgument(
           owner + ": '" + name(body) + "' is a " + to_string(kind(body)) +
           ": must be rigid bodies; what deforms gives back what its material does not damp");
@@ -89,7 +89,7 @@ FrictionCoefficient Scene::friction(BodyId a, BodyId b) const {
 
 void Scene::set_surface_directions(BodyId body, std::vector<Vec3> directions) {
   const std::string owner = owner_text(kind(body), name(body));
-  if (kind(body) == BodyKind::Rod)
+  if (has_nodes(kind(body)))
     throw InvalidArgument(owner +
                           ": surface_direction: a rod has no triangles that could have a direction; give "
                           "one to the body that it touches");
@@ -120,17 +120,8 @@ std::vector<Vec3> Scene::surface_directions(BodyId body) const {
 bool Scene::has_surface_direction(BodyId body) const { return surface_directions_.contains(body.index); }
 
 std::vector<Index3> Scene::surface_triangles(BodyId body) const {
-  switch (kind(body)) {
-    case BodyKind::Cloth:
-      return cloth(body).mesh.triangles;
-    case BodyKind::Solid:
-      return find_boundary_triangles(solid(body).mesh);
-    case BodyKind::Rigid:
-      return rigid(body).mesh.triangles;
-    case BodyKind::Rod:
-      break;
-  }
-  return {};
+  const BodyKindRow& row = row_of(kind(body));
+  return row.surface ? row.surface(*this, body) : std::vector<Index3>{};
 }
 
 bool Scene::has_anisotropic_friction() const {

@@ -36,13 +36,13 @@ void Scene::check_frame(const std::string& owner, const FrameDescription& frame)
     case FrameDescription::Carrier::World:
       break;
     case FrameDescription::Carrier::Body:
-      if (kind(frame.body) != BodyKind::Rigid)
+      if (!is_rigid(kind(frame.body)))
         throw InvalidArgument(owner + ": '" + name(frame.body) + "' is a " + to_string(kind(frame.body)) +
                               " body: only rigid bodies and nodes of rods carry frames; use a patch of three "
                               "vertices");
       break;
     case FrameDescription::Carrier::Patch:
-      if (kind(frame.body) == BodyKind::Rigid || kind(frame.body) == BodyKind::Rod)
+      if (!has_points(kind(frame.body)))
         throw InvalidArgument(owner + ": '" + name(frame.body) + "' is a " + to_string(kind(frame.body)) +
                               " body: patches belong to cloth and solids; use a frame of the body or of a "
                               "node of the rod");

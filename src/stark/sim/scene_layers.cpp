@@ -74,11 +74,11 @@ void check_color(const std::string& owner, const std::optional<Color>& color) {
 
 std::string Scene::name_layer(const std::string& kind, BodyId body, std::string& layer) {
   const std::string of_body = " of " + owner_text(this->kind(body), name(body));
-  if (this->kind(body) == BodyKind::Rigid || this->kind(body) == BodyKind::Rod)
+  if (!has_points(this->kind(body)))
     throw InvalidArgument(kind + of_body +
                           ": the body must be a cloth or a solid, whose vertices a layer shares; use an "
                           "attachment");
-  if (this->kind(body) == BodyKind::Solid && solid(body).mesh.is_embedded())
+  if (const SolidMesh* mesh = solid_mesh(body); mesh && mesh->is_embedded())
     throw InvalidArgument(
         kind + of_body +
         ": its surface is embedded and follows the nodes of a lattice: the body must have a "
@@ -98,9 +98,7 @@ SkinId Scene::add_skin(SkinDescription skin) {
   std::vector<std::string> warnings;
   validate(skin.material, owner);
   check_color(owner, skin.color);
-  if (skin.triangles.empty())
-    skin.triangles = kind(skin.body) == BodyKind::Cloth ? cloth(skin.body).mesh.triangles
-                                                        : find_boundary_triangles(solid(skin.body).mesh);
+  if (skin.triangles.empty()) skin.triangles = surface_triangles(skin.body);
   const ClothDescription sheet = sheet_of(*this, skin);
   check_layer_triangles(owner, sheet.mesh, warnings);
   warn_about_free_directions(owner, sheet.mesh, skin.material, warnings);

@@ -11,15 +11,6 @@ namespace stark {
 
 namespace {
 
-std::vector<std::string> known_fields(BodyKind kind) {
-  std::vector<std::string> names{rest_state::kGrowth, rest_state::kTemperature};
-  if (kind == BodyKind::Solid)
-    names.insert(names.end(), {rest_state::kFiberDirection, rest_state::kActiveStress});
-  if (kind == BodyKind::Rod)
-    names.insert(names.end(), {rest_state::kNaturalCurvature, rest_state::kNaturalTwist});
-  return names;
-}
-
 /// What of the stretch of the rest shape must be positive: the determinant in solids.
 double measure_of_growth(const FieldValues& growth, size_t element, bool is_tensor) {
   if (!is_tensor) return growth.values[element];
@@ -64,9 +55,10 @@ void merge(std::string_view owner, Description& body, const ParameterValues& val
 void Scene::set_rest_state(BodyId id, const ParameterValues& values) {
   const BodyKind body_kind = kind(id);
   const std::string owner = owner_text(body_kind, name(id));
-  if (body_kind == BodyKind::Rigid)
+  const std::span<const std::string_view> fields = row_of(body_kind).rest_fields;
+  if (fields.empty())
     throw InvalidArgument(owner + ": has no rest state that could change: must be a cloth, a solid or a rod");
-  const std::vector<std::string> known = known_fields(body_kind);
+  const std::vector<std::string> known(fields.begin(), fields.end());
   for (const auto& [field, value] : values)
     if (std::ranges::find(known, field) == known.end())
       throw InvalidArgument(owner + ": rest state '" + field + "'" + nearest_name_hint(field, known) +
@@ -77,31 +69,24 @@ void Scene::set_rest_state(BodyId id, const ParameterValues& values) {
     check_rest_state(id, values);
     description = std::move(changed);
   };
-  const int32_t index = index_in_kind(id);
-  if (body_kind == BodyKind::Cloth) set(cloths_[index]);
-  if (body_kind == BodyKind::Solid) set(solids_[index]);
-  if (body_kind == BodyKind::Rod) set(rods_[index]);
+  visit(id, [&](const auto& description) {
+    using Description = std::remove_cvref_t<decltype(description)>;
+    if constexpr (requires { description.rest_state; }) set(const_cast<Description&>(description));
+  });
 }
 
 const ParameterValues& Scene::rest_state(BodyId id) const {
   static const ParameterValues none;
-  switch (kind(id)) {
-    case BodyKind::Cloth:
-      return cloth(id).rest_state;
-    case BodyKind::Solid:
-      return solid(id).rest_state;
-    case BodyKind::Rod:
-      return rod(id).rest_state;
-    case BodyKind::Rigid:
-      break;
-  }
-  return none;
+  return visit(id, [](const auto& body) -> const ParameterValues& {
+    if constexpr (requires { body.rest_state; }) return body.rest_state;
+    return none;
+  });
 }
 
 void Scene::check_rest_state(BodyId id, const ParameterValues& values) const {
   const std::string owner = owner_text(kind(id), name(id));
   if (const auto growth = values.find(rest_state::kGrowth); growth != values.end())
-    check_growth(owner, growth->second, kind(id) == BodyKind::Solid);
+    check_growth(owner, growth->second, solid_mesh(id) != nullptr);
   if (const auto fibers = values.find(rest_state::kFiberDirection); fibers != values.end())
     for (size_t e = 0; e + 2 < fibers->second.values.size(); e += 3) {
       const double* a = fibers->second.values.data() + e;
@@ -111,14 +96,14 @@ void Scene::check_rest_state(BodyId id, const ParameterValues& values) const {
     }
   const auto heat = values.find(rest_state::kTemperature);
   if (heat == values.end()) return;
-  const auto expansion = [](const auto& body) {
-    const auto found = body.fields.find(rest_state::kThermalExpansion);
-    return found != body.fields.end() ? found->second : FieldValues{{body.material.thermal_expansion}, false};
-  };
-  check_heat(owner, heat->second,
-             kind(id) == BodyKind::Cloth   ? expansion(cloth(id))
-             : kind(id) == BodyKind::Solid ? expansion(solid(id))
-                                           : expansion(rod(id)));
+  visit(id, [&](const auto& body) {
+    if constexpr (requires { body.material.thermal_expansion; }) {
+      const auto found = body.fields.find(rest_state::kThermalExpansion);
+      check_heat(
+          owner, heat->second,
+          found != body.fields.end() ? found->second : FieldValues{{body.material.thermal_expansion}, false});
+    }
+  });
 }
 
 }  // namespace stark

@@ -29,7 +29,7 @@ std::vector<uint8_t> blocks_in_solids(const Model& model) {
   const KinematicMap& map = model.map();
   std::vector<uint8_t> in_solid(map.layout().block_count, 0);
   for (const ModelBody& body : model.bodies()) {
-    if (body.kind != BodyKind::Solid) continue;
+    if (!has_points(body.kind) || !row_of(body.kind).can_be_filled) continue;
     for (int32_t k = 0; k < body.site_count; ++k)
       if (const int32_t block = map.layout().point_block[body.first_site + k]; block != kNoBlock)
         in_solid[block] = 1;
@@ -152,7 +152,7 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
   const auto contained = intersections_->contained_groups(x, contact_->filter(), *pool_);
   if (!contained.empty()) {
     const auto& first = contained.front();
-    const bool is_rigid = scene_.kind(BodyId{first.outer}) == BodyKind::Rigid;
+    const bool is_rigid = stark::is_rigid(scene_.kind(BodyId{first.outer}));
     throw InitialIntersection(
         name(first.inner) + " is inside " + name(first.outer) + " " + when + ", near " +
         point_text(x[first.vertex]) + ": a " + (is_rigid ? "rigid body" : "solid") +
@@ -183,7 +183,7 @@ void Simulation::check_initial_state() const {
 const ModelBody& Simulation::rigid(BodyId body, const char* what) const {
   const std::string& name = scene_.name(body);  // throws for ids of another scene
   const ModelBody& b = model_->bodies()[body.index];
-  if (b.kind != BodyKind::Rigid)
+  if (!is_rigid(b.kind))
     throw InvalidArgument("body '" + name + "' is a " + to_string(b.kind) + "; " + what +
                           " is for rigid bodies");
   return b;
@@ -193,9 +193,9 @@ std::vector<Vec3> Simulation::positions(BodyId body) const {
   scene_.name(body);
   const ModelBody& b = model_->bodies()[body.index];
   std::vector<Vec3> x(b.site_count);
-  if (b.kind == BodyKind::Rod) {
+  if (has_nodes(b.kind)) {
     std::copy_n(state_.body_position.begin() + b.rigid_index, b.site_count, x.begin());
-  } else if (b.kind == BodyKind::Rigid) {
+  } else if (is_rigid(b.kind)) {
     for (int32_t v = 0; v < b.site_count; ++v)
       x[v] = state_.body_position[b.rigid_index] +
              state_.body_rotation[b.rigid_index] * model_->map().site(b.first_site + v).local;
@@ -209,15 +209,15 @@ std::vector<Vec3> Simulation::velocities(BodyId body) const {
   scene_.name(body);
   const ModelBody& b = model_->bodies()[body.index];
   std::vector<Vec3> v(b.site_count);
-  if (b.kind == BodyKind::Rod) {
+  if (has_nodes(b.kind)) {
     std::copy_n(state_.body_velocity.begin() + b.rigid_index, b.site_count, v.begin());
     return v;
   }
   for (int32_t i = 0; i < b.site_count; ++i)
-    v[i] = b.kind == BodyKind::Rigid ? state_.body_velocity[b.rigid_index] +
-                                           parts_->motion.turning_velocity(
-                                               b.rigid_index, model_->map().site(b.first_site + i).local)
-                                     : state_.point_velocity[b.first_site + i];
+    v[i] = is_rigid(b.kind) ? state_.body_velocity[b.rigid_index] +
+                                  parts_->motion.turning_velocity(b.rigid_index,
+                                                                  model_->map().site(b.first_site + i).local)
+                            : state_.point_velocity[b.first_site + i];
   return v;
 }
 

@@ -71,7 +71,7 @@ std::vector<std::string> Simulation::check_state() const {
     }
   }
   for (int32_t b = 0; b < scene_.body_count(); ++b) {
-    if (scene_.kind(BodyId{b}) != BodyKind::Solid || scene_.solid(BodyId{b}).initial_positions.empty())
+    if (!scene_.solid_mesh(BodyId{b}) || scene_.solid(BodyId{b}).initial_positions.empty())
       continue;  // at rest: checked when it was added
     const std::vector<StrainedElement> elements =
         find_strained_elements(scene_, BodyId{b}, positions(BodyId{b}), kMostElements);

@@ -17,7 +17,7 @@ void Simulation::set_pin_targets(BodyId body, std::span<const Vec3> targets, std
     if (!is_finite(target))
       throw InvalidArgument(owner + ": " + to_text(FieldValue(target)) + " m must be finite");
   const double remaining = checked_duration(owner, duration);
-  if (b.kind == BodyKind::Rod) {
+  if (has_nodes(b.kind)) {
     for (size_t k = 0; k < targets.size(); ++k) {
       state_.script_position[b.rigid_index + b.pins[k]] = targets[k];
       state_.script_remaining[b.rigid_index + b.pins[k]] = remaining;
@@ -33,8 +33,8 @@ std::vector<Vec3> Simulation::pin_targets(BodyId body) const {
   const ModelBody& b = model_->bodies()[body.index];
   std::vector<Vec3> targets;
   for (const int32_t pin : b.pins)
-    targets.push_back(b.kind == BodyKind::Rod ? state_.script_position[b.rigid_index + pin]
-                                              : state_.pin_target[b.first_site + pin]);
+    targets.push_back(has_nodes(b.kind) ? state_.script_position[b.rigid_index + pin]
+                                        : state_.pin_target[b.first_site + pin]);
   return targets;
 }
 

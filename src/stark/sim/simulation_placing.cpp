@@ -75,7 +75,7 @@ void Simulation::push(BodyId body, const Vec3& velocity, const Vec3& angular_vel
 
 void Simulation::place_vertices(BodyId body, std::span<const Vec3> positions) {
   const std::string owner = "body '" + scene_.name(body) + "'";
-  if (scene_.kind(body) == BodyKind::Rigid)
+  if (is_rigid(scene_.kind(body)))
     throw InvalidArgument(owner + " is rigid: its vertices cannot be placed; place its pose");
   check_rows(owner, "positions", positions, "m");
   place_with([&](Placing& placing) { placing.put_points(body.index, positions); });
@@ -83,7 +83,7 @@ void Simulation::place_vertices(BodyId body, std::span<const Vec3> positions) {
 
 void Simulation::push_vertices(BodyId body, std::span<const Vec3> velocities) {
   const std::string owner = "body '" + scene_.name(body) + "'";
-  if (scene_.kind(body) == BodyKind::Rigid)
+  if (is_rigid(scene_.kind(body)))
     throw InvalidArgument(owner + " is rigid: its vertices take no velocities; push the body");
   check_rows(owner, "velocities", velocities, "m/s");
   place_with([&](Placing& placing) { placing.push_points(body.index, velocities); });

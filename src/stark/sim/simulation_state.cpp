@@ -52,7 +52,7 @@ void Simulation::set_state(const State& state) {
   next.time_step = std::min(state.time_step, settings_.time.step);
   set_mark_step(next, settings_.time.step);
   for (int32_t b = 0; b < scene_.body_count(); ++b)
-    if (scene_.kind(BodyId{b}) == BodyKind::Rigid && scene_.motion(BodyId{b}) == Motion::Fixed)
+    if (scene_.motion(BodyId{b}) == Motion::Fixed)
       copy_place(model_->initial_state(), model_->bodies()[b].rigid_index, next);
   parts_->watch.check(next);
   if (contact_) check_state_clear(next, model_->site_positions(next), "in this state");

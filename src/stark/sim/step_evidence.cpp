@@ -95,7 +95,7 @@ void add_strains(const FailedStep& step, StepEvidence& out) {
   const std::span<const Vec3> x = step.potential.site_positions();
   for (int32_t b = 0; b < step.scene.body_count(); ++b) {
     const ModelBody& body = step.model.bodies()[b];
-    if (body.kind == BodyKind::Rigid) continue;
+    if (is_rigid(body.kind)) continue;
     std::vector<Vec3> places(x.begin() + body.first_site, x.begin() + body.first_site + body.site_count);
     for (const int32_t v : body.pins) places[v] = target[body.first_site + v];
     for (StrainedElement& element : find_strained_elements(step.scene, BodyId{b}, places, kListed))
@@ -306,14 +306,14 @@ std::vector<BodyVertices> block_owners(const Scene& scene, const Model& model) {
   for (int32_t b = 0; b < scene.body_count(); ++b) {
     const ModelBody& body = model.bodies()[b];
     const std::string owner = owner_of(scene, b);
-    if (body.kind == BodyKind::Cloth || body.kind == BodyKind::Solid) {
+    if (has_points(body.kind)) {
       for (int32_t v = 0; v < body.site_count; ++v)
         if (const int32_t block = layout.point_block[body.first_site + v]; block != kNoBlock)
           owners[block] = {owner, {v}};
       continue;
     }
-    const bool is_rod = body.kind == BodyKind::Rod;
-    for (int32_t v = 0; v < (is_rod ? body.site_count : 1); ++v)
+    const bool is_rod = has_nodes(body.kind);
+    for (int32_t v = 0; v < body.rigid_count(); ++v)
       for (const int32_t block :
            {layout.body_block[body.rigid_index + v], layout.rotation_block[body.rigid_index + v]})
         if (block != kNoBlock) owners[block] = {owner, is_rod ? std::vector{v} : std::vector<int32_t>{}};

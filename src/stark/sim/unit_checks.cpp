@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <stark/sim/body_checks.h>
 #include <stark/sim/contact_distance.h>
-#include <stark/sim/material_fields.h>
 
 namespace stark {
 
@@ -42,41 +40,24 @@ class Suspicions {
   std::vector<std::string> list_;
 };
 
-/// Young's modulus of the elements of a body [Pa], the smallest; infinity for laws without.
-template <typename Description>
-double smallest_modulus(const Description& body) {
-  const ParameterValues values = elastic_energy(body).values;
-  const auto found = values.find("youngs_modulus");
-  if (found == values.end() || found->second.values.empty()) return std::numeric_limits<double>::infinity();
-  return *std::ranges::min_element(found->second.values);
-}
-
-void check_modulus(const std::string& owner, double modulus, Suspicions& out) {
-  if (std::isfinite(modulus))
-    out.check(owner, "youngs_modulus", modulus, "Pa", kModulus, "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
-}
-
 void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec3& gravity, Suspicions& out) {
+  const BodyKindRow& row = row_of(scene.kind(body));
+  if (!row.material_scale) return;
   const std::string owner = owner_text(scene.kind(body), scene.name(body));
-  if (scene.kind(body) == BodyKind::Cloth) {
-    const ClothDescription& cloth = scene.cloth(body);
-    out.check(owner, "density", element_density(cloth, 0), "kg/m^2", kAreaDensity,
+  const MaterialScale material = row.material_scale(scene, body);
+  const double modulus = material.youngs_modulus;
+  if (material.is_area_density)
+    out.check(owner, "density", material.density, "kg/m^2", kAreaDensity,
               "of cloth it is the mass of a unit of area: 1 g/m^2 is 1e-3 kg/m^2");
-  } else if (scene.kind(body) == BodyKind::Solid) {
-    const SolidDescription& solid = scene.solid(body);
-    const double density = element_density(solid, 0), modulus = smallest_modulus(solid);
-    out.check(owner, "density", density, "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
-    check_modulus(owner, modulus, out);
-    const double weight = density * std::fabs(dot(gravity, size));
-    if (weight > kHeaviest * modulus)
-      out.add(owner + ": its weight presses with " + quantity_text(weight, "Pa") + ", " +
-              to_text(std::round(weight / modulus)) + " times its youngs_modulus of " +
-              quantity_text(modulus, "Pa") + ", and flattens it; 1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
-  } else if (scene.kind(body) == BodyKind::Rod) {
-    const RodDescription& rod = scene.rod(body);
-    out.check(owner, "density", element_density(rod, 0), "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
-    check_modulus(owner, smallest_modulus(rod), out);
-  }
+  else
+    out.check(owner, "density", material.density, "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
+  if (!std::isfinite(modulus)) return;
+  out.check(owner, "youngs_modulus", modulus, "Pa", kModulus, "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
+  const double weight = material.density * std::fabs(dot(gravity, size));
+  if (row.can_be_filled && weight > kHeaviest * modulus)
+    out.add(owner + ": its weight presses with " + quantity_text(weight, "Pa") + ", " +
+            to_text(std::round(weight / modulus)) + " times its youngs_modulus of " +
+            quantity_text(modulus, "Pa") + ", and flattens it; 1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
 }
 
 void check_friction(const Scene& scene, Suspicions& out) {

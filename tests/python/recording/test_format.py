@@ -11,12 +11,12 @@ import pytest
 from fake_simulation import FakeSimulation, record
 
 import stark
+from stark.body_kinds import KINDS
 from stark.recording import Recording, RecordingError
 from stark.recording.format import (
     CHUNK_FRAMES,
     FORMAT_NAME,
     FORMAT_VERSION,
-    KINDS,
     MANIFEST,
     BodyEntry,
     chunk_path,

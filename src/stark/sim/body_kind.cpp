@@ -1,0 +1,20 @@
+#include <stark/sim/body_kind.h>
+
+#include <stark/sim/scene.h>
+
+namespace stark {
+
+const BodyKindRow& row_of(BodyKind kind) {
+  static constexpr std::array kRows{
+#define STARK_BODY_KIND(Kind, name) &k##Kind##Row,
+#include <stark/sim/body_kinds.inc>
+  };
+  return *kRows[static_cast<size_t>(kind)];
+}
+
+BodyElements elements_of(const Scene& scene, BodyId body) {
+  const BodyKindRow& row = row_of(scene.kind(body));
+  return row.elements ? row.elements(scene, body) : BodyElements{};
+}
+
+}  // namespace stark
