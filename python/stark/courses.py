@@ -39,6 +39,10 @@ class Course:
     def __init__(self, handle: Valued, name: str, value: Motion) -> None:
         self._handle, self._name, self._value = handle, name, value
 
+    @property
+    def name(self) -> str:
+        return self._handle.name
+
     def apply(self, simulation: SimulationLink, time: float) -> None:
         """Sets the value for the step that ends at a time [s], if the simulation has its object."""
         if self._handle._index < self._handle._count_in(simulation):

@@ -62,6 +62,9 @@ def placed_together(core: CoreSimulation) -> Iterator[None]:
 class Follower(Protocol):
     """Targets of a body for the end of each step."""
 
+    @property
+    def body(self) -> Any: ...
+
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         """Sets them for the step that ends at a time [s] and takes a duration [s]."""
 

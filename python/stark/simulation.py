@@ -42,6 +42,11 @@ if TYPE_CHECKING:
 
 AnyBody = TypeVar("AnyBody", bound=Body)
 
+#: What motions and other functions of time must do.
+_TIME_RULE = (
+    "only return the value for a time; take steps, save, place and rewind between steps, not while one begins"
+)
+
 #: From one call of a progress callback to the next, and to the first [s].
 PROGRESS_PERIOD = 0.25
 
@@ -99,6 +104,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
             LiveRestState(body) for body in scene.bodies if isinstance(body, RestState) and body._rest_values
         ]
         self._held: tuple[str, str, bool] | None = None
+        self._is_asking = False  # functions of time for the targets of a step that begins
         self._last_step: LastStep | None = None
         self._taken: TakenStep | None = None
         # The scene may grow after this: the simulation is of what it is now.
@@ -169,11 +175,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
                 stacklevel=3,
             )
         if self._scene._followers or self._scene._courses:
-            duration, end = self._core.next_step(limit)
-            for course in self._scene._courses.values():
-                course.apply(self, end)
-            for follower in self._followers():
-                follower.apply(self, end, duration)
+            self._follow_motions(*self._core.next_step(limit))
         for values in self._live_values:
             values.push(self._core)
         before, self._last_step, self._taken = self._core.state, None, None
@@ -183,6 +185,20 @@ class Simulation(Pictures, Stepping, KnownAttributes):
             pushed = [values.pushed() for values in self._live_values]
             self._last_step = LastStep(before, limit, pushed, report.energy["placed"])
         return report
+
+    def _follow_motions(self, duration: float, end: float) -> None:
+        """Targets and values of the coming step, from functions of the user: what these ask of the simulation
+        would come in the middle of the step, with some targets set and others not."""
+        self._is_asking = True
+        try:
+            for course in list(self._scene._courses.values()):
+                with self._held_still(f"the function of time given to '{course.name}'", _TIME_RULE):
+                    course.apply(self, end)
+            for follower in self._followers():
+                with self._held_still(f"the motion that '{follower.body.name}' follows", _TIME_RULE):
+                    follower.apply(self, end, duration)
+        finally:
+            self._is_asking = False
 
     @contextmanager
     def _held_still(self, caller: str, remedy: str, *, may_place: bool = False) -> Iterator[None]:
@@ -197,7 +213,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
     def _require_free(self, what: str) -> None:
         if self._held is not None:
             caller, remedy, _ = self._held
-            raise InvalidArgument(f"{caller} of the scene uses sim.{what} at {self.time:g} s: must {remedy}")
+            place = "" if self._is_asking else " of the scene"
+            raise InvalidArgument(f"{caller}{place} uses sim.{what} at {self.time:g} s: must {remedy}")
 
     def _to_place(self, what: str) -> _core.Simulation:
         if self._held is not None and not self._held[2]:
@@ -282,6 +299,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         written whole or not at all. Raises ``stark.CheckpointError`` when it cannot be written."""
         from stark.checkpoint.value import Checkpoint
 
+        if self._is_asking:
+            self._require_free("save()")
         file = given_path(path, "save: path")
         Checkpoint.of(self, memory=memory).write(file)
 

@@ -128,7 +128,7 @@ TEST_CASE("no contact is missed while bodies move, whether the candidate list is
       bench.pipeline->update(x);
       const std::vector<Contact> expected = bench.brute_force(x);
       REQUIRE(same_contacts(bench.pipeline->contacts(), expected));
-      CHECK(bench.pipeline->min_distance(x) == smallest_distance(expected));
+      CHECK(bench.pipeline->nearness(x).distance == smallest_distance(expected));
       most = std::max(most, expected.size());
       if (n % 4 == 3) x = bench.builder.x;  // back, so that the bodies stay close
     }

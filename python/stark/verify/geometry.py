@@ -30,6 +30,8 @@ _CHUNK = 1 << 13  # pairs followed at a time: they stay in the cache
 #: were thrown at each other could be said to have gone around one another.
 _LONG_DETOUR = 0.1
 _LISTED = 8  # places named in a certificate
+#: Caveat of steps in which surfaces are nearer than settings ask for.
+BELOW = "below_least_distance"
 #: Share of the required distance that rounding of the solver's own distances may take.
 _SLACK = 1e-6
 #: Relative difference of the reported and the measured least distance that rounding explains.
@@ -48,6 +50,7 @@ class GeometryCheck:
     worst_ratio: float = math.inf
     worst_gap: tuple[float, float, dict[str, Any]] | None = None  # distance, required, where
     too_near: int = 0  # states whose distance is certainly too small
+    told: int = 0  # the same, of steps that say so themselves, and of places where the user put bodies
     unsure: int = 0
     blocked: list[dict[str, Any]] = field(default_factory=list)
     passed: list[dict[str, Any]] = field(default_factory=list)
@@ -120,8 +123,16 @@ class GeometryCheck:
             self._keep_worst(state, kind, pairs[rows], bound, required)
         if not state.is_placed:
             self.least.append(least)
-        self.too_near += near
+        is_told = near and self._is_told(state)
+        self.told += is_told
+        self.too_near += near and not is_told
         self.unsure += unsure and not near
+
+    def _is_told(self, state: State) -> bool:
+        """Whether the user put bodies that near, or the step that ends there says that they are."""
+        row = self.run.row_of(state)
+        caveats = row.get("caveats") if row is not None else None
+        return state.index == 0 or state.is_placed or (isinstance(caveats, list) and BELOW in caveats)
 
     def _keep_worst(self, state: State, kind: Kind, pairs: PairList, bound: Floats, required: Floats) -> None:
         ratio = bound / np.maximum(required, 1e-300)
@@ -221,10 +232,12 @@ class GeometryCheck:
             detail = f"rounding leaves the distance open in {self.unsure} states"
         elif lacking := self.run.lacks("contact.min_separation_factor"):
             status, detail = INCONCLUSIVE, lacking
+        elif self.told:
+            detail = f"nearer in {self.told} states, which the run says itself"
         return Claim(
             "minimum_distance",
-            "surfaces keep contact.min_separation_factor times the sum of their contact distances"
-            + self.scope,
+            "surfaces keep contact.min_separation_factor times the sum of their contact distances, or the step "
+            "says that they do not" + self.scope,
             status,
             "states, bounds that hold in spite of rounding",
             bound,

@@ -10,7 +10,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from .certificate import INCONCLUSIVE, NOT_RECORDED, Claim
+from .certificate import INCONCLUSIVE, NOT_RECORDED, VERIFIED, Claim
 from .reading import Run, pair_count
 from .surface import exclusions
 
@@ -59,8 +59,14 @@ def _missing(claims: list[Claim]) -> Iterator[str]:
     for claim in claims:
         if claim.name == "chain" and claim.status == NOT_RECORDED:
             yield "no chain: nothing shows whether the recording was changed since it was made"
+        if claim.name == "minimum_distance" and claim.status == VERIFIED and _is_beyond(claim):
+            yield f"surfaces come to {claim.worst:.3g} m, where {claim.tolerance:.3g} m are asked for: {claim.detail}"
         if claim.name == "display" and claim.status == INCONCLUSIVE:
             yield f"frames for display without a state are not compared: {claim.detail}"
+
+
+def _is_beyond(claim: Claim) -> bool:
+    return claim.worst is not None and claim.tolerance is not None and claim.worst < claim.tolerance
 
 
 # --- settings ---

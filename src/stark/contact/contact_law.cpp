@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace stark {
 
@@ -25,6 +26,10 @@ constexpr double kFacing = 0.5;
 
 /// Growth of a factor after an attempt that failed, and where that ends.
 constexpr double kRaise = 1e3, kHighest = 1e9;
+
+/// What contact may store at the start of a step with raised factors, over what it did at the end of the one
+/// before: the difference comes out of nothing.
+const double kMostStored = std::getenv("KMOST") ? std::atof(std::getenv("KMOST")) : 50.0;
 
 /// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then
 /// was an impact, which must not meet a stiffer law on its way out.
@@ -163,10 +168,30 @@ LoadMemory ContactLaw::end_step(const std::vector<Contact>& contacts, std::span<
   return memory;
 }
 
-LoadMemory ContactLaw::raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const {
+std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>& contacts,
+                                                      const std::vector<double>& energies,
+                                                      const LoadMemory& before) const {
+  std::map<int64_t, double> each;  // with a factor of 1 [J]
+  double total = 0.0;              // with those of the step before [J]
+  for (size_t c = 0; c < contacts.size(); ++c) {
+    const int64_t code = code_of(contacts[c]);
+    const double energy = energies[c] / memory_.find(code);
+    each[code] += energy;
+    total += energy * before.find(code);
+  }
+  std::map<int64_t, double> highest;
+  for (const auto& [code, energy] : each)
+    if (energy > 0.0) highest[code] = kMostStored * total / energy;
+  return highest;
+}
+
+LoadMemory ContactLaw::raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                              const std::map<int64_t, double>& most) const {
   LoadMemory memory;
   for (const auto& [bodies, asked] : wanted(contacts, forces)) {
-    const double now = memory_.find(bodies), highest = std::max(now, std::min(kRaise * now, kHighest));
+    const auto bound = most.find(bodies);
+    const double now = memory_.find(bodies), end = bound == most.end() ? kHighest : bound->second;
+    const double highest = std::max(now, std::min({kRaise * now, kHighest, end}));
     memory.add(bodies, asked > 1.0 ? std::clamp(asked, now, highest) : memory_.pending(bodies));
   }
   return memory;

@@ -77,7 +77,14 @@ class ContactLaw {
   /// The factors of this step, raised to what contacts ask that were met on the way of a step which failed:
   /// an impact that presses a contact to a gap where Newton's method finds nothing any more. end_step()
   /// forgets them where the user gave the law.
-  LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces) const;
+  /// most: factors that bodies may get at most; none for those that are not in it.
+  LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                    const std::map<int64_t, double>& most = {}) const;
+  /// Largest factors with which contacts that store these energies [J] store no more than kMostStored times what
+  /// all of them did with the factors of the step before.
+  std::map<int64_t, double> highest_factors(const std::vector<Contact>& contacts,
+                                            const std::vector<double>& energies,
+                                            const LoadMemory& before) const;
 
  private:
   /// Largest factor that the loads ask for, by bodies: of those in contact, 0 for others that have one.

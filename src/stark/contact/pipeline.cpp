@@ -147,9 +147,12 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration
   return memory;
 }
 
-LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x) {
+LoadMemory ContactPipeline::raised_load(std::span<const Vec3> x, std::span<const Vec3> start,
+                                        const LoadMemory& before) {
+  settle(start);
+  const std::map<int64_t, double> most = law_.highest_factors(contacts(), active_.energies(), before);
   settle(x);
-  return law_.raised(contacts(), forces(x));
+  return law_.raised(contacts(), forces(x), most);
 }
 
 bool ContactPipeline::is_name(const PairKey& key) const {
@@ -365,10 +368,17 @@ double ContactPipeline::energy() const {
   return total / weight_;
 }
 
-double ContactPipeline::min_distance(std::span<const Vec3> x) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Contact& contact : find_contacts_at(x)) smallest = std::min(smallest, contact.distance);
-  return smallest;
+Nearness ContactPipeline::nearness(std::span<const Vec3> x) {
+  Nearness found;
+  for (const Contact& contact : find_contacts_at(x)) {
+    found.distance = std::min(found.distance, contact.distance);
+    const double least =
+        settings_.min_separation_factor *
+        (geometry_.group_distance[contact.group_a] + geometry_.group_distance[contact.group_b]);
+    if (contact.distance * found.least < found.nearest * least)
+      found = {found.distance, contact.group_a, contact.group_b, contact.distance, least};
+  }
+  return found;
 }
 
 std::vector<Contact> ContactPipeline::find_contacts_at(std::span<const Vec3> x) {

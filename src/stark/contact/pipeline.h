@@ -2,6 +2,7 @@
 // friction, certified step bounds (step phases 2, 4b and 4h). It sees sites only, never bodies.
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include <stark/base/timer.h>
@@ -52,6 +53,16 @@ struct ContactForce {
   Vec3 slip;              ///< tangential velocity of side A against side B [m/s]
 };
 
+/// Surfaces within their contact distances: the smallest distance [m], infinity without any; and the two
+/// bodies that have come closest for their contact distances.
+struct Nearness {
+  double distance = std::numeric_limits<double>::infinity();
+  int32_t group_a = -1, group_b = -1;
+  double nearest = std::numeric_limits<double>::infinity();  ///< of the two [m]
+  /// That settings ask of them, whatever a step may use: a start below it, or an impact, can lower that [m].
+  double least = 1.0;
+};
+
 /// What contact remembers from one step to the next.
 struct ContactMemory {
   FrictionMemory friction;
@@ -88,7 +99,7 @@ class ContactPipeline final : public ActiveSet {
   CloseBodies find_close_bodies(std::span<const Vec3> x);
 
   /// Factors of the barriers for another attempt at a step, after one that failed at x.
-  LoadMemory raised_load(std::span<const Vec3> x);
+  LoadMemory raised_load(std::span<const Vec3> x, std::span<const Vec3> start, const LoadMemory& before);
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
   /// at its end [N].
   double friction_residual() const { return friction_residual_; }
@@ -134,9 +145,8 @@ class ContactPipeline final : public ActiveSet {
   /// Energy that restitution has given back in the step that ended at x [J].
   double restitution_work(std::span<const Vec3> x) const { return restitution_.work(x); }
   std::vector<const PotentialBatch*> restitution_batches() const { return restitution_.batches(); }
-  /// Smallest distance at x of surfaces within their contact distances [m], infinity when there are none. The
-  /// last update() was at x.
-  double min_distance(std::span<const Vec3> x);
+  /// How near surfaces are at x. The last update() was at x.
+  Nearness nearness(std::span<const Vec3> x);
   /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
   /// without their stiffness; the active ones stay as they are.
   std::vector<Contact> find_contacts_at(std::span<const Vec3> x);

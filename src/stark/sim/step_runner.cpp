@@ -17,6 +17,10 @@ namespace {
 /// Acceleration that rounding may leave in silence [m/s^2]: twice the default tolerance.
 constexpr double kSilentRounding = 0.02;
 
+/// Share of the least distance by which a gap may be below it in silence: rounding, half of what a certificate
+/// grants.
+constexpr double kUnseen = 5e-7;
+
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
 constexpr int kAttemptsBeforeRaise = 2;
 
@@ -179,7 +183,8 @@ std::optional<double> StepRunner::next_attempt(double h) {
   ++report_.rejected_steps;
   const bool is_shortest = 0.5 * h < settings_.time.min_step;
   if (contact_ && is_stuck(status) && (is_shortest || report_.rejected_steps >= kAttemptsBeforeRaise)) {
-    load_ = contact_->raised_load(potential_.site_positions());
+    load_ = contact_->raised_load(potential_.site_positions(), step_start_,
+                                  {state_.contact_bodies, state_.contact_factor});
     if (is_shortest && status == SolveStatus::LineSearchFailed && repeats_++ < kRepeatsOfShortest) return h;
   }
   if (!is_shortest && status != SolveStatus::TimeBudget) return 0.5 * h;
@@ -226,29 +231,42 @@ void StepRunner::accept(double h, bool is_cut) {
 }
 
 void StepRunner::add_caveats(double h) {
-  const auto add = [&](Caveat caveat, const std::string& text) {
-    report_.caveats.push_back(caveat);
-    report_.message += (report_.message.empty() ? "" : "; ") + text;
-  };
   const SolveReport& solve = report_.solve;
   const NewtonSettings& newton = settings_.newton;
   const bool is_rough = solve.is_at_rounding && newton.acceleration_tolerance > 0.0 &&
                         solve.acceleration > std::max(newton.acceleration_tolerance, kSilentRounding);
   if (solve.status == SolveStatus::RoundOff || is_rough)
-    add(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
+    add_caveat(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
                               quantity_text(solve.residual, "N") + ", acceleration " +
                               quantity_text(solve.acceleration, "m/s^2") +
                               fitting_tolerances(settings_.newton, solve, h));
   if (solve.is_settled)
-    add(Caveat::OldFriction,
+    add_caveat(Caveat::OldFriction,
         "accepted with friction or joints one refresh behind: after it, Newton's method did not converge");
   if (const std::string bodies = way_.meeting_text(); !bodies.empty())
-    add(Caveat::PrescribedOverlap,
+    add_caveat(Caveat::PrescribedOverlap,
         bodies +
             " go into or through each other: nothing stops what is scripted or fixed on both sides; "
             "change their motion, or disable contact between them if that is meant");
   if (watch_.has_overlap())
-    add(Caveat::ReleasedOverlap, watch_.overlap_text() + ": no contact there until they are apart");
+    add_caveat(Caveat::ReleasedOverlap, watch_.overlap_text() + ": no contact there until they are apart");
+}
+
+void StepRunner::add_caveat(Caveat caveat, const std::string& text) {
+  report_.caveats.push_back(caveat);
+  report_.message += (report_.message.empty() ? "" : "; ") + text;
+}
+
+void StepRunner::report_nearness() {
+  const Nearness near = contact_->nearness(potential_.site_positions());
+  report_.min_distance = near.distance;
+  if (!(near.nearest < (1.0 - kUnseen) * near.least)) return;
+  const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
+  add_caveat(Caveat::BelowLeastDistance,
+             name(near.group_a) + " and " + (near.group_a == near.group_b ? "itself" : name(near.group_b)) +
+                 " are " + quantity_text(near.nearest, "m") + " apart, below the least distance " + quantity_text(near.least, "m") +
+                 " that contact.min_separation_factor asks for: they started nearer, or contact is too soft "
+                 "for an impact; raise contact_stiffness, or lower time.step");
 }
 
 void StepRunner::fail() {
@@ -398,8 +416,8 @@ void StepRunner::finish_report(StepStatus status) {
   report_.time = state_.time;
   if (report_.failed()) step_start_.clear();  // sensors have nothing to tell of it
   if (!report_.failed()) {
-    report_.min_distance = contact_ ? contact_->min_distance(potential_.site_positions())
-                                    : std::numeric_limits<double>::infinity();
+    report_.min_distance = std::numeric_limits<double>::infinity();
+    if (contact_) report_nearness();
     report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;
     report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
     report_.momentum = ledger_.momentum();

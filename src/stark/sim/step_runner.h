@@ -49,6 +49,9 @@ class StepRunner : private StepPart {
   /// Ends the step with the last attempt, of length h; `is_cut`: at the limit of the caller.
   void accept(double h, bool is_cut);
   void add_caveats(double h);
+  void add_caveat(Caveat caveat, const std::string& text);
+  /// Measures how near surfaces are, and says it where that is less than settings ask for.
+  void report_nearness();
   void commit(double h);
   void commit_contact(double h);
   void fail();
