@@ -100,14 +100,16 @@ class UsdWriter:
             self._starts.append(body.positions)
             self._last.append(body.positions)
             if has_pose(body) and body.motion != "fixed":
-                self._set_points(k, body.positions, None)
+                # About its middle: what players show between two samples then turns in place.
+                self._starts[k] = body.positions - np.mean(body.positions, axis=0, dtype=np.float64)
+                self._set_points(k, self._starts[k], None)
                 self._ops[k] = (
                     mesh.AddTranslateOp(self._geom.XformOp.PrecisionDouble),
                     mesh.AddOrientOp(self._geom.XformOp.PrecisionDouble),
                 )
 
     def _place(self, k: int, positions: Array, code: float) -> None:
-        """Points of rigid bodies are those of the first shot; this is the motion since then."""
+        """Points of rigid bodies are those of the first shot, seen from their middle; this is where it is now."""
         position, rotation = pose_between(self._starts[k], positions)
         w, x, y, z = map(float, to_quaternion(rotation))
         translate, orient = self._ops[k]

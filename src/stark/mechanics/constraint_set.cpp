@@ -80,8 +80,8 @@ void ConstraintSet::begin_step(std::span<const double> multipliers, std::span<co
     for (size_t k = 0; k < units.size(); ++k) {
       const int64_t r = places_[j].residual + static_cast<int64_t>(k);
       const double stiffness = units[k] == ResidualUnit::Length
-                                   ? in_series(a.translation, a.is_prescribed, b.translation, b.is_prescribed)
-                                   : in_series(a.rotation, a.is_prescribed, b.rotation, b.is_prescribed);
+                                   ? in_series(a.translation, a.is_placed, b.translation, b.is_placed)
+                                   : in_series(a.rotation, a.is_turned, b.rotation, b.is_turned);
       penalties_[r] = enabled[j] != 0.0 ? kPenaltyFactor * stiffness : 0.0;
       largest_penalties_[r] = kLargestPenaltyFactor * stiffness;
       if (penalties_[r] == 0.0) multipliers_[r] = 0.0;

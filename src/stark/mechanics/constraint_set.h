@@ -32,7 +32,8 @@ struct ConstraintTolerance {
 /// Stiffness by which one side of a joint resists, against translation [N/m] and rotation [N m].
 struct SideStiffness {
   double translation = 0.0, rotation = 0.0;
-  bool is_prescribed = false;  ///< no force moves this side
+  bool is_placed = false,
+       is_turned = false;  ///< where it is, how it is turned is prescribed: no force moves it
 };
 
 /// All joints of one definition between the same kinds of frames.

@@ -47,9 +47,10 @@ struct RigidMass {
 /// What a frame of a joint moves: how firmly its carrier resists (mechanics/constraint_set.h).
 struct JointSide {
   std::vector<int32_t> blocks;  ///< translation of a rigid body, or vertices of a patch; empty: prescribed
-  int32_t rotation_block = kNoBlock;  ///< of a rigid body
+  int32_t rotation_block = kNoBlock;  ///< of a rigid body, or of a node of a rod, pinned ones included
   double mass = 0.0, moment = 0.0;    ///< [kg], [kg m^2]
   double reach = 0.0;                 ///< size of a patch [m]
+  double lever = 0.0;                 ///< of the frame or point on its rigid body or node [m]
 };
 
 /// An actuator and where its numbers are in the arrays of the state.

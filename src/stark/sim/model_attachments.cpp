@@ -62,8 +62,11 @@ JointSide Model::Builder::side_of_sites(std::span<const int32_t> some) const {
   for (const int32_t s : some) {
     const Site& site = model.map_.site(s);
     if (site.kind == SiteKind::Point) add(layout.point_block[site.index], model.point_masses_[site.index]);
-    if (site.kind == SiteKind::RigidPoint)
+    if (site.kind == SiteKind::RigidPoint) {
       add(layout.body_block[site.index], model.rigid_masses_[site.index].mass);
+      side.rotation_block = layout.rotation_block[site.index];
+      side.lever = norm(site.local);
+    }
     const SiteSupport support = model.map_.support(s);
     for (size_t k = 0; k < support.points.size(); ++k)
       if (support.weights[k] != 0.0)

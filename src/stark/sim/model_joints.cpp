@@ -173,6 +173,8 @@ JointSide Model::Builder::side_of(const FrameDescription& frame) const {
       side.rotation_block = block;
       side.moment = (mass.moments.x + mass.moments.y + mass.moments.z) / 3.0;
     }
+    if (frame.carrier == Carrier::Node)
+      side.lever = norm(frame.position - scene.initial_positions(frame.body)[node]);
   }
   if (frame.carrier == Carrier::Patch) {
     const ModelBody& body = model.bodies_[frame.body.index];

@@ -53,8 +53,11 @@ void Simulation::check_joints() {
             owner_text(scene_.joints()[j]) + ": its frames differ by " +
             residual_text(std::sqrt(squared), unit) + " at time 0: must be within " +
             residual_text(tolerance, unit) +
-            "; place both frames at the same point of the world, or add the joint with enabled = "
-            "false");
+            (unit == ResidualUnit::Length
+                 ? "; place both frames at the same point of the world"
+                 : "; turn both frames alike (where one side has a frame of its own, leave out anchor, axis "
+                   "and rotation: the other side takes that frame)") +
+            ", or add the joint with enabled = false");
     }
   }
 }

@@ -37,19 +37,27 @@ std::string residual_text(double residual, ResidualUnit unit) {
   return quantity_text(residual, unit == ResidualUnit::Length ? "m" : "rad");
 }
 
-void StepJoints::begin(std::span<const Mat3> diagonal) {
+SideStiffness StepJoints::stiffness_of(const JointSide& side, std::span<const Mat3> diagonal) const {
   const double inverse_h2 = 1.0 / (settings_.time.step * settings_.time.step);
-  std::vector<SideStiffness> sides;
-  for (const JointSide& side : model_.joint_sides()) {
-    SideStiffness stiffness{.is_prescribed = side.blocks.empty()};
-    double translation = 0.0;
-    for (const int32_t block : side.blocks) translation += mean_diagonal(diagonal[block]);
-    stiffness.translation = std::max(translation, side.mass * inverse_h2);
-    const double rotation = side.rotation_block != kNoBlock ? mean_diagonal(diagonal[side.rotation_block])
-                                                            : translation * side.reach * side.reach / 3.0;
-    stiffness.rotation = std::max(rotation, side.moment * inverse_h2);
-    sides.push_back(stiffness);
+  const bool turns = side.rotation_block != kNoBlock;
+  SideStiffness stiffness{.is_placed = side.blocks.empty(), .is_turned = side.blocks.empty() && !turns};
+  double translation = 0.0;
+  for (const int32_t block : side.blocks) translation += mean_diagonal(diagonal[block]);
+  stiffness.translation = std::max(translation, side.mass * inverse_h2);
+  const double rotation =
+      turns ? mean_diagonal(diagonal[side.rotation_block]) : translation * side.reach * side.reach / 3.0;
+  stiffness.rotation = std::max(rotation, side.moment * inverse_h2);
+  if (stiffness.is_placed && turns && side.lever > settings_.joints.length_tolerance) {
+    // A pinned node of a rod turns, and so moves what is at a lever.
+    stiffness.is_placed = false;
+    stiffness.translation = stiffness.rotation / (side.lever * side.lever);
   }
+  return stiffness;
+}
+
+void StepJoints::begin(std::span<const Mat3> diagonal) {
+  std::vector<SideStiffness> sides;
+  for (const JointSide& side : model_.joint_sides()) sides.push_back(stiffness_of(side, diagonal));
   energies_.constraints.begin_step(state_.joint_multiplier, sides, acting(),
                                    joint_tolerance(settings_.joints));
 }

@@ -48,6 +48,8 @@ class StepJoints : private StepPart {
   std::string violation_text(std::span<const Vec3> x, const std::function<bool(int32_t)>& some) const;
 
  private:
+  /// How firmly a side resists, by the diagonal of the Hessian at the start of the step.
+  SideStiffness stiffness_of(const JointSide& side, std::span<const Mat3> diagonal) const;
   /// 1 for each joint, then for each actuator, then for each pair of attachments, that acts; actuators of
   /// released joints rest.
   std::vector<double> acting() const;

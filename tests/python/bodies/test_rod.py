@@ -193,6 +193,42 @@ def test_joints_hold_nodes_at_position_and_orientation() -> None:
         rod.frame(9)
 
 
+@pytest.mark.parametrize("lever", [0.02, 0.004])
+def test_a_pinned_node_is_held_in_its_rotation(lever: float) -> None:
+    """The rod is pinned at one end, whose frame is free to turn: a joint and an attachment at a lever each carry
+    the moment of the weight, as a clamp would."""
+    scene = stark.Scene()
+    rods = []
+    for y in (0.0, 0.5, 1.0):
+        mesh = stark.mesh.polyline((0, y, lever), (0.3, y, lever), 10)
+        rods.append(scene.add_rod(mesh, RUBBER.replace(radius=0.004), pins=[0]))
+    fixed = scene.add_fixed(None, rods[0].frame(0))
+    hinge = scene.add_hinge(None, rods[1].frame(0, rotation=stark.rotation(axis="x", angle=0.3)))
+    block = scene.add_box(0.002, motion="fixed", position=(-0.02, 1.0, 0.0))
+    glue = scene.attach(block.points([(0.02, 0.0, 0.0)]), rods[2].vertices[0], contact=False)
+    sim = stark.Simulation(scene, **{"time.integrator": "quasistatic"})
+    assert not sim.step().failed
+    for rod in rods:
+        masses = np.full(11, rod.mass / 10)
+        masses[[0, -1]] /= 2
+        moment = 9.81 * masses @ rod.positions[:, 0]  # [N m] of the weight about the pin
+        assert moment > 1e-3
+        if rod is rods[0]:
+            assert abs(abs(fixed.reaction.torque[1]) / moment - 1) < 1e-3
+        elif rod is rods[1]:
+            assert abs(np.linalg.norm(hinge.reaction.torque) / moment - 1) < 1e-3
+        else:
+            assert abs(abs(glue.force[0]) * lever / moment - 1) < 1e-3
+        assert np.abs(rod.frames[0][:, 2] - (1, 0, 0)).max() < 1e-3
+
+
+def test_frames_that_are_turned_apart_are_told_how_to_agree() -> None:
+    scene, rod = cantilever()
+    scene.add_hinge(None, rod.frame(-1), anchor=(1.0, 0.0, 0.0), axis="y")
+    with pytest.raises(InvalidArgument, match="rad at time 0: .* turn both frames alike .* leave out anchor"):
+        stark.Simulation(scene)
+
+
 def test_energies_act_on_frames_of_nodes() -> None:
     @stark.energy
     def torque(f: stark.Frame, moment: float):
