@@ -18,7 +18,7 @@ from stark.settings import Settings
 
 from . import recorded, robots
 from .errors import DocumentError
-from .format import FORMAT_NAME, FORMAT_VERSION
+from .format import FORMAT_NAME, FORMAT_VERSION, SURFACE_MOTION
 
 _BODIES = {"add_cloth": "cloth", "add_solid": "solid", "add_rod": "rod", "add_rigid": "rigid"}
 _LAYERS = {"add_skin": "skin", "add_fibres": "fibres"}
@@ -38,6 +38,7 @@ _ELSEWHERE = {
         "clamp",
         "set_rest_state",
         "set_surface_directions",
+        "set_surface_motion",
         "set_actuator_value",
         "set_actuator_enabled",
     ),
@@ -150,6 +151,8 @@ def _bodies(scene: Any, formulas: Formulas) -> list[dict[str, Any]]:
         row["surface_direction"] = directions if len(directions) else None
         if kind == "rigid":
             row["inertia"] = _inertia(given["inertia"])
+            motion = scene._core.surface_motion(body._index)
+            row["surface_motion"] = motion and dict(zip(SURFACE_MOTION.fields, motion, strict=True))
         else:
             row["material"] = _material(body._shared["material"], formulas)
             row["pins"] = scene._core.pins(body._index)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -91,10 +91,12 @@ class Rebuilding:
         if core := given.pop("contact_core"):
             given["surface"] = _surface(given, core, where)
         if kind == "rigid":
-            inertia = given.pop("inertia")
+            inertia, motion = given.pop("inertia"), given.pop("surface_motion")
             packed = None if inertia is None else tuple(inertia.values())
             mesh = TriangleMesh(vertices, given.pop("triangles"))
             body = self.scene.add_rigid(mesh, **given, inertia=packed)
+            if motion is not None:
+                self.scene._core.set_surface_motion(body._index, *motion.values())
         else:
             given = {**given, "material": self._material(given["material"], where)}
             given["pins"] = given["pins"] if len(given["pins"]) else None
@@ -334,12 +336,12 @@ class Rebuilding:
         if row["number"] >= len(handles):
             raise DocumentError(f"{where}.number: must be below {len(handles)}")
         handle, value = handles[row["number"]], row["value"]
-        known = {
+        values: dict[str, Callable[[], Any]] = {
             "energy": lambda: handle._binding.values,
             "actuator": lambda: handle.units,
-            "body": lambda: handle._shared.get("rest_state", {}),
-        }[row["of"]]()
-        if value not in known:
+            "body": lambda: _body_values(handle),
+        }
+        if value not in values[row["of"]]():
             raise DocumentError(f"{where}: {row['of']} '{handle.name}' has no value '{value[:80]}'")
         setattr(handle, value, _motion(row["motion"], f"{where}.motion"))
 
@@ -363,6 +365,13 @@ class Rebuilding:
 
 
 _ANY = {built_in_joint: "hinge", built_in_actuator: "effort"}
+
+
+def _body_values(body: Any) -> list[str]:
+    """Those that may follow functions of the time."""
+    if body.kind != "rigid":
+        return list(body._shared.get("rest_state", {}))
+    return [] if body.surface_velocity is None else ["surface_velocity", "surface_spin"]
 
 
 def _named(row: Mapping[str, Any], where: str) -> str:
