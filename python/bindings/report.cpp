@@ -109,7 +109,8 @@ nb::dict energy_dict(const StepReport& r) {
   const EnergyLedger& e = r.energy;
   return dict_of("kinetic", e.kinetic, "elastic", e.elastic, "gravity", e.gravity, "contact", e.contact,
                  "damping", e.damping, "friction", e.friction, "external", e.external, "actuation",
-                 e.actuation, "restitution", e.restitution, "placed", e.placed, "numerical", e.numerical);
+                 e.actuation, "belts", e.belts, "restitution", e.restitution, "placed", e.placed, "numerical",
+                 e.numerical);
 }
 
 nb::dict phases_dict(const StepReport& r) {
@@ -195,7 +196,8 @@ void bind_report(nb::module_& m) {
           "energy", energy_dict,
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
           "step: damping, friction (dissipated), external (work of scripted and pinned parts), "
-          "actuation (work of actuators), placed (given by placing bodies before the step), "
+          "actuation (work of actuators), belts (work of the drives of moving surfaces), placed (given by "
+          "placing bodies before the step), "
           "numerical (what closes the balance) [J].")
       .def_prop_ro("momentum", path<&R::momentum, &Momentum::linear>,
                    "Momentum of all free masses (3,) [N s].")

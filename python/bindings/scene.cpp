@@ -67,6 +67,22 @@ void bind_friction(nb::class_<Scene>& c) {
           },
           "body"_a, "directions"_a)
       .def("surface_directions", array_from<&Scene::surface_directions>, "body"_a)
+      .def(
+          "set_surface_motion",
+          [](Scene& s, BodyId body, nb::object velocity, nb::object spin, nb::object center) {
+            s.set_surface_motion(body,
+                                 {vector_of(velocity, "surface_velocity"), vector_of(spin, "surface_spin"),
+                                  vector_of(center, "surface_center")});
+          },
+          "body"_a, "velocity"_a, "spin"_a, "center"_a)
+      .def(
+          "surface_motion",
+          [](const Scene& s, BodyId body) -> std::optional<nb::tuple> {
+            const std::optional<SurfaceMotion> motion = s.surface_motion(body);
+            if (!motion) return std::nullopt;
+            return nb::make_tuple(motion->velocity, motion->spin, motion->center);
+          },
+          "body"_a, "Velocity, spin and center of the motion of a surface; None where it rests.")
       .def_prop_rw("default_friction", &Scene::default_friction, &Scene::set_default_friction);
 }
 

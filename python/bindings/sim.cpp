@@ -156,6 +156,21 @@ void bind_bodies(nb::class_<Simulation>& c) {
              s.set_velocity(body, vector_of(velocity, "velocity"),
                             vector_of(angular_velocity, "angular_velocity"));
            })
+      .def(
+          "set_surface_motion",
+          [](Simulation& s, BodyId body, nb::object velocity, nb::object spin) {
+            s.set_surface_motion(body, vector_of(velocity, "surface_velocity"),
+                                 vector_of(spin, "surface_spin"));
+          },
+          "body"_a, "velocity"_a, "spin"_a)
+      .def(
+          "surface_motion",
+          [](const Simulation& s, BodyId body) -> std::optional<nb::tuple> {
+            if (!s.scene().surface_motion(body)) return std::nullopt;
+            const SurfaceMotion motion = s.surface_motion(body);
+            return nb::make_tuple(motion.velocity, motion.spin, motion.center);
+          },
+          "body"_a, "Velocity, spin and center of the motion of a surface; None where it rests.")
       .def("pin_targets", array_from<&Simulation::pin_targets>)
       .def(
           "set_pin_targets",

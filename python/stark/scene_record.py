@@ -76,6 +76,9 @@ class RecordedScene(_core.Scene):
     def set_surface_directions(self, body: int, directions: Any) -> None:
         self._do("set_surface_directions", body, directions)
 
+    def set_surface_motion(self, body: int, velocity: Any, spin: Any, center: Any) -> None:
+        self._do("set_surface_motion", body, velocity, spin, center)
+
     def disable_contact(self, a: int, b: int) -> None:
         self._do("disable_contact", a, b)
 

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.bodies.body import Body
 from stark.bodies.following import follow_pose
+from stark.bodies.moving_surface import MovingSurface
 from stark.bodies.sensors import InertialSensors
 from stark.handle import SimulationLink
 from stark.rotations import as_matrix, vector
 from stark.selections import FrameHandle, Points, local_points, rigid_frame
 
 
-class RigidBody(InertialSensors, Body):
+class RigidBody(InertialSensors, Body, MovingSurface):
     """A rigid body. ``position`` and ``rotation`` place the frame of its mesh, whose origin need not be its
     centre of mass. Dynamic bodies are placed by assigning to them, at once (docs/state.md). Scripted bodies
     are moved so: to the pose that holds at the end of the next step."""

@@ -19,7 +19,7 @@ from stark.settings import Settings
 
 from . import recorded, robots
 from .errors import DocumentError
-from .format import FORMAT_NAME, FORMAT_VERSION
+from .format import FORMAT_NAME, FORMAT_VERSION, SURFACE_MOTION
 
 _BODIES = {f"add_{kind}": kind for kind, row in KINDS.items() if not row.is_layer}
 _LAYERS = {f"add_{kind}": kind for kind, row in KINDS.items() if row.is_layer}
@@ -39,6 +39,7 @@ _ELSEWHERE = {
         "clamp",
         "set_rest_state",
         "set_surface_directions",
+        "set_surface_motion",
         "set_actuator_value",
         "set_actuator_enabled",
     ),
@@ -151,6 +152,8 @@ def _bodies(scene: Any, formulas: Formulas) -> list[dict[str, Any]]:
         row["surface_direction"] = directions if len(directions) else None
         if has_pose(body):
             row["inertia"] = _inertia(given["inertia"])
+            motion = scene._core.surface_motion(body._index)
+            row["surface_motion"] = motion and dict(zip(SURFACE_MOTION.fields, motion, strict=True))
         if "material" in body._shared:
             row["material"] = _material(body._shared["material"], formulas)
         if not has_pose(body):

@@ -97,6 +97,13 @@ EMBEDDING = Record(
         "filling": Field(Array((None, 7)), doc="of each element: part, means of coordinates and of squares"),
     }
 )
+SURFACE_MOTION = Record(
+    {
+        "velocity": Field(vector("m/s"), ZERO, "of the material of the surface, in the frame of the mesh"),
+        "spin": Field(vector("rad/s"), ZERO, "of the same, about an axis through the center"),
+        "center": Field(vector("m"), ZERO),
+    }
+)
 BODY = Tagged(
     "kind",
     {
@@ -138,6 +145,7 @@ BODY = Tagged(
                 "hollow": Field(Flag(), False),
                 "linear_damping": Field(Number("1/s"), 0.0),
                 "angular_damping": Field(Number("1/s"), 0.0),
+                "surface_motion": Field(Maybe(SURFACE_MOTION), None, "along itself, as of a belt"),
             }
         ),
     },
@@ -402,7 +410,9 @@ DOCUMENT = Record(
         "pairs": Field(Listing(PAIR), [], "in the order in which they were set: the last one counts"),
         "untouchable": Field(Listing(Whole()), [], "bodies that touch none, added later ones included"),
         "motions": Field(Listing(FOLLOWER), [], "of scripted bodies and pins"),
-        "courses": Field(Listing(COURSE), [], "values of energies, actuators and rest states over time"),
+        "courses": Field(
+            Listing(COURSE), [], "values of energies, actuators, rest states and belts over time"
+        ),
     },
     doc="A scene of Stark: what is simulated, as data.",
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -90,7 +90,7 @@ class Rebuilding:
         check_places(given["vertices"], f"{where}.vertices")
         if core := given.pop("contact_core"):
             given["surface"] = _surface(given, core, where)
-        rest_state = given.pop("rest_state", {})
+        rest_state, motion = given.pop("rest_state", {}), given.pop("surface_motion", None)
         if given.get("inertia") is not None:
             given["inertia"] = tuple(given["inertia"].values())
         if "material" in given:
@@ -101,6 +101,8 @@ class Rebuilding:
         body = getattr(self.scene, f"add_{kind}")(mesh, **given)
         for name, values in rest_state.items():
             body._set_rest_value(name, _plain(values))
+        if motion is not None:
+            self.scene._core.set_surface_motion(body._index, *motion.values())
         if direction is not None:
             body.surface_direction = direction[0] if len(direction) == 1 else direction
 
@@ -317,12 +319,12 @@ class Rebuilding:
         if row["number"] >= len(handles):
             raise DocumentError(f"{where}.number: must be below {len(handles)}")
         handle, value = handles[row["number"]], row["value"]
-        known = {
+        values: dict[str, Callable[[], Any]] = {
             "energy": lambda: handle._binding.values,
             "actuator": lambda: handle.units,
-            "body": lambda: handle._shared.get("rest_state", {}),
-        }[row["of"]]()
-        if value not in known:
+            "body": lambda: _body_values(handle),
+        }
+        if value not in values[row["of"]]():
             raise DocumentError(f"{where}: {row['of']} '{handle.name}' has no value '{value[:80]}'")
         setattr(handle, value, _motion(row["motion"], f"{where}.motion"))
 
@@ -355,6 +357,13 @@ def _mesh(kind: str, given: dict[str, Any], where: str) -> Any:
     if elements is not None and elements.shape[1] not in _COUNTS:
         raise DocumentError(f"{where}.elements have {elements.shape[1]} nodes: must be one of {_COUNTS}")
     return HANDLES[kind]._mesh_of(arrays)
+
+
+def _body_values(body: Any) -> list[str]:
+    """Those that may follow functions of the time."""
+    if not has_pose(body):
+        return list(body._shared.get("rest_state", {}))
+    return [] if body.surface_velocity is None else ["surface_velocity", "surface_spin"]
 
 
 def _named(row: Mapping[str, Any], where: str) -> str:

@@ -14,7 +14,9 @@ Layout, beside the frames::
                                 contact was back in the step that led to the state; placed (k, bodies): 1
                                 where the user has put bodies elsewhere, or pushed them, since the step
                                 before, in states that are recorded after that; placed_coordinates (k, c):
-                                of all joints in such a state [m, rad], else 0; chain (k, 32) uint8:
+                                of all joints in such a state [m, rad], else 0; surface_motions_0000
+                                (k, 2, 3): velocity [m/s] and spin [rad/s] of a moving surface in the next
+                                step, before functions of the time; chain (k, 32) uint8:
                                 digests, see stark.recording.chain. With bdf2: velocities_0000 and lags_0000
                                 (k, n, 3) [m/s], of rigid bodies (k, 3); spins_0000 (k, 3, 3) [kg m^2/s] of
                                 rigid bodies, (k, n, 3, 3) of rods: increments of the angular momentum by all
@@ -100,6 +102,8 @@ def _body(scene: Any, body: Any, contact_distance: float) -> dict[str, Any]:
         "pins": [] if has_pose(body) else body.pins,
         "clamped": body.clamped if has_frames(body) else [],
     }
+    if scene.surface_motion(body._index) is not None:
+        entry["surface_moves"] = True
     return entry | ({"inertia": scene.inertia(body._index)} if has_pose(body) else {})
 
 
@@ -244,6 +248,8 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
         if has_pose(body):
             position, rotation = body.pose
             state[f"poses_{i:04d}"] = np.vstack([position, rotation])
+            if (motion := sim._core.surface_motion(i)) is not None:
+                state[f"surface_motions_{i:04d}"] = np.array(motion[:2], dtype=np.float64)
         if has_frames(body):
             state[f"frames_{i:04d}"] = np.asarray(body.frames)
     state["joints"] = np.array([joint.enabled for joint in sim.joints], dtype=np.int8)

@@ -60,5 +60,6 @@ _CALLS = {
     *("add_skin", "add_fibres", "add_joint", "add_actuator", "add_attachment"),
     *("set_actuator_value", "set_actuator_enabled", "pin", "clamp", "set_rest_state"),
     *("set_friction", "set_anisotropic_friction", "set_restitution", "set_surface_directions"),
+    "set_surface_motion",
     *("disable_contact", "enable_contact", "disable_contacts", "enable_contacts", "default_friction"),
 }

@@ -11,7 +11,7 @@ from stark.scene_record import Call
 from stark.steps import Stepping
 
 _ADDING = ("add_cloth", "add_solid", "add_rigid", "add_rod")
-_ABOUT_ONE = ("pin", "clamp", "set_surface_directions")
+_ABOUT_ONE = ("pin", "clamp", "set_surface_directions", "set_surface_motion")
 _ABOUT_TWO = (
     "set_friction",
     "set_anisotropic_friction",
@@ -68,7 +68,9 @@ def reduced(sim: Stepping, state: Arrays, keep: list[int]) -> tuple[list[Call], 
     places = sim._core.places()
     points = _rows([places[k][:2] for k in keep])
     bodies = _rows([places[k][2:] for k in keep])
-    return calls, {name: _part(name, array, points, bodies) for name, array in state.items()}
+    moving = sorted({arguments[0] for name, arguments in sim._calls if name == "set_surface_motion"})
+    surfaces = np.flatnonzero(np.isin(moving, keep))
+    return calls, {name: _part(name, array, points, bodies, surfaces) for name, array in state.items()}
 
 
 def _rows(ranges: list[tuple[int, int]]) -> np.ndarray:
@@ -77,11 +79,13 @@ def _rows(ranges: list[tuple[int, int]]) -> np.ndarray:
     return np.sort(np.concatenate([*rows, np.empty(0, dtype=int)]).astype(int))
 
 
-def _part(name: str, array: Any, points: np.ndarray, bodies: np.ndarray) -> Any:
+def _part(name: str, array: Any, points: np.ndarray, bodies: np.ndarray, surfaces: np.ndarray) -> Any:
     if name.startswith(("friction_", "contact_")):
         return array[:0]
     if np.ndim(array) == 0 or len(array) == 0:
         return array
+    if name.startswith("surface_"):
+        return np.ascontiguousarray(array[surfaces])
     if name == "pin_target" or "point_" in name:
         return np.ascontiguousarray(array[points])
     if name.startswith("script_") or "body_" in name:

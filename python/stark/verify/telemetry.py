@@ -23,6 +23,7 @@ _GROWTH, _IMPOSSIBLE_GROWTH = 100.0, 1e4
 #: last Newton iteration: how far they may be off.
 _CONTACT_ERROR = 0.01
 _CONTACT_AT_START, _BRISTLES_AT_START = "contact_energy_at_start", "bristle_energy_at_start"
+_BELTS = "belts"
 _STORED = ("kinetic", "elastic", "gravity", "contact")
 _SUPPLIED = ("external", "actuation")
 _TURNED_OVER = ("external", "actuation", "damping", "friction", "numerical")
@@ -174,7 +175,7 @@ def ledger_claim(run: Run) -> Claim:
         return Claim(name, statement, NOT_RECORDED, _BASIS, detail="a step lacks energies")
     worst, bound, where, largest_growth = -math.inf, 0.0, None, 0.0
     violated, unexplained = 0, 0
-    if impossible := _impossible_energy(run.rows):
+    if impossible := _impossible_energy(run.rows) or _work_of_no_belt(run):
         return Claim(name, statement, VIOLATED, _BASIS, detail=impossible)
     recorded = any(_CONTACT_AT_START in row for row in run.rows)
     for before, row in zip(run.rows, run.rows[1:], strict=False):
@@ -233,13 +234,25 @@ def _impossible_energy(rows: list[Row]) -> str:
     return ""
 
 
+def _work_of_no_belt(run: Run) -> str:
+    """Names the first work of moving surfaces in a scene that has none, or that is no number."""
+    moving = any(body.get("surface_moves") for body in run.scene.get("bodies", []))
+    for row in run.rows:
+        work = row["energy"].get(_BELTS, 0.0)
+        if not (isinstance(work, (int, float)) and math.isfinite(work) and (moving or work == 0.0)):
+            rule = "must be finite" if moving else "must be 0, no surface of the scene moves"
+            return f"step {row.get('step')} reports the energy {_BELTS} = {work!r} J: {rule}"
+    return ""
+
+
 def _imbalance(before: Row, row: Row, contact: float) -> tuple[float, float]:
     """Stored energy that appears out of nowhere in a step which starts with this contact energy [J], and what
     rounding explains of it."""
     old, new = {**before["energy"], "contact": contact}, row["energy"]
     stored = [(new[key], 1.0) for key in _STORED] + [(old[key], -1.0) for key in _STORED]
-    # Recordings of older versions do not name the work of restitution, and of the user who places bodies.
-    given_back = [(new.get(key, 0.0), -1.0) for key in ("restitution", "placed")]
+    # Recordings of older versions do not name the work of restitution, of belts, and of the user who places
+    # bodies.
+    given_back = [(new.get(key, 0.0), -1.0) for key in ("restitution", _BELTS, "placed")]
     supplied = [(new[key], -1.0 if key in _SUPPLIED else 1.0) for key in _TURNED_OVER] + given_back
     terms = [value * sign for value, sign in stored + supplied]
     return math.fsum(terms), _BALANCE_ROUNDING * sum(abs(term) for term in terms)

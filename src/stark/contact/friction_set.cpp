@@ -81,6 +81,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
+  if (!moving_.empty()) pair.drift = drift(contact, pair.normal, x);
   const int64_t known = find_bristles(contact, x);
   const Pair* before = find(contact.key);
   if (known >= 0) {
@@ -97,6 +98,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
     pair.deflection = before->deflection;
     pair.along = before->along;
     pair.across = before->across;
+    pair.drift = before->drift;
   }
   if (resets_ > 0) pair.slides = measure(pair, deflection(pair, x)) >= stick_displacement_;
   return pair;
@@ -117,6 +119,22 @@ int64_t FrictionSet::find_bristles(const Contact& contact, std::span<const Vec3>
       return k;
   }
   return -1;
+}
+
+Vec3 FrictionSet::drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x) const {
+  if (moving_.empty()) return {};
+  // Displacements that are differences of places are chords of what turns; those of bdf2 are velocities.
+  const bool is_chord = reference_.scale == 1.0;
+  Vec3 way;
+  for (const bool is_a : {true, false}) {
+    const int first = is_a ? 0 : contact.side_a_count,
+              end = is_a ? contact.side_a_count : contact.point_count;
+    Vec3 point;
+    for (int p = first; p < end; ++p) point += x[contact.sites[p]] * std::fabs(contact.weights[p]);
+    const int32_t group = mesh_->vertex_group[contact.sites[first]];
+    way += moving_.way(group, point, x, reference_.duration, is_chord) * (is_a ? 1.0 : -1.0);
+  }
+  return way - normal * dot(normal, way);
 }
 
 void FrictionSet::set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const {
@@ -220,7 +238,8 @@ const FrictionSet::Pair* FrictionSet::find(const PairKey& key) const {
 }
 
 Vec3 FrictionSet::deflection(const Pair& pair, std::span<const Vec3> x) const {
-  const Vec3 u = pair.stencil.motion(x, reference_.positions) * reference_.scale + pair.deflection;
+  Vec3 u = pair.stencil.motion(x, reference_.positions) * reference_.scale + pair.deflection;
+  if (!moving_.empty()) u += pair.drift * reference_.scale;
   return u - pair.normal * dot(pair.normal, u);
 }
 
@@ -268,7 +287,8 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
     }
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Pair& pair = pairs_[members_[k][e]];
-      const Vec3 start = pair.deflection / reference_.scale;
+      Vec3 start = pair.deflection / reference_.scale;
+      if (!moving_.empty()) start += pair.drift;
       const double weighted = pair.limit * reference_.weight;
       batch.set(limit, e, {&weighted, 1});
       batch.set(first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
@@ -286,11 +306,22 @@ FrictionMemory FrictionSet::end_step(std::span<const Vec3> x) const {
   FrictionMemory memory;
   for (const Pair& pair : next_start_ ? *next_start_ : pairs_) {
     const Vec3 u = limited(pair, deflection(pair, x));
-    const double angle = spin(*mesh_, pair.contact.key, pair.normal, x_start_, x);
+    double angle = spin(*mesh_, pair.contact.key, pair.normal, x_start_, x);
+    if (!moving_.empty()) angle += surface_turn(pair, x);
     memory.append(pair.contact.key, exp_rotation(pair.normal * angle) * u * orientation(*mesh_, pair.contact),
                   pair.force);
   }
   return memory;
+}
+
+double FrictionSet::surface_turn(const Pair& pair, std::span<const Vec3> x) const {
+  const PairKey& key = pair.contact.key;
+  const bool is_face = key.kind == PairKind::PointTriangle;
+  if (!is_face && key.kind != PairKind::EdgeEdge && key.kind != PairKind::PointEdge) return 0.0;
+  const int32_t group = is_face                          ? mesh_->triangle_group[key.second]
+                        : key.kind == PairKind::EdgeEdge ? mesh_->edge_group[key.first]
+                                                         : mesh_->edge_group[key.second];
+  return moving_.turn(group, pair.normal, x, reference_.duration * reference_.scale);
 }
 
 std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<PotentialBatch>& batches) {
@@ -321,14 +352,26 @@ double FrictionSet::slope_at(double y) const {
 std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const Vec3> x) const {
   std::map<PairKey, PairMotion> motions;
   for (const Pair& pair : pairs_) {
-    const Vec3 u = deflection(pair, x) / reference_.scale;
-    const Vec3 direction =
-        pair.is_anisotropic ? pair.along * dot(pair.along, u) + pair.across * dot(pair.across, u) : u;
     const double sign = orientation(*mesh_, pair.contact);
-    motions[pair.contact.key] = {.force = direction * (-sign * pair.limit * slope_at(measure(pair, u))),
-                                 .motion = pair.stencil.motion(x, reference_.positions) * sign};
+    Vec3 motion = pair.stencil.motion(x, reference_.positions);
+    if (!moving_.empty()) motion += pair.drift;
+    motions[pair.contact.key] = {.force = force(pair, x) * sign, .motion = motion * sign};
   }
   return motions;
+}
+
+Vec3 FrictionSet::force(const Pair& pair, std::span<const Vec3> x) const {
+  const Vec3 u = deflection(pair, x) / reference_.scale;
+  const Vec3 direction =
+      pair.is_anisotropic ? pair.along * dot(pair.along, u) + pair.across * dot(pair.across, u) : u;
+  return direction * (-pair.limit * slope_at(measure(pair, u)));
+}
+
+double FrictionSet::surface_work(std::span<const Vec3> x) const {
+  if (moving_.empty()) return 0.0;
+  double total = 0.0;
+  for (const Pair& pair : pairs_) total -= dot(force(pair, x), pair.drift) * reference_.scale;
+  return total;
 }
 
 double FrictionSet::energy_at_start() const {

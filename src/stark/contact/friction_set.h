@@ -17,6 +17,7 @@
 #include <stark/contact/friction_memory.h>
 #include <stark/contact/friction_stencil.h>
 #include <stark/contact/surface_directions.h>
+#include <stark/contact/surface_motion.h>
 
 namespace stark {
 
@@ -35,7 +36,8 @@ struct FrictionPotentials {
 struct DisplacementReference {
   std::vector<Vec3> positions;
   double scale = 1.0;
-  double weight = 1.0;  ///< of what the batches have
+  double weight = 1.0;    ///< of what the batches have
+  double duration = 0.0;  ///< of the displacements, before the factor [s]; of moving surfaces
 };
 
 class FrictionSet {
@@ -47,6 +49,13 @@ class FrictionSet {
 
   /// Sites whose bodies are rigid, true by site; none by default.
   void set_rigid_sites(std::vector<bool> rigid) { rigid_sites_ = std::move(rigid); }
+
+  /// Surfaces that move along themselves; none by default.
+  void set_moving_surfaces(MovingSurfaces surfaces) { moving_ = std::move(surfaces); }
+  /// Their velocities [m/s] and spins [rad/s] in the coming step.
+  void set_surface_motions(std::span<const Vec3> velocities, std::span<const Vec3> spins) {
+    moving_.set(velocities, spins);
+  }
 
   /// Starts a step at site positions x with what is remembered of the last one.
   void begin_step(const SurfaceMesh& mesh, FrictionMemory memory, std::span<const Vec3> x,
@@ -82,8 +91,10 @@ class FrictionSet {
   /// Parabolas above the energies that have their gradients at x.
   std::vector<const PotentialBatch*> majorants(std::span<const Vec3> x);
   struct PairMotion {
-    Vec3 force;   ///< on the first primitive [N]
-    Vec3 motion;  ///< of the first primitive against the second since the reference, where friction acts [m]
+    Vec3 force;  ///< on the first primitive [N]
+    /// Of the material of the first primitive against the second since the reference, where friction acts
+    /// [m].
+    Vec3 motion;
   };
   /// Friction of the pairs at site positions x.
   std::map<PairKey, PairMotion> motions(std::span<const Vec3> x) const;
@@ -91,6 +102,11 @@ class FrictionSet {
   /// Energy in the bristles as they were bent at the start of the step, with the limits of now, above that of
   /// straight ones [J]. By convexity the work that friction gives back in the step is no more.
   double energy_at_start() const;
+  /// Work that the drives of moving surfaces do against friction in the step that ends at x [J].
+  double surface_work(std::span<const Vec3> x) const;
+  /// Displacement of the material of side A of a contact against that of side B, in the plane of a unit
+  /// normal, that the motion of the bodies does not have [m].
+  Vec3 drift(const Contact& contact, const Vec3& normal, std::span<const Vec3> x) const;
 
   /// Energies at x are compared with those at the last remember(), element by element.
   void remember(std::span<const Vec3> x);
@@ -107,6 +123,7 @@ class FrictionSet {
     bool slides = false;
     bool is_anisotropic = false;
     Vec3 along, across;  ///< anisotropic: unit tangents times their shares of the larger coefficient
+    Vec3 drift{};        ///< see drift()
   };
 
   Pair make_pair(const Contact& contact, const FrictionCoefficient& mu, const Vec3& force,
@@ -126,6 +143,10 @@ class FrictionSet {
   Vec3 limited(const Pair& pair, Vec3 deflection) const;
   const Pair* find(const PairKey& key) const;
   Vec3 deflection(const Pair& pair, std::span<const Vec3> x) const;
+  /// By which the material of a moving surface turns more than what spin() takes for it [rad].
+  double surface_turn(const Pair& pair, std::span<const Vec3> x) const;
+  /// On side A [N].
+  Vec3 force(const Pair& pair, std::span<const Vec3> x) const;
   /// f0'(y) / y of a deflection of measure y [1/m].
   double slope_at(double y) const;
   /// What LimitComparison sees of pairs.
@@ -137,6 +158,7 @@ class FrictionSet {
 
   double stick_displacement_;  ///< [m]
   SurfaceDirections directions_;
+  MovingSurfaces moving_;
   std::vector<bool> rigid_sites_;
   FrictionCarriers carriers_;  ///< of the mesh
   const SurfaceMesh* mesh_ = nullptr;

@@ -75,6 +75,7 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
   std::vector<bool> rigid;
   for (int32_t i = 0; i < map.site_count(); ++i) rigid.push_back(map.site(i).kind == SiteKind::RigidPoint);
   friction_.set_rigid_sites(std::move(rigid));
+  friction_.set_moving_surfaces(MovingSurfaces(std::move(surfaces.moving)));
 }
 
 void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReference& reference,
@@ -88,7 +89,8 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
   for (const int64_t code : memory.friction.pair)
     if (const PairKey key = unpack(code); is_name(key)) names_.push_back(key);
   friction_.begin_step(mesh(), std::move(memory.friction), x,
-                       {x_reference_, reference.step / reference.duration, weight_});
+                       {x_reference_, reference.step / reference.duration, weight_, reference.duration});
+  friction_.set_surface_motions(reference.surface_velocity, reference.surface_spin);
   set_close_bodies(std::move(memory.close));
   restitution_.begin_step(std::move(memory.restitution), x, reference.motion);
   law_.begin_step(std::move(memory.load), restitution_.spent());
@@ -356,6 +358,8 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       const double side = orientation(mesh(), entry.contact);
       entry.friction = found->second.force * side;
       motion = found->second.motion * side;
+    } else {
+      motion += friction_.drift(entry.contact, n, x);
     }
     entry.slip = (motion - n * dot(n, motion)) / duration_;
   }

@@ -31,6 +31,7 @@ struct ContactSurfaces {
   std::vector<int32_t> patch{};               ///< by triangle, see AreaWeights; none: each is a patch
   std::vector<uint8_t> is_sheet{};            ///< by group, see AreaWeights
   RestitutionTable restitution{};
+  std::vector<MovingSurface> moving{};
 };
 
 struct ContactPotentials {
@@ -50,7 +51,7 @@ struct ContactForce {
   Vec3 point_a, point_b;  ///< closest points [m]
   Vec3 normal_force;      ///< on side A [N]
   Vec3 friction;          ///< on side A [N]
-  Vec3 slip;              ///< tangential velocity of side A against side B [m/s]
+  Vec3 slip;              ///< tangential velocity of the material of side A against that of side B [m/s]
 };
 
 /// Surfaces within their contact distances: the smallest distance [m], infinity without any; and the two
@@ -85,6 +86,8 @@ class ContactPipeline final : public ActiveSet {
     double step = 0.0;
     double weight = 1.0;  ///< of contact beside other forces: see TimeStencil
     RestitutionSet::Motion motion{};
+    /// Of the moving surfaces [m/s, rad/s].
+    std::span<const Vec3> surface_velocity{}, surface_spin{};
   };
   /// Freezes areas and friction for a step that starts at site positions x.
   void begin_step(std::span<const Vec3> x, const VelocityReference& reference, ContactMemory memory);
@@ -138,6 +141,7 @@ class ContactPipeline final : public ActiveSet {
   double energy() const;
   /// See FrictionSet.
   double bristle_energy_at_start() const { return friction_.energy_at_start(); }
+  double surface_work(std::span<const Vec3> x) const { return friction_.surface_work(x); }
   std::vector<const PotentialBatch*> friction_batches() const { return friction_.batches(); }
   /// Whether the least distance is a bound from the next begin_step() on, or motions may take nine tenths of
   /// any gap. It always is where a body has a core.

@@ -118,6 +118,10 @@ void Model::Builder::set_initial_state() {
   state.script_rotation = state.body_rotation;
   state.script_remaining.assign(state.body_position.size(), kMovesAtVelocity);
   state.pin_target = state.point_position;
+  for (const auto& [body, motion] : scene.surface_motions()) {
+    state.surface_velocity.push_back(motion.velocity);
+    state.surface_spin.push_back(motion.spin);
+  }
   if (!has_history(settings.time.integrator)) return;
   state.previous_point_position = state.point_position;
   for (std::vector<Vec3>* field : {&state.point_increment, &state.point_contact_increment, &state.point_lag})
@@ -265,8 +269,23 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     for (int32_t b = 0; b < groups; ++b) friction[a * groups + b] = scene.friction(BodyId{a}, BodyId{b});
   if (scene.has_anisotropic_friction()) surfaces.directions = make_directions(scene);
   if (scene.has_restitution()) surfaces.restitution = make_restitution(scene, settings);
+  surfaces.moving = make_moving(scene);
   surfaces.friction = [friction, groups](int32_t a, int32_t b) { return friction[a * groups + b]; };
   return surfaces;
+}
+
+std::vector<MovingSurface> Model::make_moving(const Scene& scene) const {
+  std::vector<MovingSurface> moving;
+  for (const auto& [index, motion] : scene.surface_motions()) {
+    const ModelBody& body = bodies_[index];
+    MovingSurface& surface = moving.emplace_back();
+    surface.group = index;
+    surface.sites = spanning_sites(body, rest_positions_);
+    for (int k = 0; k < 3; ++k)
+      surface.local[k] = scene.rest_vertices(BodyId{index})[surface.sites[k] - body.first_site];
+    surface.motion = motion;
+  }
+  return moving;
 }
 
 RestitutionTable Model::make_restitution(const Scene& scene, const Settings& settings) const {

@@ -113,6 +113,7 @@ class Model {
  private:
   struct Builder;
   std::vector<TangentComponents> make_directions(const Scene& scene) const;
+  std::vector<MovingSurface> make_moving(const Scene& scene) const;
   RestitutionTable make_restitution(const Scene& scene, const Settings& settings) const;
 
   KinematicMap map_;

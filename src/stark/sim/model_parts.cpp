@@ -189,6 +189,14 @@ void Model::Builder::list_contact() {
   add_part("contact distances of bodies", false, distances);
   add_part("contact stiffness of bodies", false, stiffness);
   if (has_core) add_part("contact cores of bodies", false, cores);
+  if (!scene.surface_motions().empty()) {
+    Hash64 moving;  // what moves how fast is in the state
+    for (const auto& [body, motion] : scene.surface_motions()) {
+      moving.append(body);
+      moving.append(motion.center);
+    }
+    add_part("moving surfaces", true, moving);
+  }
   if (!scene.has_anisotropic_friction()) return;
   Hash64 directions;
   for (int32_t a = 0; a < scene.body_count(); ++a) {

@@ -19,6 +19,7 @@
 #include <stark/base/error.h>
 #include <stark/base/math.h>
 #include <stark/contact/friction_coefficient.h>
+#include <stark/contact/surface_motion.h>
 #include <stark/geometry/mesh.h>
 #include <stark/geometry/solid_mesh.h>
 #include <stark/mechanics/constitutive_law.h>
@@ -246,6 +247,13 @@ class Scene {
   /// deforming triangle. None: no direction. Throws InvalidArgument for rods, zero vectors, other counts.
   void set_surface_directions(BodyId body, std::vector<Vec3> directions);
   std::vector<Vec3> surface_directions(BodyId body) const;
+  /// Motion of the material of a rigid body's surface along itself, in the frame of the mesh: a conveyor
+  /// belt, a turntable, a track. Simulations begin with its velocity and spin. Throws InvalidArgument for
+  /// deformable bodies.
+  void set_surface_motion(BodyId body, const SurfaceMotion& motion);
+  std::optional<SurfaceMotion> surface_motion(BodyId body) const;  ///< none: the surface rests on its body
+  /// Those of all bodies that have one, by body: in the order of State::surface_velocity.
+  const std::map<int32_t, SurfaceMotion>& surface_motions() const { return surface_motions_; }
   /// Triangles of the surface in the order of the directions; none of rods.
   std::vector<Index3> surface_triangles(BodyId body) const;
   /// Throws InvalidArgument for anisotropic friction of bodies that both have no direction.
@@ -373,6 +381,7 @@ class Scene {
   std::map<Pair, FrictionCoefficient> friction_;  // frame: the body that was named first
   std::map<Pair, double> restitution_;
   std::map<int32_t, std::vector<Vec3>> surface_directions_;
+  std::map<int32_t, SurfaceMotion> surface_motions_;
   std::set<Pair> contact_disabled_;
   double default_friction_ = 0.5;
   std::vector<std::string> warnings_;

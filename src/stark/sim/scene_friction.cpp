@@ -1,5 +1,5 @@
-// Friction and restitution of a scene: coefficients of pairs, and directions of surfaces that friction may
-// depend on.
+// Friction and restitution of a scene: coefficients of pairs, directions of surfaces that friction may depend
+// on, and surfaces that move along themselves.
 #include <algorithm>
 #include <cmath>
 
@@ -115,6 +115,24 @@ std::vector<Vec3> Scene::surface_directions(BodyId body) const {
   at(body);
   const auto entry = surface_directions_.find(body.index);
   return entry == surface_directions_.end() ? std::vector<Vec3>{} : entry->second;
+}
+
+void Scene::set_surface_motion(BodyId body, const SurfaceMotion& motion) {
+  const std::string owner = owner_text(kind(body), name(body));
+  if (kind(body) != BodyKind::Rigid)
+    throw InvalidArgument(owner +
+                          ": surface_velocity: must be of a rigid body, also a fixed or scripted one; what "
+                          "deforms moves with its material");
+  check_finite(owner, "surface_velocity", motion.velocity, "m/s");
+  check_finite(owner, "surface_spin", motion.spin, "rad/s");
+  check_finite(owner, "surface_center", motion.center, "m");
+  surface_motions_[body.index] = motion;
+}
+
+std::optional<SurfaceMotion> Scene::surface_motion(BodyId body) const {
+  at(body);
+  const auto entry = surface_motions_.find(body.index);
+  return entry == surface_motions_.end() ? std::nullopt : std::optional(entry->second);
 }
 
 bool Scene::has_surface_direction(BodyId body) const { return surface_directions_.contains(body.index); }

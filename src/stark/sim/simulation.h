@@ -158,6 +158,12 @@ class Simulation {
   /// Power [W] that it fed into the motion in the last step.
   double actuator_power(ActuatorId actuator) const;
 
+  /// Motion of the material of a body's surface from the next step on: velocity [m/s] and spin [rad/s] in the
+  /// frame of its mesh. Throws InvalidArgument where the scene gave the body none
+  /// (Scene::set_surface_motion).
+  void set_surface_motion(BodyId body, const Vec3& velocity, const Vec3& spin);
+  SurfaceMotion surface_motion(BodyId body) const;
+
   /// Releases an attachment, or holds it again from the next step on; broken pairs stay broken.
   void set_attachment_enabled(AttachmentId attachment, bool enabled);
   /// By pair: 1 held, 0 released, -1 broken.

@@ -227,7 +227,9 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const dou
     std::vector<Vec3> friction(x.size());
     for (const PotentialBatch* batch : contact_->friction_batches())
       add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
-    ledger.friction = work(friction, step_start_, x);
+    // Slip is that of the material: what a belt does on bodies is its work less what friction takes of it.
+    ledger.belts = contact_->surface_work(x);
+    ledger.friction = work(friction, step_start_, x) + ledger.belts;
     ledger.restitution = contact_->restitution_work(x);
   }
   ledger.damping = damping_work() + flow_dissipation();
@@ -237,8 +239,8 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const dou
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)
       ledger.actuation += actuator_work(model_.actuators()[k], state_, coordinates_before);
-  ledger.numerical = before.stored() + ledger.external + ledger.actuation + ledger.restitution -
-                     ledger.stored() - ledger.damping - ledger.friction;
+  ledger.numerical = before.stored() + ledger.external + ledger.actuation + ledger.belts +
+                     ledger.restitution - ledger.stored() - ledger.damping - ledger.friction;
   return ledger;
 }
 

@@ -37,7 +37,8 @@ struct EnumNames<Caveat> {
 };
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step
-///   stored(end) - stored(start) = external + actuation + restitution - damping - friction - numerical.
+///   stored(end) - stored(start) = external + actuation + belts + restitution - damping - friction -
+///   numerical.
 struct EnergyLedger {
   double kinetic = 0.0;    ///< of all free masses
   double elastic = 0.0;    ///< of elements and of users' energies
@@ -47,6 +48,7 @@ struct EnergyLedger {
   double friction = 0.0;   ///< dissipated in the step
   double external = 0.0;   ///< work of fixed, scripted and pinned parts on the rest in the step
   double actuation = 0.0;  ///< work of actuators in the step, springs on coordinates included
+  double belts = 0.0;      ///< work of the drives of moving surfaces in the step
   /// Given back in the step by restitution: what impacts before it had taken up, in contact that lost its
   /// stiffness and in numerical dissipation.
   double restitution = 0.0;

@@ -186,6 +186,23 @@ def press(sim: stark.Simulation, memory: dict[str, Any]) -> None:
     sim["press"].position = (0.0, 0.0, height - 0.002 + 1e-3 * min(1.0, abs(felt)))
 
 
+def belts() -> stark.Scene:
+    """A belt that follows a function of the time and one that a controller drives, each with a box."""
+    scene = stark.Scene()
+    for y, name in ((-0.2, "a"), (0.2, "b")):
+        belt = scene.add_box((1.0, 0.2, 0.1), motion="fixed", position=(0, y, -0.05), name=f"belt_{name}")
+        belt.surface_velocity = (0, 0, 0)
+        scene.add_box(0.05, mass=0.1, position=(0, y, 0.026), name=f"box_{name}")
+    scene["belt_a"].surface_velocity = lambda t: (2.0 * t, 0, 0)
+    return scene
+
+
+def drive_belt(sim: stark.Simulation, memory: dict[str, Any]) -> None:
+    if sim.state.step_count == 3:
+        sim["belt_b"].surface_velocity = (0.3, 0, 0)
+        sim["belt_b"].surface_spin = (0, 0, 1.0)
+
+
 HARD = {"newton.max_iterations": 4, "time.growth": 1.3}
 
 CASES = {
@@ -200,5 +217,7 @@ CASES = {
     "energies_quasistatic": Case(energies, tune_energies, {**NO_CONTACT, "time.integrator": "quasistatic"}),
     "rods": Case(rods, settings={"contact.distance": 1e-3}),
     "pressing": Case(pressing, press),
+    "belts": Case(belts, drive_belt, {"contact.distance": 1e-3}),
+    "belts_bdf2": Case(belts, drive_belt, {"contact.distance": 1e-3, "time.integrator": "bdf2"}),
     "halved_steps": Case(clutter, settings={"contact_distance": 1e-3, **HARD}),
 }

@@ -123,6 +123,9 @@ def _add_rigid(scene: stark.Scene) -> None:
     )  # fmt: skip
     mover = scene.add_box(0.1, name="mover", motion="scripted", position=(3, 0, 0))
     mover.follow(position=stark.motion.linear([0, 1], [(3, 0, 0), (3, 0, 0.1)]))
+    mover.surface_center = (0.01, 0, 0)
+    mover.surface_spin = (0, 0, 1.0)
+    mover.surface_velocity = stark.motion.linear([0, 1], [(0.1, 0, 0), (0.2, 0, 0)])
     hinge = scene.add_hinge(None, arm, (2, 0, 0), (0, 0, 1), limits=(-1.0, 1.0), name="shoulder")
     slider = scene.add_slider(arm, tip, (2.2, 0, 0), (1, 0, 0), name="reach")
     own = scene.add_joint(on_line, None, slab, anchor=(2, 1, 0), axis=(0, 0, 1), name="own joint")
