@@ -6,6 +6,7 @@
 #include <nanobind/stl/array.h>
 
 #include <array>
+#include <concepts>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -20,6 +21,12 @@
 #include "arrays.h"
 
 namespace stark::bindings {
+
+/// Number of a part of a scene (sim/ids.h).
+template <typename T>
+concept IsId = std::is_aggregate_v<T> && sizeof(T) == sizeof(int32_t) && requires(T id) {
+  { id.index } -> std::same_as<int32_t&>;
+};
 
 /// A list of numbers or small vectors that becomes an array.
 template <typename Value>
@@ -100,8 +107,8 @@ inline nb::dict attributes_of(nb::handle object, std::initializer_list<const cha
 
 namespace nanobind::detail {
 
-template <typename Id>
-struct IdCaster {
+template <stark::bindings::IsId Id>
+struct type_caster<Id> {
   NB_TYPE_CASTER(Id, const_name("int"))
   bool from_python(handle object, uint32_t flags, cleanup_list* list) noexcept {
     make_caster<int32_t> number;
@@ -111,20 +118,6 @@ struct IdCaster {
   }
   static handle from_cpp(Id id, rv_policy, cleanup_list*) noexcept { return PyLong_FromLong(id.index); }
 };
-template <>
-struct type_caster<stark::BodyId> : IdCaster<stark::BodyId> {};
-template <>
-struct type_caster<stark::EnergyId> : IdCaster<stark::EnergyId> {};
-template <>
-struct type_caster<stark::ActuatorId> : IdCaster<stark::ActuatorId> {};
-template <>
-struct type_caster<stark::AttachmentId> : IdCaster<stark::AttachmentId> {};
-template <>
-struct type_caster<stark::FibresId> : IdCaster<stark::FibresId> {};
-template <>
-struct type_caster<stark::JointId> : IdCaster<stark::JointId> {};
-template <>
-struct type_caster<stark::SkinId> : IdCaster<stark::SkinId> {};
 
 /// To Python only; what comes from there is read with the name of its field (given.h).
 template <typename Choice>

@@ -10,6 +10,7 @@
 
 #include <stark/mechanics/constitutive_law.h>
 #include <stark/mechanics/formula.h>
+#include <stark/mechanics/law_density.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/sim/registry.h>
 
@@ -67,46 +68,19 @@ Law law_of(const std::string& name, const std::string& doc, const Formula& formu
   return law;
 }
 
-/// Deformation gradient whose columns are the points of the builder.
-template <int columns>
-Deformation<columns> deformation_of_points(const Builder& builder) {
-  return {[b = builder.get()](PotentialBuilder::Position position) {
-    symbolic::Mat<3, columns> F;
-    for (int j = 0; j < columns; ++j)
-      for (int i = 0; i < 3; ++i) F(i, j) = (b->*position)(j)[i];
-    return F;
-  }};
-}
-
-/// Strain of a rod from the points (0, 0, stretch) and (curvature 1, curvature 2, twist).
-RodDeformation rod_deformation_of_points(const Builder& builder) {
-  const auto strain = [b = builder.get()](PotentialBuilder::Position position) {
-    const symbolic::Vec3 first = (b->*position)(0), second = (b->*position)(1);
-    return RodStrain{first[2], symbolic::Vec3(0.0, 0.0, 0.0), {second[0], second[1]}, second[2]};
-  };
-  return {[strain] { return strain(&PotentialBuilder::x); },
-          [strain] { return strain(&PotentialBuilder::x_prev); }};
-}
-
-/// Energy density of a law in the points of a new builder, and rows of its parameters with their inputs.
-template <typename Law, typename DeformationOf>
-nb::tuple law_density(const Law& law, int points, DeformationOf deformation_of) {
-  const auto builder = std::make_shared<PotentialBuilder>(points);
-  const TracedScalar psi = traced(builder, law.psi(*builder, deformation_of(builder)));
-  if (!builder->element_fields().empty())
-    throw InvalidArgument("law '" + law.name +
-                          "': depends on the strain at the start of the step: must depend on the strain "
-                          "alone; write it with @stark.material");
-  nb::list parameters;
+/// (psi, columns of the strain, rows of parameters with their inputs).
+template <typename Law>
+nb::tuple law_density(const Law& law) {
+  const auto [builder, psi] = density_of(law);
+  nb::list parameters, columns;
   for (const UniformField& field : builder->uniform_fields()) {
     const FieldRule& rule = field.rule;
     parameters.append(dict_of("name", field.name, "unit", field.unit, "doc", field.doc, "width", field.width,
                               "range", nb::make_tuple(rule.low, rule.high, rule.low_open, rule.high_open),
                               "inputs", traced_list(builder, builder->parameter_like(field))));
   }
-  nb::list columns;
-  for (int j = 0; j < points; ++j) columns.append(traced_list(builder, builder->x(j).v));
-  return nb::make_tuple(psi, columns, parameters);
+  for (int j = 0; j < builder->point_count(); ++j) columns.append(traced_list(builder, builder->x(j).v));
+  return nb::make_tuple(traced(builder, psi), columns, parameters);
 }
 
 nb::list field_list(const Formula& formula) {
@@ -266,14 +240,11 @@ void bind_formulas(nanobind::module_& m) {
   m.def(
       "element_formula", [](const RodLaw& law) { return formula_of(rod_segment(law)); }, "law"_a,
       "A law on segments of rods.");
-  m.def(
-      "law_density", [](const SolidLaw& law) { return law_density(law, 3, deformation_of_points<3>); },
-      "law"_a, "(psi, columns of F, parameters) of a law as expressions of one graph.");
-  m.def(
-      "law_density", [](const ShellLaw& law) { return law_density(law, 2, deformation_of_points<2>); },
-      "law"_a, "(psi, columns of F, parameters) of a law as expressions of one graph.");
-  m.def(
-      "law_density", [](const RodLaw& law) { return law_density(law, 2, rod_deformation_of_points); },
-      "law"_a, "(psi, [(0, 0, stretch), (curvature 1, curvature 2, twist)], parameters).");
+  m.def("law_density", law_density<SolidLaw>, "law"_a,
+        "(psi, columns of F, parameters) of a law as expressions of one graph.");
+  m.def("law_density", law_density<ShellLaw>, "law"_a,
+        "(psi, columns of F, parameters) of a law as expressions of one graph.");
+  m.def("law_density", law_density<RodLaw>, "law"_a,
+        "(psi, [(0, 0, stretch), (curvature 1, curvature 2, twist)], parameters).");
   m.def("registered_formula", &registered_formula, "name"_a, "A built-in potential as a formula.");
 }

@@ -4,10 +4,8 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <algorithm>
-
-#include <stark/base/aligned.h>
 #include <stark/base/settings.h>
+#include <stark/mechanics/element_evaluation.h>
 #include <stark/sim/registry.h>
 
 #include "casters.h"
@@ -19,7 +17,6 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using namespace stark;
 using namespace stark::bindings;
-using symbolic::kLanes;
 
 PotentialDefinition find_potential(const std::string& name) {
   std::vector<std::string> names;
@@ -36,8 +33,7 @@ nb::list potential_list() {
   });
 }
 
-template <typename Field>
-std::vector<double> numbers(const nb::dict& values, const Field& field) {
+std::vector<double> numbers(const nb::dict& values, const ElementInput& field) {
   if (!values.contains(field.name.c_str()))
     throw InvalidArgument("value '" + field.name + "' [" + field.unit + "] is missing: " + field.doc);
   const nb::object value = values[field.name.c_str()];
@@ -57,37 +53,14 @@ std::vector<double> numbers(const nb::dict& values, const Field& field) {
 nb::tuple evaluate_potential(const std::string& name, nb::object x, nb::object rest, nb::object previous,
                              const nb::dict& values) {
   const Potential potential(find_potential(name), symbolic::Backend::Automatic);
-  const int count = potential.point_count(), n = 3 * count;
+  const int count = potential.point_count();
   const std::vector<Vec3> now = points_of(x, "x", count);
-  const std::vector<Vec3> X = rest.is_none() ? now : points_of(rest, "X", count);
-  const std::vector<Vec3> before = previous.is_none() ? now : points_of(previous, "x_prev", count);
-  AlignedVector<double> unknowns(n * kLanes), elements(potential.element_width() * kLanes + 1),
-      uniforms(potential.uniform_width() + 1);
-  const auto spread = [](AlignedVector<double>& lanes, int row, double value) {
-    std::fill_n(lanes.begin() + row * kLanes, kLanes, value);
-  };
-  for (int i = 0; i < n; ++i) spread(unknowns, i, now[i / 3][i % 3]);
-  for (const ElementField& field : potential.element_fields()) {
-    std::vector<double> given;
-    if (field.source == ElementField::Source::Data) {
-      given = numbers(values, field);
-    } else {
-      const Vec3& p = (field.source == ElementField::Source::Rest ? X : before)[field.point];
-      given = {p.x, p.y, p.z};
-    }
-    for (int c = 0; c < field.width; ++c) spread(elements, field.offset + c, given[c]);
-  }
-  for (const UniformField& field : potential.uniform_fields())
-    std::ranges::copy(numbers(values, field), uniforms.begin() + field.offset);
-  AlignedVector<double> out(potential.kernel().output_count(symbolic::Order::Hessian) * kLanes);
-  potential.kernel().evaluate(symbolic::Order::Hessian, unknowns.data(), elements.data(), uniforms.data(),
-                              out.data(), 1);
-  std::vector<Vec3> gradient(count);
-  for (int i = 0; i < n; ++i) gradient[i / 3][i % 3] = out[(1 + i) * kLanes];
-  std::vector<double> hessian(n * n);
-  for (int i = 0, k = 1 + n; i < n; ++i)
-    for (int j = i; j < n; ++j, ++k) hessian[i * n + j] = hessian[j * n + i] = out[k * kLanes];
-  return nb::make_tuple(out[0], to_numpy(std::move(gradient)), to_numpy(std::move(hessian)));
+  ElementEvaluation element =
+      evaluate_element(potential, now, rest.is_none() ? now : points_of(rest, "X", count),
+                       previous.is_none() ? now : points_of(previous, "x_prev", count),
+                       [&](const ElementInput& input) { return numbers(values, input); });
+  return nb::make_tuple(element.energy, to_numpy(std::move(element.gradient)),
+                        to_numpy(std::move(element.hessian)));
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <optional>
 
 #include <stark/base/thread_pool.h>
-#include <stark/geometry/topology.h>
+#include <stark/sim/contact_arrays.h>
 #include <stark/sim/placing.h>
 #include <stark/sim/simulation.h>
 
@@ -56,15 +55,6 @@ nb::list part_list(const Simulation& sim) {
 }
 
 using Duration = std::optional<double>;  // [s]
-
-/// All edges, those inside flat faces of rigid bodies included, which contact leaves out: for judges.
-std::vector<Index2> all_edges(const SurfaceMesh& mesh) {
-  std::vector<Index2> edges = find_edges(std::span<const Index3>(mesh.triangles));
-  const size_t of_triangles = edges.size();
-  for (const Index2& e : mesh.edges)
-    if (!std::binary_search(edges.begin(), edges.begin() + of_triangles, e)) edges.push_back(e);
-  return edges;
-}
 
 nb::dict surface_dict(const Simulation& sim) {
   const SurfaceMesh& mesh = sim.surface_mesh();
