@@ -30,7 +30,7 @@ KINDS = ("chain", "gripper", "arm", "glued", "glued")
 JOINTS = ("hinge", "ball", "slider", "fixed", "cylindrical", "universal", "distance")
 _TURNS = ("hinge", "cylindrical")
 #: For which a step may fail: forces and torques without bound against what cannot give way.
-_CAUSES = ("crushing_load", "overload", "blocked_motion", "tolerance_below_round_off")
+_CAUSES = ("crushing_load", "overload", "blocked_motion")
 
 
 def draw_joints(source: Source) -> Description:

@@ -72,6 +72,10 @@ def add_pairs(scene: stark.Scene, d: Description) -> None:
                 scene.restitution[a, b] = d["restitution"]
 
 
+#: Cause that any scene can have: what is light beside what is stiff rounds by more than the tolerances.
+_ROUNDING = "tolerance_below_round_off"
+
+
 def setup_of(
     scene: stark.Scene,
     d: Description,
@@ -91,7 +95,7 @@ def setup_of(
         settings=settings_of(d, **settings),
         drive=drive,
         watch=watch,
-        causes=frozenset(causes),
+        causes=frozenset((*causes, _ROUNDING)),
         balanced=balanced and not d["bdf2"],
         passive=passive and not d["bdf2"],
         most_iterations=10**9,

@@ -68,18 +68,23 @@ def held_turn(
 def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float) -> Floats:
     """Where free motion brings the rotations in h seconds."""
     smallest = moments.min(axis=1)
-    slow = np.linalg.norm(_velocity(rotations, moments, momenta), axis=1)
-    fast = np.minimum(np.linalg.norm(momenta, axis=1) / np.maximum(smallest, 1e-300), 1e3 * slow)
+    velocities = _velocity(rotations, moments, momenta)
+    slow = np.linalg.norm(velocities, axis=1)
+    # Energy stays, so that no rate can get above sqrt(2 E / J_min).
+    twice = np.maximum(0.0, (velocities * momenta).sum(axis=1))
+    fast = np.minimum(np.sqrt(twice / np.maximum(smallest, 1e-300)), 1e3 * slow)
     count = int(np.clip(math.ceil(fast.max(initial=0.0) * h / _SUBSTEP), 1, _MOST_SUBSTEPS))
     k = h / count
     for _ in range(count):
-        w = _velocity(rotations, moments, momenta)
+        w, last = _velocity(rotations, moments, momenta), math.inf
         for _ in range(_ITERATIONS):
             middle = _turned(0.5 * k * w, rotations)
             change = _velocity(middle, moments, momenta) - w
             w = w + change
-            if np.abs(change).max(initial=0.0) <= 1e-15 * np.abs(w).max(initial=0.0):
+            size = float(np.abs(change).max(initial=0.0))
+            if size <= 1e-15 * np.abs(w).max(initial=0.0) or size >= last:  # from here on it is rounding
                 break
+            last = size
         rotations = _turned(k * w, rotations)
     return rotations
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace stark {
 
@@ -29,7 +28,7 @@ constexpr double kRaise = 1e3, kHighest = 1e9;
 
 /// What contact may store at the start of a step with raised factors, over what it did at the end of the one
 /// before: the difference comes out of nothing.
-const double kMostStored = std::getenv("KMOST") ? std::atof(std::getenv("KMOST")) : 50.0;
+constexpr double kMostStored = 50.0;
 
 /// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then
 /// was an impact, which must not meet a stiffer law on its way out.
@@ -181,7 +180,7 @@ std::map<int64_t, double> ContactLaw::highest_factors(const std::vector<Contact>
   }
   std::map<int64_t, double> highest;
   for (const auto& [code, energy] : each)
-    if (energy > 0.0) highest[code] = kMostStored * total / energy;
+    if (energy > 0.0) highest[code] = kMostStored * total / (energy * static_cast<double>(each.size()));
   return highest;
 }
 

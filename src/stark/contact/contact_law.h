@@ -80,8 +80,8 @@ class ContactLaw {
   /// most: factors that bodies may get at most; none for those that are not in it.
   LoadMemory raised(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                     const std::map<int64_t, double>& most = {}) const;
-  /// Largest factors with which contacts that store these energies [J] store no more than kMostStored times what
-  /// all of them did with the factors of the step before.
+  /// Largest factors with which contacts that store these energies [J] store no more than kMostStored times
+  /// what all of them did with the factors of the step before.
   std::map<int64_t, double> highest_factors(const std::vector<Contact>& contacts,
                                             const std::vector<double>& energies,
                                             const LoadMemory& before) const;

@@ -22,6 +22,9 @@ constexpr double kFold = 0.25, kFoldOnCore = 1.25;
 /// Rounding of a gap that does not count as closer.
 constexpr double kRounding = 1e-9;
 
+/// Of vertices equally far from the line of an impact, the one that faces the other body.
+constexpr double kFacing = 1e-3;
+
 /// Part of their gap that pairs of bodies keep in a step that starts below their least distance.
 constexpr double kKeptGap = 0.5;
 
@@ -101,7 +104,10 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
     forget_sets();
     update(x);
   }
-  if (!restitution_.batches().empty()) restitution_.set_contacts(contacts(), forces(x));
+  if (!restitution_.batches().empty()) {
+    restitution_.set_contacts(contacts(), forces(x));
+    restitution_.remember(x);
+  }
   if (settings_.friction) freeze_friction(x);
 }
 
@@ -363,7 +369,33 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
     }
     entry.slip = (motion - n * dot(n, motion)) / duration_;
   }
+  for (const RestitutionSet::LineForce& given : restitution_.given_back_beyond(x))
+    result.push_back(beyond_reach(given, x));
   return result;
+}
+
+ContactForce ContactPipeline::beyond_reach(const RestitutionSet::LineForce& given,
+                                           std::span<const Vec3> x) const {
+  const auto [a, b] = groups_of_code(given.bodies);
+  const Vec3 n = normalized(given.normal);
+  Contact contact{.group_a = a, .group_b = b};
+  contact.contact_distance = geometry_.group_distance[a] + geometry_.group_distance[b];
+  // The vertex of each body that is nearest to the line, on the side of the other body.
+  double nearest = std::numeric_limits<double>::infinity();
+  Vec3 at = given.at;
+  for (const int side : {0, 1}) {
+    double best = std::numeric_limits<double>::infinity();
+    for (int32_t v = 0; v < mesh().vertex_count; ++v) {
+      if (mesh().vertex_group[v] != (side == 0 ? a : b)) continue;
+      const Vec3 r = x[v] - given.at, across = r - n * dot(r, n);
+      const double off = squared_norm(across) + kFacing * dot(r, n) * std::fabs(dot(r, n)) * (1 - 2 * side);
+      if (off < best) best = off, contact.sites[side] = v;
+      if (squared_norm(across) < nearest) nearest = squared_norm(across), at = x[v] - across;
+    }
+  }
+  contact.weights = {1.0, -1.0};
+  contact.distance = contact.contact_distance;
+  return {.contact = contact, .point_a = at, .point_b = at, .normal_force = given.normal * given.force};
 }
 
 double ContactPipeline::energy() const {
@@ -376,9 +408,8 @@ Nearness ContactPipeline::nearness(std::span<const Vec3> x) {
   Nearness found;
   for (const Contact& contact : find_contacts_at(x)) {
     found.distance = std::min(found.distance, contact.distance);
-    const double least =
-        settings_.min_separation_factor *
-        (geometry_.group_distance[contact.group_a] + geometry_.group_distance[contact.group_b]);
+    const double least = settings_.min_separation_factor * (geometry_.group_distance[contact.group_a] +
+                                                            geometry_.group_distance[contact.group_b]);
     if (contact.distance * found.least < found.nearest * least)
       found = {found.distance, contact.group_a, contact.group_b, contact.distance, least};
   }

@@ -169,6 +169,8 @@ class ContactPipeline final : public ActiveSet {
   /// Lowers the least distance of pairs of bodies that start the step below it. Returns whether any does.
   bool lower_separations();
   double freeze_friction(std::span<const Vec3> x);
+  /// What restitution gives two bodies that are out of reach, between the vertices nearest to its line.
+  ContactForce beyond_reach(const RestitutionSet::LineForce& given, std::span<const Vec3> x) const;
   /// Pairs that friction acts on keep the names that they have.
   void keep_names();
   /// Forces on sides A of the active contacts [N].

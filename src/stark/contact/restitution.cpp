@@ -25,6 +25,9 @@ constexpr double kSpent = 3e-4, kRecovery = 0.1;
 /// a step.
 constexpr double kPressed = 2.0, kStiffer = 10.0;
 
+/// What may be taken back over what an impact is known to have given too much: other contacts may push, too.
+constexpr double kMostPull = 2.0;
+
 /// Time with which the force that lasts follows the one of the step [s].
 constexpr double kLoadTime = 0.02;
 
@@ -97,6 +100,18 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
   }
 }
 
+// What moves a body by its script in this step says nothing of the impact before it: a plate that draws back
+// would take along what it has hit.
+void RestitutionSet::bound_pull(int64_t element, const Impact& impact, double pushed) {
+  PotentialBatch& batch = batch_.front();
+  const double target = batch.get(batch.field_index("target"), element);
+  const double excess = std::max(0.0, impact.rate - target);
+  const double mass = impact.impulse / (impact.speed + impact.rate);
+  const double most = kMostPull * (mass * excess / motion_.step + std::max(0.0, pushed));
+  const double pull = batch.get(batch.field_index("pull"), element);
+  batch.set("pull", element, std::min(pull, motion_.weight * most));
+}
+
 std::map<int64_t, SpentLayer> RestitutionSet::spent() const {
   std::map<int64_t, SpentLayer> spent;
   for (const auto& [bodies, impact] : impacts_)
@@ -106,6 +121,7 @@ std::map<int64_t, SpentLayer> RestitutionSet::spent() const {
 
 void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
   contacts_.clear();
+  int64_t element = 0;
   for (const auto& [bodies, impact] : impacts_) {
     if (impact.due == 0.0) continue;
     const size_t first = contacts_.size();
@@ -119,6 +135,7 @@ void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::spa
       sum += forces[c] * side(contact);
     }
     const double total = dot(sum, n);
+    bound_pull(element++, impact, total);
     if (!(total > 0.0)) contacts_.resize(first);
     // Contacts have moved since the approach: what their sum lacks is spread over them.
     const double scale = squared_norm(n) / total;
@@ -158,6 +175,20 @@ std::vector<std::pair<Contact, Vec3>> RestitutionSet::given_back(std::span<const
     for (const auto& [contact, share] : contacts_)
       if (group_code(contact.group_a, contact.group_b) == given.bodies)
         result.emplace_back(contact, share * given.force);
+  return result;
+}
+
+std::vector<RestitutionSet::LineForce> RestitutionSet::given_back_beyond(std::span<const Vec3> x) const {
+  std::vector<LineForce> result;
+  for (const Return& given : returns(x)) {
+    const bool is_shown = std::ranges::any_of(contacts_, [&](const auto& entry) {
+      return group_code(entry.first.group_a, entry.first.group_b) == given.bodies;
+    });
+    if (is_shown || given.force == 0.0) continue;
+    const Impact& impact = impacts_.at(given.bodies);
+    result.push_back({given.bodies, impact.normal, given.force,
+                      cross(impact.normal, impact.moment) / squared_norm(impact.normal)});
+  }
   return result;
 }
 

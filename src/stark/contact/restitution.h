@@ -76,10 +76,20 @@ class RestitutionSet {
   /// Layers that have taken up an impact.
   std::map<int64_t, SpentLayer> spent() const;
 
-  /// Contacts at the start of the step, with their forces on sides A [N]: where what is given back acts.
+  /// Contacts at the start of the step, with their forces on sides A [N]: where what is given back acts. What
+  /// they push is the most that is taken back besides the speed that was too large before the step.
   void set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces);
   /// Those of pairs that give back, with the forces of that on their sides A at site positions x [N].
   std::vector<std::pair<Contact, Vec3>> given_back(std::span<const Vec3> x) const;
+  /// A force along the line of action of an impact: normal * force on the first body of a pair [N].
+  struct LineForce {
+    int64_t bodies = 0;
+    Vec3 normal;
+    double force = 0.0;
+    Vec3 at;  ///< where the line is nearest to the origin [m]
+  };
+  /// Of pairs that give back and were out of reach at the start of the step, so that they have no contact.
+  std::vector<LineForce> given_back_beyond(std::span<const Vec3> x) const;
   /// Energy that has been given back in the step that ended at x: forces over the mean motion [J].
   double work(std::span<const Vec3> x) const;
 
@@ -122,6 +132,8 @@ class RestitutionSet {
                               std::span<const Vec3> x, const End& end) const;
   Impact next(int64_t bodies, Impact impact, Sum sum) const;
   void set_element(int64_t element, int64_t bodies, const Impact& impact);
+  /// Bounds what a pair takes back by `pushed`, the force of its contacts [N].
+  void bound_pull(int64_t element, const Impact& impact, double pushed);
 
   RestitutionTable table_;
   std::vector<std::pair<Contact, Vec3>> contacts_;  ///< of pairs that give back, with shares of the force

@@ -26,6 +26,8 @@ constexpr double kRunaway = 10.0;
 constexpr double kContrast = 1e14, kContrastOfSolve = 1e11;
 /// Multiple of the estimated rounding up to which a residual counts as rounding.
 constexpr double kRoundingRange = 100.0;
+/// Speed of a Newton step over newton.step_tolerance from which on it changes nothing.
+constexpr double kStandstill = 0.01;
 /// Largest coordinate over the size of the scene from which the place of the scene makes the rounding.
 constexpr double kFar = 1e3;
 constexpr size_t kNamedVertices = 4;
@@ -111,7 +113,7 @@ bool is_stuck(SolveStatus status) {
 /// attempt, or at the start of the step if it was one before that.
 std::vector<NarrowGap> crushed_gaps(const StepEvidence& e) {
   const SolveStatus last = e.solve.status;
-  if (!is_stuck(last) && last != SolveStatus::ConstraintViolated) return {};
+  if (!is_stuck(last) && last != SolveStatus::ConstraintViolated && last != SolveStatus::Detour) return {};
   std::vector<NarrowGap> gaps;
   const auto add = [&](const std::vector<NarrowGap>& all) {
     std::ranges::copy_if(all, std::back_inserter(gaps),
@@ -257,6 +259,13 @@ bool is_rounding(double tolerance, double value, double rounding) {
   return tolerance < rounding && value < kRoundingRange * rounding;
 }
 
+/// Whether Newton's steps, taken in full, have become too small to change anything, while nothing is pressed
+/// to a gap that is as small: what is left is rounding then, whatever the estimate of it says.
+bool stands_still(const StepEvidence& e, const NewtonSettings& newton) {
+  return newton.step_tolerance > 0.0 &&
+         e.solve.last_motion < kStandstill * newton.step_tolerance * e.time_step && crushed_gaps(e).empty();
+}
+
 Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
   if (e.solve.status != SolveStatus::MaxIterations && e.solve.status != SolveStatus::LineSearchFailed)
     return {};
@@ -265,6 +274,7 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
     double tolerance, value, rounding;
   };
   const double speed = e.solve.last_motion / e.time_step;
+  const bool is_still = stands_still(e, newton);
   std::string missed;
   for (const Test& t :
        {Test{"newton.acceleration_tolerance", "m/s^2", newton.acceleration_tolerance, e.solve.acceleration,
@@ -272,12 +282,17 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
         Test{"newton.residual_tolerance", "N", newton.residual_tolerance, e.solve.residual, e.force_rounding},
         Test{"newton.step_tolerance", "m/s", newton.step_tolerance, speed, e.speed_rounding / e.time_step}}) {
     if (t.tolerance <= 0.0 || t.value < t.tolerance) continue;
-    if (!is_rounding(t.tolerance, t.value, t.rounding)) return {};
-    missed += (missed.empty() ? "" : ", ") + std::string(t.name) + " = " +
-              quantity_text(t.tolerance, t.unit) + " (rounding: about " + rough(t.rounding, t.unit) +
-              ", reached: " + rough(t.value, t.unit) + ")";
+    if (!is_still && !is_rounding(t.tolerance, t.value, t.rounding)) return {};
+    missed += (missed.empty() ? "" : ", ") + std::string(t.name) + " = " + quantity_text(t.tolerance, t.unit);
+    if (t.tolerance < t.rounding)
+      missed += " (rounding: about " + rough(t.rounding, t.unit) + ", reached: ";
+    else
+      missed += " (reached: ";
+    missed += rough(t.value, t.unit) + ")";
   }
   if (missed.empty()) return {};
+  if (is_still)
+    missed += "; another Newton step would move nothing by more than " + rough(e.solve.last_motion, "m");
   const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
   const bool is_far = farthest > kFar * e.scene_size;
   return {FailureCause::ToleranceBelowRoundOff, "tolerances are below what rounding allows: " + missed,

@@ -26,14 +26,14 @@ struct EnumNames<StepStatus> {
 enum class Caveat : uint8_t {
   RoundOff,     ///< the tolerances are not met: energies could not be told apart any more
   OldFriction,  ///< limits of friction are a refresh behind, or joints: the last refresh did not converge
-  PrescribedOverlap,  ///< scripted bodies go into or through others that are scripted or fixed
-  ReleasedOverlap,    ///< bodies that a joint or an attachment has released overlap, without contact so far
+  PrescribedOverlap,   ///< scripted bodies go into or through others that are scripted or fixed
+  ReleasedOverlap,     ///< bodies that a joint or an attachment has released overlap, without contact so far
   BelowLeastDistance,  ///< surfaces are nearer than contact.min_separation_factor asks
 };
 template <>
 struct EnumNames<Caveat> {
-  static constexpr std::array<std::string_view, 5> kNames{
-      "round_off", "old_friction", "prescribed_overlap", "released_overlap", "below_least_distance"};
+  static constexpr std::array<std::string_view, 5> kNames{"round_off", "old_friction", "prescribed_overlap",
+                                                          "released_overlap", "below_least_distance"};
 };
 
 /// Energies stored at the end of a step and energies that the step turned over [J]. For every step

@@ -17,8 +17,8 @@ namespace {
 /// Acceleration that rounding may leave in silence [m/s^2]: twice the default tolerance.
 constexpr double kSilentRounding = 0.02;
 
-/// Share of the least distance by which a gap may be below it in silence: rounding, half of what a certificate
-/// grants.
+/// Share of the least distance by which a gap may be below it in silence: rounding, half of what a
+/// certificate grants.
 constexpr double kUnseen = 5e-7;
 
 /// Attempts that fail before barriers are raised: a shorter step is the milder remedy.
@@ -183,9 +183,12 @@ std::optional<double> StepRunner::next_attempt(double h) {
   ++report_.rejected_steps;
   const bool is_shortest = 0.5 * h < settings_.time.min_step;
   if (contact_ && is_stuck(status) && (is_shortest || report_.rejected_steps >= kAttemptsBeforeRaise)) {
-    load_ = contact_->raised_load(potential_.site_positions(), step_start_,
-                                  {state_.contact_bodies, state_.contact_factor});
-    if (is_shortest && status == SolveStatus::LineSearchFailed && repeats_++ < kRepeatsOfShortest) return h;
+    LoadMemory raised = contact_->raised_load(potential_.site_positions(), step_start_,
+                                              {state_.contact_bodies, state_.contact_factor});
+    const bool is_raised = raised.bodies != load_.bodies || raised.factor != load_.factor;
+    load_ = std::move(raised);
+    const bool is_repeated = is_raised && is_shortest && status == SolveStatus::LineSearchFailed;
+    if (is_repeated && repeats_++ < kRepeatsOfShortest) return h;
   }
   if (!is_shortest && status != SolveStatus::TimeBudget) return 0.5 * h;
   report_.time_step = h;
@@ -237,17 +240,18 @@ void StepRunner::add_caveats(double h) {
                         solve.acceleration > std::max(newton.acceleration_tolerance, kSilentRounding);
   if (solve.status == SolveStatus::RoundOff || is_rough)
     add_caveat(Caveat::RoundOff, "accepted at round-off, short of the tolerances: unbalanced force " +
-                              quantity_text(solve.residual, "N") + ", acceleration " +
-                              quantity_text(solve.acceleration, "m/s^2") +
-                              fitting_tolerances(settings_.newton, solve, h));
+                                     quantity_text(solve.residual, "N") + ", acceleration " +
+                                     quantity_text(solve.acceleration, "m/s^2") +
+                                     fitting_tolerances(settings_.newton, solve, h));
   if (solve.is_settled)
-    add_caveat(Caveat::OldFriction,
+    add_caveat(
+        Caveat::OldFriction,
         "accepted with friction or joints one refresh behind: after it, Newton's method did not converge");
   if (const std::string bodies = way_.meeting_text(); !bodies.empty())
     add_caveat(Caveat::PrescribedOverlap,
-        bodies +
-            " go into or through each other: nothing stops what is scripted or fixed on both sides; "
-            "change their motion, or disable contact between them if that is meant");
+               bodies +
+                   " go into or through each other: nothing stops what is scripted or fixed on both sides; "
+                   "change their motion, or disable contact between them if that is meant");
   if (watch_.has_overlap())
     add_caveat(Caveat::ReleasedOverlap, watch_.overlap_text() + ": no contact there until they are apart");
 }
@@ -264,7 +268,8 @@ void StepRunner::report_nearness() {
   const auto name = [&](int32_t group) { return "'" + scene_.name(BodyId{group}) + "'"; };
   add_caveat(Caveat::BelowLeastDistance,
              name(near.group_a) + " and " + (near.group_a == near.group_b ? "itself" : name(near.group_b)) +
-                 " are " + quantity_text(near.nearest, "m") + " apart, below the least distance " + quantity_text(near.least, "m") +
+                 " are " + quantity_text(near.nearest, "m") + " apart, below the least distance " +
+                 quantity_text(near.least, "m") +
                  " that contact.min_separation_factor asks for: they started nearer, or contact is too soft "
                  "for an impact; raise contact_stiffness, or lower time.step");
 }

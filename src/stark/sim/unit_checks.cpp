@@ -15,8 +15,9 @@ struct Range {
   bool contains(double value) const { return low <= value && value <= high; }
 };
 
-/// From light foams to osmium [kg/m^3]; from tissue to armour plate [kg/m^2]; from weak gels to diamond [Pa].
-constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-3, 100.0}, kModulus{10.0, 2e12};
+/// From light foams to osmium [kg/m^3]; from films of 0.1 um to armour plate [kg/m^2]; from weak gels to
+/// diamond [Pa].
+constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-4, 100.0}, kModulus{10.0, 2e12};
 /// Extent of what is simulated as moving [m].
 constexpr Range kExtent{1e-4, 50.0};
 /// Coulomb's coefficient, from none to soft rubber and gecko-like pads.
