@@ -97,7 +97,7 @@ void Model::Builder::add_energies(BodyId id, const RodDescription& rod) {
     for (const int32_t v : edge)
       for (int k = 0; k < 3; ++k) stencils.push_back(axis_sites[body.rigid_index + v] + k);
   }
-  const ElasticEnergy elastic = elastic_energy(scene.rod(id));
+  const ElasticEnergy elastic = elastic_energy(rod);
   add_batch(elastic.definition, stencils, scene.name(id), elastic.values);
 }
 

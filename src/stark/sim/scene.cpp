@@ -227,8 +227,8 @@ bool Scene::contact_possible(BodyId a, BodyId b) const {
   if (contact_disabled_.contains(ordered(a, b))) return false;
   if (motion(a) != Motion::Dynamic && motion(b) != Motion::Dynamic) return false;
   if (a != b) return true;
-  return visit(a, [](const auto& b) {
-    if constexpr (requires { b.self_contact; }) return b.self_contact;
+  return visit(a, [](const auto& body) {
+    if constexpr (requires { body.self_contact; }) return body.self_contact;
     return false;
   });
 }
