@@ -63,7 +63,8 @@ class Follower(Protocol):
     """Targets of a body for the end of each step."""
 
     @property
-    def body(self) -> Any: ...
+    def title(self) -> str:
+        """What it is, in messages."""
 
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         """Sets them for the step that ends at a time [s] and takes a duration [s]."""

@@ -195,7 +195,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
                 with self._held_still(f"the function of time given to '{course.name}'", _TIME_RULE):
                     course.apply(self, end)
             for follower in self._followers():
-                with self._held_still(f"the motion that '{follower.body.name}' follows", _TIME_RULE):
+                with self._held_still(follower.title, _TIME_RULE):
                     follower.apply(self, end, duration)
         finally:
             self._is_asking = False

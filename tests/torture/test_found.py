@@ -165,7 +165,7 @@ def test_a_second_impact_of_a_pair_meets_a_layer() -> None:
 )
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")
 def test_causes_that_were_wrong(seed: int, index: int, kind: str, cause: str, named: str) -> None:
-    """They were unknown, contradicting_joints (twice), unit_mistake, iteration_budget (twice) and unit_mistake."""
+    """They were unknown, contradicting_joints and unit_mistake (twice each), and iteration_budget (twice)."""
     pytest.importorskip("ipctk")
     from benchmarks.torture.campaign import run_one
 
@@ -178,8 +178,8 @@ def test_causes_that_were_wrong(seed: int, index: int, kind: str, cause: str, na
 @pytest.mark.parametrize("index", [148, 688, 736])
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")
 def test_a_press_does_not_make_energy_out_of_nothing(index: int) -> None:
-    """Jaws that close on something rigid: contact that was raised a thousandfold in each attempt stored a millionfold
-    at the start of the step that succeeded, and the certificate was violated."""
+    """Jaws that close on something rigid: contact that was raised a thousandfold in each attempt stored a
+    millionfold at the start of the step that succeeded, and the certificate was violated."""
     pytest.importorskip("ipctk")
     from benchmarks.torture.campaign import description_of, run_one
     from benchmarks.torture.case import is_over, simulate
@@ -216,22 +216,23 @@ def test_restitution_out_of_reach_is_shown(index: int, kind: str) -> None:
 
 @pytest.mark.parametrize("e", [0.2, 0.8])
 def test_a_plate_that_draws_back_does_not_take_along_what_it_has_hit(e: float) -> None:
-    """It hits a ball at rest with 1 m/s and is drawn back with 3 m/s from the step on in which the ball should
-    leave it: a ball that parts from its plate faster than e times the speed of the impact was pulled back to that."""
+    """It hits a ball at rest with 1 m/s and is drawn back with 3 m/s from the step on in which the ball
+    should leave it. A ball that parts from its plate faster than e times the speed of the impact was pulled
+    back, to half of its speed. What the spent layer stores, twice, is all that may be taken back: 7 %."""
     scene = stark.Scene()
     scene.default_friction = 0.0
-    plate = scene.add_box((0.02, 0.2, 0.2), motion="scripted", name="plate", position=(-0.061, 0, 0))
+    plate = scene.add_box((0.02, 0.2, 0.2), motion="scripted", name="plate", position=(-0.063, 0, 0))
     ball = scene.add_sphere(0.05, subdivisions=2, mass=1.0, name="ball")
     scene.restitution[plate, ball] = e
     h = 5e-3
     turn = 2.0 * h
-    plate.follow(position=lambda t: (-0.061 + min(t, turn) - 3.0 * max(0.0, t - turn), 0, 0))
-    sim = stark.Simulation(scene, time_step=h, contact_distance=5e-4, gravity=(0.0, 0.0, 0.0))
+    plate.follow(position=lambda t: (-0.063 + min(t, turn) - 3.0 * max(0.0, t - turn), 0, 0))
+    sim = stark.Simulation(scene, time_step=h, contact_distance=1e-4, gravity=(0.0, 0.0, 0.0))
     speeds = []
     for _ in range(8):
         report = sim.step()
         assert not report.failed, report.message
         speeds.append(float(ball.velocity[0]))
-    assert speeds[1] > 0.5
-    assert min(speeds[1:]) > 0.95 * speeds[1]
+    assert speeds[1] > 0.9
+    assert min(speeds[1:]) > 0.9 * speeds[1]
     assert speeds[-1] < (1.0 + e) * 1.01

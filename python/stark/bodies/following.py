@@ -50,6 +50,10 @@ class PoseFollower:
             rotation = as_matrix(self.rotation(time), f"{owner}: rotation at {time:g} s")
         return position, rotation
 
+    @property
+    def title(self) -> str:
+        return f"the motion that '{self.body.name}' follows"
+
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         simulation._core.set_pose(self.body._index, *self.pose(time), duration)
 
@@ -88,6 +92,10 @@ class PinFollower:
         if self.rotation is None:
             return np.eye(3)
         return as_matrix(self.rotation(time), f"'{self.body.name}': rotation at {time:g} s")
+
+    @property
+    def title(self) -> str:
+        return f"the motion that '{self.body.name}' follows"
 
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         core, index = simulation._core, self.body._index

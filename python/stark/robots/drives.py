@@ -172,6 +172,10 @@ class GravityFollower:
     def __init__(self, robot: DrivenRobot, rows: list[int], actuators: list[Actuator]) -> None:
         self._robot, self._rows, self._actuators = robot, rows, actuators
 
+    @property
+    def title(self) -> str:
+        return f"the gravity compensation of robot '{self._robot.name}'"
+
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         """Of the coming step, from where the robot is at its start."""
         if self._actuators[-1]._index >= simulation._core.actuator_count:

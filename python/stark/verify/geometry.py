@@ -236,8 +236,8 @@ class GeometryCheck:
             detail = f"nearer in {self.told} states, which the run says itself"
         return Claim(
             "minimum_distance",
-            "surfaces keep contact.min_separation_factor times the sum of their contact distances, or the step "
-            "says that they do not" + self.scope,
+            "surfaces keep contact.min_separation_factor times the sum of their contact distances, or the "
+            "step says that they do not" + self.scope,
             status,
             "states, bounds that hold in spite of rounding",
             bound,

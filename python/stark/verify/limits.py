@@ -60,7 +60,8 @@ def _missing(claims: list[Claim]) -> Iterator[str]:
         if claim.name == "chain" and claim.status == NOT_RECORDED:
             yield "no chain: nothing shows whether the recording was changed since it was made"
         if claim.name == "minimum_distance" and claim.status == VERIFIED and _is_beyond(claim):
-            yield f"surfaces come to {claim.worst:.3g} m, where {claim.tolerance:.3g} m are asked for: {claim.detail}"
+            gap, asked = f"{claim.worst:.3g} m", f"{claim.tolerance:.3g} m"
+            yield f"surfaces come to {gap}, where {asked} are asked for: {claim.detail}"
         if claim.name == "display" and claim.status == INCONCLUSIVE:
             yield f"frames for display without a state are not compared: {claim.detail}"
 

@@ -105,7 +105,7 @@ void ContactPipeline::begin_step(std::span<const Vec3> x, const VelocityReferenc
     update(x);
   }
   if (!restitution_.batches().empty()) {
-    restitution_.set_contacts(contacts(), forces(x));
+    restitution_.set_contacts(contacts(), forces(x), active_.energies());
     restitution_.remember(x);
   }
   if (settings_.friction) freeze_friction(x);

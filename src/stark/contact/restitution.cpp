@@ -25,7 +25,8 @@ constexpr double kSpent = 3e-4, kRecovery = 0.1;
 /// a step.
 constexpr double kPressed = 2.0, kStiffer = 10.0;
 
-/// What may be taken back over what an impact is known to have given too much: other contacts may push, too.
+/// What may be taken back over what an impact and its layer can have given too much: other contacts may push,
+/// too.
 constexpr double kMostPull = 2.0;
 
 /// Time with which the force that lasts follows the one of the step [s].
@@ -102,12 +103,12 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
 
 // What moves a body by its script in this step says nothing of the impact before it: a plate that draws back
 // would take along what it has hit.
-void RestitutionSet::bound_pull(int64_t element, const Impact& impact, double pushed) {
+void RestitutionSet::bound_pull(int64_t element, const Impact& impact, double stored) {
   PotentialBatch& batch = batch_.front();
   const double target = batch.get(batch.field_index("target"), element);
-  const double excess = std::max(0.0, impact.rate - target);
   const double mass = impact.impulse / (impact.speed + impact.rate);
-  const double most = kMostPull * (mass * excess / motion_.step + std::max(0.0, pushed));
+  const double by_layer = std::sqrt(2.0 * std::max(0.0, stored) / mass);
+  const double most = kMostPull * mass * (std::max(0.0, impact.rate - target) + by_layer) / motion_.step;
   const double pull = batch.get(batch.field_index("pull"), element);
   batch.set("pull", element, std::min(pull, motion_.weight * most));
 }
@@ -119,7 +120,8 @@ std::map<int64_t, SpentLayer> RestitutionSet::spent() const {
   return spent;
 }
 
-void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces) {
+void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                  std::span<const double> energies) {
   contacts_.clear();
   int64_t element = 0;
   for (const auto& [bodies, impact] : impacts_) {
@@ -128,14 +130,16 @@ void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::spa
     const Vec3& n = impact.normal;  // shorter than 1 where contacts press in several directions
     const auto side = [&](const Contact& contact) { return contact.group_a == bodies >> 32 ? 1.0 : -1.0; };
     Vec3 sum;
+    double stored = 0.0;
     for (size_t c = 0; c < contacts.size(); ++c) {
       const Contact& contact = contacts[c];
       if (group_code(contact.group_a, contact.group_b) != bodies) continue;
+      stored += energies[c];
       contacts_.emplace_back(contact, forces[c]);
       sum += forces[c] * side(contact);
     }
     const double total = dot(sum, n);
-    bound_pull(element++, impact, total);
+    bound_pull(element++, impact, stored / motion_.weight);
     if (!(total > 0.0)) contacts_.resize(first);
     // Contacts have moved since the approach: what their sum lacks is spread over them.
     const double scale = squared_norm(n) / total;

@@ -76,9 +76,11 @@ class RestitutionSet {
   /// Layers that have taken up an impact.
   std::map<int64_t, SpentLayer> spent() const;
 
-  /// Contacts at the start of the step, with their forces on sides A [N]: where what is given back acts. What
-  /// they push is the most that is taken back besides the speed that was too large before the step.
-  void set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces);
+  /// Contacts at the start of the step, with their forces on sides A [N] and what they store [J]: where what
+  /// is given back acts. What they can still push apart is the most that is taken back besides the speed that
+  /// was too large before the step.
+  void set_contacts(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                    std::span<const double> energies);
   /// Those of pairs that give back, with the forces of that on their sides A at site positions x [N].
   std::vector<std::pair<Contact, Vec3>> given_back(std::span<const Vec3> x) const;
   /// A force along the line of action of an impact: normal * force on the first body of a pair [N].
@@ -132,8 +134,8 @@ class RestitutionSet {
                               std::span<const Vec3> x, const End& end) const;
   Impact next(int64_t bodies, Impact impact, Sum sum) const;
   void set_element(int64_t element, int64_t bodies, const Impact& impact);
-  /// Bounds what a pair takes back by `pushed`, the force of its contacts [N].
-  void bound_pull(int64_t element, const Impact& impact, double pushed);
+  /// Bounds what a pair takes back, whose contacts store an energy [J].
+  void bound_pull(int64_t element, const Impact& impact, double stored);
 
   RestitutionTable table_;
   std::vector<std::pair<Contact, Vec3>> contacts_;  ///< of pairs that give back, with shares of the force

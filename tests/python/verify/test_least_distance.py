@@ -1,5 +1,5 @@
-"""Surfaces that come nearer than the least distance: the step says so, and the certificate names it as a limit; what
-no step says is violated."""
+"""Surfaces that come nearer than the least distance: the step says so, and the certificate names it as a
+limit; what no step says is violated."""
 
 from __future__ import annotations
 
