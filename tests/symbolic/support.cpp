@@ -10,6 +10,8 @@ Jet unary(Op op, const Jet& a) {
   switch (op) {
     case Op::Neg:
       return chain(a, -x, -1, 0);
+    case Op::Held:
+      return chain(a, x, 0, 0);
     case Op::Abs:
       return chain(a, std::fabs(x), x < 0 ? -1 : 1, 0);
     case Op::Sqrt: {

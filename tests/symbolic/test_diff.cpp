@@ -171,6 +171,49 @@ TEST_CASE("untaken branches leak no NaN into derivatives") {
   }
 }
 
+TEST_CASE("held values are constants to every algorithm") {
+  Graph graph;
+  const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown);
+  const Scalar h = held(x * sin(y));
+  graph.mark_stage(h);
+  const Scalar energy = h * square(x) + held(square(h) + y) * y + held(Scalar(2.0));
+  const double at[] = {0.7, -1.3};
+  const InputValues values{at, {}, {}};
+  const double c = 0.7 * std::sin(-1.3);
+  const std::vector<double> expected{
+      c * 0.49 + (c * c - 1.3) * -1.3 + 2.0, 1.4 * c, c * c - 1.3, 2.0 * c, 0.0, 0.0};
+  for (const Algorithm algorithm : kAll) {
+    Derivatives d;
+    if (!hessian(graph, energy.id(), graph.stages(), algorithm, d)) continue;
+    const std::vector<double> out = concatenated(d, graph, values);
+    REQUIRE(out.size() == expected.size());
+    for (size_t k = 0; k < out.size(); ++k) CHECK(out[k] == doctest::Approx(expected[k]).epsilon(1e-14));
+  }
+}
+
+TEST_CASE("a root needs derivatives of its last step alone where the energy is stationary in it") {
+  // min over n of n^2/2 - x n + n^4/4, whose root n + n^3 = x Newton's method finds.
+  Graph graph;
+  const Scalar x = graph.input(InputKind::Unknown);
+  const auto step = [&](const Scalar& n, const Scalar& of) {
+    return n - (n + n * square(n) - of) / (1.0 + 3.0 * square(n));
+  };
+  Scalar n = 0.0, all = 0.0;
+  for (int k = 0; k < 12; ++k) {
+    all = step(all, x);
+    n = step(n, held(x));
+  }
+  n = step(n, x);
+  const auto energy = [&](const Scalar& at) { return 0.5 * square(at) - x * at + 0.25 * square(square(at)); };
+  const double at[] = {1.7};
+  const InputValues values{at, {}, {}};
+  const auto derivatives = [&](const Scalar& of) {
+    return concatenated(cheapest_hessian(graph, of.id(), {}), graph, values);
+  };
+  const std::vector<double> short_way = derivatives(energy(n)), long_way = derivatives(energy(all));
+  for (size_t k = 0; k < 3; ++k) CHECK(short_way[k] == doctest::Approx(long_way[k]).epsilon(1e-12));
+}
+
 TEST_CASE("values shared by many branches leak no NaN") {
   // Roots that are NaN below 1, each used under more different conditions than guards keep apart.
   Graph graph;

@@ -34,7 +34,7 @@ class Contacts:
     points_b: Array  #: (n, 3) closest points on the second body [m]
     normal_forces: Array  #: (n, 3) [N]
     frictions: Array  #: (n, 3) [N]
-    slips: Array  #: (n, 3) tangential velocity of the first body against the second [m/s]
+    slips: Array  #: (n, 3) tangential velocity of the first material against the second [m/s]
 
     def __len__(self) -> int:
         return len(self.distances)

@@ -33,7 +33,9 @@ namespace detail {
 /// Steps of Newton's method for 1/|s/Y| = (1 - H n)/R, which is concave in n: from n = 0 it increases to the
 /// root. One step is exact where all a_i are the same. Four leave rounding where they differ up to threefold,
 /// as in plates (rods that yield by their section: 1.6), and 1e-7 of the yield force where they differ
-/// tenfold.
+/// tenfold. They are steps of values alone: the energy is least in n, so that its derivatives need the first
+/// one of n only, which one more step has from any n near the root. Differentiated with the rest, the steps
+/// were half of the instructions.
 inline constexpr int kYieldingSteps = 4;
 
 struct ForceOverYield {
@@ -53,6 +55,20 @@ inline ForceOverYield force_over_yield(const std::vector<Scalar>& energies, cons
   return force;
 }
 
+/// A step from n. values: the energies, or what of them derivatives of the rate need.
+inline Scalar yielding_step(const std::vector<Scalar>& energies, const std::vector<Scalar>& values,
+                            const std::vector<Scalar>& a, const Scalar& H, const Scalar& R,
+                            const Scalar& flows, const Scalar& n) {
+  // Of what does not flow nothing is used; the bound keeps it finite.
+  const auto inverse_of = [&](const ForceOverYield& force) {
+    return 1.0 / sqrt(max(force.squared, 0.25 * square(R)));
+  };
+  const ForceOverYield force = force_over_yield(values, a, n);
+  const Scalar inverse = inverse_of(force), rate = force.slope * inverse * square(inverse) + H / R;
+  const Scalar off = inverse_of(force_over_yield(energies, a, n)) - (1.0 - H * n) / R;
+  return select(flows, n - off / select(flows, rate, 1.0), 0.0);
+}
+
 }  // namespace detail
 
 /// H: growth of all yield forces, as a factor, per plastic work; p: that of the steps before.
@@ -66,14 +82,15 @@ inline Yielding yielding(const std::vector<YieldingStrain>& strains, const Scala
   }
   const Scalar R = 1.0 + H * p;
   const Scalar flows = squared > square(R);
+  // A single strain needs one step, which is exact with all of its derivatives.
+  std::vector<Scalar> values = energies;
   Scalar n = 0.0;
-  for (int k = 0; k < (strains.size() == 1 ? 1 : detail::kYieldingSteps); ++k) {
-    const detail::ForceOverYield force = detail::force_over_yield(energies, a, n);
-    // Of what does not flow nothing is used; the bound keeps it finite.
-    const Scalar inverse = 1.0 / sqrt(max(force.squared, 0.25 * square(R)));
-    const Scalar rate = force.slope * inverse * square(inverse) + H / R;
-    n = select(flows, n - (inverse - (1.0 - H * n) / R) / select(flows, rate, 1.0), 0.0);
+  if (strains.size() > 1) {
+    for (Scalar& value : values) value = held(value);
+    for (int k = 0; k < detail::kYieldingSteps; ++k)
+      n = detail::yielding_step(values, values, a, H, R, flows, n);
   }
+  n = detail::yielding_step(energies, values, a, H, R, flows, n);
   const Scalar share = n / (1.0 - H * n);
   Yielding result{0.5 * (square(R) * share + H * square(p)), R * share, {}};
   for (size_t i = 0; i < a.size(); ++i) {

@@ -145,7 +145,7 @@ std::vector<NodeId> forward(Graph& graph, std::span<const NodeId> outputs, const
       const Arms arms = choice_arms(graph, id);
       const NodeId a = tangent[arms.taken], b = tangent[arms.other], zero = graph.constant(0.0);
       if (a >= 0 || b >= 0) tangent[id] = graph.select(arms.condition, a < 0 ? zero : a, b < 0 ? zero : b);
-    } else if (!is_condition(n.op)) {
+    } else if (!is_condition(n.op) && n.op != Op::Held) {
       bool any = false;
       for (int k = 0; k < operand_count(n.op); ++k) any |= tangent[n.operands[k]] >= 0;
       if (!any) continue;

@@ -55,7 +55,7 @@ void EdgePushing::collect(std::span<const Seed> seeds) {
   while (!stack.empty()) {
     const NodeId id = stack.back();
     const Node& n = graph_.node(id);
-    const int count = operand_count(n.op);
+    const int count = n.op == Op::Held ? 0 : operand_count(n.op);
     if (state[id] == kUnseen) {
       state[id] = kOpen;
       for (int k = n.op == Op::Select ? 1 : 0; k < count; ++k) {

@@ -37,6 +37,8 @@ double evaluate_node(const Node& n, const double* x, const InputValues& in) {
       return input_value(in.uniforms, n.operands[0], "uniform");
     case Op::Neg:
       return -x[0];
+    case Op::Held:
+      return x[0];
     case Op::Abs:
       return std::fabs(x[0]);
     case Op::Sqrt:
@@ -190,6 +192,8 @@ std::string name_of(Op op) {
       return "";
     case Op::Neg:
       return "neg";
+    case Op::Held:
+      return "held";
     case Op::Abs:
       return "abs";
     case Op::Sqrt:

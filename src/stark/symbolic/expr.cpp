@@ -42,6 +42,9 @@ bool fold_unary(Op op, double x, double& result) {
     case Op::Neg:
       result = -x;
       return true;
+    case Op::Held:
+      result = x;
+      return true;
     case Op::Abs:
       result = std::fabs(x);
       return true;

@@ -48,15 +48,16 @@ enum class Op : uint8_t {
   LessEqual,
   And,
   Or,
-  Not  // conditions
+  Not,  // conditions
+  Held  // one operand: its value, which derivatives take for a constant
 };
 
 constexpr int operand_count(Op op) {
   if (op <= Op::Uniform) return 0;
-  if (op <= Op::Tanh || op == Op::Not) return 1;
+  if (op <= Op::Tanh || op == Op::Not || op == Op::Held) return 1;
   return op == Op::Fma || op == Op::Select ? 3 : 2;
 }
-constexpr bool is_condition(Op op) { return op >= Op::Less; }
+constexpr bool is_condition(Op op) { return op >= Op::Less && op <= Op::Not; }
 
 struct Node {
   Op op = Op::Constant;
@@ -189,6 +190,9 @@ Scalar acos(const Scalar& a);
 Scalar atan(const Scalar& a);
 Scalar atan2(const Scalar& y, const Scalar& x);
 Scalar tanh(const Scalar& a);
+/// The value of a, which derivatives take for a constant. For iterations whose result the energy is
+/// stationary in: their steps need no derivatives (models/yielding.h).
+Scalar held(const Scalar& a);
 /// a b + c with one rounding.
 Scalar fma(const Scalar& a, const Scalar& b, const Scalar& c);
 

@@ -165,6 +165,8 @@ class Lowering {
         return p.input(Space::Uniform, n.operands[0]);
       case Op::Neg:
         return p.negate(x[0]);
+      case Op::Held:
+        return x[0];
       case Op::Abs:
         return p.emit(Code::And, x[0], p.bits(0x7fffffffffffffffull));
       case Op::Sqrt:

@@ -37,6 +37,8 @@ void unary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
     case Op::Neg:
       d = g.constant(-1.0);
       break;
+    case Op::Held:
+      break;
     case Op::Abs:
       d = g.select(g.binary(Op::Less, x, g.constant(0.0)), g.constant(-1.0), one);
       break;

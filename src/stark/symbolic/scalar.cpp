@@ -152,6 +152,7 @@ Scalar acos(const Scalar& a) { return apply(Op::Acos, a, "acos"); }
 Scalar atan(const Scalar& a) { return apply(Op::Atan, a, "atan"); }
 Scalar atan2(const Scalar& y, const Scalar& x) { return apply(Op::Atan2, y, x, "atan2"); }
 Scalar tanh(const Scalar& a) { return apply(Op::Tanh, a, "tanh"); }
+Scalar held(const Scalar& a) { return apply(Op::Held, a, "held"); }
 
 Scalar fma(const Scalar& a, const Scalar& b, const Scalar& c) {
   require_number(a, "fma");

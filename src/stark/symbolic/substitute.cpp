@@ -13,6 +13,8 @@ Scalar rebuild(const Node& node, const Scalar* x) {
   switch (node.op) {
     case Op::Neg:
       return -x[0];
+    case Op::Held:
+      return held(x[0]);
     case Op::Abs:
       return abs(x[0]);
     case Op::Sqrt:

@@ -211,6 +211,54 @@ def test_belts_carry_cloth_and_rods(integrator: str) -> None:
     assert abs(sum(energy["friction"] for energy in energies)) < 1e-9
 
 
+def test_friction_of_belts_may_depend_on_the_direction() -> None:
+    """Grooves along x on a belt that moves obliquely: the force of sliding is that of the ellipse."""
+    along_x, across, steps = 0.1, 0.4, 10
+    scene = stark.Scene()
+    belt = scene.add_box((2.0, 2.0, 0.1), motion="fixed", position=(0, 0, -0.05))
+    belt.surface_direction, belt.surface_velocity = (1, 0, 0), (0, 0, 0)
+    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 0.0509))
+    scene.friction[box, belt] = stark.Anisotropic(along_x, across)
+    sim = stark.Simulation(scene, time_step=1e-3, **{"contact.distance": 5e-4})
+    sim.run_until(0.1)
+    belt.surface_velocity = (3.0, 4.0, 0)
+    for _ in range(steps):
+        sim.step()
+    squares = np.array([along_x**2, across**2])
+    force = G * squares * (3.0, 4.0) / np.sqrt(squares @ (9.0, 16.0))
+    # The slip turns by the speed of the box over that of the belt, 1 %.
+    assert box.velocity[:2] == pytest.approx(force * steps * 1e-3, rel=0.02)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_the_motion_of_the_belt_adds_to_that_of_its_body(integrator: str) -> None:
+    """A belt on a cart that goes along y, turned by a right angle: its x is the y of the world."""
+    scene = stark.Scene()
+    scene.default_friction = MU
+    cart = scene.add_box((2.0, 0.5, 0.1), motion="scripted", position=(0, 0, -0.05), velocity=(0.1, 0.2, 0),
+                         rotation=stark.rotation(axis="z", angle=90 * stark.deg))  # fmt: skip
+    cart.surface_velocity = (0.3, 0, 0)
+    box = scene.add_box(0.1, mass=1.0, position=(0, 0, 0.0509))
+    sim = stark.Simulation(scene, time_step=H, **{"contact.distance": 5e-4, "time.integrator": integrator})
+    sim.run_until(0.5)
+    assert box.velocity == pytest.approx([0.1, 0.5, 0], abs=1e-5)
+
+
+def test_quasistatic_steps_carry_along() -> None:
+    scene = stark.Scene()
+    scene.default_friction = MU
+    belt = scene.add_box((2.0, 0.4, 0.1), motion="fixed", position=(0, 0, -0.05))
+    belt.surface_velocity = (0.3, 0, 0)
+    soft = stark.SolidMaterial(density=300.0, youngs_modulus=2e4)
+    block = scene.add_solid(stark.mesh.tet_box(0.1, 2), soft, position=(0, 0, 0.0509))
+    settings = {"contact.distance": 1e-3, "time.integrator": "quasistatic"}
+    sim = stark.Simulation(scene, time_step=0.01, **settings)
+    sim.run_until(0.1)
+    start = block.positions[:, 0].copy()
+    sim.run_until(0.2)
+    assert block.positions[:, 0] - start == pytest.approx(0.03, abs=1e-5)
+
+
 @pytest.mark.slow
 def test_the_example_carries_a_box_a_block_and_a_towel(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
