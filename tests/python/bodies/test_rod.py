@@ -225,7 +225,9 @@ def test_a_pinned_node_is_held_in_its_rotation(lever: float) -> None:
 def test_frames_that_are_turned_apart_are_told_how_to_agree() -> None:
     scene, rod = cantilever()
     scene.add_hinge(None, rod.frame(-1), anchor=(1.0, 0.0, 0.0), axis="y")
-    with pytest.raises(InvalidArgument, match="rad at time 0: .* turn both frames alike .* leave out anchor"):
+    with pytest.raises(
+        InvalidArgument, match=r"rad at time 0: .* turn both frames alike .* leave out anchor"
+    ):
         stark.Simulation(scene)
 
 
