@@ -195,7 +195,7 @@ def test_joints_hold_nodes_at_position_and_orientation() -> None:
 
 @pytest.mark.parametrize("lever", [0.02, 0.004])
 def test_a_pinned_node_is_held_in_its_rotation(lever: float) -> None:
-    """The rod is pinned at one end, whose frame is free to turn: a joint and an attachment at a lever each carry
+    """The rod is pinned at one end, whose frame is free to turn: a joint and an attachment at a lever carry
     the moment of the weight, as a clamp would."""
     scene = stark.Scene()
     rods = []
