@@ -28,7 +28,7 @@ constexpr double kRaise = 1e3, kHighest = 1e9;
 
 /// What contact may store at the start of a step with raised factors, over what it did at the end of the one
 /// before: the difference comes out of nothing.
-constexpr double kMostStored = 50.0;
+constexpr double kMostStored = 1e3;
 
 /// Where a factor starts, and where it ends when the load is gone. It acts from 1 on: what is over by then
 /// was an impact, which must not meet a stiffer law on its way out.
