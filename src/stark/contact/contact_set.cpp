@@ -255,6 +255,7 @@ void ContactSet::reset(std::vector<Contact> contacts) {
     }
     PotentialBatch& batch = batches_[kind];
     batch.resize(stencils);
+    if (stencils.empty()) continue;  // as most are: their fields need no looking up
     const bool mollified = kind >= static_cast<int>(StencilKind::MollifiedPointPoint);
     const int stiffness = batch.field_index("stiffness"), distance = batch.field_index("contact_distance");
     const int least = batch.field_index("least_distance");

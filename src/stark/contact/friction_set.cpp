@@ -256,6 +256,7 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
       stencils.insert(stencils.end(), pairs_[i].stencil.sites.begin(),
                       pairs_[i].stencil.sites.begin() + points);
     batch.resize(stencils);
+    if (stencils.empty()) continue;  // as most are: their fields need no looking up
     batch.set_previous(reference_.positions);
     const int limit = batch.field_index("limit"), deflection = batch.field_index("deflection");
     const int first = batch.field_index(is_anisotropic ? "along" : "normal");

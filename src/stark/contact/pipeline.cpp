@@ -371,15 +371,18 @@ double ContactPipeline::min_distance(std::span<const Vec3> x) {
   return smallest;
 }
 
-std::vector<Contact> ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
+const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Vec3> x) {
+  if (is_found_ && std::ranges::equal(x, x_found_)) return found_;
+  is_found_ = false;
   const CandidateList& candidates = search_.at(x);
   CloseBodies close = std::exchange(geometry_.close, {});
   EdgeRanges ranges = std::exchange(geometry_.edge_ranges, {});
-  std::vector<Contact> contacts;
-  find_contacts(geometry_, candidates, x, pool_, contacts);
+  find_contacts(geometry_, candidates, x, pool_, found_);
+  x_found_.assign(x.begin(), x.end());
+  is_found_ = true;
   geometry_.close = std::move(close);
   geometry_.edge_ranges = std::move(ranges);
-  return contacts;
+  return found_;
 }
 
 }  // namespace stark

@@ -138,8 +138,8 @@ class ContactPipeline final : public ActiveSet {
   /// last update() was at x.
   double min_distance(std::span<const Vec3> x);
   /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
-  /// without their stiffness; the active ones stay as they are.
-  std::vector<Contact> find_contacts_at(std::span<const Vec3> x);
+  /// without their stiffness; the active ones stay as they are. Valid until the next call.
+  const std::vector<Contact>& find_contacts_at(std::span<const Vec3> x);
   /// Largest motion along the normal of pairs that are within their contact distance at x0 or x1, from one to
   /// the other, over that distance.
   double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1);
@@ -147,7 +147,7 @@ class ContactPipeline final : public ActiveSet {
   const CcdReport& limiting_pair() const { return ccd_report_; }
 
  private:
-  void forget_sets() { is_active_ = is_trial_ = is_near_ = false; }
+  void forget_sets() { is_active_ = is_trial_ = is_near_ = is_found_ = false; }
 
   /// Largest safe fraction of the way from x0 to x1.
   double safe_fraction(std::span<const Vec3> x0, std::span<const Vec3> x1, const Separations& separations);
@@ -178,6 +178,10 @@ class ContactPipeline final : public ActiveSet {
   ContactSet active_, trial_;
   /// What they were merged from: by primitives, without laws.
   std::vector<Contact> near_active_, near_trial_;
+  /// Of the last find_contacts_at().
+  std::vector<Contact> found_;
+  std::vector<Vec3> x_found_;
+  bool is_found_ = false;
   FrictionSet friction_;
   RestitutionSet restitution_;
   bool is_bound_ = true;
