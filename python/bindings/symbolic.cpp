@@ -154,6 +154,7 @@ constexpr NamedUnary kUnary[] = {
     {"sinh", sinh, "Hyperbolic sine."},
     {"cosh", cosh, "Hyperbolic cosine."},
     {"tanh", symbolic::tanh, "Hyperbolic tangent."},
+    {"held", symbolic::held, "The value of x, which derivatives take for a constant."},
 };
 
 TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {

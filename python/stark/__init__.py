@@ -100,7 +100,7 @@ _PLACES = {
     "stark.actuators": "Actuator Coordinate Memory act actuator",
     "stark.symbolic": (
         "Mat Matrix Scalar Vec Vector abs acos asin atan atan2 clip columns cos cosh cross "
-        "determinant diag dot exp fma identity invariants inverse log mat maximum minimum norm "
+        "determinant diag dot exp fma held identity invariants inverse log mat maximum minimum norm "
         "normalized outer pow sin sinh skew sqrt square squared_norm tan tanh trace transpose vec "
         "where"
     ),

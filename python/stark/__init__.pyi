@@ -150,6 +150,7 @@ from stark.symbolic import (
     square as square,
     squared_norm as squared_norm,
     tan as tan,
+    held as held,
     tanh as tanh,
     trace as trace,
     transpose as transpose,

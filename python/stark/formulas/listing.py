@@ -31,6 +31,7 @@ OPERATIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "acos": (1, f.acos),
     "atan": (1, f.atan),
     "tanh": (1, f.tanh),
+    "held": (1, f.held),
     "+": (2, lambda a, b: a + b),
     "-": (2, lambda a, b: a - b),
     "*": (2, lambda a, b: a * b),

@@ -38,6 +38,7 @@ _OPERATIONS: dict[str, Callable[..., float]] = {
     "&&": lambda a, b: bool(a) and bool(b),
     "||": lambda a, b: bool(a) or bool(b),
     "not": lambda a: not a,
+    "held": lambda a: a,
     **{
         name: getattr(math, name)
         for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "tanh")

@@ -58,19 +58,30 @@ def yielding(strains: list, H: Any, p: Any) -> tuple:
         total = total + one * energy
     R = 1.0 + H * p
     flows = total > stark.square(R)
-    n: Any = 0.0
-    for _ in range(1 if len(strains) == 1 else 4):
+
+    def force(of: list, n: Any) -> tuple:
         squared: Any = 0.0
         slope: Any = 0.0
-        for one, energy in zip(a, energies, strict=True):
+        for one, energy in zip(a, of, strict=True):
             kept = 1.0 / (1.0 + one * n)
             part = one * energy * stark.square(kept)
             squared = squared + part
             slope = slope + part * one * kept
-        inverse = 1.0 / stark.sqrt(stark.maximum(squared, 0.25 * stark.square(R)))
+        return 1.0 / stark.sqrt(stark.maximum(squared, 0.25 * stark.square(R))), slope
+
+    def step(of: list, n: Any) -> Any:
+        inverse, slope = force(values, n)
         rate = slope * inverse * stark.square(inverse) + H / R
-        step = (inverse - (1.0 - H * n) / R) / stark.where(flows, rate, 1.0)
-        n = stark.where(flows, n - step, 0.0)
+        off = force(of, n)[0] - (1.0 - H * n) / R
+        return stark.where(flows, n - off / stark.where(flows, rate, 1.0), 0.0)
+
+    n: Any = 0.0
+    values = energies
+    if len(strains) > 1:
+        values = [stark.held(energy) for energy in energies]
+        for _ in range(4):
+            n = step(values, n)
+    n = step(energies, n)
     share = n / (1.0 - H * n)
     kept = [1.0 / (1.0 + one * n) for one in a]
     energy = 0.5 * (stark.square(R) * share + H * stark.square(p))
