@@ -65,6 +65,9 @@ class Follower(Protocol):
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         """Sets them for the step that ends at a time [s] and takes a duration [s]."""
 
+    def jump(self) -> str:
+        """How they differ at time 0 from where the body starts; empty if they do not."""
+
 
 class SceneLink:
     """What handles know of their scene, and what it knows of its simulations."""

@@ -101,6 +101,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         self._clamped = [scene._core.clamped(k) for k in range(len(scene))]
         scene._is_simulated_by(self)
         self._changes = scene._changes  # of the scene that it has
+        self._looked_for_jumps = False
         self._energy_count = len(scene.energies)
         self._live_values = [energy._live_values() for energy in scene.energies]
         self._live_values += [
@@ -177,6 +178,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
                 stacklevel=3,
             )
         if self._scene._followers or self._scene._courses:
+            self._warn_of_jumps()
             duration, end = self._core.next_step(limit)
             for course in self._scene._courses.values():
                 course.apply(self, end)
@@ -220,6 +222,14 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         hold, it raises, and everything is as it was before the block; likewise where the block raises."""
         with placed_together(self._to_place("placing()")):
             yield
+
+    def _warn_of_jumps(self) -> None:
+        """Once, before the first step: motions that start elsewhere than what follows them."""
+        if self._looked_for_jumps or self.time > 0.0:
+            return
+        self._looked_for_jumps = True
+        for message in filter(None, (follower.jump() for follower in self._followers())):
+            warnings.warn(message, StarkWarning, stacklevel=4)
 
     def _followers(self) -> list[Follower]:
         """Of the bodies that this simulation has."""

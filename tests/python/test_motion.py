@@ -212,3 +212,30 @@ def test_followers_that_cannot() -> None:
     sim = stark.Simulation(scene, time_step=0.02)
     with pytest.raises(stark.InvalidArgument, match=r"'finger': position at 0\.02 s.*must be finite"):
         sim.step()
+
+
+def test_a_motion_that_starts_elsewhere_warns_before_the_first_step() -> None:
+    scene = stark.Scene()
+    far = scene.add_box(0.1, name="far", motion="scripted", position=(0.0, 0.0, 1.0))
+    far.follow(position=lambda t: (0.0, 0.0, 0.1 * t))  # meant as a displacement
+    turned = scene.add_box(
+        0.1,
+        name="turned",
+        motion="scripted",
+        position=(1.0, 0.0, 0.0),
+        rotation=stark.rotation(axis="z", angle=0.5),
+    )
+    turned.follow(rotation=lambda t: stark.rotation(axis="z", angle=t))
+    sheet = scene.add_cloth(stark.mesh.grid(0.1, 0.1, 2), name="sheet", position=(3.0, 0.0, 0.0), pins=[0, 2])
+    sheet.follow(motion.linear([0.0, 1.0], [[(0.0, 0.0, 0.0)], [(0.0, 0.0, 1.0)]]), vertices=[2])
+    same = scene.add_box(0.1, name="same", motion="scripted", position=(0.0, 5.0, 0.0))
+    same.follow(position=lambda t: (0.0, 5.0, t), rotation=lambda t: stark.rotation(axis="z", angle=t))
+    sim = stark.Simulation(scene)
+    with pytest.warns(stark.StarkWarning) as seen:
+        sim.step()
+    texts = sorted(str(warning.message) for warning in seen)
+    assert len(texts) == 3
+    assert texts[0].startswith("'far': at 0 s its motion is 1 m from it, and the first step takes it there")
+    assert texts[1].startswith("'sheet': at 0 s its motion is 3.05 m from it")
+    assert texts[2].startswith("'turned': at 0 s its motion is turned by 0.5 rad from it")
+    assert not sim.step().failed

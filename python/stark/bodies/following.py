@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,6 +17,10 @@ from stark.motion import Motion, as_motion
 from stark.rotations import as_matrix, check_places, vector
 
 Floats = NDArray[np.float64]
+
+#: A motion starts elsewhere than its body if it is farther from it than this part of its size, or turned by
+#: more than this [rad].
+_ELSEWHERE = 0.01
 
 
 class PinnedBody(Protocol):
@@ -39,6 +43,9 @@ class PoseFollower:
     body: BodyHandle
     position: Motion | None
     rotation: Motion | None
+    first: tuple[Floats, Floats] | None = field(
+        default=None, init=False
+    )  # its pose at time 0, where a user gave the motion
 
     def pose(self, time: float) -> tuple[Floats, Floats]:
         """At a time [s]; what no motion prescribes is as at time 0."""
@@ -53,6 +60,22 @@ class PoseFollower:
     def apply(self, simulation: SimulationLink, time: float, duration: float) -> None:
         simulation._core.set_pose(self.body._index, *self.pose(time), duration)
 
+    def jump(self) -> str:
+        """What is wrong with a motion that does not start where the body is; else empty."""
+        if self.first is None:
+            return ""
+        (start, turned), (position, rotation) = self.body._scene._core.pose(self.body._index), self.first
+        if (text := _distance_text(self.body, float(np.linalg.norm(position - start)))) != "":
+            return text + "; positions are those of the body in the world"
+        angle = float(np.arccos(np.clip((np.trace(rotation @ turned.T) - 1.0) / 2.0, -1.0, 1.0)))
+        if angle <= _ELSEWHERE:
+            return ""
+        return (
+            f"'{self.body.name}': at 0 s its motion is turned by {angle:.3g} rad from it, and the first step "
+            f"turns it there: add the body with rotation= as the motion starts, or let the motion start as "
+            f"it is turned; rotations are those of the body in the world"
+        )
+
 
 @dataclass
 class PinFollower:
@@ -64,6 +87,9 @@ class PinFollower:
     displacement: Motion | None
     rotation: Motion | None
     center: Floats
+    first: Floats | None = field(
+        default=None, init=False
+    )  # positions at time 0, where a user gave the motion
 
     def positions(self, time: float) -> Floats:
         """Positions (k, 3) [m] at a time [s]."""
@@ -82,6 +108,14 @@ class PinFollower:
         if self.displacement is None:
             return places
         return places + vector(self.displacement(time), f"{owner}: displacement at {time:g} s")
+
+    def jump(self) -> str:
+        """What is wrong with a motion that does not start where the pins are; else empty."""
+        if self.first is None:
+            return ""
+        start = self.body._scene._core.initial_positions(self.body._index)[self.body.pins[self.rows]]
+        apart = np.linalg.norm(self.first - start, axis=1)
+        return _distance_text(self.body, float(apart.max(initial=0.0)))
 
     def turn(self, time: float) -> Floats:
         """Rotation since time 0."""
@@ -107,6 +141,17 @@ class PinFollower:
         core.set_clamp_targets(index, np.ascontiguousarray(frames.reshape(-1, 9)), duration)
 
 
+def _distance_text(body: BodyHandle | PinnedBody, distance: float) -> str:
+    """What is wrong with a motion that starts at a distance [m] from a body, unless it is small."""
+    size = np.linalg.norm(np.ptp(body._scene._core.initial_positions(body._index), axis=0))
+    if distance <= _ELSEWHERE * size:
+        return ""
+    return (
+        f"'{body.name}': at 0 s its motion is {distance:.3g} m from it, and the first step takes it there: "
+        f"add the body where the motion starts, or let the motion start where it is"
+    )
+
+
 def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
     """``RigidBody.follow``."""
     if body.motion != "scripted":
@@ -119,7 +164,7 @@ def follow_pose(body: BodyHandle, position: Any, rotation: Any) -> None:
         None if position is None else as_motion(position, f"'{body.name}': position"),
         None if rotation is None else as_motion(rotation, f"'{body.name}': rotation"),
     )
-    follower.pose(0.0)  # says at once what is wrong with the values
+    follower.first = follower.pose(0.0)  # says at once what is wrong with the values
     body._scene._followers[body._index] = [] if position is None and rotation is None else [follower]
 
 
@@ -153,7 +198,7 @@ def follow_pins(
         if center is None
         else vector(center, f"{owner}: center"),
     )
-    follower.positions(0.0)
+    follower.first = follower.positions(0.0)
     others = followers.get(body._index, [])
     kept = [f for f in others if isinstance(f, PinFollower) and not np.isin(f.rows, rows).any()]
     if len(kept) < len(others) and vertices is not None and not _covers(others, rows):

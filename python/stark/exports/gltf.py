@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from stark.array_file import write_atomically
+from stark.render.camera import upright
 from stark.render.colormaps import linear
 
 from .shots import Shot
 
 _MISSING = "glTF needs the package trimesh of the extra 'export': pip install 'stark-sim[export]'"
-#: The z axis of a scene is the y axis of glTF.
+#: The z axis of what stands upright is the y axis of glTF.
 _Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
 
@@ -49,7 +50,8 @@ class GltfWriter:
             file.unlink(missing_ok=True)
 
     def _write(self, shot: Shot, path: Path) -> None:
-        scene = self._trimesh.Scene()
+        scene, turn = self._trimesh.Scene(), _Y_UP.copy()
+        turn[:3, :3] = turn[:3, :3] @ upright(shot.up)
         for body, color in zip(shot.bodies, shot.colors, strict=True):
             if not len(body.triangles):
                 continue
@@ -68,7 +70,7 @@ class GltfWriter:
                     mesh.vertex_attributes[f"_{name.upper()}"] = np.asarray(
                         values[body.name], dtype=np.float32
                     )
-            scene.add_geometry(mesh, node_name=body.name, geom_name=body.name, transform=_Y_UP)
+            scene.add_geometry(mesh, node_name=body.name, geom_name=body.name, transform=turn)
         data = scene.export(file_type="glb")
         write_atomically(path, lambda file: file.write(data))
         self._written.append(path)

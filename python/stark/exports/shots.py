@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.palette import Color, body_colors
 from stark.recording.format import Frame, FrameBody, drawn, surface
+from stark.render.camera import UP, up_of
 from stark.render.fields import FIELDS, field_values
 from stark.render.pieces import at_surface
 
@@ -40,6 +41,8 @@ class Shot:
     fields: Mapping[str, Mapping[str, Array]]
     index: int = 0
     """Number of the frame, or of the record."""
+    up: tuple[float, float, float] = UP
+    """Against gravity where that is along x or y."""
 
     @property
     def point_data(self) -> dict[str, Array]:
@@ -83,7 +86,7 @@ class Camera:
     def take(self, source: Any, time: float, index: int) -> Shot:
         """Of ``source`` as it is now, at a ``time`` [s]."""
         parts = drawn(source)
-        shot = Shot(time, tuple(map(_body, parts)), tuple(body_colors(parts)), {})
+        shot = Shot(time, tuple(map(_body, parts)), tuple(body_colors(parts)), {}, up=up_of(source))
         fields: dict[str, dict[str, Array]] = {}
         for name in self._names:
             moved = name in MOTION

@@ -20,7 +20,7 @@ _MISSING = "USD needs the package usd-core of the extra 'usd': pip install 'star
 
 
 class UsdWriter:
-    """Writes a stage of shots: Z up, metres, time codes of ``fps`` a second."""
+    """Writes a stage of shots: Z up, or Y where gravity says so, metres, time codes of ``fps`` a second."""
 
     def __init__(self, path: Path, fps: float) -> None:
         try:
@@ -34,7 +34,6 @@ class UsdWriter:
         self._temporary = path.with_name(f".{path.stem}.{os.getpid()}.tmp{path.suffix}")
         self._temporary.unlink(missing_ok=True)
         self._stage: Any = Usd.Stage.CreateInMemory()
-        UsdGeom.SetStageUpAxis(self._stage, UsdGeom.Tokens.z)
         UsdGeom.SetStageMetersPerUnit(self._stage, 1.0)
         self._stage.SetTimeCodesPerSecond(fps)
         self._stage.SetFramesPerSecond(fps)
@@ -49,6 +48,8 @@ class UsdWriter:
         code = shot.time * self._fps
         if not self._meshes:
             self._stage.SetStartTimeCode(code)
+            tokens = self._geom.Tokens
+            self._geom.SetStageUpAxis(self._stage, tokens.y if shot.up == (0.0, 1.0, 0.0) else tokens.z)
             self._define(shot)
         self._stage.SetEndTimeCode(code)
         for k, body in enumerate(shot.bodies):
@@ -108,7 +109,7 @@ class UsdWriter:
                 )
 
     def _place(self, k: int, positions: Array, code: float) -> None:
-        """Points of rigid bodies are those of the first shot, seen from their middle; this is where it is now."""
+        """Points of rigid bodies are those of the first shot about their middle; this is where it is."""
         position, rotation = pose_between(self._starts[k], positions)
         w, x, y, z = map(float, to_quaternion(rotation))
         translate, orient = self._ops[k]

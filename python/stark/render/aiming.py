@@ -50,7 +50,7 @@ def aimed(
         return auto_camera(_seen(target, bounds, bodies), view, aspect, fov)
     eye = vector(camera, "camera")
     middle = np.array(bounds.center) if target is None else _middle(target, bodies)
-    return _checked(Camera(eye=_triple(eye), target=_triple(middle), vertical_fov=fov))
+    return _checked(Camera(eye=_triple(eye), target=_triple(middle), up=bounds.up, vertical_fov=fov))
 
 
 def _adjusted(camera: Camera, target: Any, fov: float | None, bodies: Sequence[Any]) -> Camera:
@@ -92,7 +92,7 @@ def _seen(target: Any, bounds: Bounds, bodies: Sequence[Any]) -> Bounds:
     if target is None:
         return bounds
     if not _is_point(target):
-        return bounds_of([_bodies(target, bodies)])
+        return bounds_of([_bodies(target, bodies)], bounds.up)
     move = vector(target, "target") - bounds.center
     low, high = np.add(bounds.low, move), np.add(bounds.high, move)
     return dataclasses.replace(

@@ -19,6 +19,8 @@ VIEWS = {
     "side": (0.0, 0.08),
     "top": (-math.pi / 2, 1.5),
 }
+#: Where gravity does not say otherwise.
+UP = (0.0, 0.0, 1.0)
 #: A fixed body this many times larger than what moves is scenery: a floor, a wall.
 _SCENERY = 2.5
 #: Share of the picture that the box around the scene may fill.
@@ -31,7 +33,7 @@ class Camera:
 
     eye: tuple[float, float, float]
     target: tuple[float, float, float]
-    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    up: tuple[float, float, float] = UP
     vertical_fov: float = 0.61
 
     def axes(self) -> np.ndarray:
@@ -86,6 +88,7 @@ class Bounds:
     ground: float
     has_floor: bool
     scenery: tuple[bool, ...]
+    up: tuple[float, float, float] = UP
 
 
 def _word(value: Any) -> str:
@@ -109,20 +112,46 @@ def _triple(values: Any) -> tuple[float, float, float]:
     return (float(values[0]), float(values[1]), float(values[2]))
 
 
+def up_of(source: Any) -> tuple[float, float, float]:
+    """Against gravity of a simulation or a frame of a recording where it is along x or y, else z."""
+    recording = getattr(source, "recorded", None)
+    settings = getattr(source, "settings", None) if recording is None else recording.settings
+    gravity = settings.get("gravity") if isinstance(settings, dict) else getattr(settings, "gravity", None)
+    pull = np.zeros(3) if gravity is None else np.asarray(gravity, dtype=np.float64)
+    for axis in (0, 1):
+        if pull[axis] != 0.0 and abs(pull[axis]) == np.linalg.norm(pull):
+            return _triple(-np.sign(pull[axis]) * np.eye(3)[axis])
+    return UP
+
+
+def upright(up: tuple[float, float, float]) -> np.ndarray:
+    """The rotation (3, 3) that takes ``up``, an axis of the world, to z."""
+    z = np.array(up)
+    x = np.array([0.0, up[0], 0.0]) if up[0] else np.array([1.0, 0.0, 0.0])
+    return np.array([x, np.cross(z, x), z])
+
+
 def scene_bounds(*frames: Any) -> Bounds:
     """Bounds over one or more frames (anything with ``.bodies``): all that moves, and fixed bodies unless
-    much larger."""
-    return bounds_of([drawn(frame) for frame in frames])
+    much larger. Up is against gravity of the first one, where that is along an axis."""
+    return bounds_of([drawn(frame) for frame in frames], up_of(frames[0]))
 
 
-def bounds_of(frames: Sequence[Sequence[Any]]) -> Bounds:
+def bounds_of(frames: Sequence[Sequence[Any]], up: tuple[float, float, float] = UP) -> Bounds:
     """``scene_bounds`` of the bodies of each frame; ``scenery`` has an entry for each body."""
     first = frames[0]
     fixed = [_word(getattr(b, "motion", "")) == "fixed" for b in first]
     filled = [i for i, b in enumerate(first) if len(surface(b)[0])]
     if not filled:
         return Bounds(
-            (0.0, 0.0, 0.0), 1.0, (-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), 0.0, False, tuple(False for _ in first)
+            (0.0, 0.0, 0.0),
+            1.0,
+            (-1.0, -1.0, 0.0),
+            (1.0, 1.0, 1.0),
+            0.0,
+            False,
+            tuple(False for _ in first),
+            up,
         )
     still = {i: _box(surface(first[i])[0]) for i in filled if fixed[i]}
     moving = [_box(surface(f[i])[0]) for f in frames for i in filled if not fixed[i]]
@@ -130,8 +159,10 @@ def bounds_of(frames: Sequence[Sequence[Any]]) -> Bounds:
     scenery = {i for i, box in still.items() if moving and _size(box) >= _SCENERY * _size(core)}
     core = _join([core, *(box for i, box in still.items() if i not in scenery)])
     radius = 0.5 * _size(core) or 1.0
-    floors = [still[i][1][2] for i in scenery if still[i][1][2] <= core[0][2] + 0.1 * radius]
-    ground = float(max(floors)) if floors else float(core[0][2]) - 1e-3 * radius
+    bottom = min(point @ np.array(up) for point in core)
+    tops = [max(point @ np.array(up) for point in still[i]) for i in scenery]
+    floors = [top for top in tops if top <= bottom + 0.1 * radius]
+    ground = float(max(floors)) if floors else float(bottom) - 1e-3 * radius
     return Bounds(
         center=_triple(0.5 * (core[0] + core[1])),
         radius=float(radius),
@@ -140,6 +171,7 @@ def bounds_of(frames: Sequence[Sequence[Any]]) -> Bounds:
         ground=ground,
         has_floor=bool(floors),
         scenery=tuple(i in scenery for i in range(len(first))),
+        up=up,
     )
 
 
@@ -162,6 +194,7 @@ def auto_camera(
         ]
     )
     right = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
+    back, right = back @ upright(bounds.up), right @ upright(bounds.up)
     up = np.cross(back, right)
     half_height = _FILL * math.tan(0.5 * fov)
     box = np.array([bounds.low, bounds.high])
@@ -169,4 +202,7 @@ def auto_camera(
     arms = corners - np.array(bounds.center)
     wide = np.maximum(np.abs(arms @ right) / (half_height * aspect), np.abs(arms @ up) / half_height)
     distance = max(float(np.max(wide + arms @ back)), 0.1 * bounds.radius)
-    return Camera.looking(bounds.center, distance, azimuth, elevation, fov)
+    if bounds.up == UP:
+        return Camera.looking(bounds.center, distance, azimuth, elevation, fov)
+    eye = np.array(bounds.center) + distance * back
+    return Camera(eye=_triple(eye), target=bounds.center, up=bounds.up, vertical_fov=fov)

@@ -13,7 +13,7 @@ from ..palette import body_colors
 from ..recording.format import drawn
 from .aiming import aimed
 from .array import Picture
-from .camera import Bounds, bounds_of
+from .camera import Bounds, bounds_of, up_of
 from .choosing import matching, opacities
 from .clipping import Plane
 from .colorbar import draw_colorbar, limits_of
@@ -57,7 +57,7 @@ def render(
 
     ``camera`` is a view (oblique, front, side, top; None: oblique), where the camera is (3,) [m], or a
     ``Camera``; ``target`` is a point (3,) [m] or bodies to look at, else the middle of the scene;
-    ``field_of_view`` is vertical [rad].
+    ``field_of_view`` is vertical [rad]. Up is against gravity where that is along an axis, else z.
 
     Bodies are named by handle, name, pattern such as "finger*", or several of these: ``bodies`` are the only
     ones to draw, ``hide`` are left out, ``opacity`` has numbers in [0, 1] for some. ``clip`` = (point [m],
@@ -86,7 +86,7 @@ def render(
         raise InvalidArgument(_nothing_left(bodies, hide, names))
     shown = [everything[i] for i in kept]
     share, paint = opacities(opacity, names), body_colors(everything)
-    box = bounds_of([shown]) if bounds is None else bounds
+    box = bounds_of([shown], up_of(source)) if bounds is None else bounds
     far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
     colors = Colormap(colormap)
     shades = None if field is None else field_of(source, field, {body.name for body in shown})

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._core import Canvas
-from .camera import Bounds, Camera
+from .camera import Bounds, Camera, upright
 from .colormaps import Colormap, linear, srgb_bytes
 from .item_buffer import values_seen
 from .pieces import Piece, crease_angle
@@ -134,15 +134,17 @@ def _rasterised(pieces: Sequence[Piece], style: Style) -> np.ndarray:
     canvas.threads = style.threads
     canvas.key_lights, canvas.sky_lights, canvas.samples = QUALITIES[style.quality]
     camera, bounds = style.camera, style.bounds
-    canvas.eye, canvas.target, canvas.up = camera.eye, camera.target, camera.up
+    turn = upright(bounds.up).T  # the core has z up
+    seen = np.array([camera.eye, camera.target, camera.up, bounds.center]) @ turn
+    canvas.eye, canvas.target, canvas.up, canvas.scene_center = seen.tolist()
     canvas.vertical_fov = camera.vertical_fov
-    canvas.scene_center, canvas.scene_radius = bounds.center, bounds.radius
+    canvas.scene_radius = bounds.radius
     canvas.ground, canvas.ground_height = not bounds.has_floor, bounds.ground
     canvas.grid_spacing = grid_spacing(bounds.radius) if style.grid else 0.0
     canvas.edges = style.edges
     for piece in pieces:
         canvas.add_mesh(
-            piece.positions,
+            piece.positions @ turn,
             piece.triangles,
             color=piece.color,
             crease_angle=crease_angle(piece),

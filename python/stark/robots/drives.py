@@ -180,6 +180,10 @@ class GravityFollower:
         for actuator, effort in zip(self._actuators, efforts, strict=True):
             simulation._core.set_actuator_value(actuator._index, "feedforward", float(effort))
 
+    def jump(self) -> str:
+        """They move nothing to a place."""
+        return ""
+
 
 def add_drives(
     robot: DrivenRobot,

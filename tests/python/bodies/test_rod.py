@@ -195,7 +195,7 @@ def test_joints_hold_nodes_at_position_and_orientation() -> None:
 
 @pytest.mark.parametrize("lever", [0.02, 0.004])
 def test_a_pinned_node_is_held_in_its_rotation(lever: float) -> None:
-    """The rod is pinned at one end, whose frame is free to turn: a joint and an attachment at a lever each carry
+    """The rod is pinned at one end, whose frame is free to turn: a joint and an attachment at a lever carry
     the moment of the weight, as a clamp would."""
     scene = stark.Scene()
     rods = []
@@ -225,7 +225,9 @@ def test_a_pinned_node_is_held_in_its_rotation(lever: float) -> None:
 def test_frames_that_are_turned_apart_are_told_how_to_agree() -> None:
     scene, rod = cantilever()
     scene.add_hinge(None, rod.frame(-1), anchor=(1.0, 0.0, 0.0), axis="y")
-    with pytest.raises(InvalidArgument, match="rad at time 0: .* turn both frames alike .* leave out anchor"):
+    with pytest.raises(
+        InvalidArgument, match=r"rad at time 0: .* turn both frames alike .* leave out anchor"
+    ):
         stark.Simulation(scene)
 
 

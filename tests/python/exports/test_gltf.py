@@ -31,6 +31,20 @@ def test_a_still_is_read_again_with_the_y_axis_up(tmp_path: Path) -> None:
     np.testing.assert_allclose(jelly.vertex_attributes["_STRESS"].ravel(), stress, rtol=1e-6)
 
 
+def test_a_scene_with_y_up_stays_as_it_is(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    box = scene.add_box((0.1, 0.2, 0.3), mass=1.0, name="box", position=(1.0, 2.0, 3.0))
+    sim = stark.Simulation(scene, gravity=(0.0, -9.81, 0.0))
+    with stark.recording.Recorder(tmp_path / "run", sim) as recorder:
+        recorder.record(sim)
+    recording = stark.recording.Recording(tmp_path / "run")
+    (file,) = stark.exports.export_recording(recording, tmp_path / "out", "glb")
+    read = trimesh.load(file, process=False)
+    transform, geometry = read.graph["box"]
+    points = trimesh.transform_points(read.geometry[geometry].vertices, transform)
+    np.testing.assert_allclose(points, box.positions, atol=1e-6)
+
+
 def test_frames_of_a_recording_are_files(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 3)
     files = stark.exports.export_recording(run, tmp_path / "out", "glb", frames=[0, 2])

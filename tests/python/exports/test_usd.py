@@ -66,6 +66,15 @@ def test_between_time_samples_rigid_bodies_turn_in_place(tmp_path: Path) -> None
         assert abs(turned - code) < 2e-5  # [rad]: single precision of points 10 m away, 5 cm from the middle
 
 
+def test_a_scene_with_y_up_says_so(tmp_path: Path) -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    sim = stark.Simulation(scene, gravity=(0.0, -9.81, 0.0))
+    with stark.exports.Exporter(tmp_path / "up.usda", sim) as out:
+        out.record(sim)
+    assert UsdGeom.GetStageUpAxis(Usd.Stage.Open(str(tmp_path / "up.usda"))) == "Y"
+
+
 def test_a_recording_is_exported_with_velocities(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 4)
     done: list[tuple[int, int]] = []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from fake_simulation import FakeSimulation, box
 
+import stark
 from stark.render import Camera, auto_camera, render, scene_bounds
 
 
@@ -42,3 +43,35 @@ def test_own_camera_is_used() -> None:
     away = Camera(eye=(0.0, 0.0, 5.0), target=(0.0, 0.0, 10.0), up=(0.0, 1.0, 0.0))
     picture = render(sim, 64, 64, camera=away, quality="draft").astype(int)
     assert (picture[..., 0] - picture[..., 1]).max() < 20  # looks at the sky
+
+
+@pytest.mark.parametrize("up", [(0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0)])
+@pytest.mark.parametrize("with_floor", [True, False])
+def test_a_scene_stands_upright_whatever_gravity_is(up: tuple[int, int, int], with_floor: bool) -> None:
+    """The picture is that of the scene which is turned to z up: on its own ground, on a floor, by a camera
+    at a place. The turn is written here again, column by column."""
+    sideways = (1, 0, 0) if up[0] == 0 else (0, up[0], 0)
+    turn = np.column_stack([sideways, np.cross(up, sideways), up])  # from z up to this one
+    pictures = []
+    for rotation in (np.eye(3), turn):
+        scene = stark.Scene()
+        if with_floor:
+            scene.add_floor(5.0, rotation=rotation)
+        scene.add_box((0.1, 0.2, 0.3), mass=1.0, position=rotation @ (0.1, 0.0, 0.2), rotation=rotation)
+        scene.add_sphere(0.05, mass=1.0, position=rotation @ (-0.1, 0.1, 0.1), rotation=rotation)
+        sim = stark.Simulation(scene, gravity=rotation @ (0.0, 0.0, -9.81))
+        place = tuple(rotation @ (0.5, -0.6, 0.4))
+        pictures += [
+            sim.picture(size=(160, 90), quality="draft", camera=c) for c in ("oblique", "side", place)
+        ]
+    for expected, picture in zip(pictures[:3], pictures[3:], strict=True):
+        off = np.abs(expected.astype(int) - picture.astype(int)).max(axis=2)
+        assert (off > 8).mean() < 0.01  # samples that rounding gives to another side of an edge
+        assert expected.std() > 10  # there is something to see
+
+
+def test_up_is_z_without_gravity_and_where_it_is_oblique() -> None:
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0)
+    for gravity in ((0, 0, 0), (0, 0, -9.81), (0, 0, 9.81), (1, 0, -9.81)):
+        assert scene_bounds(stark.Simulation(scene, gravity=gravity)).up == (0.0, 0.0, 1.0)
