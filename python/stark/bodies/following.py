@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -43,7 +43,9 @@ class PoseFollower:
     body: BodyHandle
     position: Motion | None
     rotation: Motion | None
-    first: tuple[Floats, Floats] | None = None  # its pose at time 0, where a user gave the motion
+    first: tuple[Floats, Floats] | None = field(
+        default=None, init=False
+    )  # its pose at time 0, where a user gave the motion
 
     def pose(self, time: float) -> tuple[Floats, Floats]:
         """At a time [s]; what no motion prescribes is as at time 0."""
@@ -67,15 +69,15 @@ class PoseFollower:
         if self.first is None:
             return ""
         (start, turned), (position, rotation) = self.body._scene._core.pose(self.body._index), self.first
-        if (text := _distance_text(self.body, np.linalg.norm(position - start))) != "":
+        if (text := _distance_text(self.body, float(np.linalg.norm(position - start)))) != "":
             return text + "; positions are those of the body in the world"
         angle = float(np.arccos(np.clip((np.trace(rotation @ turned.T) - 1.0) / 2.0, -1.0, 1.0)))
         if angle <= _ELSEWHERE:
             return ""
         return (
             f"'{self.body.name}': at 0 s its motion is turned by {angle:.3g} rad from it, and the first step "
-            f"turns it there: add the body with rotation= as the motion starts, or let the motion start as it "
-            f"is turned; rotations are those of the body in the world"
+            f"turns it there: add the body with rotation= as the motion starts, or let the motion start as "
+            f"it is turned; rotations are those of the body in the world"
         )
 
 
@@ -89,7 +91,9 @@ class PinFollower:
     displacement: Motion | None
     rotation: Motion | None
     center: Floats
-    first: Floats | None = None  # positions at time 0, where a user gave the motion
+    first: Floats | None = field(
+        default=None, init=False
+    )  # positions at time 0, where a user gave the motion
 
     def positions(self, time: float) -> Floats:
         """Positions (k, 3) [m] at a time [s]."""
@@ -115,7 +119,7 @@ class PinFollower:
             return ""
         start = self.body._scene._core.initial_positions(self.body._index)[self.body.pins[self.rows]]
         apart = np.linalg.norm(self.first - start, axis=1)
-        return _distance_text(self.body, apart.max(initial=0.0))
+        return _distance_text(self.body, float(apart.max(initial=0.0)))
 
     def turn(self, time: float) -> Floats:
         """Rotation since time 0."""

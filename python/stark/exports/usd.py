@@ -21,7 +21,7 @@ _MISSING = "USD needs the package usd-core of the extra 'usd': pip install 'star
 
 
 class UsdWriter:
-    """Writes a stage of shots: Z up, or Y where gravity is against it, metres, time codes of ``fps`` a second."""
+    """Writes a stage of shots: Z up, or Y where gravity says so, metres, time codes of ``fps`` a second."""
 
     def __init__(self, path: Path, fps: float) -> None:
         try:
@@ -110,7 +110,7 @@ class UsdWriter:
                 )
 
     def _place(self, k: int, positions: Array, code: float) -> None:
-        """Points of rigid bodies are those of the first shot, seen from their middle; this is where it is now."""
+        """Points of rigid bodies are those of the first shot about their middle; this is where it is."""
         position, rotation = pose_between(self._starts[k], positions)
         w, x, y, z = map(float, to_quaternion(rotation))
         translate, orient = self._ops[k]

@@ -135,9 +135,10 @@ def _rasterised(pieces: Sequence[Piece], style: Style) -> np.ndarray:
     canvas.key_lights, canvas.sky_lights, canvas.samples = QUALITIES[style.quality]
     camera, bounds = style.camera, style.bounds
     turn = upright(bounds.up).T  # the core has z up
-    canvas.eye, canvas.target, canvas.up = camera.eye @ turn, camera.target @ turn, camera.up @ turn
+    seen = np.array([camera.eye, camera.target, camera.up, bounds.center]) @ turn
+    canvas.eye, canvas.target, canvas.up, canvas.scene_center = seen.tolist()
     canvas.vertical_fov = camera.vertical_fov
-    canvas.scene_center, canvas.scene_radius = bounds.center @ turn, bounds.radius
+    canvas.scene_radius = bounds.radius
     canvas.ground, canvas.ground_height = not bounds.has_floor, bounds.ground
     canvas.grid_spacing = grid_spacing(bounds.radius) if style.grid else 0.0
     canvas.edges = style.edges

@@ -48,7 +48,7 @@ def test_own_camera_is_used() -> None:
 @pytest.mark.parametrize("up", [(0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0)])
 @pytest.mark.parametrize("with_floor", [True, False])
 def test_a_scene_stands_upright_whatever_gravity_is(up: tuple[int, int, int], with_floor: bool) -> None:
-    """The picture is that of the scene which is turned to z up: on its own ground, on a floor, and by a camera
+    """The picture is that of the scene which is turned to z up: on its own ground, on a floor, by a camera
     at a place. The turn is written here again, column by column."""
     sideways = (1, 0, 0) if up[0] == 0 else (0, up[0], 0)
     turn = np.column_stack([sideways, np.cross(up, sideways), up])  # from z up to this one
