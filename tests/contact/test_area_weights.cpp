@@ -118,16 +118,16 @@ TEST_CASE("pairs of edges have what their edges stand for, and a range by how sh
     const AreaWeights weights(builder.surface, builder.x, patch, std::vector<uint8_t>(2, is_sheet),
                               std::vector<double>{0.01, 0.01});
     const EdgeRanges ranges = weights.edge_ranges(builder.surface);
-    Pair widest;
+    Pair found;
     const auto count = static_cast<int32_t>(builder.surface.edges.size()) / 2;
     for (int32_t e = 0; e < count; ++e) {
       Contact contact;
       contact.key = {PairKind::EdgeEdge, e, e + count};
       contact.group_b = 1;
       const double range = ranges(e, e + count);
-      if (range > widest.range) widest = {weights.area(builder.surface, contact, kUp, builder.x), range};
+      if (range > found.range) found = {weights.area(builder.surface, contact, kUp, builder.x), range};
     }
-    return widest;
+    return found;
   };
   const Pair borders = widest(make_grid(1.0, 1.0, 1, 1), true);
   CHECK(borders.area == doctest::Approx(1.0 / 6.0));

@@ -248,7 +248,7 @@ TEST_CASE("potentials declared zero at rest have neither energy nor force there"
 TEST_CASE("projected Hessians are positive semidefinite and definite ones are left alone") {
   using symbolic::kLanes;
   int changed = 0;
-  sweep([&](const PotentialDefinition& definition, const Potential& potential, const FilledSample& sample) {
+  sweep([&](const PotentialDefinition&, const Potential& potential, const FilledSample& sample) {
     const int n = 3 * potential.point_count();
     const std::vector<double> H = hessian(potential, sample, sample.x);
     AlignedVector<double> upper(n * (n + 1) / 2 * kLanes);
