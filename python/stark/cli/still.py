@@ -94,6 +94,9 @@ def run(args: argparse.Namespace) -> int:
     options = _options(args)
     recording = Recording(args.run)
     time = float("inf") if args.time is None else args.time
+    last = recording.times[-1] if len(recording) else 0.0
+    if args.time is not None and args.time > last + 1e-6:
+        say(f"--time {args.time:g}: the recording ends at {last:g} s, which is drawn", error=True)
     picture = recording.still(time, width=width, height=height, **options)
     path = args.out or args.run / "still.png"
     write_png(path, picture)

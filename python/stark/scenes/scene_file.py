@@ -199,8 +199,9 @@ def converted_options(name: str, defaults: Mapping[str, Any], chosen: Mapping[st
         try:
             converted[key] = _as(type(defaults[key]), value)
         except (TypeError, ValueError):
-            kind = type(defaults[key]).__name__
-            raise SceneFileError(f"scene '{name}': option {key} = {value!r}; must be a {kind}") from None
+            kind = type(defaults[key])
+            rule = "true or false" if kind is bool else f"a {kind.__name__}"
+            raise SceneFileError(f"scene '{name}': option {key} = {value!r}; must be {rule}") from None
     return converted
 
 

@@ -25,6 +25,7 @@ def all_operations(p: stark.Point, t: stark.Time, k: float = stark.parameter(uni
     some = stark.sin(x) + stark.cos(y) + stark.tan(0.1 * z) + stark.exp(-(x**2)) + stark.log(2.0 + y**2)
     more = stark.asin(0.1 * x) + stark.acos(0.1 * y) + stark.atan(z) + stark.tanh(x) + stark.sqrt(1.0 + z**2)
     rest = stark.minimum(x, y) * stark.maximum(y, z) + stark.atan2(y, 2.0 + x**2) + stark.fma(x, y, z)
+    rest += y * stark.held(x + y)
     return k * stark.where(near, some + more, rest / (1.0 + t)) + stark.abs(x) ** 1.5 - abs(-y)
 
 

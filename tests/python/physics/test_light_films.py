@@ -29,9 +29,9 @@ def _film(x: float = 0.0, friction: float = 0.0, **settings: object) -> stark.Si
 def test_steps_of_a_loaded_film_meet_default_tolerances(integrator: str, friction: float) -> None:
     sim = _film(friction=friction, **{"time.integrator": integrator})
     reports = list(sim.run(until=0.1))
-    # The impact of the block may come 5 % nearer than the 2 um that are asked for, and then says so.
+    # The impact of the block may come a sixth nearer than the 2 um that are asked for, and then says so.
     assert {name for r in reports for name in r.caveats} <= {"below_least_distance"}
-    assert min(r.min_distance for r in reports) > 0.95 * 2e-6
+    assert min(r.min_distance for r in reports) > 0.83 * 2e-6
     assert not any(r.at_rounding for r in reports)
     assert max(r.acceleration for r in reports) < 0.01
     assert np.mean([r.newton_iterations for r in reports]) < (15 if friction else 7)
