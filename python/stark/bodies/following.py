@@ -43,9 +43,8 @@ class PoseFollower:
     body: BodyHandle
     position: Motion | None
     rotation: Motion | None
-    first: tuple[Floats, Floats] | None = field(
-        default=None, init=False
-    )  # its pose at time 0, where a user gave the motion
+    #: Its pose at time 0, where a user gave the motion.
+    first: tuple[Floats, Floats] | None = field(default=None, init=False)
 
     def pose(self, time: float) -> tuple[Floats, Floats]:
         """At a time [s]; what no motion prescribes is as at time 0."""
@@ -91,9 +90,8 @@ class PinFollower:
     displacement: Motion | None
     rotation: Motion | None
     center: Floats
-    first: Floats | None = field(
-        default=None, init=False
-    )  # positions at time 0, where a user gave the motion
+    #: Positions at time 0, where a user gave the motion.
+    first: Floats | None = field(default=None, init=False)
 
     def positions(self, time: float) -> Floats:
         """Positions (k, 3) [m] at a time [s]."""

@@ -89,7 +89,7 @@ void ContactLaw::freeze_left(std::span<const Vec3> x, const std::vector<Contact>
   for (const Contact& contact : contacts) {
     const auto layer = spent_.find(code_of(contact));
     if (layer == spent_.end() || left_.contains(contact.key)) continue;
-    const double side = contact.group_a == layer->first >> 32 ? 1.0 : -1.0;
+    const double side = side_of_first(contact, layer->first);
     const double along = dot(normalized(gap_vector(contact, x)), layer->second.normal) * side;
     left_[contact.key] = along > kFacing * norm(layer->second.normal) ? layer->second.stiffness : 1.0;
   }

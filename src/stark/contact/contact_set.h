@@ -73,6 +73,11 @@ inline std::pair<int32_t, int32_t> groups_of_code(int64_t code) {
   return {static_cast<int32_t>(code >> 32), static_cast<int32_t>(code & 0xffffffff)};
 }
 
+/// 1 where side A of a contact is of the first group of its number, -1 where it is of the second.
+inline double side_of_first(const Contact& contact, int64_t code) {
+  return contact.group_a == groups_of_code(code).first ? 1.0 : -1.0;
+}
+
 /// Pairs of bodies that started within their contact distance, and the smaller one that they have until they
 /// part. Part of the State; sorted, without doubles.
 struct CloseBodies {

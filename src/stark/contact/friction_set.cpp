@@ -81,7 +81,7 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
             .force = norm(force)};
   pair.is_anisotropic = mu.is_anisotropic();
   if (pair.is_anisotropic) set_axes(mu, x, pair);
-  if (!moving_.empty()) pair.drift = drift(contact, pair.normal, x);
+  pair.drift = drift(contact, pair.normal, x);
   const int64_t known = find_bristles(contact, x);
   const Pair* before = find(contact.key);
   if (known >= 0) {

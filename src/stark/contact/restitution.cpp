@@ -128,7 +128,6 @@ void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::spa
     if (impact.due == 0.0) continue;
     const size_t first = contacts_.size();
     const Vec3& n = impact.normal;  // shorter than 1 where contacts press in several directions
-    const auto side = [&](const Contact& contact) { return contact.group_a == bodies >> 32 ? 1.0 : -1.0; };
     Vec3 sum;
     double stored = 0.0;
     for (size_t c = 0; c < contacts.size(); ++c) {
@@ -136,7 +135,7 @@ void RestitutionSet::set_contacts(const std::vector<Contact>& contacts, std::spa
       if (group_code(contact.group_a, contact.group_b) != bodies) continue;
       stored += energies[c];
       contacts_.emplace_back(contact, forces[c]);
-      sum += forces[c] * side(contact);
+      sum += forces[c] * side_of_first(contact, bodies);
     }
     const double total = dot(sum, n);
     bound_pull(element++, impact, stored / motion_.weight);
@@ -262,7 +261,7 @@ std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Co
     const Contact& contact = contacts[c];
     const int64_t bodies = group_code(contact.group_a, contact.group_b);
     if (!table_.coefficient.contains(bodies)) continue;
-    const double side = contact.group_a == bodies >> 32 ? 1.0 : -1.0;
+    const double side = side_of_first(contact, bodies);
     const Vec3 force = forces[c] * side, gap = gap_vector(contact, x) * side;
     Vec3 at;  // of the closest point of side A
     for (int p = 0; p < contact.side_a_count; ++p) at += x[contact.sites[p]] * contact.weights[p];

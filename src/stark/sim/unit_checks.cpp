@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <stark/sim/body_checks.h>
-#include <stark/sim/contact_distance.h>
 
 namespace stark {
 
@@ -61,6 +60,11 @@ void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec
             quantity_text(modulus, "Pa") + ", and flattens it; 1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
 }
 
+/// 0 of automatic ones: they follow from the size of the body and are never too large [m].
+double given_contact_distance(const Scene& scene, BodyId body, const Settings& settings) {
+  return scene.contact_distance(body).value_or(settings.contact.distance);
+}
+
 void check_friction(const Scene& scene, Suspicions& out) {
   const char* const hint = "Coulomb's coefficient is the ratio of two forces, not an angle or a percentage";
   out.check("scene", "default_friction", scene.default_friction(), "1", kFriction, hint);
@@ -90,8 +94,8 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
     const Vec3 size = box_size(scene.initial_positions(body));
     suspicions.check(owner, "extent of the mesh", max_abs(size), "m", kExtent,
                      "if the mesh is not in metres, scale it with mesh.scaled(factor)");
-    const double distance = contact_distance(scene, body, settings);
-    if (settings.contact.enabled && distance > kThickestContact * max_abs(size))
+    if (const double distance = given_contact_distance(scene, body, settings);
+        settings.contact.enabled && distance > kThickestContact * max_abs(size))
       suspicions.add(owner + ": contact distance of " + quantity_text(distance, "m") +
                      " for an extent of the mesh of " + quantity_text(max_abs(size), "m") +
                      "; if the mesh is in metres, give it a contact_distance below " +
