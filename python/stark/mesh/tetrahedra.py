@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import tempfile
 from typing import Any
 
@@ -16,8 +17,10 @@ from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.repair import oriented
 from stark.mesh.types import TetMesh, TriangleMesh, compact
 
-#: Edges of one mesh whose mean is this far off the wanted length, relative, are asked for once more.
+#: A mesh whose mean edge is this far off the wanted length, relative, is made once more,
 _OFF = 0.1
+#: up to so many times in all.
+_TRIES = 4
 
 
 def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: float | None = None) -> TetMesh:
@@ -26,8 +29,8 @@ def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: fl
     ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out.
     ``tolerance``: largest distance between the given surface and the result, over that diagonal; if left out
     a tenth of the edge length, with which the mean edge comes out within 15 % of the wanted one where the
-    shape is wider than eight of them, or 10^-3 where no edge length is given. Smaller ones need shorter
-    edges on curved surfaces. fTetWild is randomised: meshes of two calls differ a little; keep one with
+    shape is wider than eight of them (up to four meshes are made for that), or 10^-3 where no edge length is
+    given. Smaller ones need shorter edges on curved surfaces. fTetWild is randomised: meshes of two calls differ a little; keep one with
     ``mesh.save("cup.npz")`` to repeat a simulation bit by bit."""
     surface = _closed_surface(mesh)
     diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
@@ -37,12 +40,7 @@ def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: fl
     if tolerance is None:
         # A chord of length l of a surface of radius r is l^2 / 8r off: less tolerance makes shorter edges.
         tolerance = 0.1 * fraction
-    found = _filled(surface, fraction, tolerance)
-    ratio = _mean_edge(found) / edge_length
-    if abs(ratio - 1.0) < _OFF:
-        return found
-    again = _filled(surface, fraction / ratio, tolerance)
-    return min(found, again, key=lambda mesh: abs(_mean_edge(mesh) / edge_length - 1.0))
+    return _with_mean_edge(surface, edge_length, fraction, tolerance)
 
 
 def edge_lengths(mesh: TetMesh | TriangleMesh) -> NDArray[np.float64]:
@@ -56,6 +54,23 @@ def edge_lengths(mesh: TetMesh | TriangleMesh) -> NDArray[np.float64]:
     edges = np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0)
     ends = mesh.vertices[edges]
     return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+
+def _with_mean_edge(surface: TriangleMesh, wanted: float, fraction: float, tolerance: float) -> TetMesh:
+    """The mesh with the best mean edge of up to _TRIES. fTetWild takes what it is asked for as a hint."""
+    found: list[tuple[float, TetMesh]] = []  # ratio of the mean edge to the wanted one, mesh
+    below, above = 0.0, math.inf  # fractions that gave too short and too long edges
+    while len(found) < _TRIES:
+        mesh = _filled(surface, fraction, tolerance)
+        ratio = _mean_edge(mesh) / wanted
+        found.append((ratio, mesh))
+        if abs(ratio - 1.0) < _OFF:
+            break
+        below, above = (max(below, fraction), above) if ratio < 1.0 else (below, min(above, fraction))
+        fraction /= ratio
+        if not below < fraction < above:
+            fraction = math.sqrt(below * above)
+    return min(found, key=lambda each: abs(each[0] - 1.0))[1]
 
 
 def _mean_edge(mesh: TetMesh) -> float:

@@ -39,6 +39,29 @@ def test_edges_are_as_long_as_was_asked(length: float) -> None:
     assert abs(found.mean() - length) < 0.15 * length
 
 
+def test_a_mesher_that_misses_is_asked_until_it_hits(monkeypatch: pytest.MonkeyPatch) -> None:
+    unit, diagonal, wanted, asked = mesh.tet_box(1.0, 2), np.sqrt(3.0), 0.12, []
+
+    def obedient(length: float) -> float:
+        return 1.5 * length if length < wanted else 1.2 * length
+
+    def stubborn(surface: mesh.TriangleMesh, fraction: float, tolerance: float) -> mesh.TetMesh:
+        asked.append(fraction * diagonal)
+        length = answer(asked[-1])
+        return mesh.TetMesh(unit.vertices * length / mesh.edge_lengths(unit).mean(), unit.tets)
+
+    def off() -> float:
+        asked.clear()
+        found = mesh.edge_lengths(mesh.tetrahedralise(mesh.box(1.0), edge_length=wanted)).mean()
+        return float(abs(found / wanted - 1.0))
+
+    monkeypatch.setattr("stark.mesh.tetrahedra._filled", stubborn)
+    answer = obedient
+    assert off() < 0.1 and len(asked) == 3  # 1.2 of it, then 1.25, then right
+    answer = lambda length: 0.16 if length < 0.07 else 0.09  # noqa: E731
+    assert off() == pytest.approx(0.25) and len(asked) == 4  # the nearest of those that there are
+
+
 def test_edge_lengths() -> None:
     square = mesh.grid(1.0, 1.0, 1)
     assert np.sort(mesh.edge_lengths(square)) == pytest.approx([1.0, 1.0, 1.0, 1.0, np.sqrt(2.0)])
