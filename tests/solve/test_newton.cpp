@@ -12,6 +12,19 @@
 using namespace stark;
 using namespace stark::test;
 
+namespace {
+
+/// x^4: each Newton step leaves two thirds of the way; directions of the Hessian before contract by less.
+Analytic::Value quartic(const Vec3& p) {
+  Analytic::Value v;
+  v.energy = std::pow(p.x, 4.0) + p.y * p.y + p.z * p.z;
+  v.gradient = {4.0 * std::pow(p.x, 3.0), 2.0 * p.y, 2.0 * p.z};
+  v.hessian = v.projected = Mat3::diagonal({12.0 * p.x * p.x, 2.0, 2.0});
+  return v;
+}
+
+}  // namespace
+
 TEST_CASE("a quadratic function takes one iteration") {
   Analytic objective(quadratic, {5, -7, 11});
   Solver solver(tight());
@@ -55,14 +68,6 @@ TEST_CASE("where the last Hessian is good enough, convergence is found without a
 }
 
 TEST_CASE("where it contracts too little, the Hessian is formed anew and the minimum is the same") {
-  // x^4: each Newton step leaves two thirds of the way; directions of the Hessian before contract by less.
-  const auto quartic = [](const Vec3& p) {
-    Analytic::Value v;
-    v.energy = std::pow(p.x, 4.0) + p.y * p.y + p.z * p.z;
-    v.gradient = {4.0 * std::pow(p.x, 3.0), 2.0 * p.y, 2.0 * p.z};
-    v.hessian = v.projected = Mat3::diagonal({12.0 * p.x * p.x, 2.0, 2.0});
-    return v;
-  };
   Analytic objective(quartic, {1.0, 0.2, -0.1});
   const NewtonSettings settings{
       .acceleration_tolerance = 1e-1, .residual_tolerance = 0.0, .step_tolerance = 1e-3};
@@ -368,6 +373,27 @@ TEST_CASE("where the way is not clear, nothing is refreshed any more") {
   is_clear = true;
   CHECK(solver.minimize(objective).status == SolveStatus::Converged);
   CHECK(asked == 2);  // once for each minimisation, however many refreshes there are
+}
+
+TEST_CASE("iterates that go around something end before they converge") {
+  // x^4 takes more than 20 iterations; the way is looked at after 8, 12, 16, ...
+  Analytic objective(quartic, {5, -7, 11});
+  Solver solver(tight());
+  std::vector<bool> is_clear;
+  size_t asked = 0;
+  solver.newton.set_way_check([&] { return is_clear[std::min(asked++, is_clear.size() - 1)]; });
+  const auto end = [&](std::vector<bool> looks) {
+    is_clear = std::move(looks);
+    asked = 0;
+    objective.x = {5, -7, 11};
+    return solver.minimize(objective);
+  };
+  const SolveReport blocked = end({false});
+  CHECK(blocked.status == SolveStatus::Detour);
+  CHECK(blocked.iterations == 12);
+  CHECK(end({true, false, false}).iterations == 16);
+  CHECK(end({false, true, false, true}).status == SolveStatus::Converged);  // clear again: no detour
+  CHECK(asked > 4);
 }
 
 TEST_CASE("every way to end has a name") {

@@ -35,7 +35,9 @@ constexpr double kNear = 5.0;     ///< motions over their tolerance from where t
 constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
-constexpr double kNoForce = 1e-140;  ///< [N] products with forces below it underflow
+constexpr double kNoForce = 1e-140;               ///< [N] products with forces below it underflow
+constexpr int kFirstLook = 8, kLookInterval = 4;  ///< iterations at which the way is looked at
+constexpr int kLooksBlocked = 2;                  ///< looks in a row that found it blocked, and end a detour
 constexpr std::chrono::milliseconds kLongPart{
     100};  ///< of an iteration, after which interrupts are asked for
 
@@ -92,13 +94,15 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   if (is_last) return refresh_lagged(objective, SolveStatus::Converged);
   if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
     return refresh_lagged(objective, SolveStatus::RoundOff);
+  if (!pending && goes_around()) return SolveStatus::Detour;
   if (!pending) refresh_early(objective);
   return handle_no_progress(objective, searched, pending);
 }
 
 SolveReport NewtonSolver::finish(Objective& objective, SolveStatus status) {
   // A solution whose friction is a round behind is better than none.
-  const bool given_up = !is_success(status) && status != SolveStatus::Interrupted;
+  const bool given_up =
+      !is_success(status) && status != SolveStatus::Interrupted && status != SolveStatus::Detour;
   report_.status = status;
   report_.is_settled = given_up && objective.restore_settled();
   if (report_.is_settled) {
@@ -116,6 +120,14 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
   const bool is_full = searched == SolveStatus::Converged && report_.last_step_length == 1.0;
   const bool is_near = report_.last_motion < kNear * settings_.step_tolerance * time_step_;
   progress_.simplified_limit = !pending && is_full && is_near ? kContraction * report_.last_motion : 0.0;
+}
+
+// Whose end lies behind something takes many iterations to get there, and will be thrown away.
+bool NewtonSolver::goes_around() {
+  if (!is_way_clear_ || report_.iterations < kFirstLook || report_.iterations % kLookInterval != 0)
+    return false;
+  progress_.blocked_looks = is_way_clear_() ? 0 : progress_.blocked_looks + 1;
+  return progress_.blocked_looks == kLooksBlocked;
 }
 
 // Slow bodies meet the tolerances before they have met each other: what stands in the way of the last

@@ -24,8 +24,8 @@ class NewtonSolver {
   /// status Interrupted.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
-  /// Asked of the first iterate that has converged, before lagged quantities are refreshed; returning false
-  /// ends the minimisation with status Detour.
+  /// Asked of the first iterate that has converged, before lagged quantities are refreshed, and of some that
+  /// have not; returning false then, or twice in a row, ends the minimisation with status Detour.
   void set_way_check(std::function<bool()> is_way_clear) { is_way_clear_ = std::move(is_way_clear); }
 
   /// From this time on, checked between iterations, minimisations end with status TimeBudget.
@@ -48,6 +48,7 @@ class NewtonSolver {
     int cut_short = 0;              ///< directions since the tolerances were met first
     int unsure_steps_left = 0;      ///< of take_unsure_step()
     int projected_left = 0;         ///< iterations for which Hessians stay projected after a failure
+    int blocked_looks = 0;          ///< in a row at which the way was not clear
     int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
     bool is_hessian_exact = false;  ///< neither projected nor shifted
     double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
@@ -79,6 +80,8 @@ class NewtonSolver {
   bool has_converged(const Objective& objective);
   /// All tolerances times a factor.
   bool meets_tolerances(const SolveReport& report, double factor = 1.0) const;
+  /// Whether the iterates went around something: the way from the start to them stays blocked.
+  bool goes_around();
   /// Whether something stood in the way of the last direction that it has not pushed against yet.
   bool is_cut_short(SolveStatus searched);
   /// Whether nothing but rounding keeps the tolerances from being met.
