@@ -333,3 +333,17 @@ def test_the_guide_lists_every_cause() -> None:
     names = re.findall(r"'(\w+)'", stark._core.Diagnosis.cause.__doc__ or "")
     assert len(names) > 10
     assert [name for name in names if f"`{name}`" not in text] == []
+
+
+def test_a_control_loop_that_swings_up_fails_by_name_with_the_last_good_state() -> None:
+    scene = stark.Scene()
+    block = scene.add_box(0.05, mass=0.02, name="block", velocity=(1.0, 0, 0))
+    brake = scene.add_force(block, (0, 0, 0))
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0, 0, 0))
+    with pytest.raises(stark.StepFailed, match="'block' would move faster than light, at") as caught:
+        for _ in sim.run(until=5.0):
+            brake.force = -30.0 * block.velocity  # 15 times mass over time step
+    diagnosis = caught.value.report.diagnosis
+    assert diagnosis.cause == "overload" and diagnosis.bodies == ["block"]
+    assert "control loop" in diagnosis.remedy
+    assert np.linalg.norm(block.velocity) < 3e8

@@ -228,6 +228,12 @@ TEST_CASE("what runs away in a quasistatic step has no equilibrium") {
   evidence = plain();
   evidence.solve.status = SolveStatus::RunAway;
   CHECK(judged(evidence, settings).cause == FailureCause::NoEquilibrium);
+  evidence.fastest = sheet({7});
+  evidence.motion = 1.48e7;
+  evidence.time_step = 0.01;
+  const Diagnosis with_inertia = judged(evidence);
+  CHECK(with_inertia.cause == FailureCause::Overload);
+  CHECK(with_inertia.finding.find("would move faster than light, at 1480000000 m/s") != std::string::npos);
 }
 
 TEST_CASE("bodies that start within a tenth of their contact distance overlap in thickness") {

@@ -42,8 +42,11 @@ std::string percent(double fraction) { return to_text(std::round(1e4 * fraction)
 
 /// Three digits are enough to read.
 std::string rough(double value, const char* unit) {
-  const double scale = value == 0.0 ? 1.0 : std::pow(10.0, 2.0 - std::floor(std::log10(std::fabs(value))));
-  return quantity_text(std::isfinite(scale) ? std::round(value * scale) / scale : value, unit);
+  const double digits = value == 0.0 ? 0.0 : 2.0 - std::floor(std::log10(std::fabs(value)));
+  const double power = std::pow(10.0, std::fabs(digits));  // multiples of whole powers are exact
+  if (!std::isfinite(power)) return quantity_text(value, unit);
+  return quantity_text(digits < 0.0 ? std::round(value / power) * power : std::round(value * power) / power,
+                       unit);
 }
 
 std::string point_text(const Vec3& p) {
@@ -303,8 +306,16 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
 }
 
 Verdict judge_equilibrium(const StepEvidence& e, const Settings& settings) {
-  const bool runs_away = e.solve.status == SolveStatus::RunAway ||
-                         (!has_inertia(settings.time.integrator) && e.motion > kRunaway * e.scene_size);
+  const bool has_inertia = stark::has_inertia(settings.time.integrator);
+  if (e.solve.status == SolveStatus::RunAway && has_inertia)
+    return {FailureCause::Overload,
+            e.fastest.body + " would move faster than light, at " + rough(e.motion / e.time_step, "m/s"),
+            "look for forces that are too strong for what they move, such as those of a control loop that "
+            "swings up: what the loop sets from velocities acts a step late, so it needs a gain below mass "
+            "over time step; a spring_damper or a velocity_motor of a joint has no such limit",
+            {e.fastest.body}};
+  const bool runs_away =
+      e.solve.status == SolveStatus::RunAway || (!has_inertia && e.motion > kRunaway * e.scene_size);
   if (!runs_away) return {};
   return {FailureCause::NoEquilibrium,
           "nothing holds " + (e.forces.empty() ? std::string("the bodies") : e.forces.front().at.body) +

@@ -160,6 +160,7 @@ struct StepEvidence {
   double stiffness_ratio = 1.0;        ///< of the stiffest to the softest translation
   std::string stiffest, softest;
   double motion = 0.0, scene_size = 0.0;  ///< [m] largest motion in the step; diagonal of all bodies
+  BodyVertices fastest;                   ///< what moved so far
   std::string joint_violation;
   bool joints_held = false;  ///< all did where the step started, and what is prescribed has hardly moved
   std::vector<std::string> unit_suspicions;

@@ -270,14 +270,19 @@ void add_actuator(const FailedStep& step, StepEvidence& out) {
 void add_motion(const FailedStep& step, StepEvidence& out) {
   const std::span<const Vec3> x = step.potential.site_positions();
   Vec3 low{1e300, 1e300, 1e300}, high = -low;
+  int32_t fastest = -1;
   for (const ModelBody& body : step.model.bodies())
     for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i) {
       for (int k = 0; k < 3; ++k) {
         low[k] = std::min(low[k], step.start[i][k]);
         high[k] = std::max(high[k], step.start[i][k]);
       }
-      out.motion = std::max(out.motion, norm(x[i] - step.start[i]));
+      const double motion = norm(x[i] - step.start[i]);
+      if (!(motion > out.motion)) continue;
+      out.motion = motion;
+      fastest = i;
     }
+  if (fastest >= 0) out.fastest = place_of(step.scene, step.model, {&fastest, 1});
   out.scene_size = norm(high - low);
 }
 

@@ -17,6 +17,9 @@ namespace {
 /// Acceleration that rounding may leave in silence [m/s^2]: twice the default tolerance.
 constexpr double kSilentRounding = 0.02;
 
+/// Whatever has mass is slower [m/s].
+constexpr double kSpeedOfLight = 299'792'458.0;
+
 /// Share of the least distance by which a gap may be below it in silence: rounding, half of what a
 /// certificate grants.
 constexpr double kUnseen = 5e-7;
@@ -190,7 +193,8 @@ std::optional<double> StepRunner::next_attempt(double h) {
     const bool is_repeated = is_raised && is_shortest && status == SolveStatus::LineSearchFailed;
     if (is_repeated && repeats_++ < kRepeatsOfShortest) return h;
   }
-  if (!is_shortest && status != SolveStatus::TimeBudget) return 0.5 * h;
+  const bool is_hopeless = status == SolveStatus::TimeBudget || status == SolveStatus::RunAway;
+  if (!is_shortest && !is_hopeless) return 0.5 * h;
   report_.time_step = h;
   fail();
   return {};
@@ -281,7 +285,7 @@ void StepRunner::fail() {
   const std::string cause = is_said ? "" : failure_of(report_.solve.status).cause;
   report_.message =
       (cause.empty() ? "" : cause + ": ") + report_.diagnosis.finding + "; " + report_.diagnosis.remedy;
-  if (report_.solve.status != SolveStatus::TimeBudget)
+  if (report_.time_step * 0.5 < settings_.time.min_step)
     report_.message +=
         "; the time step was halved down to time.min_step = " + quantity_text(settings_.time.min_step, "s") +
         " without success";
@@ -345,9 +349,20 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     const bool is_finite = std::ranges::all_of(remembered_, [](double v) { return std::isfinite(v); });
     if (!is_finite) solved.status = SolveStatus::NotFinite;
   }
+  if (is_success(solved.status) && is_faster_than_light(h)) solved.status = SolveStatus::RunAway;
   attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);
   return is_success(solved.status);
+}
+
+// Forces of a user's loop that swing up would go on to infinity otherwise, step by accepted step.
+bool StepRunner::is_faster_than_light(double h) const {
+  const KinematicMap& map = model_.map();
+  const std::span<const Vec3> x = potential_.site_positions();
+  const double limit = h * kSpeedOfLight;
+  for (int32_t i = 0; i < map.site_count(); ++i)
+    if (squared_norm(x[i] - step_start_[i]) > limit * limit && !map.is_prescribed(i)) return true;
+  return false;
 }
 
 Diagnosis StepRunner::diagnose() {
