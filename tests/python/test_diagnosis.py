@@ -344,6 +344,6 @@ def test_a_control_loop_that_swings_up_fails_by_name_with_the_last_good_state() 
         for _ in sim.run(until=5.0):
             brake.force = -30.0 * block.velocity  # 15 times mass over time step
     diagnosis = caught.value.report.diagnosis
-    assert diagnosis.cause == "overload" and diagnosis.bodies == ["block"]
+    assert diagnosis.cause == "overload" and diagnosis.bodies == ["rigid body 'block'"]
     assert "control loop" in diagnosis.remedy
     assert np.linalg.norm(block.velocity) < 3e8

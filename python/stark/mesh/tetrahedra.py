@@ -30,8 +30,8 @@ def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: fl
     ``tolerance``: largest distance between the given surface and the result, over that diagonal; if left out
     a tenth of the edge length, with which the mean edge comes out within 15 % of the wanted one where the
     shape is wider than eight of them (up to four meshes are made for that), or 10^-3 where no edge length is
-    given. Smaller ones need shorter edges on curved surfaces. fTetWild is randomised: meshes of two calls differ a little; keep one with
-    ``mesh.save("cup.npz")`` to repeat a simulation bit by bit."""
+    given. Smaller ones need shorter edges on curved surfaces. fTetWild is randomised: meshes of two calls
+    differ a little; keep one with ``mesh.save("cup.npz")`` to repeat a simulation bit by bit."""
     surface = _closed_surface(mesh)
     diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
     if edge_length is None:
