@@ -37,7 +37,8 @@ struct Bench {
         ContactSurfaces{builder.surface, filter, distance, builder.x, [](int32_t, int32_t) { return 0.3; }},
         contact_potentials(), ContactSettings{}, kStickDisplacement, map, pool, timer);
     geometry = {.mesh = &builder.surface, .group_distance = distance, .edge_squared_length = {}};
-    geometry.edge_ranges = pipeline->law().areas().edge_ranges(builder.surface);
+    geometry.edge_ranges =
+        std::make_shared<const EdgeRanges>(pipeline->law().areas().edge_ranges(builder.surface));
     cells = SurfaceCells(builder.surface, {});
     for (const Index2& e : builder.surface.edges)
       geometry.edge_squared_length.push_back(squared_norm(builder.x[e[1]] - builder.x[e[0]]));

@@ -18,6 +18,12 @@ constexpr double kMarginFactor = 0.5;
 /// Part of their margin from which sites are looked for anew together with those that are beyond it.
 constexpr double kNearlyUsedUp = 0.5;
 
+/// Edges with a core bear on it from so many times what collision detection keeps [theory eq. 16d].
+constexpr double kEdgesBear = 2.0;
+
+constexpr double kRounding = 1e-9;  ///< of distances, relative
+constexpr int64_t kPairsPerTask = 2048;
+
 std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
   std::vector<int32_t> sites(mesh.points);
   for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
@@ -29,6 +35,7 @@ std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
 
 struct Candidates {
   CandidateList list;
+  std::vector<PrimitivePair> distant_edges;  ///< that cannot act or meet within the margins
   std::vector<Vec3> x;  ///< where each site was when its pairs were found
 };
 
@@ -42,7 +49,10 @@ struct CandidateSearch::Implementation {
   std::vector<double> reach{};   ///< by group [m]: distance and margin
   std::vector<double> margin{};  ///< by site [m]
   Candidates current{}, trial{};
+  std::shared_ptr<const EdgeRanges> edge_ranges{};
+  std::vector<double> separation{};  ///< by group [m]
   CandidateList on_way{}, found{};
+  std::vector<PrimitivePair> distant_edges{};  ///< taken from found
   std::vector<uint8_t> moved{}, moved_in_trial{};
   std::vector<PrimitivePair> still{};
   ContactCounters counters{};
@@ -56,7 +66,15 @@ struct CandidateSearch::Implementation {
              Candidates& out);
   /// The same of the one of both lists that needs less.
   void renew_nearer(std::span<const Vec3> x, Candidates& out);
+  /// Whether two edges are too far apart to act, or for collision detection, before a site leaves its margin.
+  bool is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const;
+  /// Moves pairs of edges from `found` to `distant_edges`.
+  void part_edges(std::span<const Vec3> x);
   void merge(const CandidateList& base, std::span<const uint8_t> marked, CandidateList& out);
+  /// Pairs of `base` without marked sites, and those found anew.
+  template <PairKind kind>
+  void merge(const std::vector<PrimitivePair>& base, const std::vector<PrimitivePair>& anew,
+             std::span<const uint8_t> marked, std::vector<PrimitivePair>& out);
 };
 
 CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<const double> group_distance,
@@ -84,6 +102,16 @@ void CandidateSearch::set_filter(PairFilter filter) {
   implementation_->current = implementation_->trial = {};
 }
 
+void CandidateSearch::set_edges(std::shared_ptr<const EdgeRanges> ranges,
+                                std::span<const double> group_separation) {
+  implementation_->edge_ranges = std::move(ranges);
+  implementation_->separation.assign(group_separation.begin(), group_separation.end());
+}
+
+const std::vector<PrimitivePair>& CandidateSearch::distant_edges() const {
+  return implementation_->current.distant_edges;
+}
+
 bool CandidateSearch::Implementation::covers(const Candidates& candidates, std::span<const Vec3> x) const {
   if (candidates.x.empty()) return false;
   return std::ranges::all_of(sites, [&](int32_t site) {
@@ -105,17 +133,52 @@ int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std:
   return marked;
 }
 
+bool CandidateSearch::Implementation::is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const {
+  using Row = PairRow<PairKind::EdgeEdge>;
+  const PrimitivePair groups = Row::groups(mesh(), edges);
+  const double margins = (reach[groups.first] + reach[groups.second]) * kMarginFactor / (1.0 + kMarginFactor);
+  const double distance = margins / kMarginFactor;
+  const double kept = separation[groups.first] + separation[groups.second];
+  const double acts = std::max((*edge_ranges)(edges.first, edges.second) * distance, kEdgesBear * kept);
+  const double least = (acts + margins) * (1.0 + kRounding);
+  return Row::squared_distance(Row::positions(mesh(), edges, x)) > least * least;
+}
+
+void CandidateSearch::Implementation::part_edges(std::span<const Vec3> x) {
+  distant_edges.clear();
+  if (edge_ranges == nullptr) return;
+  std::vector<PrimitivePair>& edges = found[PairKind::EdgeEdge];
+  const auto count = static_cast<int64_t>(edges.size());
+  std::vector<uint8_t> distant(edges.size());
+  pool.for_each_range(count, kPairsPerTask, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) distant[i] = is_distant(edges[i], x);
+  });
+  size_t near = 0;
+  for (size_t i = 0; i < edges.size(); ++i)
+    if (distant[i] != 0)
+      distant_edges.push_back(edges[i]);
+    else
+      edges[near++] = edges[i];
+  edges.resize(near);
+}
+
+template <PairKind kind>
+void CandidateSearch::Implementation::merge(const std::vector<PrimitivePair>& base,
+                                            const std::vector<PrimitivePair>& anew,
+                                            std::span<const uint8_t> marked,
+                                            std::vector<PrimitivePair>& out) {
+  still.clear();
+  std::ranges::copy_if(base, std::back_inserter(still), [&](const PrimitivePair& pair) {
+    return std::ranges::none_of(PairRow<kind>::vertices(mesh(), pair),
+                                [&](int32_t site) { return marked[site] != 0; });
+  });
+  out.resize(still.size() + anew.size());
+  std::ranges::merge(still, anew, out.begin());
+}
+
 void CandidateSearch::Implementation::merge(const CandidateList& base, std::span<const uint8_t> marked,
                                             CandidateList& out) {
-  for_each_pair_kind([&](auto kind) {
-    still.clear();
-    std::ranges::copy_if(base[kind], std::back_inserter(still), [&](const PrimitivePair& pair) {
-      return std::ranges::none_of(PairRow<kind.value>::vertices(mesh(), pair),
-                                  [&](int32_t site) { return marked[site] != 0; });
-    });
-    out[kind].resize(still.size() + found[kind].size());
-    std::ranges::merge(still, found[kind], out[kind].begin());
-  });
+  for_each_pair_kind([&](auto kind) { merge<kind.value>(base[kind], found[kind], marked, out[kind]); });
 }
 
 void CandidateSearch::Implementation::renew(const Candidates& base, std::span<const uint8_t> marked,
@@ -126,9 +189,11 @@ void CandidateSearch::Implementation::renew(const Candidates& base, std::span<co
   broad_phase.find(out.x, reach, pool, found, marked);
   // Rounding of the distance must not drop a pair at the very rim.
   std::vector<double> rim(reach);
-  for (double& r : rim) r *= 1.0 + 1e-9;
+  for (double& r : rim) r *= 1.0 + kRounding;
   remove_distant(mesh(), rim, out.x, pool, found);
+  part_edges(out.x);
   merge(base.list, marked, out.list);
+  merge<PairKind::EdgeEdge>(base.distant_edges, distant_edges, marked, out.distant_edges);
   ++counters.candidate_builds;
 }
 

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include <stark/base/thread_pool.h>
 #include <stark/base/timer.h>
 #include <stark/collision/candidates.h>
+#include <stark/contact/edge_ranges.h>
 
 namespace stark {
 
@@ -28,12 +30,17 @@ class CandidateSearch {
 
   const SurfaceMesh& mesh() const;
   const PairFilter& filter() const;
+  /// Pairs of edges act within a part of their contact distance, and collision detection keeps these
+  /// distances [m], by group: farther ones are left out of the lists. Call it before the first one.
+  void set_edges(std::shared_ptr<const EdgeRanges> ranges, std::span<const double> group_separation);
   /// Other pairs that may touch.
   void set_filter(PairFilter filter);
 
   /// All pairs that act with sites at x, and others, sorted. A reference to what the next call may change.
   const CandidateList& at(std::span<const Vec3> x);
-  /// The same; the list of at() stays, and that of a trial point is at hand where at() asks for it next.
+  /// Pairs of edges that it leaves out although they are within their contact distance, and others, sorted.
+  const std::vector<PrimitivePair>& distant_edges() const;
+  /// The same as at(); its list stays, and that of a trial point is at hand where at() asks for it next.
   const CandidateList& at_trial(std::span<const Vec3> x);
   /// All pairs that come within the sum of their groups' separations [m] on the straight way from x0 to x1,
   /// no more than their contact distances, and others.

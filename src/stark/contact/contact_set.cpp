@@ -28,8 +28,8 @@ struct Box {
 };
 
 Box box_of(const Vec3& a, const Vec3& b) {
-  return {{std::fmin(a.x, b.x), std::fmin(a.y, b.y), std::fmin(a.z, b.z)},
-          {std::fmax(a.x, b.x), std::fmax(a.y, b.y), std::fmax(a.z, b.z)}};
+  return {{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
+          {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}};
 }
 
 /// Whether two boxes are farther apart than d along an axis: most candidates are, and the test is cheap.
@@ -83,7 +83,9 @@ class Classifier {
   bool classify(PairTag<PairKind::EdgeEdge> kind, const PrimitivePair& c, Contact& contact) const {
     const Index2 a = mesh_.edges[c.first], b = mesh_.edges[c.second];
     begin(contact, kind, c);
-    contact.contact_distance = geometry_.edge_distance(contact, geometry_.edge_ranges(c.first, c.second));
+    if (geometry_.edge_ranges)
+      contact.contact_distance =
+          geometry_.edge_distance(contact, (*geometry_.edge_ranges)(c.first, c.second));
     if (boxes_apart(box_of(x_[a[0]], x_[a[1]]), box_of(x_[b[0]], x_[b[1]]), contact.contact_distance))
       return false;
     auto type = edge_edge_type(x_[a[0]], x_[a[1]], x_[b[0]], x_[b[1]]);

@@ -90,7 +90,7 @@ struct ContactGeometry {
   const SurfaceMesh* mesh = nullptr;
   std::vector<double> group_distance;       ///< contact distance per group [m]; a pair acts within the sum
   std::vector<double> edge_squared_length;  ///< of the rest shape, per edge [m^2]
-  EdgeRanges edge_ranges{};                 ///< none: pairs of edges act over their whole contact distance
+  std::shared_ptr<const EdgeRanges> edge_ranges{};  ///< none: they act over their whole contact distance
   /// Per triangle the one that stands for its convex flat face, of which a point has one contact: that with
   /// the nearest triangle. Empty: each is a face.
   std::vector<int32_t> face{};

@@ -74,7 +74,8 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     geometry_.group_separation.push_back(std::max(separation, core));
   }
   geometry_.mesh = &search_.mesh();
-  geometry_.edge_ranges = law_.areas().edge_ranges(mesh());
+  geometry_.edge_ranges = std::make_shared<const EdgeRanges>(law_.areas().edge_ranges(mesh()));
+  search_.set_edges(geometry_.edge_ranges, geometry_.group_separation);
   std::vector<bool> rigid;
   for (int32_t i = 0; i < map.site_count(); ++i) rigid.push_back(map.site(i).kind == SiteKind::RigidPoint);
   friction_.set_rigid_sites(std::move(rigid));
@@ -420,9 +421,14 @@ const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Ve
   if (is_found_ && std::ranges::equal(x, x_found_)) return found_;
   is_found_ = false;
   const CandidateList& candidates = search_.at(x);
+  CandidateList distant;
+  distant[PairKind::EdgeEdge] = search_.distant_edges();
   CloseBodies close = std::exchange(geometry_.close, {});
-  EdgeRanges ranges = std::exchange(geometry_.edge_ranges, {});
+  std::shared_ptr<const EdgeRanges> ranges = std::exchange(geometry_.edge_ranges, {});
   find_contacts(geometry_, candidates, x, pool_, found_);
+  std::vector<Contact> edges;
+  find_contacts(geometry_, distant, x, pool_, edges);
+  found_.insert(found_.end(), edges.begin(), edges.end());
   x_found_.assign(x.begin(), x.end());
   is_found_ = true;
   geometry_.close = std::move(close);
