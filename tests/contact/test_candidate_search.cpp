@@ -89,6 +89,54 @@ TEST_CASE("no pair is missed while parts of a scene move, at iterates, trial poi
   CHECK(limited > 10);
 }
 
+TEST_CASE("pairs of edges that cannot act are left out of the lists, and none that can act or meet is") {
+  Bench bench;
+  RandomPoints random(62);
+  const SurfaceMesh& mesh = bench.builder.surface;
+  std::vector<EdgeRanges::Edge> edges;
+  for (const int32_t group : mesh.edge_group)
+    edges.push_back({.flatness = group == 2 ? 0.3 : 1.0, .is_sheet = group == 0, .is_rod = group == 3});
+  const auto ranges = std::make_shared<const EdgeRanges>(edges);
+  std::vector<double> separation(bench.distance);
+  for (double& s : separation) s *= 1e-3;
+  CandidateSearch search(mesh, bench.filter, bench.distance, bench.pool, bench.timer);
+  search.set_edges(ranges, separation);
+  const std::vector<PrimitivePair>& distant = search.distant_edges();
+  std::vector<Vec3> x = bench.builder.x;
+  size_t acting = 0, left_out = 0;
+  int limited = 0;
+  for (int n = 0; n < 120; ++n) {
+    std::vector<Vec3> trial = x;
+    bench.move(trial, random, n % 2 == 0 ? 1e-3 : 5e-2);
+    const CandidateList& list = search.at(x);
+    CandidateList all = list, act = bench.near(x);
+    CHECK(std::ranges::is_sorted(distant));
+    all[PairKind::EdgeEdge].insert(all[PairKind::EdgeEdge].end(), distant.begin(), distant.end());
+    std::ranges::sort(all[PairKind::EdgeEdge]);
+    CHECK(includes(all, act));  // nothing is lost
+    std::erase_if(act[PairKind::EdgeEdge], [&](const PrimitivePair& pair) {
+      const double sum =
+          bench.distance[mesh.edge_group[pair.first]] + bench.distance[mesh.edge_group[pair.second]];
+      const double range = (*ranges)(pair.first, pair.second) * sum;
+      return squared_distance(mesh, PairKind::EdgeEdge, pair, x) > range * range;
+    });
+    CHECK(includes(list, act));
+    acting += act[PairKind::EdgeEdge].size();
+    left_out += distant.size();
+    CandidateList swept;
+    bench.reference.find_swept(x, trial, separation, bench.pool, swept);
+    const Separations kept{separation, {}};
+    const double step =
+        max_safe_step(mesh, search.on_way(x, trial, separation), x, trial, kept, bench.pool, nullptr);
+    CHECK(step == max_safe_step(mesh, swept, x, trial, kept, bench.pool, nullptr));
+    limited += step < 1.0;
+    x = n % 10 == 9 ? bench.builder.x : trial;
+  }
+  CHECK(acting > 50);
+  CHECK(left_out > 4 * acting);
+  CHECK(limited > 3);
+}
+
 TEST_CASE("what has not moved is not looked for again") {
   Bench bench;
   CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);

@@ -36,7 +36,7 @@ std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
 struct Candidates {
   CandidateList list;
   std::vector<PrimitivePair> distant_edges;  ///< that cannot act or meet within the margins
-  std::vector<Vec3> x;  ///< where each site was when its pairs were found
+  std::vector<Vec3> x;                       ///< where each site was when its pairs were found
 };
 
 }  // namespace
