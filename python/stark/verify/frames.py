@@ -105,8 +105,8 @@ class FrameCheck:
 
 @dataclass(frozen=True)
 class _Shown:
-    """How a displayed body follows from a state: its vertices, a tube around the nodes of a rod, or a mesh that
-    moves with a rigid body."""
+    """How a displayed body follows from a state: its vertices, a tube around the nodes of a rod, or a mesh
+    that moves with a rigid body."""
 
     name: str
     vertices: NDArray[np.int64]
