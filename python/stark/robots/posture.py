@@ -75,7 +75,8 @@ def _step(
     free = lower < upper
     while True:
         part = jacobian[:, free]
-        multipliers = np.linalg.lstsq(part @ part.T, part @ away[free] - error, rcond=_SINGULAR**2)[0]
+        solved = np.linalg.lstsq(part @ part.T, part @ away[free] - error, rcond=_SINGULAR**2)
+        multipliers: Floats = np.asarray(solved[0], dtype=np.float64)
         step = np.zeros_like(q)
         step[free] = away[free] - part.T @ multipliers
         leaving = free & (((q <= lower) & (step < 0.0)) | ((q >= upper) & (step > 0.0)))
