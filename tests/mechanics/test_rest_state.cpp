@@ -88,6 +88,46 @@ TEST_CASE("muscles pull along their fibres with the active stress, whatever thei
   }
 }
 
+TEST_CASE("fibres of a sheet pull along what of their direction lies in its triangle") {
+  const ShellLaw nothing = define_shell_law(
+      "nothing", "", [](PotentialBuilder&, const ShellDeformation&) { return symbolic::Scalar(0.0); });
+  const PotentialDefinition muscle =
+      triangle3(rest_state::with_fields(nothing, {rest_state::kActiveStress, rest_state::kFiberDirection}));
+  const Mat3 tilt = exp_rotation({0.3, -0.5, 0.2}), turn = exp_rotation({-0.8, 0.1, 0.6});
+  const std::vector<Vec3> flat{{0, 0, 0}, {2, 0, 0}, {0.7, 1.5, 0}}, X = mapped(tilt, flat);
+  const Vec3 fiber = tilt * Vec3{3.0, -4.0, 5.0};  // of length 5 in the sheet, along (0.6, -0.8, 0)
+  const ParameterValues values{{"active_stress", {{7.0}, true}},
+                               {"fiber_direction", {{fiber.x, fiber.y, fiber.z}, true}},
+                               {"thickness", {{0.01}, false}}};
+  for (const double stretch : {0.7, 1.0, 1.6}) {
+    const auto out = evaluate(muscle, values, X, mapped(turn, mapped(Mat3::diagonal({stretch, 1, 1}), flat)),
+                              Order::Gradient);
+    const double along = std::sqrt(0.36 * stretch * stretch + 0.64);
+    CHECK(out[0] == doctest::Approx(7.0 * (along - 1.0) * 0.01 * 1.5));
+    // Virtual work of stretching along x: S V times the derivative of the stretch of the fibres.
+    double power = 0.0;
+    for (int i = 0; i < 3; ++i)
+      power += dot(Vec3{out[1 + 3 * i], out[2 + 3 * i], out[3 + 3 * i]}, turn * Vec3{flat[i].x, 0, 0});
+    CHECK(power == doctest::Approx(7.0 * 0.01 * 1.5 * 0.36 * stretch / along).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("rods pull with their active force, whatever their length") {
+  const RodLaw law = rest_state::with_fields(
+      define_rod_law("nothing", "",
+                     [](PotentialBuilder&, const RodDeformation&) { return symbolic::Scalar(0.0); }),
+      {rest_state::kActiveForce, rest_state::kGrowth});
+  const ParameterValues values{
+      {"active_force", {{7.0}, true}}, {"growth", {{1.3}, true}}, {"shear_stiffness", {{0.0}, false}}};
+  const Mat3 I = Mat3::identity();
+  for (const double stretch : {0.7, 1.0, 1.6}) {
+    const auto out = evaluate(rod_segment(law), values, segment({0, 0, 0}, I, {0, 0, 0.5}, I),
+                              segment({0, 0, 0}, I, {0, 0, 0.5 * stretch}, I), Order::Gradient);
+    CHECK(out[0] == doctest::Approx(7.0 * 0.5 * (stretch - 1.0)));
+    CHECK(out[6] == doctest::Approx(7.0).epsilon(1e-14));
+  }
+}
+
 TEST_CASE("rods have no energy in a natural arc with natural twist, of any turn") {
   const Vec3 X1{0, 0, 0.5};
   const Mat3 I = Mat3::identity();

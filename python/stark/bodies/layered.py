@@ -13,13 +13,14 @@ from stark.bodies.body import Body
 from stark.bodies.deformable import DeformableBody
 from stark.bodies.fibre_paths import paths_from
 from stark.bodies.layers import Fibres, Layer, Skin
+from stark.bodies.rest_state import ActiveFibres
 from stark.materials import RodMaterial, ShellMaterial, steel_wire
 from stark.mesh import Indices
 
 Floats = NDArray[np.float64]
 
 
-class LayeredBody(DeformableBody):
+class LayeredBody(DeformableBody, ActiveFibres):
     """Cloth and solids: layers on their vertices."""
 
     def add_skin(

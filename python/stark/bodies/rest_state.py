@@ -149,6 +149,35 @@ class RestState(BodyHandle):
         )
 
 
+class ActiveFibres(RestState):
+    """The part of a rest state that solids and cloth have: fibres that pull."""
+
+    @property
+    def fiber_direction(self) -> Floats:
+        """Directions of the fibres of ``active_stress`` at rest, in the axes of the mesh (n, 3), of any
+        length; zero where they were never given. Of cloth, what of them lies in the triangle. Assign one for
+        all or one for each element."""
+        return self._rest_value("fiber_direction")
+
+    @fiber_direction.setter
+    def fiber_direction(self, value: Any) -> None:
+        self._set_rest_value("fiber_direction", value)
+
+    @property
+    def active_stress(self) -> Floats:
+        """Stress of a muscle along ``fiber_direction`` (n,) [Pa], positive where it pulls: force over the
+        area at rest, of cloth its thickness times its width, whatever the length of the fibres. Assign it as
+        ``growth``, once there is a ``fiber_direction``."""
+        return self._rest_value("active_stress")
+
+    @active_stress.setter
+    def active_stress(self, value: Any) -> None:
+        self._set_rest_value("active_stress", value)
+
+    def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
+        return ((3,),) if name == "fiber_direction" else super()._rest_shapes(name)
+
+
 class LiveRestState:
     """What one simulation knows of the rest state of a body; as LiveValues of an energy."""
 

@@ -13,6 +13,7 @@ from stark.bodies.following import follow_pose
 from stark.bodies.moving_surface import MovingSurface
 from stark.bodies.sensors import InertialSensors
 from stark.handle import SimulationLink
+from stark.mesh import TriangleMesh
 from stark.rotations import as_matrix, vector
 from stark.selections import FrameHandle, Points, local_points, rigid_frame
 
@@ -109,6 +110,13 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     def inertia(self) -> NDArray[np.float64]:
         """About the centre of mass, axes of the mesh frame (3, 3) [kg m^2]."""
         return self._scene._core.inertia(self._index)["tensor"]
+
+    @property
+    def shown(self) -> TriangleMesh | None:
+        """What pictures, replays and exports show instead of the surface that touches, in the frame of the
+        mesh; None where that is shown. Given where the body is added."""
+        shown: TriangleMesh | None = self._shared.get("shown")
+        return shown
 
     def _pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         simulation = self._simulation()

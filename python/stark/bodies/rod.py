@@ -101,6 +101,16 @@ class Rod(DeformableBody):
     def natural_twist(self, value: Any) -> None:
         self._set_rest_value("natural_twist", value)
 
+    @property
+    def active_force(self) -> Floats:
+        """Force of a muscle or a tendon along each segment (n,) [N], positive where it pulls, whatever the
+        length of the segment. Assign it as ``growth``."""
+        return self._rest_value("active_force")
+
+    @active_force.setter
+    def active_force(self, value: Any) -> None:
+        self._set_rest_value("active_force", value)
+
     def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
         return ((2,),) if name == "natural_curvature" else ((),)
 

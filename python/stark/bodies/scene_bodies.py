@@ -252,6 +252,7 @@ class SceneBodies(SceneLink):
         surface: Surface | None = None,
         friction: float | None = None,
         color: Vec3Like | None = None,
+        shown: Any = None,
     ) -> RigidBody:
         """Adds a rigid body with the surface ``mesh``.
 
@@ -262,7 +263,9 @@ class SceneBodies(SceneLink):
         spread over the surface; walls of a thickness are a mesh with an outer and an inner surface, which is
         not hollow. ``motion="fixed"`` never moves;
         ``motion="scripted"`` follows the poses that are assigned to it, or its constant ``velocity`` [m/s]
-        and ``angular_velocity`` [rad/s] until one is. ``linear_damping`` and ``angular_damping`` in 1/s."""
+        and ``angular_velocity`` [rad/s] until one is. ``linear_damping`` and ``angular_damping`` in 1/s.
+        ``shown`` is a mesh that pictures, replays and exports show instead; it touches nothing and weighs
+        nothing."""
         shape = meshes.as_triangle_mesh(mesh, _title("rigid body", name))
         given = self._description(
             name,
@@ -292,7 +295,11 @@ class SceneBodies(SceneLink):
             "linear_damping": linear_damping,
             "angular_damping": angular_damping,
         }
+        title = f"{_title('rigid body', name)}: shown"
+        look = None if shown is None else meshes.as_triangle_mesh(shown, title)
         body = RigidBody(self, self._core.add_rigid(given), shape, color)
+        if look is not None:
+            body._shared["shown"] = look
         self._append(body)
         return body
 

@@ -61,29 +61,8 @@ class Solid(LayeredBody):
 
     # --- rest state ---
 
-    @property
-    def fiber_direction(self) -> Floats:
-        """Directions of the fibres of ``active_stress`` at rest, in the axes of the mesh (n, 3), of any
-        length; zero where they were never given. Assign one for all or one for each element."""
-        return self._rest_value("fiber_direction")
-
-    @fiber_direction.setter
-    def fiber_direction(self, value: Any) -> None:
-        self._set_rest_value("fiber_direction", value)
-
-    @property
-    def active_stress(self) -> Floats:
-        """Stress of a muscle along ``fiber_direction`` (n,) [Pa], positive where it pulls: force over the
-        area at rest, whatever the length of the fibres. Assign it as ``growth``, once there is a
-        ``fiber_direction``."""
-        return self._rest_value("active_stress")
-
-    @active_stress.setter
-    def active_stress(self, value: Any) -> None:
-        self._set_rest_value("active_stress", value)
-
     def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
-        return {"growth": ((), (3, 3)), "fiber_direction": ((3,),)}.get(name, ((),))
+        return ((), (3, 3)) if name == "growth" else super()._rest_shapes(name)
 
     def _element_count(self) -> int:
         mesh = self._mesh

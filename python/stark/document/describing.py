@@ -151,6 +151,10 @@ def _bodies(scene: Any, formulas: Formulas) -> list[dict[str, Any]]:
         directions = scene._core.surface_directions(body._index)
         row["surface_direction"] = directions if len(directions) else None
         if has_pose(body):
+            shown = body.shown
+            row["shown"] = (
+                None if shown is None else {"vertices": shown.vertices, "triangles": shown.triangles}
+            )
             row["inertia"] = _inertia(given["inertia"])
             motion = scene._core.surface_motion(body._index)
             row["surface_motion"] = motion and dict(zip(SURFACE_MOTION.fields, motion, strict=True))

@@ -104,6 +104,7 @@ SURFACE_MOTION = Record(
         "center": Field(vector("m"), ZERO),
     }
 )
+SHOWN = Record({"vertices": Field(_points()), "triangles": Field(_indices(3))})
 BODY = Tagged(
     "kind",
     {
@@ -146,6 +147,7 @@ BODY = Tagged(
                 "linear_damping": Field(Number("1/s"), 0.0),
                 "angular_damping": Field(Number("1/s"), 0.0),
                 "surface_motion": Field(Maybe(SURFACE_MOTION), None, "along itself, as of a belt"),
+                "shown": Field(Maybe(SHOWN), None, "what pictures show instead; it touches nothing"),
             }
         ),
     },

@@ -24,6 +24,7 @@ from stark.formulas.parameters import Value, read_value
 from stark.joints.definition import built_in as built_in_joint
 from stark.joints.handle import Joint
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
+from stark.mesh import TriangleMesh
 from stark.rotations import check_places
 from stark.selections import (
     Points,
@@ -97,6 +98,9 @@ class Rebuilding:
             given["material"] = self._material(given["material"], where)
         for held in {"pins", "clamps"} & given.keys():
             given[held] = given[held] if len(given[held]) else None
+        if given.get("shown") is not None:
+            check_places(given["shown"]["vertices"], f"{where}.shown.vertices")
+            given["shown"] = TriangleMesh(**given["shown"])
         mesh = _mesh(kind, given, where)
         body = getattr(self.scene, f"add_{kind}")(mesh, **given)
         for name, values in rest_state.items():

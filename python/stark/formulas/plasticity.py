@@ -19,7 +19,7 @@ from stark.formulas.arguments import TimeStep
 from stark.formulas.internal import internal
 from stark.formulas.material import DeformationGradient, material
 from stark.formulas.parameters import parameter
-from stark.symbolic.functions import exp, log, mark_stage, maximum, minimum, sqrt, where
+from stark.symbolic.functions import exp, held, log, mark_stage, maximum, minimum, sqrt, where
 from stark.symbolic.linear_algebra import determinant, inverse, squared_norm, trace
 from stark.symbolic.signature import Mat3
 from stark.symbolic.tensor import identity, vec
@@ -110,15 +110,20 @@ def _saturating(K: Any, slip: Any, left: Any, rate: Any) -> tuple[Any, Any]:
 
     The root x of K x = left (1 - exp(-rate (slip - x))), by which the slip is less, by Halley's method from
     the least of two bounds above: within 1e-8 of the slip where rate * left is below 10 K, of metals 0.1 K.
-    Without saturation x and the energy are 0 to the last bit."""
-    x = minimum(slip * (rate * left / (K + rate * left)), left / K)
+    These are steps of values alone: the energy is least in x, so that its derivatives need the first one of x
+    only, which one step of Newton's method from the root has. Without saturation x and the energy are 0 to
+    the last bit."""
+    k, s, all_left, b = held(K), held(slip), held(left), held(rate)
+    x = minimum(s * (b * all_left / (k + b * all_left)), all_left / k)
     for _ in range(_SATURATION_STEPS):
-        rest = left * exp(-rate * (slip - x))
-        value, slope = K * x - (left - rest), K + rate * rest
-        x = x - value * slope / (slope**2 - 0.5 * value * rate**2 * rest)
+        rest = all_left * exp(-b * (s - x))
+        value, slope = k * x - (all_left - rest), k + b * rest
+        x = x - value * slope / (slope**2 - 0.5 * value * b**2 * rest)
     reached = slip - x
-    energy = 0.5 * K * x**2 + (left * reached - (left - left * exp(-rate * reached)) / rate)
-    return reached, energy
+    rest = left * exp(-rate * reached)
+    value, slope = K * x - (left - rest), held(K + rate * rest)
+    energy = 0.5 * K * x**2 + (left * reached - (left - rest) / rate) - 0.5 * value**2 / slope
+    return reached + value / slope, energy
 
 
 def _step(

@@ -79,7 +79,11 @@ def field_path(index: int) -> str:
 
 def surface(body: Any) -> tuple[np.ndarray, np.ndarray]:
     """Positions (n, 3) [m] and triangles (m, 3) of the drawn surface of a body; a solid leaves out its inner
-    vertices."""
+    vertices, a rigid body may have a mesh to be shown instead of that which touches."""
+    shown = getattr(body, "shown", None)
+    if shown is not None:
+        position, rotation = body.pose
+        return shown.vertices @ rotation.T + position, shown.triangles
     if hasattr(body, "surface_positions"):
         return np.asarray(body.surface_positions), np.asarray(body.surface_triangles)
     return np.asarray(body.positions), np.asarray(body.triangles)

@@ -335,6 +335,9 @@ def _mesh(sim: Any) -> dict[str, np.ndarray]:
         arrays[f"triangles_{i:04d}"] = np.asarray(body.triangles, dtype=np.int32).reshape(-1, 3)
         own_edges = np.zeros((0, 2)) if row_of(body).has_triangles else body.mesh.edges
         arrays[f"edges_{i:04d}"] = np.asarray(own_edges, dtype=np.int32)
+        if (shown := getattr(body, "shown", None)) is not None:
+            arrays[f"shown_{i:04d}"] = shown.vertices
+            arrays[f"shown_triangles_{i:04d}"] = shown.triangles.astype(np.int32)
         for name, values in (("masses", point_masses(body)), ("second_moments", second_moments(body))):
             if values is not None:
                 arrays[f"{name}_{i:04d}"] = values

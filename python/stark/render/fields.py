@@ -180,7 +180,7 @@ def _stress(body: Any) -> np.ndarray:
     deformation = of_solid(body) if body.kind == "solid" else of_cloth(body, warp)
     elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
     cauchy = cauchy_stress(material, elastic, body.name)
-    if body.kind == "solid" and body.active_stress.any():
+    if body.active_stress.any():
         cauchy = cauchy + _active_stress(body, deformation.gradients)
     return von_mises(at_body(body, deformation, cauchy))
 
@@ -202,9 +202,13 @@ def beyond_rest(body: Any, gradients: np.ndarray) -> np.ndarray:
 
 def _active_stress(body: Any, F: np.ndarray) -> np.ndarray:
     """Cauchy stress (m, k, 3, 3) of a muscle: S |F a| f f^T / J along its fibres f. [theory eq. 15e]"""
-    directions = body.fiber_direction / np.linalg.norm(body.fiber_direction, axis=1, keepdims=True)
-    fibres = np.einsum("mkij,mj->mki", F, directions)
-    along = body.active_stress[:, None] / (np.linalg.norm(fibres, axis=-1) * np.linalg.det(F))
+    if body.kind == "cloth":
+        fibres = of_cloth(body, body.fiber_direction).gradients[..., 0]
+    else:
+        directions = body.fiber_direction / np.linalg.norm(body.fiber_direction, axis=1, keepdims=True)
+        fibres = np.einsum("mkij,mj->mki", F, directions)
+    ratio = np.sqrt(np.linalg.det(np.swapaxes(F, -1, -2) @ F))
+    along = body.active_stress[:, None] / (np.linalg.norm(fibres, axis=-1) * ratio)
     return np.asarray(along[..., None, None] * fibres[..., :, None] * fibres[..., None, :])
 
 
@@ -237,7 +241,8 @@ def _rod_stress(rod: Any, material: Any) -> np.ndarray:
     section = material.section
     area = section["mass"] / material.density
     stretches = _stretches(rod) / _rest_stretch(rod)
-    return np.abs(_at_nodes(section["axial_stiffness"] / area * (stretches - 1.0)))
+    forces = section["axial_stiffness"] * (stretches - 1.0) + rod.active_force
+    return np.abs(_at_nodes(forces / area))
 
 
 def _stretches(rod: Any) -> np.ndarray:

@@ -78,12 +78,26 @@ def require_finite(name: str, positions: np.ndarray) -> None:
 
 def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
     """Values of the drawn vertices, of those of all vertices."""
+    if getattr(body, "shown", None) is not None:
+        return np.asarray(values[_touching(body)])
     drawn = len(surface(body)[0])
     if has_frames(body) and drawn > len(values):  # rings around the nodes, then the middles of both ends
         return np.concatenate([np.repeat(values, (drawn - 2) // len(values)), values[[0, -1]]])
     if len(values) == drawn:
         return values
     return np.asarray(values[np.unique(body.triangles)])
+
+
+def _touching(body: Any) -> np.ndarray:
+    """The vertex of the surface that touches next to each one that is shown instead (n,)."""
+    known: np.ndarray | None = body._shared.get("touching")
+    if known is None:
+        found = []
+        for rows in np.array_split(body.shown.vertices, 1 + len(body.shown.vertices) // 256):
+            away = ((rows[:, None] - body.mesh.vertices) ** 2).sum(axis=2)
+            found.append(away.argmin(axis=1))
+        known = body._shared["touching"] = np.concatenate(found)
+    return known
 
 
 def _clipped(piece: Piece, body: Any, values: np.ndarray | None, plane: Plane) -> list[Piece]:

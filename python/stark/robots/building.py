@@ -47,6 +47,7 @@ class Options:
     self_contact: bool
     exclude: tuple[tuple[str, str], ...]
     shapes: str
+    shown: str | None
     merge_fixed: bool
     inertias: Mapping[str, Inertia]
     body: Mapping[str, Any]  # options of add_rigid for all links
@@ -186,6 +187,7 @@ class _Builder:
             motion=motion,
             position=placement.position,
             rotation=placement.rotation,
+            shown=self._shown(group, mesh),
             **given,
         )
         if not touches:
@@ -264,6 +266,18 @@ class _Builder:
             "assumed", f"link '{group.root}'", "no shape: drawn as a box of its inertia, touches nothing"
         )
         return _box_of(inertia), False
+
+    def _shown(self, group: Group, mesh: TriangleMesh) -> TriangleMesh | None:
+        """What pictures show instead of the surface of a body, where that is another one."""
+        which = self.options.shown
+        links = [] if which is None else [(name, self.robot.links[name]) for name in group.frames]
+        parts = [
+            self._part(shape, name, group.frames[name])
+            for name, link in links
+            for shape in _shapes(link, which or "")
+        ]
+        shown = joined(parts) if parts else None
+        return None if shown is None or np.array_equal(shown.vertices, mesh.vertices) else shown
 
     def _part(self, shape: Geometry, link: str, frame: Placement) -> TriangleMesh:
         surface = mesh_of(shape, self.robot.source, f"link '{link}'", self.report)

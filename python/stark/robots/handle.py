@@ -23,6 +23,7 @@ from stark.robots.drives import Drives, add_drives
 from stark.robots.inverse import Goal, Reach, Search, count_of, positive
 from stark.robots.kinematics import Placement, Values
 from stark.robots.link import RobotLink
+from stark.robots.posture import settled
 from stark.robots.report import Report
 from stark.rotations import as_matrix, vector
 from stark.settings import Settings
@@ -296,6 +297,7 @@ class Robot:
         point: ArrayLike = (0.0, 0.0, 0.0),
         joints: Choice = None,
         start: Values | None = None,
+        prefer: Values | None = None,
         nearest: bool = False,
         position_tolerance: float = 1e-6,
         rotation_tolerance: float = 1e-6,
@@ -308,7 +310,10 @@ class Robot:
         ``joints``: names, patterns or groups of those that may move; others keep ``start``, which is the
         present q if left out. The q next to the start is looked for first, then from random ones,
         ``attempts`` in all, the same at every call, of at most ``iterations`` each. Damped least squares
-        (Siciliano et al. 2009, 3.7); ``length`` [m] is what an error of one radian counts as. ``.q`` can be
+        (Siciliano et al. 2009, 3.7); ``length`` [m] is what an error of one radian counts as. Where more
+        joints move than the goal needs, ``prefer`` is a posture, q: what was found slides along the goal to
+        where it is next to that, by the sum of squares of all coordinates, and the posture is the start,
+        too, if that is left out. ``.q`` can be
         assigned to ``robot.q`` or be the target of servos; ``.position_error`` [m] and ``.rotation_error``
         [rad] are what is left.
 
@@ -330,7 +335,9 @@ class Robot:
             count_of(iterations, f"{owner}: iterations"),
         )
         place = vector(point, f"{owner}: point")
-        begin = self._given("start", self.q if start is None else start, self.q)
+        wanted = None if prefer is None else self._given("prefer", prefer, self.q)
+        first = self.q if wanted is None else wanted
+        begin = self._given("start", first if start is None else start, self.q)
         lower, upper = self.limits
         begin = np.clip(begin, lower, upper)
         held = np.setdiff1d(np.arange(len(begin)), self._rows(joints))
@@ -343,7 +350,11 @@ class Robot:
             return tip, kinematics.jacobian(self.description, frames, link, tip.position)
 
         found = search.run(frame_and_jacobian, begin, (lower, upper), self.coordinates)
-        if not nearest and not search.is_met(found):
+        if search.is_met(found):
+            if wanted is None:
+                return found
+            return settled(search, found, wanted, frame_and_jacobian, (lower, upper), self.coordinates)
+        if not nearest:
             raise InvalidArgument(search.refusal(owner, found))
         return found
 

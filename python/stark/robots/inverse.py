@@ -104,11 +104,9 @@ class Search:
         """The first q that meets the tolerances, or the best."""
         best, total = None, 0
         for begin in _starts(start, bounds, self.attempts):
-            q, frame, iterations = _descend(kinematics, self.goal, begin, bounds, self.iterations)
+            q, frame, iterations = descend(kinematics, self.goal, begin, bounds, self.iterations)
             total += iterations
-            at_limits = (bounds[0] < bounds[1]) & ((q <= bounds[0]) | (q >= bounds[1]))
-            stopped = tuple(name for name, stops in zip(names, at_limits, strict=True) if stops)
-            found = Reach(q, *self.goal.distances(frame), total, stopped)
+            found = Reach(q, *self.goal.distances(frame), total, stopped(q, bounds, names))
             if best is None or self._badness(found) < self._badness(best):
                 best = found
             if self.is_met(found):
@@ -136,7 +134,7 @@ class Search:
         return math.hypot(found.position_error, self.goal.length * found.rotation_error)
 
 
-def _descend(
+def descend(
     kinematics: Kinematics, goal: Goal, start: Floats, bounds: Bounds, iterations: int
 ) -> tuple[Floats, Placement, int]:
     """The q (n,) downhill from ``start``, within bounds, where the squared error has a minimum, the frame
@@ -186,6 +184,12 @@ def _step(normal: Floats, downhill: Floats, damping: float, box: tuple[Floats, F
         free &= ~leaving
         step[leaving] = 0.0
     return step
+
+
+def stopped(q: Floats, bounds: Bounds, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Coordinates that stand at a limit."""
+    at_limits = (bounds[0] < bounds[1]) & ((q <= bounds[0]) | (q >= bounds[1]))
+    return tuple(name for name, stops in zip(names, at_limits, strict=True) if stops)
 
 
 def _starts(start: Floats, bounds: Bounds, attempts: int) -> list[Floats]:

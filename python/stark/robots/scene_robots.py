@@ -42,6 +42,7 @@ class SceneRobots(SceneLink):
         self_contact: bool = True,
         exclude: Iterable[tuple[str, str]] | str | os.PathLike[str] = (),
         shapes: str = "collision",
+        shown: str | None = None,
         merge_fixed: bool = True,
         inertias: Mapping[str, tuple[float, Vec3Like, ArrayLike]] | None = None,
         packages: Mapping[str, str | os.PathLike[str]] | None = None,
@@ -54,7 +55,8 @@ class SceneRobots(SceneLink):
         ``base`` is "fixed", "floating" or "scripted" (moved as scripted bodies are), what the file says if
         left out; ``position`` [m] and ``rotation`` place it. ``q``: where joints start, (n,) [rad, m] or
         numbers by joint; others at 0, or at the limit next to it. Links touch by their collision shapes,
-        or those that ``shapes`` names ("visual"); with ``contact=False`` they touch nothing. Links that a
+        or those that ``shapes`` names ("visual"); with ``contact=False`` they touch nothing. Pictures show
+        what touches, or what ``shown`` names. Links that a
         joint connects do not touch each other, nor the pairs of ``exclude`` (or an SRDF file), nor any with
         ``self_contact=False``. Links that are fixed to each other are one body, or with
         ``merge_fixed=False`` joined by fixed joints where both have mass. ``inertias``: (mass [kg], centre of
@@ -85,6 +87,7 @@ class SceneRobots(SceneLink):
             given_flag(self_contact, f"{owner}: self_contact"),
             _exclusions(description, owner, exclude),
             given_choice(shapes, ("collision", "visual"), f"{owner}: shapes"),
+            None if shown is None else given_choice(shown, ("collision", "visual"), f"{owner}: shown"),
             given_flag(merge_fixed, f"{owner}: merge_fixed"),
             _inertias(description, owner, inertias or {}),
             {key: value for key, value in body.items() if value is not None},

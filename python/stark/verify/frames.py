@@ -69,7 +69,7 @@ class FrameCheck:
         for i, of_body in enumerate(shown):
             if of_body is None:
                 continue
-            off = of_body.difference(row[f"positions_{i:04d}"], state.positions[i])
+            off = of_body.difference(row[f"positions_{i:04d}"], state, i)
             if not off <= 0.0:
                 self.worst = max(self.worst, off)
                 self.wrong.append(
@@ -79,7 +79,7 @@ class FrameCheck:
     @staticmethod
     def _shows(row: dict[str, np.ndarray], shown: list[_Shown | None], state: State) -> bool:
         return all(
-            of_body is None or of_body.difference(row[f"positions_{i:04d}"], state.positions[i]) <= 0.0
+            of_body is None or of_body.difference(row[f"positions_{i:04d}"], state, i) <= 0.0
             for i, of_body in enumerate(shown)
         )
 
@@ -105,11 +105,13 @@ class FrameCheck:
 
 @dataclass(frozen=True)
 class _Shown:
-    """How a displayed body follows from a state: its vertices, or a tube around the nodes of a rod."""
+    """How a displayed body follows from a state: its vertices, a tube around the nodes of a rod, or a mesh
+    that moves with a rigid body."""
 
     name: str
     vertices: NDArray[np.int64]
     sides: int = 0  # of a tube
+    local: Floats | None = None  # of the mesh of a rigid body, in its frame [m]
 
     @classmethod
     def of(cls, drawn: Drawn, body: Body) -> _Shown | None:
@@ -119,6 +121,10 @@ class _Shown:
             sides = (drawn.vertex_count - 2) // nodes if nodes else 0
             fits = sides >= 3 and drawn.vertex_count == sides * nodes + 2
             return cls(body.name, np.arange(nodes), sides) if fits else None
+        if body.shown is not None and body.kind == "rigid":
+            fits = len(body.shown) == drawn.vertex_count
+            same = fits and np.array_equal(drawn.triangles, np.asarray(body.shown_triangles))
+            return cls(body.name, np.arange(0), local=body.shown) if same else None
         vertices, triangles = np.arange(body.vertex_count), body.triangles.astype(np.int64)
         if drawn.vertex_count != body.vertex_count or body.kind == "solid":
             vertices, renumbered = np.unique(triangles, return_inverse=True)
@@ -126,10 +132,15 @@ class _Shown:
         same = drawn.vertex_count == len(vertices) and np.array_equal(drawn.triangles, triangles)
         return cls(body.name, vertices) if same else None
 
-    def difference(self, frame: np.ndarray, positions: Floats) -> float:
+    def difference(self, frame: np.ndarray, state: State, body: int) -> float:
         """Largest distance from where the state has it, 0 where rounding explains it [m]."""
+        positions, pose = state.positions[body], state.poses[body]
         if not np.isfinite(frame).all():
             return float("inf")
+        if self.local is not None and pose is not None:
+            largest = _largest(frame - (self.local @ pose[1:].T + pose[0]))
+            size = float(np.abs(frame).max(initial=0.0))
+            return 0.0 if largest <= 2.0 * _SINGLE * size else largest
         if not self.sides:
             exact = positions[self.vertices].astype(np.float32)
             return 0.0 if np.array_equal(frame, exact) else _largest(frame - positions[self.vertices])

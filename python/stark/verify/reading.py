@@ -39,6 +39,8 @@ class Body:
     masses: Floats | None  # (n,) [kg]
     second_moments: Floats | None  # of rods (n, 2) [kg m^2]
     inertia: dict[str, Any] | None  # of rigid bodies
+    shown: Floats | None = None  # of rigid bodies that show another mesh (n, 3), in their frame [m]
+    shown_triangles: Integers | None = None
 
 
 @dataclass(frozen=True)
@@ -389,7 +391,24 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
         masses,
         moments,
         entry.get("inertia"),
+        *_shown(name, i, arrays),
     )
+
+
+def _shown(name: str, i: int, arrays: dict[str, np.ndarray]) -> tuple[Floats | None, Integers | None]:
+    """The mesh that a rigid body shows instead of its surface."""
+    vertices, triangles = arrays.get(f"shown_{i:04d}"), arrays.get(f"shown_triangles_{i:04d}")
+    if vertices is None or triangles is None:
+        need(
+            vertices is None and triangles is None,
+            f"body '{name}': half of the mesh that it shows is missing",
+        )
+        return None, None
+    fits = vertices.ndim == 2 and vertices.shape[1] == 3 and vertices.dtype == np.float64
+    need(fits and bool(np.isfinite(vertices).all()), f"body '{name}': shows vertices that are none")
+    fits = triangles.ndim == 2 and triangles.shape[1] == 3 and triangles.dtype.kind == "i"
+    need(fits, f"body '{name}': shows triangles that are none")
+    return vertices, triangles.astype(np.int32)
 
 
 def _digests(folder: Path, frame_chunks: int, state_chunks: int, has_states: bool) -> dict[str, str]:

@@ -61,6 +61,25 @@ RodStrain beyond_rest(PotentialBuilder& b, const std::set<std::string>& fields, 
   return beyond;
 }
 
+Scalar active_stress(PotentialBuilder& b) {
+  return b.data(kActiveStress, "Pa", "active stress along the fibres");
+}
+
+symbolic::Vec3 fiber_direction(PotentialBuilder& b) {
+  return b.direction(kFiberDirection, "direction of the fibres at rest");
+}
+
+/// Stretch of the fibres of a triangle of a shell, whose points are those of b.
+Scalar stretch_in_triangle(PotentialBuilder& b) {
+  const symbolic::Vec3 first = b.X(1) - b.X(0), second = b.X(2) - b.X(0), fiber = fiber_direction(b);
+  // a * first + c * second is the projection of the direction, times a number that the quotient leaves out.
+  const Scalar along_first = dot(first, fiber), along_second = dot(second, fiber), mixed = dot(first, second);
+  const Scalar a = along_first * squared_norm(second) - along_second * mixed;
+  const Scalar c = along_second * squared_norm(first) - along_first * mixed;
+  const symbolic::Vec3 now = (b.x(1) - b.x(0)) * a + (b.x(2) - b.x(0)) * c;
+  return norm(now) / norm(first * a + second * c);
+}
+
 }  // namespace
 
 SolidLaw with_fields(const SolidLaw& law, const std::set<std::string>& fields) {
@@ -73,10 +92,8 @@ SolidLaw with_fields(const SolidLaw& law, const std::set<std::string>& fields) {
     };
   if (fields.contains(kActiveStress))  // theory eq. 15e
     result.psi = [psi = result.psi](PotentialBuilder& b, const SolidDeformation& deformation) {
-      const symbolic::Vec3 fiber =
-          deformation.F() * b.direction(kFiberDirection, "direction of the fibres at rest");
-      const Scalar stress = b.data(kActiveStress, "Pa", "active stress along the fibres");
-      return psi(b, deformation) + stress * (norm(fiber) - 1.0);
+      const Scalar stretch = norm(deformation.F() * fiber_direction(b));
+      return psi(b, deformation) + active_stress(b) * (stretch - 1.0);
     };
   result.zero_at_rest = false;  // the rest state decides
   result.one_sided = false;
@@ -91,6 +108,10 @@ ShellLaw with_fields(const ShellLaw& law, const std::set<std::string>& fields) {
       const ShellDeformation elastic{[&](Point p) { return deformation.F_of(p) * inverse; }};
       return square(stretch) * psi(b, elastic);
     };
+  if (fields.contains(kActiveStress))  // theory eq. 15e
+    result.psi = [psi = result.psi](PotentialBuilder& b, const ShellDeformation& deformation) {
+      return psi(b, deformation) + active_stress(b) * (stretch_in_triangle(b) - 1.0);
+    };
   result.zero_at_rest = false;
   result.one_sided = false;
   return result;
@@ -101,7 +122,10 @@ RodLaw with_fields(const RodLaw& law, const std::set<std::string>& fields) {
   result.psi = [psi = law.psi, fields](PotentialBuilder& b, const RodDeformation& deformation) {
     const RodDeformation elastic{[&] { return beyond_rest(b, fields, deformation.strain()); },
                                  [&] { return beyond_rest(b, fields, deformation.strain_prev()); }};
-    return stretch_of_rest(b, fields) * psi(b, elastic);
+    const Scalar energy = stretch_of_rest(b, fields) * psi(b, elastic);
+    if (!fields.contains(kActiveForce)) return energy;
+    const Scalar force = b.data(kActiveForce, "N", "active force along the rod");
+    return energy + force * (deformation.strain().stretch - 1.0);
   };
   result.zero_at_rest = false;
   return result;

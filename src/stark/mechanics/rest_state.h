@@ -18,9 +18,11 @@ inline constexpr const char* kGrowth = "growth";
 /// [K] above that of the rest shape; stretches it by 1 + thermal_expansion times temperature.
 inline constexpr const char* kTemperature = "temperature";
 inline constexpr const char* kThermalExpansion = "thermal_expansion";  ///< [1/K], a parameter
-/// [Pa] of solids along fiber_direction: force over the area at rest.
+/// [Pa] of solids and shells along fiber_direction: force over the area at rest.
 inline constexpr const char* kActiveStress = "active_stress";
-inline constexpr const char* kFiberDirection = "fiber_direction";  ///< of solids, in the axes of the mesh
+/// Of solids and shells, in the axes of the mesh; what of it lies in the triangle of a shell.
+inline constexpr const char* kFiberDirection = "fiber_direction";
+inline constexpr const char* kActiveForce = "active_force";  ///< [N] of rods, along the rod
 /// [1/m] of rods, about d1 and d2, beside the curvature of the rest shape.
 inline constexpr const char* kNaturalCurvature = "natural_curvature";
 inline constexpr const char* kNaturalTwist = "natural_twist";  ///< [rad/m] of rods

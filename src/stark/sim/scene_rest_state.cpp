@@ -39,6 +39,22 @@ void check_heat(std::string_view owner, const FieldValues& temperature, const Fi
   }
 }
 
+/// sheet: of a cloth, whose triangles must have a part of the direction in them.
+void check_fibers(std::string_view owner, const FieldValues& fibers, const TriangleMesh* sheet) {
+  for (size_t e = 0; e < fibers.values.size() / 3; ++e) {
+    const double* a = fibers.values.data() + 3 * e;
+    const std::string title = std::string(owner) + ": fiber_direction[" + std::to_string(e) + "] = ";
+    if (a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0)
+      throw InvalidArgument(title + "(0, 0, 0): must not be zero; give any vector in that direction");
+    if (!sheet) continue;
+    const Index3& t = sheet->triangles[e];
+    if (!is_projectable({a[0], a[1], a[2]}, sheet->vertices[t[0]], sheet->vertices[t[1]],
+                        sheet->vertices[t[2]]))
+      throw InvalidArgument(title + "(" + to_text(a[0]) + ", " + to_text(a[1]) + ", " + to_text(a[2]) +
+                            "): must not be normal to its triangle; give a vector along the sheet");
+  }
+}
+
 template <typename Description>
 void merge(std::string_view owner, Description& body, const ParameterValues& values) {
   if (body.law)
@@ -88,12 +104,7 @@ void Scene::check_rest_state(BodyId id, const ParameterValues& values) const {
   if (const auto growth = values.find(rest_state::kGrowth); growth != values.end())
     check_growth(owner, growth->second, solid_mesh(id) != nullptr);
   if (const auto fibers = values.find(rest_state::kFiberDirection); fibers != values.end())
-    for (size_t e = 0; e + 2 < fibers->second.values.size(); e += 3) {
-      const double* a = fibers->second.values.data() + e;
-      if (a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0)
-        throw InvalidArgument(owner + ": fiber_direction[" + std::to_string(e / 3) +
-                              "] = (0, 0, 0): must not be zero; give any vector in that direction");
-    }
+    check_fibers(owner, fibers->second, kind(id) == BodyKind::Cloth ? &cloth(id).mesh : nullptr);
   const auto heat = values.find(rest_state::kTemperature);
   if (heat == values.end()) return;
   visit(id, [&](const auto& body) {

@@ -99,6 +99,11 @@ def walls(p: stark.Point):
     return 0.5 * 1e10 * (p.x[0] - p.X[0]) ** 2
 
 
+@stark.energy
+def wall(p: stark.Point, normal: stark.Vec3):
+    return 0.5 * 1e8 * ((p.x - p.X) @ normal) ** 2
+
+
 def test_bimetal_bends_as_timoshenko_says() -> None:
     """A strip of two layers of equal thickness and stiffness bends to 3/2 dalpha T / h [Timoshenko 1925]."""
     length, height, kelvin, difference = 0.2, 4e-3, 50.0, 1e-4
@@ -199,6 +204,49 @@ def test_isotonic_muscle_shortens_until_it_balances() -> None:
         assert not sim.step().failed
     stretch = np.ptp(body.positions[:, 0]) / BAR[0]
     assert YOUNG / 2 * (stretch - 1 / stretch) == pytest.approx(-2e5, rel=1e-6)
+
+
+def test_a_sheet_of_muscle_pulls_with_stress_times_section() -> None:
+    """Held at its length, Poisson's ratio 0, on a mesh that lies obliquely: its ends carry S t w."""
+    scene = stark.Scene()
+    grid = stark.mesh.grid(0.1, 0.04, cells=(5, 2))
+    turn = stark.rotation(axis=(1.0, 2.0, 0.5), angle=0.7)
+    sheet = stark.ShellMaterial(youngs_modulus=1e6, poissons_ratio=0.0, density=0.2, thickness=2e-3)
+    cloth = scene.add_cloth(grid.rotated(turn), sheet)
+    left, right = grid.vertices[:, 0] < -0.0499, grid.vertices[:, 0] > 0.0499
+    cloth.pin(left)
+    springs = scene.add(wall(cloth.vertices[right], normal=turn[:, 0]))
+    cloth.fiber_direction = turn @ [3.0, 0.0, 1.0]  # what points out of the sheet does not count
+    cloth.active_stress = 0.0
+    sim = stark.Simulation(scene, **STATIC)
+    cloth.active_stress = 3e4
+    assert not sim.step().failed
+    pull = springs.forces[:, 0].sum(axis=0)
+    assert pull == pytest.approx(3e4 * 2e-3 * 0.04 * turn[:, 0], abs=2.4e-5)
+    with pytest.raises(stark.InvalidArgument, match=r"fiber_direction\[0\].*normal to its triangle"):
+        cloth.fiber_direction = turn[:, 2]
+
+
+def test_a_rod_pulls_with_its_active_force() -> None:
+    """Held at its ends it carries EA (s - 1) + F, loose at one it shortens by F over EA."""
+    wire = stark.RodMaterial(youngs_modulus=1e6, radius=2e-3, density=1000.0)
+    stiffness, force = np.pi * 4e-6 * 1e6, 2.0
+    for loose in (False, True):
+        scene = stark.Scene()
+        line = stark.mesh.polyline((0, 0, 0), (0.3, 0, 0), 6)
+        rod = scene.add_rod(line, wire, clamps=[0])
+        springs = scene.add(walls(rod.vertices[[6]])) if not loose else None
+        rod.active_force = lambda t: 0.5 * force * min(t, 2.0)
+        sim = stark.Simulation(scene, **STATIC)
+        for _ in range(3):
+            assert not sim.step().failed
+        stretch = rod.positions[-1, 0] / 0.3
+        if springs is None:
+            assert stretch == pytest.approx(1 - force / stiffness, rel=1e-9)
+        else:
+            carried = stiffness * (stretch - 1) + force
+            assert springs.forces[0, 0, 0] == pytest.approx(carried, rel=1e-6)
+            assert carried == pytest.approx(force, rel=1e-3)
 
 
 def test_cloth_grows_and_expands() -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stark
 from stark import mesh
+from stark.recording import Recorder, Recording
 
 
 def test_mass_properties_of_shapes() -> None:
@@ -99,3 +101,32 @@ def test_fixed_bodies_are_not_moved_and_nothing_to_nowhere() -> None:
 def test_shapes_name_an_argument_that_they_do_not_have() -> None:
     with pytest.raises(TypeError, match=r"add_box\(\) got an unexpected .* 'masss'; did you mean 'mass'"):
         stark.Scene().add_box(0.1, masss=1.0)
+
+
+def test_what_is_shown_touches_nothing_and_moves_along(tmp_path: Path) -> None:
+    """A small box that shows a large ball: it comes to rest on the box; pictures have the ball, with the
+    values of the box."""
+    scene = stark.Scene()
+    scene.add_floor()
+    ball = stark.mesh.sphere(0.2, 2).translated((0.0, 0.0, 0.1))
+    plain = scene.add_box(0.1, mass=0.5, position=(1.0, 0.0, 0.06), name="plain")
+    box = scene.add_box(0.1, mass=0.5, position=(0.0, 0.0, 0.06), name="box", shown=ball)
+    assert box.shown is not None and plain.shown is None
+    sim = stark.Simulation(scene, time_step=0.01)
+    assert sim["box"].shown is box.shown
+    with Recorder(tmp_path / "run", sim, fields=("speed",)) as recorder:
+        for report in sim.run(until=0.3):
+            assert not report.failed
+        recorder.record(sim)
+    assert box.position[2] == pytest.approx(plain.position[2], abs=1e-6)
+    recording = Recording(tmp_path / "run")
+    drawn = recording.frame(0).bodies
+    expected = ball.vertices @ box.rotation.T + box.position
+    by_name = {body.name: body for body in drawn}
+    np.testing.assert_allclose(by_name["box"].positions, expected, atol=1e-6)
+    np.testing.assert_array_equal(by_name["box"].triangles, ball.triangles)
+    assert len(by_name["plain"].positions) == 8
+    values = recording.field("speed", 0)
+    assert len(values["box"]) == len(ball.vertices)
+    with pytest.raises(stark.InvalidArgument, match="rigid body 'odd': shown"):
+        scene.add_box(0.1, mass=1.0, name="odd", shown=3)

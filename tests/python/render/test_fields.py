@@ -113,8 +113,12 @@ def test_what_grows_freely_has_strain_and_no_stress() -> None:
     assert field_values(sim, "strain")["bar"] == pytest.approx(np.full(len(stress), 0.2), abs=1e-6)
 
 
-def test_a_muscle_that_is_held_has_its_active_stress() -> None:
-    _, stress = with_rest_state("solid", fiber_direction=(2.0, 0.0, 0.0), active_stress=1e4)
+@pytest.mark.parametrize("kind", ["solid", "cloth", "rod"])
+def test_a_muscle_that_is_held_has_its_active_stress(kind: str) -> None:
+    rest: dict[str, object] = {"fiber_direction": (2.0, 0.0, 0.0), "active_stress": 1e4}
+    if kind == "rod":
+        rest = {"active_force": 1e4 * np.pi * 25e-6}
+    _, stress = with_rest_state(kind, **rest)
     assert stress == pytest.approx(np.full(len(stress), 1e4), rel=1e-6)
 
 

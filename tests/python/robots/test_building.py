@@ -9,6 +9,7 @@ import pytest
 from robots._robots import pair, random_mjcf, random_urdf
 
 import stark.robots
+from stark.recording.format import surface
 from stark.robots import Geometry, Inertia, Link, RobotDescription, RobotJoint, kinematics
 
 BALL = Inertia(1.0, np.array([0.01, 0.02, 0.03]), 0.01 * np.eye(3))
@@ -222,3 +223,32 @@ def test_bodies_have_the_colour_of_their_shapes() -> None:
     for link, color in (("both", red), ("touches", blue)):
         body = robot.links[link].body
         assert body is not None and body.color == pytest.approx(color)
+
+
+def test_pictures_show_the_visual_shapes_where_that_is_wanted(tmp_path: Path) -> None:
+    """Links that are fixed to each other show all of theirs; those without a visual shape what touches."""
+    seen, touched = Geometry("sphere", (0.05,)), Geometry("box", (0.1, 0.1, 0.1))
+    links = [
+        Link("both", BALL, (seen,), (touched,)),
+        Link("tool", BALL, (seen,), ()),
+        Link("touches", BALL, (), (touched,)),
+    ]
+    above, there = np.array([0.0, 0.0, 1.0]), np.array([0.3, 0.0, 0.0])
+    joints = [
+        RobotJoint("joint", "continuous", "touches", "both", position=above),
+        RobotJoint("flange", "fixed", "both", "tool", position=there),
+    ]
+    robots = RobotDescription("pair", [links[2], *links[:2]], joints)
+    assert stark.Scene().add_robot(robots).links["both"].body.shown is None  # type: ignore[union-attr]
+    scene = stark.Scene()
+    robot = scene.add_robot(robots, shown="visual", rotation=stark.rotation(axis="x", angle=0.4))
+    body, plain = robot.links["both"].body, robot.links["touches"].body
+    assert body is not None and plain is not None and plain.shown is None
+    positions, triangles = surface(body)
+    for link in ("both", "tool"):
+        away = np.linalg.norm(positions - robot.links[link].position, axis=1)
+        assert (np.abs(away - 0.05) < 1e-12).sum() == len(positions) // 2
+    assert len(triangles) > len(body.triangles) == 12
+    scene.save(tmp_path / "scene.json")
+    again = stark.load_scene(tmp_path / "scene.json")
+    np.testing.assert_array_equal(surface(again.bodies[body.name])[0], positions)

@@ -287,17 +287,20 @@ def test_a_killed_run_has_no_end(tmp_path: Path) -> None:
 
 
 def test_all_kinds_of_bodies_are_displayed_where_they_are(tmp_path: Path, joined: Path) -> None:
-    """Solids by their surface, rods as tubes around their nodes."""
+    """Solids by their surface, rods as tubes around their nodes, rigid bodies by what they show."""
     scene = stark.Scene("all")
     scene.add_solid(stark.mesh.tet_box((0.1, 0.05, 0.05), 2), mass=0.3, name="solid")
     cord = stark.materials.rubber_cord
     for k, material in enumerate((cord, cord.replace(width=0.01, height=0.002))):
         line = stark.mesh.polyline((0, 0, 0), (0.1, 0.02, 0.0), 5)
         scene.add_rod(line, material, name=f"rod_{k}", position=(1.0 + k, 0.0, 0.0))
+    ball = stark.mesh.sphere(0.08, 2).translated((0.01, 0.0, 0.0))
+    tumbling: dict[str, Any] = {"position": (0.0, 1.0, 0.0), "angular_velocity": (3.0, 1.0, -2.0)}
+    scene.add_box(0.1, mass=0.3, name="ball", shown=ball, **tumbling)
     run = record(tmp_path / "run", scene, 3, time_step=0.01)
     for folder in (run, joined):
         assert verify(folder)["display"].status == "verified", verify(folder)["display"].detail
-    for body in range(3):
+    for body in range(4):
         copy = Path(shutil.copytree(run, tmp_path / f"copy_{body}"))
 
         def move(arrays: dict[str, np.ndarray], body: int = body) -> None:

@@ -9,7 +9,8 @@ namespace stark {
 namespace {
 
 constexpr std::string_view kRestFields[]{rest_state::kGrowth, rest_state::kTemperature,
-                                         rest_state::kNaturalCurvature, rest_state::kNaturalTwist};
+                                         rest_state::kNaturalCurvature, rest_state::kNaturalTwist,
+                                         rest_state::kActiveForce};
 
 double mass(const Scene& scene, BodyId body) {
   const RodDescription& rod = scene.rod(body);
