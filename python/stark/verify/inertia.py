@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .files import need
-from .multistep import Motion, Step, kinds_of_step
+from .multistep import Motion, Step, kinds_of_step, leading_momentum
 from .multistep import impulse as impulse_of_step
 from .reading import Body, Run, State
-from .rotation import held_turn, impulse, momentum
+from .rotation import held_turn, impulse, momentum, velocity
 from .telemetry import number
 
 Floats = NDArray[np.float64]
@@ -196,7 +196,9 @@ class InertiaCheck:
         )
         wrong = np.linalg.norm(after - before - change, axis=1)
         allowed = _RELATIVE * np.linalg.norm(before, axis=1) + moments.sum(axis=1) * _TURNING_ROUNDING / h
-        allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(w0, before), axis=1)
+        leading = before if spins is None else leading_momentum(before, spins, step)
+        rates = velocity(R0, moments, leading)
+        allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(rates, leading), axis=1)
         if weights.body.kind == "rigid":
             # The residual is that of the end of the step, reported is that of the iterate before it.
             acceleration = max(number(row, "acceleration"), self.tolerance)

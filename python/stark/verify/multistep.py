@@ -84,9 +84,18 @@ def _share(parts: tuple[Floats, ...]) -> float:
 def impulse(start: Floats, end: Floats, moments: Floats, before: Floats, spins: Floats, step: Step) -> Floats:
     """Change of the angular momenta ``before`` (n, 3) in a step that brought the rotations from ``start`` to
     ``end``; spins (n, 3, 3): A, p and Q of angular momenta at its start [kg m^2/s]."""
-    increment, by_contact, lag = spins[:, 0], spins[:, 1], spins[:, 2]
-    goes_on = step.history * (increment + by_contact if step.with_contact else increment)
-    leading = before + (step.duration * goes_on - step.lag * lag) / step.length
-    free = free_rotation(start, moments, leading, step.length)
-    changed: Floats = goes_on + torque(free, end, moments) / step.duration
+    free = free_rotation(start, moments, leading_momentum(before, spins, step), step.length)
+    changed: Floats = _goes_on(spins, step) + torque(free, end, moments) / step.duration
     return changed
+
+
+def leading_momentum(before: Floats, spins: Floats, step: Step) -> Floats:
+    """Angular momenta (n, 3) of the free motion that a step is measured against."""
+    leading: Floats = before + (step.duration * _goes_on(spins, step) - step.lag * spins[:, 2]) / step.length
+    return leading
+
+
+def _goes_on(spins: Floats, step: Step) -> Floats:
+    """Increments of the step before that act on."""
+    goes_on: Floats = step.history * (spins[:, 0] + spins[:, 1] if step.with_contact else spins[:, 0])
+    return goes_on

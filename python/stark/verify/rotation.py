@@ -58,7 +58,7 @@ def held_turn(
     turns = [axis_and_angle(R) for R in np.einsum("nij,nkj->nik", end, start)]
     rates = np.array([angle / h * axis for axis, angle in turns]).reshape(-1, 3)
     turned = momentum(end, moments, rates)
-    velocities = _velocity(end, moments, momenta)
+    velocities = velocity(end, moments, momenta)
     is_far = np.linalg.norm(velocities - rates, axis=1) * h > _QUARTER_TURN
     is_less = (rates * turned).sum(axis=1) < (velocities * momenta).sum(axis=1)
     is_held = np.linalg.norm(change, axis=1) > _HELD * np.linalg.norm(momenta, axis=1)
@@ -68,7 +68,7 @@ def held_turn(
 def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float) -> Floats:
     """Where free motion brings the rotations in h seconds."""
     smallest = moments.min(axis=1)
-    velocities = _velocity(rotations, moments, momenta)
+    velocities = velocity(rotations, moments, momenta)
     slow = np.linalg.norm(velocities, axis=1)
     # Energy stays, so that no rate can get above sqrt(2 E / J_min).
     twice = np.maximum(0.0, (velocities * momenta).sum(axis=1))
@@ -76,10 +76,10 @@ def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float)
     count = int(np.clip(math.ceil(fast.max(initial=0.0) * h / _SUBSTEP), 1, _MOST_SUBSTEPS))
     k = h / count
     for _ in range(count):
-        w, last = _velocity(rotations, moments, momenta), math.inf
+        w, last = velocity(rotations, moments, momenta), math.inf
         for _ in range(_ITERATIONS):
             middle = _turned(0.5 * k * w, rotations)
-            change = _velocity(middle, moments, momenta) - w
+            change = velocity(middle, moments, momenta) - w
             w = w + change
             size = float(np.abs(change).max(initial=0.0))
             if size <= 1e-15 * np.abs(w).max(initial=0.0) or size >= last:  # from here on it is rounding
@@ -89,7 +89,8 @@ def free_rotation(rotations: Floats, moments: Floats, momenta: Floats, h: float)
     return rotations
 
 
-def _velocity(rotations: Floats, moments: Floats, momenta: Floats) -> Floats:
+def velocity(rotations: Floats, moments: Floats, momenta: Floats) -> Floats:
+    """Angular velocities (n, 3) [rad/s] of angular momenta; 0 about axes without inertia."""
     turned = np.einsum("nji,nj->ni", rotations, momenta)
     with np.errstate(divide="ignore", invalid="ignore"):
         turned = np.where(moments > 0.0, turned / moments, 0.0)
