@@ -184,17 +184,17 @@ std::optional<double> StepRunner::next_attempt(double h) {
     return {};
   }
   ++report_.rejected_steps;
-  const bool is_shortest = 0.5 * h < settings_.time.min_step;
-  if (contact_ && is_stuck(status) && (is_shortest || report_.rejected_steps >= kAttemptsBeforeRaise)) {
+  const bool is_last = is_shortest(h);
+  if (contact_ && is_stuck(status) && (is_last || report_.rejected_steps >= kAttemptsBeforeRaise)) {
     LoadMemory raised = contact_->raised_load(potential_.site_positions(), step_start_,
                                               {state_.contact_bodies, state_.contact_factor});
     const bool is_raised = raised.bodies != load_.bodies || raised.factor != load_.factor;
     load_ = std::move(raised);
-    const bool is_repeated = is_raised && is_shortest && status == SolveStatus::LineSearchFailed;
+    const bool is_repeated = is_raised && is_last && status == SolveStatus::LineSearchFailed;
     if (is_repeated && repeats_++ < kRepeatsOfShortest) return h;
   }
   const bool is_hopeless = status == SolveStatus::TimeBudget || status == SolveStatus::RunAway;
-  if (!is_shortest && !is_hopeless) return 0.5 * h;
+  if (!is_last && !is_hopeless) return 0.5 * h;
   report_.time_step = h;
   fail();
   return {};
@@ -285,7 +285,7 @@ void StepRunner::fail() {
   const std::string cause = is_said ? "" : failure_of(report_.solve.status).cause;
   report_.message =
       (cause.empty() ? "" : cause + ": ") + report_.diagnosis.finding + "; " + report_.diagnosis.remedy;
-  if (report_.time_step * 0.5 < settings_.time.min_step)
+  if (is_shortest(report_.time_step))
     report_.message +=
         "; the time step was halved down to time.min_step = " + quantity_text(settings_.time.min_step, "s") +
         " without success";
@@ -339,7 +339,8 @@ bool StepRunner::attempt(double h, SolveReport& total) {
     energies_before_.contact = contact_->energy();
   }
   // Friction is not worth refreshing in a motion that will be thrown away.
-  newton_.set_way_check([&] { return !way_.leads_through_something(start); });
+  // Why the shortest step fails is seen best where Newton's method comes to its end.
+  newton_.set_way_check([&] { return !way_.leads_through_something(start); }, !is_shortest(h));
   SolveReport solved = newton_.minimize(potential_, h);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;

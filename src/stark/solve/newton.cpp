@@ -124,8 +124,8 @@ void NewtonSolver::trust_hessian(SolveStatus searched, bool pending) {
 
 // Whose end lies behind something takes many iterations to get there, and will be thrown away.
 bool NewtonSolver::goes_around() {
-  if (!is_way_clear_ || report_.iterations < kFirstLook || report_.iterations % kLookInterval != 0)
-    return false;
+  if (!is_way_clear_ || !looks_early_) return false;
+  if (report_.iterations < kFirstLook || report_.iterations % kLookInterval != 0) return false;
   progress_.blocked_looks = is_way_clear_() ? 0 : progress_.blocked_looks + 1;
   return progress_.blocked_looks == kLooksBlocked;
 }

@@ -24,9 +24,13 @@ class NewtonSolver {
   /// status Interrupted.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
-  /// Asked of the first iterate that has converged, before lagged quantities are refreshed, and of some that
-  /// have not; returning false then, or twice in a row, ends the minimisation with status Detour.
-  void set_way_check(std::function<bool()> is_way_clear) { is_way_clear_ = std::move(is_way_clear); }
+  /// Asked of the first iterate that has converged, before lagged quantities are refreshed, and, if `early`,
+  /// of some that have not; returning false then, or twice in a row, ends the minimisation with status
+  /// Detour.
+  void set_way_check(std::function<bool()> is_way_clear, bool early = true) {
+    is_way_clear_ = std::move(is_way_clear);
+    looks_early_ = early;
+  }
 
   /// From this time on, checked between iterations, minimisations end with status TimeBudget.
   void set_deadline(std::optional<std::chrono::steady_clock::time_point> deadline) { deadline_ = deadline; }
@@ -110,6 +114,7 @@ class NewtonSolver {
   LinearSolver& linear_solver_;
   PhaseTimer& timer_;
   std::function<bool()> interrupted_, is_way_clear_;
+  bool looks_early_ = true;
   std::chrono::steady_clock::time_point asked_;  ///< when interrupted_ was
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   double time_step_ = 0.0;  ///< [s] of the minimisation under way
