@@ -76,7 +76,7 @@ def add_valve(scene):
 
 def finger_at(model, radius, angle):
     """q of the first finger (3,) that has the middle of its tip at a radius and an angle about the wheel."""
-    start = model.q
+    start = model.q.copy()
     start[:3] = angle, -0.3, 0.5
     return model.inverse_kinematics(
         f"{FINGERS[0]}_lower", (radius * np.cos(angle), radius * np.sin(angle), 0.0),

@@ -22,6 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "files",
         "arguments",
         "named",
+        "readings",
     ),
     ("array_file", "rotations", "body_kinds", "palette", "scene_record", "telemetry"),
     ("mesh", "materials", "surfaces", "motion", "settings", "tubes", "symbolic", "curves"),

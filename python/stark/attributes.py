@@ -12,11 +12,20 @@ class KnownAttributes:
 
     #: What to write instead of names that users of other simulators try.
     _elsewhere: ClassVar[Mapping[str, str]] = {}
+    #: What to write instead of assigning to attributes that can only be read.
+    _given_by: ClassVar[Mapping[str, str]] = {}
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not _declares(type(self), name):
             raise AttributeError(self._unknown_attribute(name))
+        if isinstance(known := getattr(type(self), name, None), property) and known.fset is None:
+            raise AttributeError(self._read_only_attribute(name))
         object.__setattr__(self, name, value)
+
+    def _read_only_attribute(self, name: str) -> str:
+        """What is said of an assignment to an attribute that can only be read."""
+        remedy = f": write {self._given_by[name]}" if name in self._given_by else ""
+        return f"{self!r}: {name} can be read, not assigned{remedy}"
 
     def _unknown_attribute(self, name: str) -> str:
         """What is said of an attribute that there is not."""

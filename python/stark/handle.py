@@ -237,7 +237,7 @@ class BodyHandle(Handle):
 
     @property
     def mesh(self) -> AnyMesh:
-        """The mesh it was made from, in the frame of the body [m]."""
+        """The mesh it was made from, in the frame of the body [m]; a copy, whose arrays are read-only."""
         return self._mesh
 
     def _count_in(self, simulation: SimulationLink) -> int:

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar
 
 from stark import _core
 from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
-from stark.attributes import KnownAttributes
+from stark.attributes import AnsweredAttributes
 from stark.bodies import Body, Layer
 from stark.bodies.rest_state import LiveRestState, RestState
 from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
@@ -28,6 +28,7 @@ from stark.steps import (
     OnProgress,
     StepFailed,
     Stepping,
+    Steps,
     TakenStep,
     limit_of_step,
     reached,
@@ -51,7 +52,7 @@ _TIME_RULE = (
 PROGRESS_PERIOD = 0.25
 
 
-class Simulation(Pictures, Stepping, KnownAttributes):
+class Simulation(Pictures, Stepping, AnsweredAttributes):
     """A scene being simulated.
 
     ``Simulation(scene, settings)`` or ``Simulation(scene, {"time.integrator": "bdf2"}, time_step=1/30)``:
@@ -63,6 +64,38 @@ class Simulation(Pictures, Stepping, KnownAttributes):
     handles of one simulation; those that ``scene.add_*`` returned are of the newest one that is alive."""
 
     _scene: Scene
+    _elsewhere: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(
+            ("dt", "h", "timestep"), "sim.time_step; it is set by stark.Simulation(scene, time_step=...)"
+        ),
+        "t": "sim.time",
+        "gravity": "sim.settings.gravity; it is set by stark.Simulation(scene, gravity=(0, 0, -9.81))",
+        **dict.fromkeys(("simulate", "advance", "forward"), "sim.step(), or for step in sim.run(until=1.0)"),
+        **dict.fromkeys(("render", "draw", "screenshot", "image"), "sim.picture('now.png')"),
+        **dict.fromkeys(("viewer", "visualize"), "sim.view() to watch it live, sim.show() in notebooks"),
+        **dict.fromkeys(
+            ("record", "export", "save_video", "video"),
+            "stark.recording.Recorder(folder, sim), then stark video, stark export or stark replay",
+        ),
+        "plot": "values of each step into a list, for matplotlib; the replay page plots recorded ones",
+        **dict.fromkeys(
+            ("energy", "energies_by_name", "kinetic_energy"), "report.energy of what sim.step() returns"
+        ),
+        **dict.fromkeys(("positions", "velocities", "vertices"), "sim['cloth'].positions, of each body"),
+        "body": "sim['name']",
+        **dict.fromkeys(
+            ("add_force", "add_cloth", "add_rigid", "add_box", "add_sphere", "add_solid", "add"),
+            "it with the scene, before the simulation is made",
+        ),
+        **dict.fromkeys(("restore", "set_state", "rewind"), "sim.state = state, or sim.reset(state)"),
+        "get_state": "sim.state",
+    }
+    _given_by: ClassVar[Mapping[str, str]] = {
+        "time_step": "stark.Simulation(scene, time_step=...), or sim.step(max_time_step=...)",
+        "time": "sim.reset(), or sim.state = ... for a state of another time",
+        "settings": "stark.Simulation(scene, settings)",
+        "threads": "stark.Simulation(scene, threads=...)",
+    }
 
     def __init__(
         self, scene: Scene, settings: Settings | Mapping[str, Any] | None = None, **options: Any
@@ -141,7 +174,8 @@ class Simulation(Pictures, Stepping, KnownAttributes):
         """Steps up to the time ``until`` [s] and yields the report of each; the last step is shortened to end
         there. ``progress`` is that of ``step``.
 
-        A failed step is yielded as well; going on after it raises StepFailed.
+        A failed step is yielded as well; going on after it raises StepFailed. Steps are taken as the loop
+        asks for them: without a loop there are none, and a StarkWarning says so.
         """
         require_callable(progress, "run")
         end = real_number(until, "run: until")
@@ -155,7 +189,7 @@ class Simulation(Pictures, Stepping, KnownAttributes):
                 StarkWarning,
                 stacklevel=2,
             )
-        return self._run(end, progress)
+        return Steps(self._run(end, progress), end, is_due=not reached(self, end))
 
     def _run(self, until: float, progress: OnProgress | None) -> Iterator[StepReport]:
         while not reached(self, until):

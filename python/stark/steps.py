@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import copyreg
 import math
-from collections.abc import Callable, Sequence
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from stark import _core
 from stark._core import Error, InvalidArgument, State, StepProgress, StepReport
+from stark.errors import StarkWarning
 from stark.handle import BodyHandle, SimulationLink
 from stark.scene_record import Call
 
@@ -81,6 +84,31 @@ class Stepping(SimulationLink):
 
     def _require_free(self, what: str) -> None:
         raise NotImplementedError
+
+
+class Steps(Iterator[StepReport]):
+    """The steps of a loop, each taken when it is asked for. Whoever asks for none, ``sim.run(until=1.0)``
+    alone on a line, is told that nothing happened."""
+
+    def __init__(self, steps: Iterator[StepReport], until: float, *, is_due: bool) -> None:
+        self._steps, self._until, self._unasked = steps, until, is_due
+
+    def __iter__(self) -> Iterator[StepReport]:
+        self._unasked = False
+        return self._steps
+
+    def __next__(self) -> StepReport:
+        self._unasked = False
+        return next(self._steps)
+
+    def __del__(self) -> None:
+        if self._unasked and not sys.is_finalizing():
+            warnings.warn(
+                f"run(until={self._until:g}) alone takes no step: write for step in sim.run(until="
+                f"{self._until:g}): ..., or sim.run_until({self._until:g})",
+                StarkWarning,
+                stacklevel=2,
+            )
 
 
 #: Share of a step below which a difference of times is rounding, not a step to take.

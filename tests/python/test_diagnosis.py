@@ -79,7 +79,7 @@ def test_pins_that_pull_a_cloth_apart() -> None:
     left, right = np.flatnonzero(x < x.min() + 1e-9), np.flatnonzero(x > x.max() - 1e-9)
     sheet.pin(np.r_[left, right])
     sim = stark.Simulation(scene, time_step=0.01, **ONCE, **{"newton.max_iterations": 2})
-    targets = sheet.pin_targets
+    targets = sheet.pin_targets.copy()
     targets[len(left) :, 0] += 0.6
     sheet.pin_targets = targets
     diagnosis = failed(sim, "overconstrained_pins")

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import stark
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
@@ -75,3 +77,20 @@ def test_the_magnet_pulls_and_does_not_collapse(
     assert np.abs(forces).max() > 1e-5 and forces.sum(axis=0)[2] > 1e-3  # [N], upwards
     nearest = 1.0 / (0.05 * np.sqrt(2.0))  # of the largest force of a core of 5 cm
     assert np.linalg.norm(forces, axis=1).max() <= 2e-5 * nearest**2
+
+
+def test_the_wind_of_the_guide_is_the_drag_of_a_plate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A sheet that is held across the wind feels 1/2 rho A u^2; the formula rounds speeds below 1 mm/s."""
+    monkeypatch.chdir(tmp_path)
+    names = run_blocks("docs/energies.md", up_to="gale")
+    assert names["gale"].forces.sum(axis=(0, 1))[1] > 0.05  # [N], along the wind across the flag
+    scene, mesh = stark.Scene(), stark.mesh.grid(1.2, 0.8, cells=(6, 4))
+    sheet = scene.add_cloth(mesh, pins=range(len(mesh.vertices)))
+    drag = scene.add(names["wind"](sheet.faces, air=(0.0, 0.0, 2.0)))
+    sim = stark.Simulation(scene)
+    sim.step()
+    assert drag.forces.sum(axis=(0, 1)) == pytest.approx(
+        [0, 0, 0.5 * 1.2 * 0.96 * 2.0**2], rel=1e-6, abs=1e-9
+    )

@@ -74,7 +74,10 @@ def weight(p: stark.Point):
         (lambda s: setattr(s["sheet"], "pinz", [1]), "'sheet'.*'pinz'; did you mean 'pin'"),
         (lambda s: setattr(s.attachments[0], "enable", True), "'enable'; did you mean 'enabled'"),
         (lambda s: setattr(s.layers[0], "colour", (1, 0, 0)), "'colour'; did you mean 'color'"),
-        (lambda s: setattr(s["crate"], "mass", 3.0), "mass"),
+        (lambda s: setattr(s["crate"], "mass", 3.0), "mass can be read, not assigned: write mass= where the"),
+        (lambda s: setattr(s["sheet"], "pins", [1]), r"pins can be read, .* or body\.pin\(vertices\)"),
+        (lambda s: setattr(s, "time_step", 0.1), r"write stark\.Simulation\(scene, time_step=\.\.\.\)"),
+        (lambda s: setattr(s, "dt", 0.1), "no attribute 'dt': write sim.time_step"),
     ],
 )
 def test_assignments_to_unknown_attributes_are_refused(assign: Any, said: str) -> None:
@@ -141,6 +144,11 @@ def test_what_is_added_too_late_to_act_is_warned_about() -> None:
             r"'crate'.*write scene\.add_force\(body, \(0, 0, 1\.0\)\) \[N\]",
         ),
         (lambda s: s._private, "_private"),
+        (lambda s: s["crate"].pos, "'crate'.*no attribute 'pos': write position of rigid bodies"),
+        (lambda s: s["crate"].material, "'crate'.*write mass= or density= where it is added"),
+        (lambda s: s["crate"].friction, r"write scene\.friction\[a, b\]"),
+        (lambda s: stark.Simulation(s).render, r"write sim\.picture\('now\.png'\)"),
+        (lambda s: stark.Simulation(s).gravity, r"write sim\.settings\.gravity"),
     ],
 )
 def test_unknown_attributes_say_what_was_meant(read: Any, said: str) -> None:
@@ -170,4 +178,6 @@ def test_what_is_advised_exists() -> None:
     assert advised <= known, advised - known
     assert not {*stark.Scene._elsewhere} & {*dir(stark.Scene)}
     for kind in (stark.RigidBody, stark.Cloth, stark.Solid, stark.Rod):
-        assert not {*stark.Body._elsewhere} & {*dir(kind)}
+        assert not {*kind._elsewhere} & {*dir(kind)} and {*kind._given_by} <= {*dir(kind), "pins", "inertia"}
+    assert not {*stark.Simulation._elsewhere} & {*dir(stark.Simulation)}
+    assert {*stark.Simulation._given_by} <= {*dir(stark.Simulation)}

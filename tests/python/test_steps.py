@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import pytest
 
 import stark
@@ -24,3 +26,23 @@ def test_a_failed_step_is_yielded_and_then_raised() -> None:
             reports.append(report)
     assert reports[-1].status == "failed" and caught.value.report.message
     assert sim.time < 1.0 and (len(reports) > 1 or sim.state == before)
+
+
+def test_steps_that_nobody_asks_for_are_warned_about() -> None:
+    """``sim.run(until=1.0)`` alone on a line does nothing."""
+    scene = stark.Scene()
+    scene.add_sphere(0.1, mass=1.0)
+    sim = stark.Simulation(scene, time_step=0.01)
+    with pytest.warns(
+        stark.StarkWarning, match=r"run\(until=0\.05\) alone takes no step.*run_until\(0\.05\)"
+    ):
+        sim.run(until=0.05)
+    assert sim.time == 0.0
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        steps = sim.run(until=0.03)
+        assert next(steps).time == 0.01 and len(list(steps)) == 2
+        for _ in sim.run(until=0.05):
+            pass
+        sim.run(until=sim.time)  # has nothing to take
+    assert sim.time == 0.05 and not caught

@@ -58,3 +58,12 @@ def test_csv_has_units(tmp_path: Path) -> None:
     assert len(lines[1].split(",")) == len(lines[0].split(","))
     numbers = [float(cell) for line in lines[1:] for cell in line.split(",") if cell]  # plain ones
     assert len(numbers) > 40
+
+
+def test_units_in_names_of_the_user_are_theirs(tmp_path: Path) -> None:
+    """A header says a unit once: that of the name, if it has one."""
+    telemetry = Telemetry([{"time": 0.1, "measured": {"grip [N]": 5.0, "grip": 5.0, "rate [m/s]": 1.0}}])
+    assert telemetry.unit("measured.grip [N]") == "N" and telemetry.unit("measured.rate [m/s]") == "m/s"
+    telemetry.to_csv(tmp_path / "t.csv")
+    header = (tmp_path / "t.csv").read_text().splitlines()[0]
+    assert header == "time [s],measured.grip [N],measured.grip [SI],measured.rate [m/s]"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stark._core import InvalidArgument
 from stark.attributes import KnownAttributes
 from stark.handle import Handle, SceneLink, SimulationLink
+from stark.readings import reading
 from stark.selections import Points
 
 Floats = NDArray[np.float64]
@@ -44,12 +45,13 @@ class Attachment(Handle, KnownAttributes):
         """Forces on the points of ``a`` in the last step (n, 3) [N], zero for pairs that were not held; what
         carries them gets the opposite. After a rewind, of the multipliers of the state, which differ by what
         residuals below a hundredth of the tolerance hold."""
-        return self._require_simulation("forces")._core.attachment_forces(self._index)
+        found = self._require_simulation("forces")._core.attachment_forces(self._index)
+        return reading(found, self, "forces")
 
     @property
     def force(self) -> Floats:
         """Their sum (3,) [N]."""
-        return self.forces.sum(axis=0)
+        return reading(np.asarray(self.forces.sum(axis=0)), self, "force")
 
     @property
     def broken(self) -> NDArray[np.bool_]:

@@ -15,16 +15,17 @@ from numpy.typing import ArrayLike, NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import real_array
-from stark.attributes import KnownAttributes
+from stark.attributes import AnsweredAttributes
 from stark.bodies.sensors import ContactSensors
 from stark.handle import AnyMesh, SceneLink
 from stark.mesh import Indices, TriangleMesh
+from stark.readings import reading
 from stark.selections import Points, Stencils, stencils, vertex_points
 
 Floats = NDArray[np.float64]
 
 
-class Body(ContactSensors, KnownAttributes):
+class Body(ContactSensors, AnsweredAttributes):
     """A body of a scene; equal and hashed by scene and name."""
 
     _elsewhere: ClassVar[Mapping[str, str]] = {
@@ -34,8 +35,48 @@ class Body(ContactSensors, KnownAttributes):
         "apply_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
         "torque": "scene.add_torque(body, (0, 0, 1.0)) [N m], before the simulation",
         "add_torque": "scene.add_torque(body, (0, 0, 1.0)) [N m], before the simulation",
-        "pos": "position of rigid bodies, positions of others",
-        "orientation": "rotation",
+        "apply_impulse": "body.velocity += impulse / body.mass, of rigid bodies",
+        **dict.fromkeys(
+            ("pos", "x", "translation", "location", "set_position"),
+            "position of rigid bodies, positions of others",
+        ),
+        **dict.fromkeys(
+            ("orientation", "rot", "quat", "quaternion"),
+            "rotation, a matrix; a quaternion (w, x, y, z) may be assigned too",
+        ),
+        **dict.fromkeys(
+            ("vel", "v", "linear_velocity", "set_velocity"), "velocity of rigid bodies, velocities of others"
+        ),
+        **dict.fromkeys(("omega", "ang_vel", "rotational_velocity"), "angular_velocity"),
+        **dict.fromkeys(
+            ("density", "youngs_modulus", "poisson_ratio", "thickness"),
+            "body.material, of cloth, solids and rods; it is given where the body is added",
+        ),
+        "friction": "scene.friction[a, b] for a pair, or friction=0.5 where the body is added",
+        "restitution": "scene.restitution[a, b]",
+        **dict.fromkeys(
+            ("stress", "strain"),
+            "stark.render.field_values(sim, 'stress')[body.name], or sim.picture(field='stress')",
+        ),
+        **dict.fromkeys(
+            ("energy", "kinetic_energy", "potential_energy"), "report.energy of what sim.step() returns"
+        ),
+        **dict.fromkeys(("bounds", "aabb"), "body.positions.min(axis=0) and .max(axis=0)"),
+        **dict.fromkeys(("volume", "area"), "body.mesh.volume, body.mesh.area"),
+        **dict.fromkeys(
+            ("fix", "fixed", "pinned"), "pins= where the body is added; rigid bodies have motion='fixed'"
+        ),
+    }
+
+    _given_by: ClassVar[Mapping[str, str]] = {
+        "mass": "mass= where the body is added",
+        "inertia": "inertia=(mass, center_of_mass, tensor) where the body is added",
+        "color": "color= where the body is added",
+        "name": "name= where the body is added",
+        "motion": "motion= where the body is added, scene.add_box(..., motion='scripted')",
+        **dict.fromkeys(("contact_distance", "contact_stiffness"), "it where the body is added, as argument"),
+        "pins": "pins= where the body is added, or body.pin(vertices)",
+        "contact_force": "scene.add_force(body, (0, 0, 1.0)) [N], before the simulation",
     }
 
     #: Arrays of the description that its mesh is made of.
@@ -43,7 +84,7 @@ class Body(ContactSensors, KnownAttributes):
 
     def __init__(self, scene: SceneLink, index: int, mesh: AnyMesh, color: Any = None) -> None:
         super().__init__(scene, index)
-        self._mesh = mesh
+        self._mesh = mesh._kept()
         self._color = None if color is None else tuple(float(c) for c in color)
         self._shared: dict[str, Any] = {}  # what is computed once for all handles of the body
         self._rest_placement = None
@@ -62,10 +103,13 @@ class Body(ContactSensors, KnownAttributes):
     @property
     def positions(self) -> Floats:
         """Positions of all vertices in the world (n, 3) [m], in the order of ``mesh.vertices``; a copy."""
+        return self._positions(assign=False)
+
+    def _positions(self, *, assign: bool) -> Floats:
         simulation = self._simulation()
         if simulation is None:
-            return self._scene._core.initial_positions(self._index)
-        return simulation._core.positions(self._index)
+            return reading(self._scene._core.initial_positions(self._index), self, "positions", assign=assign)
+        return reading(simulation._core.positions(self._index), self, "positions", assign=assign)
 
     @property
     def surface_positions(self) -> Floats:
@@ -139,7 +183,9 @@ class Body(ContactSensors, KnownAttributes):
         Its part in the plane of a triangle counts, not its length nor its sign. It turns and deforms with the
         body. Simulations see the value that it has when they are made."""
         given = self._scene._core.surface_directions(self._index)
-        return None if len(given) == 0 else given[0] if len(given) == 1 else given
+        if len(given) == 0:
+            return None
+        return reading(given[0] if len(given) == 1 else given, self, "surface_direction", assign=True)
 
     @surface_direction.setter
     def surface_direction(self, direction: ArrayLike | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stark import _core
 from stark.bodies.layered import LayeredBody
+from stark.materials import ShellMaterial
 from stark.selections import Stencils
 
 
@@ -11,6 +12,12 @@ class Cloth(LayeredBody):
     """A sheet of triangles."""
 
     kind = "cloth"
+
+    @property
+    def material(self) -> ShellMaterial:
+        """What it is made of, as it was added; it stays so."""
+        material: ShellMaterial = self._shared["material"]
+        return material
 
     def _element_count(self) -> int:
         return len(self.triangles)

@@ -13,6 +13,7 @@ from stark.bodies.body import Body
 from stark.bodies.following import follow_pins
 from stark.bodies.rest_state import RestState
 from stark.mesh import Indices
+from stark.readings import reading
 from stark.rotations import check_places
 from stark.selections import FrameHandle, Points, embedded_points, patch_frame
 
@@ -49,7 +50,7 @@ class DeformableBody(Body, RestState):
     def positions(self) -> Floats:
         """Positions of all vertices in the world (n, 3) [m], in the order of ``mesh.vertices``; a copy.
         Assign them to place the body at once (docs/state.md); pinned vertices rest where they are placed."""
-        return super().positions
+        return self._positions(assign=True)
 
     @positions.setter
     def positions(self, value: ArrayLike) -> None:
@@ -60,7 +61,8 @@ class DeformableBody(Body, RestState):
     def velocities(self) -> Floats:
         """Velocities of all vertices (n, 3) [m/s]; a copy. Assign them, or one for all, to give others to the
         vertices that are not pinned."""
-        return self._require_simulation("velocities")._core.velocities(self._index)
+        found = self._require_simulation("velocities")._core.velocities(self._index)
+        return reading(found, self, "velocities", assign=True)
 
     @velocities.setter
     def velocities(self, value: ArrayLike) -> None:
@@ -85,8 +87,8 @@ class DeformableBody(Body, RestState):
         """Indices of the pinned vertices, in the order of pinning. Those of ``sim[body]`` are what the
         simulation was made with."""
         if self._of is not None:
-            return self._of._pins[self._index].copy()
-        return self._scene._core.pins(self._index)
+            return reading(self._of._pins[self._index].copy(), self, "pins")
+        return reading(self._scene._core.pins(self._index), self, "pins")
 
     def pin(self, vertices: ArrayLike) -> None:
         """Prescribes vertices, by index or by a mask: they stay, or follow ``pin_targets``. Simulations have
@@ -107,7 +109,8 @@ class DeformableBody(Body, RestState):
     def pin_targets(self) -> Floats:
         """Positions that the pinned vertices reach at the end of the next step (k, 3) [m], in the order of
         the ``pins`` of the simulation; assign to move them."""
-        return self._require_simulation("pin_targets")._core.pin_targets(self._index)
+        found = self._require_simulation("pin_targets")._core.pin_targets(self._index)
+        return reading(found, self, "pin_targets", assign=True)
 
     @pin_targets.setter
     def pin_targets(self, targets: ArrayLike) -> None:

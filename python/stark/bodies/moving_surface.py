@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.courses import at_start, set_courses
 from stark.handle import BodyHandle, SimulationLink
+from stark.readings import reading
 from stark.rotations import vector
 
 _NAMES = ("surface_velocity", "surface_spin", "surface_center")
@@ -68,7 +69,7 @@ class MovingSurface(BodyHandle):
         simulation, given = self._simulation(), self._scene._core.surface_motion(self._index)
         if simulation is not None and self._moves_in(simulation):
             given = simulation._core.surface_motion(self._index)
-        return None if given is None else np.array(given[part])
+        return None if given is None else reading(np.array(given[part]), self, _NAMES[part], assign=True)
 
     def _moves_in(self, simulation: SimulationLink) -> bool:
         return simulation._core.surface_motion(self._index) is not None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,7 @@ from stark.bodies.moving_surface import MovingSurface
 from stark.bodies.sensors import InertialSensors
 from stark.handle import SimulationLink
 from stark.mesh import TriangleMesh
+from stark.readings import reading
 from stark.rotations import as_matrix, vector
 from stark.selections import FrameHandle, Points, local_points, rigid_frame
 
@@ -24,6 +26,11 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     are moved so: to the pose that holds at the end of the next step."""
 
     kind = "rigid"
+    _elsewhere: ClassVar[Mapping[str, str]] = {
+        **Body._elsewhere,
+        "material": "mass= or density= where it is added; scene.friction, restitution and stark.Surface say "
+        "how it touches",
+    }
 
     def points(self, local: ArrayLike) -> Points:
         """Points fixed to the body, for energies: (n, 3) or (3,) in the frame of its mesh [m]."""
@@ -37,7 +44,7 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     @property
     def position(self) -> NDArray[np.float64]:
         """Origin of the mesh frame in the world (3,) [m]; assign it to place a dynamic body."""
-        return self._pose()[0]
+        return reading(self._pose()[0], self, "position", assign=True)
 
     @position.setter
     def position(self, value: ArrayLike) -> None:
@@ -48,7 +55,7 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     def rotation(self) -> NDArray[np.float64]:
         """Rotation of the mesh frame to the world (3, 3); a quaternion (w, x, y, z) may be assigned too. A
         dynamic body is turned about the origin of its mesh."""
-        return self._pose()[1]
+        return reading(self._pose()[1], self, "rotation", assign=True)
 
     @rotation.setter
     def rotation(self, value: ArrayLike) -> None:
@@ -58,7 +65,11 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     @property
     def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(position, rotation); assign both at once to a dynamic or scripted body."""
-        return self._pose()
+        position, rotation = self._pose()
+        return (
+            reading(position, self, "position", assign=True),
+            reading(rotation, self, "rotation", assign=True),
+        )
 
     @pose.setter
     def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
@@ -82,7 +93,8 @@ class RigidBody(InertialSensors, Body, MovingSurface):
         """Velocity of the centre of mass (3,) [m/s]; of the origin of the mesh frame for scripted bodies.
         When it is assigned, dynamic bodies have it at once, and scripted ones move at it from the next step
         on."""
-        return self._require_simulation("velocity")._core.center_velocity(self._index)
+        found = self._require_simulation("velocity")._core.center_velocity(self._index)
+        return reading(found, self, "velocity", assign=True)
 
     @velocity.setter
     def velocity(self, value: ArrayLike) -> None:
@@ -93,7 +105,8 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     @property
     def angular_velocity(self) -> NDArray[np.float64]:
         """(3,) [rad/s], world axes; assign it to dynamic and scripted bodies."""
-        return self._require_simulation("angular_velocity")._core.twist(self._index)[1]
+        found = self._require_simulation("angular_velocity")._core.twist(self._index)[1]
+        return reading(found, self, "angular_velocity", assign=True)
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
@@ -104,12 +117,13 @@ class RigidBody(InertialSensors, Body, MovingSurface):
     @property
     def center_of_mass(self) -> NDArray[np.float64]:
         """In the frame of the mesh (3,) [m]."""
-        return np.array(self._scene._core.inertia(self._index)["center_of_mass"])
+        found = np.array(self._scene._core.inertia(self._index)["center_of_mass"])
+        return reading(found, self, "center_of_mass")
 
     @property
     def inertia(self) -> NDArray[np.float64]:
         """About the centre of mass, axes of the mesh frame (3, 3) [kg m^2]."""
-        return self._scene._core.inertia(self._index)["tensor"]
+        return reading(self._scene._core.inertia(self._index)["tensor"], self, "inertia")
 
     @property
     def shown(self) -> TriangleMesh | None:

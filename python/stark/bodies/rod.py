@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array
 from stark.bodies.deformable import DeformableBody
+from stark.materials import RodMaterial
 from stark.mesh import Indices, Polyline
+from stark.readings import reading
 from stark.selections import FrameHandle, node_frame
 from stark.tubes import outline, tube
 
@@ -36,21 +38,29 @@ class Rod(DeformableBody):
         return node_frame(self, node, position, rotation)
 
     @property
+    def material(self) -> RodMaterial:
+        """What it is made of, as it was added; it stays so."""
+        material: RodMaterial = self._shared["material"]
+        return material
+
+    @property
     def frames(self) -> Floats:
         """Material frames of the nodes (n, 3, 3): axes d1, d2 of the section and d3 along the rod as columns;
         a copy."""
         simulation = self._simulation()
         if simulation is None:
-            return self._scene._core.initial_frames(self._index).reshape(-1, 3, 3)
-        return simulation._core.frames(self._index).reshape(-1, 3, 3)
+            found = self._scene._core.initial_frames(self._index)
+        else:
+            found = simulation._core.frames(self._index)
+        return reading(found.reshape(-1, 3, 3), self, "frames")
 
     @property
     def clamped(self) -> Indices:
         """Indices of the clamped nodes, in the order of clamping. Those of ``sim[rod]`` are what the
         simulation was made with."""
         if self._of is not None:
-            return self._of._clamped[self._index].copy()
-        return self._scene._core.clamped(self._index)
+            return reading(self._of._clamped[self._index].copy(), self, "clamped")
+        return reading(self._scene._core.clamped(self._index), self, "clamped")
 
     def clamp(self, nodes: ArrayLike) -> None:
         """Prescribes positions and frames of nodes, by index: they stay, or follow ``pin_targets`` and
@@ -64,7 +74,8 @@ class Rod(DeformableBody):
         """Frames that the clamped nodes reach at the end of the next step (k, 3, 3), in the order of
         ``clamped``; assign to turn them."""
         simulation = self._require_simulation("clamp_targets")
-        return simulation._core.clamp_targets(self._index).reshape(-1, 3, 3)
+        found = simulation._core.clamp_targets(self._index).reshape(-1, 3, 3)
+        return reading(found, self, "clamp_targets", assign=True)
 
     @clamp_targets.setter
     def clamp_targets(self, targets: ArrayLike) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.handle import BodyHandle, SimulationLink, names_of
+from stark.readings import reading
 from stark.rotations import as_matrix, vector
 
 Array = NDArray[np.float64]
@@ -123,6 +124,7 @@ class Imu(NamedTuple):
     angular_velocity: Array  #: (3,) [rad/s]
 
 
+_OWN_FORCE = "a force of your own is scene.add_force(body, ...), before the simulation"
 _FLAT = 1e-8  # distance from the plane of a face over the size of the body
 _ALONG = 0.999  # cosine between the normals of a face and of a contact with it
 
@@ -158,12 +160,13 @@ class ContactSensors(BodyHandle):
     @property
     def contact_force(self) -> Array:
         """Sum of all contact forces on the body, friction included (3,) [N]."""
-        return _core.contact_force(self._require_simulation("contact_force")._core, self._index)
+        found = _core.contact_force(self._require_simulation("contact_force")._core, self._index)
+        return reading(found, self, "contact_force", assign=_OWN_FORCE)
 
     @property
     def contact_forces(self) -> Array:
         """Contact forces on each vertex, friction included (n, 3) [N]."""
-        return self.contacts().vertex_forces(len(self.positions))
+        return reading(self.contacts().vertex_forces(len(self.positions)), self, "contact_forces")
 
     def contact_area(self, other: BodyHandle | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.bodies.layered import LayeredBody
+from stark.materials import SolidMaterial
 from stark.mesh import EmbeddedMesh, Indices, SolidMesh, TetMesh
 from stark.selections import Stencils
 
@@ -30,6 +31,12 @@ class Solid(LayeredBody):
             return EmbeddedMesh(given["vertices"], elements, **given["embedding"])
         mesh = TetMesh if elements.shape[1] == 4 else SolidMesh
         return mesh(given["vertices"], elements)
+
+    @property
+    def material(self) -> SolidMaterial:
+        """What it is made of, as it was added; it stays so."""
+        material: SolidMaterial = self._shared["material"]
+        return material
 
     @property
     def tetrahedra(self) -> Stencils:

@@ -127,7 +127,8 @@ def export_recording(
     numbers of every step. ``progress(done, total)`` is called after each frame. Raises RecordingError for
     unknown formats and empty recordings."""
     if format not in FORMATS:
-        raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}")
+        swapped = "; the folder comes first" if folder in FORMATS else ""
+        raise RecordingError(f"format '{format}' is unknown; choose one of {', '.join(FORMATS)}{swapped}")
     chosen = list(range(len(recording)) if frames is None else frames)
     if format in _PLAIN:
         return export(recording, folder, format, frames=chosen)

@@ -15,6 +15,7 @@ from stark.formulas.checks import check
 from stark.formulas.inspection import benchmark
 from stark.formulas.parameters import Parameter, Value, check_range, numbers_of
 from stark.handle import Handle, SceneLink, SimulationLink
+from stark.readings import reading
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +55,8 @@ class Energy(Handle):
     @property
     def energies(self) -> Floats:
         """Energies of the elements at the end of the last step (n,) [J]."""
-        return self._require_simulation("energies")._core.element_energies(self._index)
+        found = self._require_simulation("energies")._core.element_energies(self._index)
+        return reading(found, self, "energies")
 
     @property
     def energy(self) -> float:
@@ -66,7 +68,7 @@ class Energy(Handle):
         """Forces on the points of the elements at the end of the last step (n, points, 3) [N]. Points of a
         formula are those of its arguments in order; of a frame, origin and axes as far as they occur."""
         flat = self._require_simulation("forces")._core.element_forces(self._index)
-        return flat.reshape(self.element_count, -1, 3)
+        return reading(flat.reshape(self.element_count, -1, 3), self, "forces")
 
     def check(self) -> Any:
         """As ``EnergyFormula.check``, with the points and the present values."""

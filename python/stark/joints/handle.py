@@ -17,11 +17,24 @@ from stark.courses import TimeValue, at_start, set_courses
 from stark.errors import StarkWarning
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.joints.definition import JointFormula
+from stark.readings import named_readings, reading
 
 Floats = NDArray[np.float64]
 
 #: Limits beyond it are probably in degrees [rad].
 _MANY_TURNS = 8.0 * math.pi
+
+#: What to write instead of names that users of other simulators try.
+_ELSEWHERE = {
+    **dict.fromkeys(("position", "q", "value"), "joint.coordinates"),
+    **dict.fromkeys(("velocity", "rate", "qd", "speed", "angular_velocity"), "joint.rates"),
+    **dict.fromkeys(("force", "torque", "wrench"), "joint.reaction, or the effort of an actuator"),
+    **dict.fromkeys(("target", "motor", "drive"), "motor = joint.add_motor(...), before the simulation"),
+    **dict.fromkeys(("limits", "limit", "lower", "upper"), "joint.add_limit(lower, upper)"),
+    "friction": "joint.add_friction(cap)",
+    **dict.fromkeys(("damping", "add_damping", "add_damper"), "joint.add_spring(0.0, damping=...)"),
+    **dict.fromkeys(("add_torque", "add_force"), "joint.add_effort(...)"),
+}
 
 
 class Wrench(NamedTuple):
@@ -209,11 +222,12 @@ class Joint(JointActuators):
     def coordinates(self) -> dict[str, float]:
         """Coordinates by name [m, rad]; angles are counted over full turns from time 0 on. Assign some or all
         of them to place what hangs on the joint; rates stay."""
-        return self._named(self._require_simulation("coordinates")._core.joint_coordinates(self._index))
+        found = self._require_simulation("coordinates")._core.joint_coordinates(self._index)
+        return named_readings(self._named(found), self, "coordinates", assign=True)
 
     @coordinates.setter
     def coordinates(self, values: Mapping[str, float]) -> None:
-        numbers = self._numbers("coordinates", values, self.coordinates)
+        numbers = self._numbers("coordinates", values, dict(self.coordinates))
         simulation = self._require_simulation("coordinates")
         simulation._to_place("coordinates").place_joint(self._index, numbers)
 
@@ -221,24 +235,27 @@ class Joint(JointActuators):
     def rates(self) -> dict[str, float]:
         """Rates of the coordinates in the last step, by name [m/s, rad/s]. Assign some or all of them to give
         what hangs on the joint other velocities."""
-        return self._named(self._require_simulation("rates")._core.joint_rates(self._index))
+        found = self._require_simulation("rates")._core.joint_rates(self._index)
+        return named_readings(self._named(found), self, "rates", assign=True)
 
     @rates.setter
     def rates(self, values: Mapping[str, float]) -> None:
-        numbers = self._numbers("rates", values, self.rates)
+        numbers = self._numbers("rates", values, dict(self.rates))
         self._require_simulation("rates")._to_place("rates").push_joint(self._index, numbers)
 
     @property
     def residuals(self) -> Floats:
         """What is left of the residuals that it holds [m, rad], in the order of the definition."""
-        return self._require_simulation("residuals")._core.joint_residuals(self._index)
+        found = self._require_simulation("residuals")._core.joint_residuals(self._index)
+        return reading(found, self, "residuals")
 
     @property
     def reaction(self) -> Wrench:
         """Force and torque of the joint on what carries frame b in the last step, about the origin of that
         frame; what carries frame a gets the opposite. After a rewind, of the multipliers of the state, which
         differ by what residuals below a hundredth of the tolerance hold."""
-        return Wrench(*self._require_simulation("reaction")._core.joint_reaction(self._index))
+        force, torque = self._require_simulation("reaction")._core.joint_reaction(self._index)
+        return Wrench(reading(force, self, "reaction.force"), reading(torque, self, "reaction.torque"))
 
     @property
     def break_force(self) -> float:
@@ -275,14 +292,17 @@ class Joint(JointActuators):
             if name == known:
                 return self._require_simulation(name)._core.joint_coordinate(self._index, k)
         known = ", ".join(coordinate for coordinate, _ in self._coordinates) or "none"
+        hint = f"; write {_ELSEWHERE[name]}" if name in _ELSEWHERE else ""
         raise AttributeError(
-            f"joint of the kind '{self._formula.name}' has no attribute '{name}'; its coordinates: {known}"
+            f"joint of the kind '{self._formula.name}' has no attribute '{name}'; its coordinates: "
+            f"{known}{hint}"
         )
 
     def __setattr__(self, name: str, value: Any) -> None:
         # A plain attribute would hide the coordinate of that name, and misspelt ones would do nothing.
         known = [coordinate for coordinate, _ in self._coordinates]
         if name in known:
+            self._require_simulation(f"{name} = ...")
             self.coordinates = {name: value}
         elif name in ("enabled", "coordinates", "rates"):
             object.__setattr__(self, name, value)
@@ -371,7 +391,7 @@ class Actuator(Handle):
     @property
     def parameters(self) -> dict[str, float]:
         """Its values by name, a copy."""
-        return {name: self._read(name) for name in self._units}
+        return named_readings({name: self._read(name) for name in self._units}, self, "parameters")
 
     @property
     def units(self) -> dict[str, str]:

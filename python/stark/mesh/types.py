@@ -30,6 +30,14 @@ class MeshBase:
     def _with(self, vertices: Points) -> Self:
         raise NotImplementedError
 
+    def _kept(self) -> Self:
+        """Copy for a body: whoever writes into the arrays of this mesh does not change that one."""
+        kept = object.__new__(type(self))
+        for name, array in self.__dict__.items():
+            kept.__dict__[name] = array.copy()
+            kept.__dict__[name].setflags(write=False)
+        return kept
+
     @property
     def bounds(self) -> Points:
         """Lowest and highest corner, shape (2, 3) [m]."""

@@ -113,7 +113,7 @@ def _triple(values: Any) -> tuple[float, float, float]:
 
 
 def up_of(source: Any) -> tuple[float, float, float]:
-    """Against gravity of a simulation or a frame of a recording where it is along x or y, else z."""
+    """Against gravity of a simulation, a recording or a frame of one where it is along x or y, else z."""
     recording = getattr(source, "recorded", None)
     settings = getattr(source, "settings", None) if recording is None else recording.settings
     gravity = settings.get("gravity") if isinstance(settings, dict) else getattr(settings, "gravity", None)

@@ -9,6 +9,12 @@ function normalize3(v) {
 const cross3 = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const NEUTRAL = [0.8, 0.81, 0.83]; // of bodies without values, where a field is shown
+// Axes of the scene, x, y and up, of which up is against gravity: as upright() of stark.render.camera.
+function uprightAxes(up) {
+  const x = up[0] ? [0, up[0], 0] : [1, 0, 0];
+  return [x, cross3(up, x), up];
+}
+const alongAxes = (axes, v) => [0, 1, 2].map((a) => axes[0][a] * v[0] + axes[1][a] * v[1] + axes[2][a] * v[2]);
 const IDENTITY = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
 
 function multiply(a, b) {
@@ -45,6 +51,7 @@ class Renderer {
     this.canvas = canvas;
     this.bodies = bodies;
     this.bounds = bounds;
+    this.light = alongAxes(bounds.axes, LIGHT);
     this.surface = this.program(SURFACE_VERTEX, SURFACE_FRAGMENT);
     this.line = this.program(SURFACE_VERTEX, LINE_FRAGMENT);
     this.depth = this.program(SURFACE_VERTEX, DEPTH_FRAGMENT);
@@ -101,9 +108,9 @@ class Renderer {
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, this.shadowTexture, 0);
     gl.drawBuffers([gl.NONE]);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    const { center, radius } = this.bounds, reach = 2.2 * radius;
-    const eye = [0, 1, 2].map((i) => center[i] + LIGHT[i] * 2 * reach);
-    const matrix = multiply(orthographic(reach, 0.1 * reach, 4 * reach), lookAt(eye, center, [0, 1, 0]));
+    const { center, radius, axes } = this.bounds, reach = 2.2 * radius;
+    const eye = [0, 1, 2].map((i) => center[i] + this.light[i] * 2 * reach);
+    const matrix = multiply(orthographic(reach, 0.1 * reach, 4 * reach), lookAt(eye, center, axes[1]));
     this.lightMatrix = matrix;
     const half = new Float32Array([0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0.5, 0.5, 0.5, 1]);
     this.shadowMatrix = multiply(half, matrix);
@@ -212,7 +219,7 @@ class Renderer {
   }
 
   draw(camera, options) {
-    const gl = this.gl, { center, radius, ground } = this.bounds;
+    const gl = this.gl, { center, radius, ground, axes } = this.bounds;
     gl.enable(gl.DEPTH_TEST);
     gl.disable(gl.CULL_FACE);
     if (options.shadows) {
@@ -244,7 +251,8 @@ class Renderer {
     gl.uniform1i(surface.shadowMap, 0);
     gl.uniform1f(surface.shadowStrength, options.shadows ? 1 : 0);
     gl.uniform3fv(surface.eye, eye);
-    gl.uniform3fv(surface.light, LIGHT);
+    gl.uniform3fv(surface.light, this.light);
+    gl.uniform3fv(surface.up, axes[2]);
     gl.uniform1f(surface.flatShading, options.flat ? 1 : 0);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
@@ -271,7 +279,8 @@ class Renderer {
       gl.uniformMatrix4fv(program.shadowMatrix, false, this.shadowMatrix);
       gl.uniform1i(program.shadowMap, 0);
       gl.uniform1f(program.shadowStrength, options.shadows ? 1 : 0);
-      gl.uniform4f(program.ground, center[0], center[1], ground, 8 * radius);
+      gl.uniformMatrix3fv(program.axes, false, axes.flat());
+      gl.uniform4f(program.ground, dot3(center, axes[0]), dot3(center, axes[1]), ground, 8 * radius);
       gl.uniform1f(program.onFloor, this.bodies.some((b) => b.scenery && b.visible) ? 1 : 0);
       gl.uniform1f(program.spacing, Math.pow(10, Math.floor(Math.log10(0.8 * radius))));
       gl.depthMask(false);

@@ -24,6 +24,7 @@ from stark.body_kinds import has_pose
 
 from ..palette import body_colors
 from ..recording import Recording, RecordingError
+from ..render.camera import up_of
 from .encode_fields import encode_contacts, encode_fields, split_bytes
 
 RANGE_FRAMES = 64
@@ -179,6 +180,7 @@ def encode(recording: Recording, *, stride: int | None = None, max_megabytes: fl
         "created": str(recording.manifest.get("created", "")),
         "stride": stride,
         "times": [round(float(recording.times[k]), 9) for k in kept],
+        "up": list(up_of(recording)),
         "bodies": bodies,
         "fields": encode_fields(recording, kept, add, _deflate),
         "contacts": encode_contacts(recording, kept, add, _deflate),

@@ -38,7 +38,7 @@ const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 worldPosition, worldNormal, shadowPosition;
 in float fieldValue;
-uniform vec3 color, eye, light;
+uniform vec3 color, eye, light, up;
 uniform float flatShading, backTint, opacity, marked, hasField;
 uniform vec2 limits;
 uniform sampler2D colormap;
@@ -63,7 +63,7 @@ void main() {
   float key = max(dot(n, light), 0.0);
   float shadow = lit(shadowPosition, 0.0008 + 0.004 * (1.0 - key)) * smoothstep(-0.05, 0.12, dot(face, light));
   vec3 sky = vec3(0.50, 0.54, 0.60), earth = vec3(0.30, 0.28, 0.27);
-  vec3 ambient = mix(earth, sky, 0.5 + 0.5 * n.z);
+  vec3 ambient = mix(earth, sky, 0.5 + 0.5 * dot(n, up));
   float fill = 0.10 * max(dot(n, view), 0.0);
   vec3 halfway = normalize(light + view);
   float gloss = 0.10 * pow(max(dot(n, halfway), 0.0), 42.0) * shadow;
@@ -92,31 +92,35 @@ void main() { cut(worldPosition); }`;
 
 const GROUND_VERTEX = `#version 300 es
 uniform mat4 viewProjection, shadowMatrix;
+uniform mat3 axes;  // x, y and up of the scene
 uniform vec4 ground;
-out vec3 worldPosition, shadowPosition;
+out vec2 place;
+out vec3 shadowPosition;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-  worldPosition = vec3(ground.xy + corner * ground.w, ground.z);
+  place = ground.xy + corner * ground.w;
+  vec3 worldPosition = axes * vec3(place, ground.z);
   shadowPosition = (shadowMatrix * vec4(worldPosition, 1.0)).xyz;
   gl_Position = viewProjection * vec4(worldPosition, 1.0);
 }`;
 
 const GROUND_FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 worldPosition, shadowPosition;
+in vec2 place;
+in vec3 shadowPosition;
 uniform vec4 ground;
 uniform float spacing, onFloor;
 out vec4 fragment;
 ${SHADOW_LOOKUP}
 float lines(float every) {
-  vec2 p = worldPosition.xy / every, w = fwidth(p);
+  vec2 p = place / every, w = fwidth(p);
   vec2 d = abs(fract(p - 0.5) - 0.5) / max(w, 1e-6);
   vec2 fade = clamp(1.0 - w * 2.5, 0.0, 1.0);
   vec2 on = (1.0 - clamp(d - 0.1, 0.0, 1.0)) * fade;
   return max(on.x, on.y);
 }
 void main() {
-  float r = length(worldPosition.xy - ground.xy) / ground.w;
+  float r = length(place - ground.xy) / ground.w;
   float fade = 1.0 - smoothstep(0.25, 1.0, r);
   float a = max(0.13 * lines(spacing), 0.26 * lines(10.0 * spacing)) * fade;
   float dark = onFloor > 0.5 ? 0.0 : 0.30 * (1.0 - lit(shadowPosition, 0.0005)) * fade;

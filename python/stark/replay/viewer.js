@@ -19,7 +19,7 @@ class Camera {
   fittingDistance() {
     const { low, high, center, radius } = this.bounds, view = byId("view");
     const aspect = view.clientWidth / Math.max(1, view.clientHeight), half = 0.85 * Math.tan(this.fov / 2);
-    const back = this.direction(), right = normalize3(cross3([0, 0, 1], back)), top = cross3(back, right);
+    const back = this.direction(), right = normalize3(cross3(this.up(), back)), top = cross3(back, right);
     let distance = 0.1 * radius;
     for (let corner = 0; corner < 8; ++corner) {
       const arm = center.map((c, a) => (corner & (1 << a) ? high[a] : low[a]) - c);
@@ -30,13 +30,14 @@ class Camera {
   }
   direction() {
     const c = Math.cos(this.elevation);
-    return [c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation)];
+    const local = [c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation)];
+    return alongAxes(this.bounds.axes, local);
   }
   eye() {
     return this.direction().map((d, i) => this.target[i] + this.distance * d);
   }
   up() {
-    return [0, 0, 1];
+    return this.bounds.axes[2];
   }
   turn(dx, dy) {
     this.azimuth -= 0.0075 * dx;
@@ -44,7 +45,7 @@ class Camera {
   }
   move(dx, dy, height) {
     const scale = (2 * this.distance * Math.tan(this.fov / 2)) / height;
-    const back = this.direction(), right = normalize3(cross3([0, 0, 1], back)), top = cross3(back, right);
+    const back = this.direction(), right = normalize3(cross3(this.up(), back)), top = cross3(back, right);
     for (let i = 0; i < 3; ++i) this.target[i] += scale * (dy * top[i] - dx * right[i]);
   }
   zoom(factor) {
@@ -70,7 +71,7 @@ function bodyBox(body, k) {
 }
 
 // What the camera frames: everything that moves, and fixed bodies unless they are much larger (floors, walls).
-function sceneBounds(bodies, frameCount) {
+function sceneBounds(bodies, frameCount, up) {
   const frames = [...new Set([0, 1, 2, 3, 4].map((i) => Math.round((i * (frameCount - 1)) / 4)))];
   const join = (boxes) => ({
     low: [0, 1, 2].map((a) => Math.min(...boxes.map((b) => b.low[a]))),
@@ -88,9 +89,10 @@ function sceneBounds(bodies, frameCount) {
   const center = box.low.map((v, a) => 0.5 * (v + box.high[a]));
   const radius = 0.5 * size(box) || 1;
   // The grid lies on the highest floor below the scene, else just under the lowest point.
-  const floors = fixed.map((b, i) => (b.scenery ? still[i].high[2] : Infinity)).filter((z) => z <= box.low[2] + 0.1 * radius);
-  const ground = floors.length ? Math.max(...floors) + 5e-4 * radius : box.low[2] - 1e-3 * radius;
-  return { center, radius, ground, low: box.low, high: box.high };
+  const top = ({ low, high }) => Math.max(dot3(low, up), dot3(high, up)), bottom = Math.min(dot3(box.low, up), dot3(box.high, up));
+  const floors = fixed.map((b, i) => (b.scenery ? top(still[i]) : Infinity)).filter((height) => height <= bottom + 0.1 * radius);
+  const ground = floors.length ? Math.max(...floors) + 5e-4 * radius : bottom - 1e-3 * radius;
+  return { center, radius, ground, axes: uprightAxes(up), low: box.low, high: box.high };
 }
 
 // The sum of all grid coordinates, fitted poses and still vertices, so that a test can compare the decoded motion.
@@ -116,7 +118,7 @@ async function start() {
     const { low, high } = bodyBox({ ...body, mode: "fixed" }, 0);
     body.center = low.map((v, a) => 0.5 * (v + high[a]));
   }
-  const bounds = sceneBounds(bodies, times.length);
+  const bounds = sceneBounds(bodies, times.length, header.up);
   const renderer = new Renderer(byId("view"), bodies, bounds);
   const camera = new Camera(bounds);
   const wanted = new URLSearchParams(location.hash.slice(1));

@@ -12,6 +12,7 @@ from stark._core import InvalidArgument
 from stark.arguments import given_flag, real_array
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Actuator, Joint
+from stark.readings import reading
 from stark.robots.description import RobotDescription
 
 Floats = NDArray[np.float64]
@@ -64,7 +65,8 @@ class Drives:
     def target(self) -> Floats:
         """(k,) q [rad, m] of servos, rates [rad/s, m/s] of motors, efforts [N m, N]; assign (k,) numbers, or
         one for all, that hold from the next step on."""
-        return np.array([actuator.target for actuator in self._actuators]) + self._shifts
+        found = np.array([actuator.target for actuator in self._actuators]) + self._shifts
+        return reading(found, self, "target", assign=True)
 
     @target.setter
     def target(self, values: ArrayLike) -> None:
@@ -79,7 +81,8 @@ class Drives:
     def feedforward(self) -> Floats:
         """(k,) [N m, N] that servos add to their own effort, within their cap; assign it."""
         self._require_servos("feedforward")
-        return np.array([actuator.feedforward for actuator in self._actuators])
+        found = np.array([actuator.feedforward for actuator in self._actuators])
+        return reading(found, self, "feedforward", assign=True)
 
     @feedforward.setter
     def feedforward(self, values: ArrayLike) -> None:
@@ -95,7 +98,7 @@ class Drives:
     @property
     def effort(self) -> Floats:
         """(k,) [N m, N] that acted in the last step."""
-        return np.array([actuator.effort for actuator in self._actuators])
+        return reading(np.array([actuator.effort for actuator in self._actuators]), self, "effort")
 
     @property
     def enabled(self) -> bool:

@@ -16,6 +16,7 @@ from stark.arguments import added_later, needs_simulation
 from stark.bodies import Cloth, RigidBody, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
+from stark.readings import reading
 from stark.robots import kinematics
 from stark.robots.base import base_velocity, place_base, placing, push_base
 from stark.robots.description import RobotDescription
@@ -148,10 +149,10 @@ class Robot:
         some by joint to place the robot in its simulation, mimicking joints included; rates stay."""
         simulation = self._simulation()
         if simulation is None:
-            return self._start.copy()
-        return np.array(
-            [simulation._core.joint_coordinate(joint._index, 0) + shift for joint, shift in self._axes()]
-        )
+            return reading(self._start.copy(), self, "q", assign=True)
+        core = simulation._core
+        found = [core.joint_coordinate(joint._index, 0) + shift for joint, shift in self._axes()]
+        return reading(np.array(found), self, "q", assign=True)
 
     @q.setter
     def q(self, values: Values) -> None:
@@ -166,7 +167,8 @@ class Robot:
         """Rates (n,) [rad/s, m/s] in the last step. Assign (n,) numbers or some by joint to give the robot
         other velocities."""
         core = self._require("qd")._core
-        return np.array([core.joint_rates(joint._index)[0] for joint, _ in self._axes()])
+        found = np.array([core.joint_rates(joint._index)[0] for joint, _ in self._axes()])
+        return reading(found, self, "qd", assign=True)
 
     @qd.setter
     def qd(self, values: Values) -> None:
@@ -186,7 +188,7 @@ class Robot:
         total = np.zeros(len(self.coordinates))
         for drives in self.drives:
             total[drives.rows] += drives.effort
-        return total
+        return reading(total, self, "tau")
 
     @property
     def limits(self) -> tuple[Floats, Floats]:
@@ -202,7 +204,12 @@ class Robot:
         rotation), a matrix or a quaternion, to place a floating robot as one: q and rates stay, velocities
         turn with it. Raises InvalidArgument where the base is fixed or scripted, InitialIntersection where
         surfaces would meet."""
-        return self.links[self.description.root].pose
+        position, rotation = self.links[self.description.root].pose
+        remedy = "write robot.pose = (position, rotation)"
+        return (
+            reading(np.array(position), self, "pose", assign=remedy),
+            reading(np.array(rotation), self, "pose", assign=remedy),
+        )
 
     @pose.setter
     def pose(self, value: tuple[ArrayLike, ArrayLike]) -> None:
@@ -213,7 +220,7 @@ class Robot:
         """Of the origin of the frame of the base (3,) [m/s]. Assign it to give all of a floating robot
         another velocity: rates stay."""
         self._require("velocity")
-        return base_velocity(self)[0]
+        return reading(base_velocity(self)[0], self, "velocity", assign=True)
 
     @velocity.setter
     def velocity(self, value: ArrayLike) -> None:
@@ -224,7 +231,7 @@ class Robot:
         """Of the base (3,) [rad/s], world axes. Assign it to let all of a floating robot turn about the
         origin of the frame of the base, whose velocity stays, as do rates."""
         self._require("angular_velocity")
-        return base_velocity(self)[1]
+        return reading(base_velocity(self)[1], self, "angular_velocity", assign=True)
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
@@ -367,6 +374,10 @@ class Robot:
         frames = self.forward_kinematics(self.q if q is None else q)
         acceleration = vector(gravity, f"robot '{self.name}': gravity")
         return kinematics.gravity_efforts(self.description, frames, acceleration)
+
+    @property
+    def _title(self) -> str:
+        return f"robot '{self.name}'"
 
     def __repr__(self) -> str:
         return f"<stark.Robot '{self.name}': {len(self._links)} links, {len(self.coordinates)} coordinates>"

@@ -14,6 +14,7 @@ from stark.bodies import RigidBody
 from stark.handle import BodyHandle
 from stark.joints.handle import Wrench
 from stark.mesh import TriangleMesh, joined
+from stark.readings import reading
 from stark.robots.description import Link
 from stark.robots.kinematics import Placement
 from stark.robots.meshes import mesh_of
@@ -38,9 +39,11 @@ class RobotLink:
     @property
     def pose(self) -> tuple[Floats, Floats]:
         """Origin (3,) [m] and rotation (3, 3) of its frame in the world, as they are now."""
-        if self.body is None:
-            return self.offset.position, self.offset.rotation
-        return tuple(Placement(*self.body.pose).at(*self.offset))  # type: ignore[return-value]
+        place = self.offset if self.body is None else Placement(*self.body.pose).at(*self.offset)
+        return (
+            reading(np.array(place.position), self, "position"),
+            reading(np.array(place.rotation), self, "rotation"),
+        )
 
     @property
     def position(self) -> Floats:
@@ -78,6 +81,10 @@ class RobotLink:
     def _mesh(self, shapes: Sequence[Any]) -> TriangleMesh | None:
         parts = [mesh_of(shape, self.source, f"link '{self.name}'") for shape in shapes]
         return joined(parts) if parts else None
+
+    @property
+    def _title(self) -> str:
+        return f"link '{self.name}'"
 
     def __repr__(self) -> str:
         return f"<stark.robots.RobotLink '{self.name}'>"

@@ -58,8 +58,10 @@ class TelemetryError(InvalidArgument):
 
 
 def unit_of(name: str) -> str:
-    """Unit of a series; ``energy.kinetic`` has the unit of its group ``energy``. Unknown names are
-    dimensionless."""
+    """Unit of a series; ``energy.kinetic`` has the unit of its group ``energy``, and names of the user may
+    end with one, ``measured.grip [N]``. Unknown names are dimensionless."""
+    if name.startswith("measured.") and name.endswith("]") and "[" in name:
+        return name[name.rindex("[") + 1 : -1]
     return SERIES.get(name) or SERIES.get(name.split(".", 1)[0], "1")
 
 
@@ -283,7 +285,8 @@ class Telemetry:
         names = self.names
         text = io.StringIO(newline="")
         writer = csv.writer(text)
-        writer.writerow([f"{name} [{self.unit(name)}]" for name in names])
+        units = [f" [{self.unit(name)}]" for name in names]
+        writer.writerow([name.removesuffix(unit) + unit for name, unit in zip(names, units, strict=True)])
         columns = [self[name] for name in names]
         writer.writerows(
             ["" if math.isnan(value) else repr(float(value)) for value in row]

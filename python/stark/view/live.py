@@ -62,7 +62,7 @@ def _range(drives: Any, k: int, lower: float, upper: float) -> tuple[float, floa
 
 def _sets_target(slider: Any, drives: Any, k: int, later: Later) -> Callable[[Any], None]:
     def put() -> None:
-        targets = drives.target
+        targets = drives.target.copy()
         targets[k] = slider.value
         drives.target = targets
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stark.body_kinds import has_pose
 from stark.palette import body_colors
 from stark.recording.format import drawn, surface
-from stark.render.camera import auto_camera, bounds_of
+from stark.render.camera import auto_camera, bounds_of, up_of
 from stark.render.colorbar import draw_colorbar, limits_of
 from stark.render.colormaps import Colormap, linear
 from stark.render.contact_marks import FORCE, LONGEST, forces_of
@@ -28,6 +28,8 @@ OnDrag = Callable[[str, str, Any, Any], None]
 
 _BAR_SIZE = (360, 560)  # in which the scale of colours is drawn [px]
 
+_GROUND: tuple[Literal["yz", "xz", "xy"], ...] = ("yz", "xz", "xy")  # plane across each axis
+
 
 def bytes_of(color: Any) -> tuple[int, int, int]:
     """sRGB in [0, 1] as bytes."""
@@ -43,7 +45,7 @@ class Stage:
         self._server, self._sim, self._pulls, self._on_drag = server, sim, pulls, on_drag
         self._bodies = drawn(sim)
         self._colors = body_colors(self._bodies)
-        self._bounds = bounds_of([self._bodies])
+        self._bounds = bounds_of([self._bodies], up_of(sim))
         self._nodes: dict[str, Any] = {}
         self._colored: dict[str, Any] = {}
         self._marks: list[Any] = []
@@ -55,15 +57,20 @@ class Stage:
 
     def _set_up(self) -> None:
         scene, camera = self._server.scene, auto_camera(self._bounds)
-        scene.set_up_direction("+z")
+        up = self._bounds.up
+        scene.set_up_direction(up)
         start = self._server.initial_camera
         start.position, start.look_at = tuple(camera.eye), tuple(self._bounds.center)
         start.fov = camera.vertical_fov
         if not self._bounds.has_floor:
             size = 20.0 * self._bounds.radius
-            center = (self._bounds.center[0], self._bounds.center[1], self._bounds.ground)
+            middle, axis = np.array(self._bounds.center), np.array(up)
+            place = middle + (self._bounds.ground - middle @ axis) * axis
             cell = 10.0 ** np.floor(np.log10(self._bounds.radius))
-            scene.add_grid("/ground", size, size, cell_size=cell, section_size=10.0 * cell, position=center)
+            scene.add_grid(
+                "/ground", size, size, plane=_GROUND[int(np.argmax(np.abs(up)))], position=tuple(place),
+                cell_size=cell, section_size=10.0 * cell,
+            )  # fmt: skip
 
     # --- drawing ---
 

@@ -46,3 +46,5 @@ def test_unknown_formats_name_the_known_ones(tmp_path: Path) -> None:
     run = record(tmp_path / "run", 2)
     with pytest.raises(stark.recording.RecordingError, match="choose one of vtu, ply, obj, vtkhdf, usd"):
         stark.exports.export_recording(run, tmp_path / "out", "stl")
+    with pytest.raises(stark.recording.RecordingError, match="mcap; the folder comes first"):
+        stark.exports.export_recording(run, "vtu", "out")

@@ -162,6 +162,21 @@ def test_a_failed_step_pauses_and_says_why(view: Any, sim: Any, monkeypatch: pyt
     assert view.paused and "no way" in view._panel._status.content
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_the_page_stands_upright(axis: int) -> None:
+    """The camera looks from above, and the grid lies below, whatever axis is up."""
+    up = np.eye(3)[axis]
+    scene = stark.Scene()
+    scene.add_sphere(0.05, name="ball", mass=0.6, position=0.3 * up)
+    sim = stark.Simulation(scene, time_step=0.01, gravity=-9.81 * up)
+    with sim.view(port=free_port()) as view:
+        start, stage = view._server.initial_camera, view._stage
+        assert (np.array(start.position) - start.look_at) @ up > 0.05
+        grid = view._server.scene._handle_from_node_name["/ground"]
+        assert np.array(grid.position) @ up == pytest.approx(0.25, abs=0.01)
+        assert "xyz"[axis] not in grid.plane and stage._bounds.up == tuple(up)
+
+
 def test_threads_end_with_the_page(sim: Any) -> None:
     before = set(threading.enumerate())
     sim.view(port=free_port()).close()
