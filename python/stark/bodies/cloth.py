@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
 from stark import _core
 from stark.bodies.layered import LayeredBody
 from stark.materials import ShellMaterial
@@ -21,6 +26,23 @@ class Cloth(LayeredBody):
 
     def _element_count(self) -> int:
         return len(self.triangles)
+
+    # --- rest state ---
+
+    @property
+    def natural_curvature(self) -> NDArray[np.float64]:
+        """Curvature of each triangle without load (n, 3, 3) [1/m], a tensor in the axes of the mesh, beside
+        that of the rest shape; what of it lies in the triangle. Positive values bend the sheet towards its
+        normals. Numbers (n,) are the same in all directions. Assign it as ``growth``; of materials with a
+        ``flexural_rigidity``."""
+        return self._rest_value("natural_curvature")
+
+    @natural_curvature.setter
+    def natural_curvature(self, value: Any) -> None:
+        self._set_rest_value("natural_curvature", value)
+
+    def _rest_shapes(self, name: str) -> tuple[tuple[int, ...], ...]:
+        return ((), (3, 3)) if name == "natural_curvature" else super()._rest_shapes(name)
 
     @property
     def hinges(self) -> Stencils:

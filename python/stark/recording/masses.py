@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh import TetMesh
+from .element_masses import solid_masses
 
 Floats = NDArray[np.float64]
 
 
 def point_masses(body: Any) -> Floats | None:
-    """Masses of the vertices of a cloth or of a solid of linear tetrahedra with their layers, or of the nodes
-    of a rod (n,) [kg]; None for bodies whose masses are lumped in another way (quadratic and hexahedral
-    elements, rigid bodies), and for those with fibres that bend, whose frames turn with moments of their
+    """Masses of the vertices of a cloth or a solid with their layers, or of the nodes of a rod (n,) [kg];
+    None for rigid bodies, and for those with fibres that bend, whose frames turn with moments of their
     own."""
     material = body._shared.get("material")
     layers = getattr(body, "layers", [])
@@ -27,9 +26,8 @@ def point_masses(body: Any) -> Floats | None:
         areas = _areas(body.mesh.vertices, body.mesh.triangles)
         own = _lumped(body.mesh.vertices, body.mesh.triangles, density * areas, 3)
         return own + _of_layers(body.mesh.vertices, layers)
-    if body.kind == "solid" and isinstance(body.mesh, TetMesh):
-        own = _lumped(body.mesh.vertices, body.mesh.tets, density * np.abs(body.mesh.volumes), 4)
-        return own + _of_layers(body.mesh.vertices, layers)
+    if body.kind == "solid":
+        return solid_masses(body.mesh, density) + _of_layers(body.mesh.vertices, layers)
     if body.kind == "rod":
         return _of_nodes(body, material.section["mass"] * density / material._core.get("density"))
     return None

@@ -117,6 +117,19 @@ void set_rest_angles(std::span<const Vec3> X, PlateElement& element) {
   }
 }
 
+/// Of all hinges, for curvatures along and across the first edge of the triangle.
+void set_angles_of_curvature(std::span<const Vec3> X, const std::array<Point2, 7>& p, PlateElement& element) {
+  const auto& v = element.vertices;
+  const Vec3 e = normalized(X[v[1]] - X[v[0]]), d = X[v[2]] - X[v[0]];
+  const Vec3 f = normalized(d - e * dot(d, e));
+  for (int h = 0; h < element.hinge_count; ++h) {
+    const Vec3 rates = fold_rates(p, h) * -1.0;  // what rises beside an edge folds it by a negative angle
+    const Mat3 both = outer(e, f) + outer(f, e);
+    const Mat3 M = outer(e, e) * rates.x + outer(f, f) * rates.y + both * rates.z;
+    element.angle_of_curvature[h] = {M(0, 0), M(1, 1), M(2, 2), 2.0 * M(1, 2), 2.0 * M(0, 2), 2.0 * M(0, 1)};
+  }
+}
+
 template <typename Entry>
 std::array<double, 10> form_of(const PlateElement& element, const Entry& entry) {
   std::array<double, 10> form{};
@@ -150,7 +163,9 @@ PlateElement bending_element(std::span<const Vec3> X, const Index3& triangle,
   const bool wraps = hinges.size() == 2 && hinges[1].edge - hinges[0].edge == 2;  // edges 2 and 0
   PlateElement element = place_element(triangle, hinges, wraps ? 2 : hinges.front().edge);
   set_rest_angles(X, element);
-  const Mat3 C = fold_rates(unfold(X, element), element);
+  const auto places = unfold(X, element);
+  set_angles_of_curvature(X, places, element);
+  const Mat3 C = fold_rates(places, element);
   const double f = 1.0 / (area * (1.0 - nu * nu));
   const Mat3 compliance{{f, -nu * f, 0, -nu * f, f, 0, 0, 0, 2.0 / (area * (1.0 - nu))}};
   Mat3 G = C * compliance * transpose(C);
@@ -179,6 +194,7 @@ PlateElement boundary_element(std::span<const Vec3> X, const Index3& triangle,
   v[6] = far;
   set_rest_angles(X, element);
   const auto p = unfold(X, element);
+  set_angles_of_curvature(X, p, element);
   const Vec3 rates = fold_rates(p, 3);
   Vec3 share = transpose(inverse(fold_rates(p, element))) * rates;
   if (!(max_abs(share) < kLargestShare)) share = {};
@@ -206,7 +222,10 @@ class PlateBuilder {
         if (!is_whole(t) && !is_whole(hinge.neighbour) && t < hinge.neighbour) cover(t, hinge);
     const std::vector<double> areas = bending_areas();
     for (int32_t t = 0; t < triangle_count(); ++t)
-      if (bends_[t]) elements_.push_back(bending_element(X_, triangles_[t], hinges_[t], nu_, areas[t]));
+      if (bends_[t]) {
+        elements_.push_back(bending_element(X_, triangles_[t], hinges_[t], nu_, areas[t]));
+        elements_.back().triangle = t;
+      }
     return std::move(elements_);
   }
 
@@ -236,6 +255,7 @@ class PlateBuilder {
       elements_.push_back(boundary_element(X_, triangles_[whole], hinges_[whole], back->edge,
                                            a == back->opposite ? b : a, far,
                                            own_area_[t] + own_area_[crossed->neighbour]));
+      elements_.back().triangle = whole;
       return true;
     }
     return false;

@@ -32,6 +32,10 @@ struct PlateElement {
   /// By rows, the curvatures (k11 + k22)/2^(1/2), (k11 - k22)/2^(1/2), 2 k12 of unit fold angles that have
   /// the energy S [1/m].
   std::array<double, 9> curvature{};
+  int32_t triangle = -1;  ///< whose plane it is unfolded into
+  /// By hinge, its fold angle over the entries xx, yy, zz, yz, xz, xy of a curvature tensor in the axes of
+  /// the mesh, whose positive values bend the surface towards its normal [m].
+  std::array<std::array<double, 6>, 4> angle_of_curvature{};
   /// S less the form of these curvatures, as `form`: zero, except where points are near a conic section.
   std::array<double, 10> remaining_form{};
 };

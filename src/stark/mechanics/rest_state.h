@@ -23,7 +23,8 @@ inline constexpr const char* kActiveStress = "active_stress";
 /// Of solids and shells, in the axes of the mesh; what of it lies in the triangle of a shell.
 inline constexpr const char* kFiberDirection = "fiber_direction";
 inline constexpr const char* kActiveForce = "active_force";  ///< [N] of rods, along the rod
-/// [1/m] of rods, about d1 and d2, beside the curvature of the rest shape.
+/// [1/m] beside the curvature of the rest shape: of rods 2 numbers, about d1 and d2, of shells a tensor of 9
+/// in the axes of the mesh, what of it lies in the triangle.
 inline constexpr const char* kNaturalCurvature = "natural_curvature";
 inline constexpr const char* kNaturalTwist = "natural_twist";  ///< [rad/m] of rods
 

@@ -5,10 +5,16 @@
 
 #include <stark/geometry/topology.h>
 #include <stark/mechanics/plate_element.h>
+#include <stark/mechanics/rest_state.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
+
+namespace models {
+PotentialDefinition curling_plate(int hinges);
+PotentialDefinition curling_plastic_plate(int hinges);
+}  // namespace models
 
 namespace {
 
@@ -37,7 +43,8 @@ void set_curvature(PotentialBatch& batch, int64_t e, const PlateElement& element
   batch.set("area", e, element.area);
 }
 
-PotentialDefinition plate_of(int hinges, bool yields) {
+PotentialDefinition plate_of(int hinges, bool yields, bool curls) {
+  if (curls) return yields ? models::curling_plastic_plate(hinges) : models::curling_plate(hinges);
   switch (hinges) {
     case 1:
       return yields ? models::plastic_plate_1() : models::plate_bending_1();
@@ -48,6 +55,14 @@ PotentialDefinition plate_of(int hinges, bool yields) {
     default:
       return models::plate_bending_4();
   }
+}
+
+/// Of an element, that of its triangle: 9 numbers each.
+void set_natural_curvature(PotentialBatch& batch, int64_t e, const PlateElement& element,
+                           std::span<const double> values) {
+  batch.set(rest_state::kNaturalCurvature, e, values.subspan(9 * element.triangle, 9));
+  for (int h = 0; h < element.hinge_count; ++h)
+    batch.set("angle_of_curvature" + std::to_string(h), e, element.angle_of_curvature[h]);
 }
 
 }  // namespace
@@ -89,6 +104,8 @@ void Model::Builder::add_plate(const ClothDescription& sheet, const ModelBody& b
                                const std::string& name) {
   const ShellMaterial& material = sheet.material;
   const BendingYield yield = bending_yield_of(material);
+  const auto natural = sheet.rest_state.find(rest_state::kNaturalCurvature);
+  const bool curls = natural != sheet.rest_state.end();
   const auto elements =
       find_plate_elements(sheet.mesh.vertices, sheet.mesh.triangles, material.poissons_ratio);
   for (int hinges = 1; hinges <= 4; ++hinges) {
@@ -103,12 +120,17 @@ void Model::Builder::add_plate(const ClothDescription& sheet, const ModelBody& b
     const bool yields = std::isfinite(yield.moment) && hinges < 4;
     for (const bool plastic : {true, false}) {  // of what yields the second one is the damping
       if (plastic ? !yields : yields && material.bending_damping == 0.0) continue;
-      PotentialBatch& batch = add_batch(plate_of(hinges, plastic), stencils, name);
+      PotentialBatch& batch = add_batch(plate_of(hinges, plastic, curls), stencils, name);
+      if (curls) {
+        std::vector<int32_t>& triangles = energies.batches.back().subject;
+        for (const PlateElement* element : chosen) triangles.push_back(element->triangle);
+      }
       for (size_t k = 0; k < chosen.size(); ++k) {
         const auto e = static_cast<int64_t>(k);
         set_rest_angles(batch, e, *chosen[k], sheet.rest_angles);
         set_form(batch, e, plastic ? chosen[k]->remaining_form : chosen[k]->form, hinges);
         if (plastic) set_curvature(batch, e, *chosen[k]);
+        if (curls) set_natural_curvature(batch, e, *chosen[k], natural->second.values);
       }
       batch.set_uniform("flexural_rigidity", yields && !plastic ? 0.0 : material.flexural_rigidity);
       if (plastic) {

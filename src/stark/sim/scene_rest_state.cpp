@@ -55,6 +55,22 @@ void check_fibers(std::string_view owner, const FieldValues& fibers, const Trian
   }
 }
 
+void check_curl(std::string_view owner, const FieldValues& curvature, const ClothDescription& sheet) {
+  const std::string title = std::string(owner) + ": natural_curvature";
+  if (!(sheet.material.flexural_rigidity > 0.0))
+    throw InvalidArgument(title +
+                          ": needs a material that bends as a plate: give it a flexural_rigidity "
+                          "instead of a bending_stiffness");
+  if (curvature.values.size() != 9 * sheet.mesh.triangles.size())
+    throw InvalidArgument(title + ": got " + std::to_string(curvature.values.size()) +
+                          " numbers: must be a tensor of 9 for each triangle");
+  for (size_t e = 0; e < sheet.mesh.triangles.size(); ++e) {
+    const double* K = curvature.values.data() + 9 * e;
+    if (K[1] != K[3] || K[2] != K[6] || K[5] != K[7])
+      throw InvalidArgument(title + "[" + std::to_string(e) + "]: must be symmetric; give (K + K^T)/2");
+  }
+}
+
 template <typename Description>
 void merge(std::string_view owner, Description& body, const ParameterValues& values) {
   if (body.law)
@@ -105,6 +121,9 @@ void Scene::check_rest_state(BodyId id, const ParameterValues& values) const {
     check_growth(owner, growth->second, solid_mesh(id) != nullptr);
   if (const auto fibers = values.find(rest_state::kFiberDirection); fibers != values.end())
     check_fibers(owner, fibers->second, kind(id) == BodyKind::Cloth ? &cloth(id).mesh : nullptr);
+  if (const auto curl = values.find(rest_state::kNaturalCurvature);
+      curl != values.end() && kind(id) == BodyKind::Cloth)
+    check_curl(owner, curl->second, cloth(id));
   const auto heat = values.find(rest_state::kTemperature);
   if (heat == values.end()) return;
   visit(id, [&](const auto& body) {

@@ -43,7 +43,20 @@ void Simulation::set_rest_state(BodyId body, const std::string& name, std::span<
     set_values(elements.batch, changed);
     after += parts_->ledger.stored_energy(elements, x);
   };
-  for (ModelBatch& elements : energies_.batches) set(elements, elements.batch.potential(), elements.owner);
+  const auto set_bending = [&](ModelBatch& elements) {
+    const PotentialBatch& batch = elements.batch;
+    if (elements.owner != scene_.name(body) || !has_field(batch.potential(), name)) return;
+    const size_t width = values.size() / scene_.surface_triangles(body).size();
+    before += parts_->ledger.stored_energy(elements, x);
+    for (size_t e = 0; e < elements.subject.size(); ++e)
+      elements.batch.set(name, static_cast<int64_t>(e), values.subspan(width * elements.subject[e], width));
+    after += parts_->ledger.stored_energy(elements, x);
+  };
+  for (ModelBatch& elements : energies_.batches)
+    if (elements.is_inertia() || elements.subject.empty())
+      set(elements, elements.batch.potential(), elements.owner);
+    else
+      set_bending(elements);
   for (ModelQuadrature& elements : energies_.quadrature)
     set(elements, elements.batch.law().potential(), elements.body);
   parts_->placing.add_energy(after - before);

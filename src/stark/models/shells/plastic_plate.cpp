@@ -30,11 +30,11 @@ Scalar curvature_rate(PotentialBuilder& b, int i, int k) {
   return b.data("curvature" + std::to_string(i) + std::to_string(k), "1/m", "curvature of a unit fold angle");
 }
 
-PotentialDefinition plastic_plate(int hinges) {
+PotentialDefinition plastic_plate(int hinges, bool curls = false) {
   PotentialDefinition definition = define_potential(
       "plastic_plate_" + std::to_string(hinges), 3 + hinges,
       "bending of a triangle with " + std::to_string(hinges) + " hinges as a plate that yields",
-      [hinges](PotentialBuilder& b) {
+      [hinges, curls](PotentialBuilder& b) {
         const Scalar D = b.parameter("flexural_rigidity", "N m", "rigidity of the plate");
         const Scalar nu = b.parameter("poissons_ratio", "1", "Poisson's ratio", half_open_interval(0.0, 0.5));
         const Scalar yield = b.parameter("bending_yield_moment", "N", "moment per length at which it yields",
@@ -46,7 +46,7 @@ PotentialDefinition plastic_plate(int hinges) {
         const auto before = b.internal("plastic_curvature", {0.0, 0.0, 0.0}, "1/m",
                                        "plastic curvatures: sum and difference over the root of 2, twist");
         const Scalar p = b.internal("plastic_work", {0.0}, "J", "plastic work as without hardening")[0];
-        const std::vector<Scalar> bend = plate_bend(b, hinges);
+        const std::vector<Scalar> bend = plate_bend(b, hinges, curls);
         const PlateYield plate = plate_yield(D, nu, area, yield);
         std::array<Scalar, 3> trial;
         std::vector<YieldingStrain> strains;
@@ -79,6 +79,8 @@ PotentialDefinition plastic_plate(int hinges) {
 }
 
 }  // namespace
+
+PotentialDefinition curling_plastic_plate(int hinges) { return plastic_plate(hinges, true); }
 
 PotentialDefinition plastic_plate_1() { return plastic_plate(1); }
 PotentialDefinition plastic_plate_2() { return plastic_plate(2); }

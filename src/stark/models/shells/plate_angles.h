@@ -6,9 +6,13 @@
 #include <vector>
 
 #include <stark/mechanics/plate_element.h>
+#include <stark/mechanics/rest_state.h>
 #include <stark/models/shells/hinge.h>
 
 namespace stark::models {
+
+/// Data by hinge: PlateElement::angle_of_curvature.
+inline constexpr const char* kAngleOfCurvature = "angle_of_curvature";
 
 template <typename Point>
 Scalar plate_angle(int k, const Point& point) {
@@ -16,12 +20,23 @@ Scalar plate_angle(int k, const Point& point) {
   return fold_angle(hinge(point(a), point(b), point(c), point(o)));
 }
 
-/// Fold angles less those at rest [rad].
-inline std::vector<Scalar> plate_bend(PotentialBuilder& b, int hinges) {
+/// Fold angle of a hinge without load: of a tensor of natural curvature, which its triangle has. [theory eq.
+/// 15g]
+inline Scalar natural_angle(PotentialBuilder& b, int hinge) {
+  const auto K = b.data_array(rest_state::kNaturalCurvature, 9, "1/m", "curvature without load, a tensor");
+  const auto rates = b.data_array(kAngleOfCurvature + std::to_string(hinge), 6, "m", "of unit curvatures");
+  const Scalar diagonal = rates[0] * K[0] + rates[1] * K[4] + rates[2] * K[8];
+  return diagonal + rates[3] * K[5] + rates[4] * K[2] + rates[5] * K[1];
+}
+
+/// Fold angles less those at rest [rad]; curls: with a natural curvature.
+inline std::vector<Scalar> plate_bend(PotentialBuilder& b, int hinges, bool curls) {
   std::vector<Scalar> bend;
-  for (int k = 0; k < hinges; ++k)
+  for (int k = 0; k < hinges; ++k) {
     bend.push_back(plate_angle(k, [&](int i) { return b.x(i); }) -
                    b.data("rest_angle" + std::to_string(k), "rad", "fold angle at rest"));
+    if (curls) bend.back() = bend.back() - natural_angle(b, k);
+  }
   return bend;
 }
 

@@ -7,18 +7,18 @@ namespace stark::models {
 
 namespace {
 
-PotentialDefinition plate_bending(int hinges) {
+PotentialDefinition plate_bending(int hinges, bool curls = false) {
   PotentialDefinition definition = define_potential(
       "plate_bending_" + std::to_string(hinges), 3 + hinges,
       "bending of a triangle with " + std::to_string(hinges) + " hinges as a plate",
-      [hinges](PotentialBuilder& b) {
+      [hinges, curls](PotentialBuilder& b) {
         const Scalar D = b.parameter("flexural_rigidity", "N m", "rigidity of the plate");
         const Scalar d = b.parameter("bending_damping", "J s", "viscosity of the fold angle rate");
         std::vector<Scalar> turn;
         for (int k = 0; k < hinges; ++k)
           turn.push_back(plate_angle(k, [&](int i) { return b.x(i); }) -
                          plate_angle(k, [&](int i) { return b.x_prev(i); }));
-        return D * plate_form(b, plate_bend(b, hinges)) + d / b.time_step() * plate_form(b, turn);
+        return D * plate_form(b, plate_bend(b, hinges, curls)) + d / b.time_step() * plate_form(b, turn);
       });
   definition.sample = [hinges](std::mt19937_64& random) { return sample_plate(hinges, random); };
   return definition;
@@ -44,6 +44,8 @@ PotentialSample sample_plate(int hinges, std::mt19937_64& random) {
   }
   return sample;
 }
+
+PotentialDefinition curling_plate(int hinges) { return plate_bending(hinges, true); }
 
 PotentialDefinition plate_bending_1() { return plate_bending(1); }
 PotentialDefinition plate_bending_2() { return plate_bending(2); }

@@ -8,7 +8,8 @@ namespace stark {
 namespace {
 
 constexpr std::string_view kRestFields[]{rest_state::kGrowth, rest_state::kTemperature,
-                                         rest_state::kFiberDirection, rest_state::kActiveStress};
+                                         rest_state::kFiberDirection, rest_state::kActiveStress,
+                                         rest_state::kNaturalCurvature};
 
 std::vector<double> vertex_masses(const Scene& scene, BodyId body) {
   return lumped_masses(scene.cloth(body));
