@@ -101,7 +101,7 @@ TEST_CASE("pairs of edges that cannot act are left out of the lists, and none th
   for (double& s : separation) s *= 1e-3;
   CandidateSearch search(mesh, bench.filter, bench.distance, bench.pool, bench.timer);
   search.set_edges(ranges, separation);
-  const std::vector<PrimitivePair>& distant = search.distant_edges();
+  const std::vector<PrimitivePair>& distant = search.distant_edges()[PairKind::EdgeEdge];
   std::vector<Vec3> x = bench.builder.x;
   size_t acting = 0, left_out = 0;
   int limited = 0;

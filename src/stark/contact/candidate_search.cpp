@@ -35,8 +35,8 @@ std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
 
 struct Candidates {
   CandidateList list;
-  std::vector<PrimitivePair> distant_edges;  ///< that cannot act or meet within the margins
-  std::vector<Vec3> x;                       ///< where each site was when its pairs were found
+  CandidateList distant;  ///< pairs of edges that cannot act or meet within the margins
+  std::vector<Vec3> x;    ///< where each site was when its pairs were found
 };
 
 }  // namespace
@@ -51,8 +51,7 @@ struct CandidateSearch::Implementation {
   Candidates current{}, trial{};
   std::shared_ptr<const EdgeRanges> edge_ranges{};
   std::vector<double> separation{};  ///< by group [m]
-  CandidateList on_way{}, found{};
-  std::vector<PrimitivePair> distant_edges{};  ///< taken from found
+  CandidateList on_way{}, found{}, found_distant{};
   std::vector<uint8_t> moved{}, moved_in_trial{};
   std::vector<PrimitivePair> still{};
   ContactCounters counters{};
@@ -68,13 +67,11 @@ struct CandidateSearch::Implementation {
   void renew_nearer(std::span<const Vec3> x, Candidates& out);
   /// Whether two edges are too far apart to act, or for collision detection, before a site leaves its margin.
   bool is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const;
-  /// Moves pairs of edges from `found` to `distant_edges`.
+  /// Moves pairs of edges from `found` to `found_distant`.
   void part_edges(std::span<const Vec3> x);
-  void merge(const CandidateList& base, std::span<const uint8_t> marked, CandidateList& out);
   /// Pairs of `base` without marked sites, and those found anew.
-  template <PairKind kind>
-  void merge(const std::vector<PrimitivePair>& base, const std::vector<PrimitivePair>& anew,
-             std::span<const uint8_t> marked, std::vector<PrimitivePair>& out);
+  void merge(const CandidateList& base, const CandidateList& anew, std::span<const uint8_t> marked,
+             CandidateList& out);
 };
 
 CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<const double> group_distance,
@@ -108,9 +105,7 @@ void CandidateSearch::set_edges(std::shared_ptr<const EdgeRanges> ranges,
   implementation_->separation.assign(group_separation.begin(), group_separation.end());
 }
 
-const std::vector<PrimitivePair>& CandidateSearch::distant_edges() const {
-  return implementation_->current.distant_edges;
-}
+const CandidateList& CandidateSearch::distant_edges() const { return implementation_->current.distant; }
 
 bool CandidateSearch::Implementation::covers(const Candidates& candidates, std::span<const Vec3> x) const {
   if (candidates.x.empty()) return false;
@@ -136,7 +131,7 @@ int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std:
 bool CandidateSearch::Implementation::is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const {
   using Row = PairRow<PairKind::EdgeEdge>;
   const PrimitivePair groups = Row::groups(mesh(), edges);
-  const double margins = (reach[groups.first] + reach[groups.second]) * kMarginFactor / (1.0 + kMarginFactor);
+  const double margins = margin[mesh().edges[edges.first][0]] + margin[mesh().edges[edges.second][0]];
   const double distance = margins / kMarginFactor;
   const double kept = separation[groups.first] + separation[groups.second];
   const double acts = std::max((*edge_ranges)(edges.first, edges.second) * distance, kEdgesBear * kept);
@@ -145,40 +140,33 @@ bool CandidateSearch::Implementation::is_distant(const PrimitivePair& edges, std
 }
 
 void CandidateSearch::Implementation::part_edges(std::span<const Vec3> x) {
-  distant_edges.clear();
+  std::vector<PrimitivePair>&edges = found[PairKind::EdgeEdge], &distant = found_distant[PairKind::EdgeEdge];
+  distant.clear();
   if (edge_ranges == nullptr) return;
-  std::vector<PrimitivePair>& edges = found[PairKind::EdgeEdge];
-  const auto count = static_cast<int64_t>(edges.size());
-  std::vector<uint8_t> distant(edges.size());
-  pool.for_each_range(count, kPairsPerTask, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) distant[i] = is_distant(edges[i], x);
+  std::vector<uint8_t> is_far(edges.size());
+  pool.for_each_range(static_cast<int64_t>(edges.size()), kPairsPerTask, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) is_far[i] = is_distant(edges[i], x);
   });
   size_t near = 0;
   for (size_t i = 0; i < edges.size(); ++i)
-    if (distant[i] != 0)
-      distant_edges.push_back(edges[i]);
+    if (is_far[i] != 0)
+      distant.push_back(edges[i]);
     else
       edges[near++] = edges[i];
   edges.resize(near);
 }
 
-template <PairKind kind>
-void CandidateSearch::Implementation::merge(const std::vector<PrimitivePair>& base,
-                                            const std::vector<PrimitivePair>& anew,
-                                            std::span<const uint8_t> marked,
-                                            std::vector<PrimitivePair>& out) {
-  still.clear();
-  std::ranges::copy_if(base, std::back_inserter(still), [&](const PrimitivePair& pair) {
-    return std::ranges::none_of(PairRow<kind>::vertices(mesh(), pair),
-                                [&](int32_t site) { return marked[site] != 0; });
+void CandidateSearch::Implementation::merge(const CandidateList& base, const CandidateList& anew,
+                                            std::span<const uint8_t> marked, CandidateList& out) {
+  for_each_pair_kind([&](auto kind) {
+    still.clear();
+    std::ranges::copy_if(base[kind], std::back_inserter(still), [&](const PrimitivePair& pair) {
+      return std::ranges::none_of(PairRow<kind.value>::vertices(mesh(), pair),
+                                  [&](int32_t site) { return marked[site] != 0; });
+    });
+    out[kind].resize(still.size() + anew[kind].size());
+    std::ranges::merge(still, anew[kind], out[kind].begin());
   });
-  out.resize(still.size() + anew.size());
-  std::ranges::merge(still, anew, out.begin());
-}
-
-void CandidateSearch::Implementation::merge(const CandidateList& base, std::span<const uint8_t> marked,
-                                            CandidateList& out) {
-  for_each_pair_kind([&](auto kind) { merge<kind.value>(base[kind], found[kind], marked, out[kind]); });
 }
 
 void CandidateSearch::Implementation::renew(const Candidates& base, std::span<const uint8_t> marked,
@@ -192,8 +180,8 @@ void CandidateSearch::Implementation::renew(const Candidates& base, std::span<co
   for (double& r : rim) r *= 1.0 + kRounding;
   remove_distant(mesh(), rim, out.x, pool, found);
   part_edges(out.x);
-  merge(base.list, marked, out.list);
-  merge<PairKind::EdgeEdge>(base.distant_edges, distant_edges, marked, out.distant_edges);
+  merge(base.list, found, marked, out.list);
+  merge(base.distant, found_distant, marked, out.distant);
   ++counters.candidate_builds;
 }
 
@@ -239,7 +227,7 @@ const CandidateList& CandidateSearch::on_way(std::span<const Vec3> x0, std::span
     self.counters.sites += self.moved[site];
   }
   self.broad_phase.find_swept(x0, x1, group_separation, self.pool, self.found, self.moved);
-  self.merge(current.list, self.moved, self.on_way);
+  self.merge(current.list, self.found, self.moved, self.on_way);
   ++self.counters.swept_builds;
   return self.on_way;
 }

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include <stark/base/thread_pool.h>
 #include <stark/base/timer.h>
@@ -39,7 +38,7 @@ class CandidateSearch {
   /// All pairs that act with sites at x, and others, sorted. A reference to what the next call may change.
   const CandidateList& at(std::span<const Vec3> x);
   /// Pairs of edges that it leaves out although they are within their contact distance, and others, sorted.
-  const std::vector<PrimitivePair>& distant_edges() const;
+  const CandidateList& distant_edges() const;
   /// The same as at(); its list stays, and that of a trial point is at hand where at() asks for it next.
   const CandidateList& at_trial(std::span<const Vec3> x);
   /// All pairs that come within the sum of their groups' separations [m] on the straight way from x0 to x1,

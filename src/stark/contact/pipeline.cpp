@@ -421,13 +421,11 @@ const std::vector<Contact>& ContactPipeline::find_contacts_at(std::span<const Ve
   if (is_found_ && std::ranges::equal(x, x_found_)) return found_;
   is_found_ = false;
   const CandidateList& candidates = search_.at(x);
-  CandidateList distant;
-  distant[PairKind::EdgeEdge] = search_.distant_edges();
   CloseBodies close = std::exchange(geometry_.close, {});
   std::shared_ptr<const EdgeRanges> ranges = std::exchange(geometry_.edge_ranges, {});
   find_contacts(geometry_, candidates, x, pool_, found_);
   std::vector<Contact> edges;
-  find_contacts(geometry_, distant, x, pool_, edges);
+  find_contacts(geometry_, search_.distant_edges(), x, pool_, edges);
   found_.insert(found_.end(), edges.begin(), edges.end());
   x_found_.assign(x.begin(), x.end());
   is_found_ = true;

@@ -55,11 +55,11 @@ class StepRunner : private StepPart {
   void commit(double h);
   void commit_contact(double h);
   void fail();
-  /// Of the last attempt.
   /// Whether a step that fails is not halved any more.
   bool is_shortest(double h) const { return 0.5 * h < settings_.time.min_step; }
   /// Whether something that is free to move did so faster than light in an attempt of length h [s].
   bool is_faster_than_light(double h) const;
+  /// Of the last attempt.
   Diagnosis diagnose();
   void finish_report(StepStatus status);
 
