@@ -150,6 +150,14 @@ class Flex:
     """[m], of a cloth."""
     bends: bool = True
     """Whether a cloth resists bending."""
+    flexural_rigidity: float | None = None
+    """Of a cloth [N m]; None: that of a plate of its modulus and thickness."""
+    start: Floats | None = None
+    """Where it starts (n, 3) [m], if not at rest."""
+    folds_at_rest: bool = False
+    """Whether a cloth keeps the folds of its shape at rest; it is flat otherwise."""
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """At the start [m/s], in the frame of the link."""
     damping: float = 0.0
     """Of strain, over the modulus [s]."""
     radius: float = 0.0

@@ -49,6 +49,8 @@ def add_flex(
         "rotation": carrier.in_world.rotation,
         "self_contact": flex.touches_itself and contact,
         "color": flex.color,
+        "velocity": carrier.in_world.rotation @ np.array(flex.velocity),
+        "initial_positions": flex.start,
         **given,
     }
     if flex.radius > 0.0:
@@ -61,12 +63,12 @@ def add_flex(
         mesh = oriented(TetMesh(flex.vertices, flex.cells))
         body = scene.add_solid(mesh, _solid(flex, report, title), **options)
     else:
-        body = scene.add_cloth(
-            TriangleMesh(flex.vertices, flex.cells), _shell(flex, report, title), **options
-        )
+        sheet, angles = TriangleMesh(flex.vertices, flex.cells), "mesh" if flex.folds_at_rest else "flat"
+        body = scene.add_cloth(sheet, _shell(flex, report, title), rest_angles=angles, **options)
     report.add("kept", title, f"a {body.kind} of {len(flex.vertices)} vertices and {flex.mass:g} kg")
     if carrier.body is not None and held:
-        at = flex.vertices[held] @ carrier.in_body.rotation.T + carrier.in_body.position
+        shape = flex.vertices if flex.start is None else flex.start
+        at = shape[held] @ carrier.in_body.rotation.T + carrier.in_body.position
         scene.attach(body.vertices[held], carrier.body.points(at), name=f"{name}.held")
     if held:
         report.add("kept", title, f"{len(held)} vertices are fixed to '{flex.link}'")
@@ -100,7 +102,8 @@ def _shell(flex: Flex, report: Report, title: str) -> ShellMaterial:
         mass_damping=0.0,
         strain_damping=flex.damping * flex.youngs_modulus * flex.thickness,
     )
-    return material if flex.bends else material.replace(flexural_rigidity=0.0)
+    rigidity = flex.flexural_rigidity if flex.bends else 0.0
+    return material if rigidity is None else material.replace(flexural_rigidity=rigidity)
 
 
 def _ratio(flex: Flex, report: Report, title: str) -> float:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
 from stark.robots.checks import check_inertias
-from stark.robots.description import Geometry, Inertia, Link, RobotDescription, RobotJoint
+from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.inertias import inertia_of
+from stark.robots.usd_deformables import DEFORMABLE, Owner, applied, read_deformables
 from stark.robots.usd_joints import Side, UsdJoint, joints_of
 from stark.robots.usd_stage import Frame, Stage, turn
 
@@ -44,7 +45,8 @@ class _Reader:
         self.stage, self.report, self.pxr = stage, stage.report, stage.pxr
         self.prims = stage.prims()
         self.bodies = self._bodies()
-        if not self.bodies:
+        self.deformables = [str(prim.GetPath()) for prim in self.prims if DEFORMABLE in applied(prim)]
+        if not self.bodies and not self.deformables:
             self._refuse(
                 "stage", "has no prim with PhysicsRigidBodyAPI: must have a body; add the schema to it"
             )
@@ -52,6 +54,17 @@ class _Reader:
         self.joints = joints_of(stage, self.prims, self._owner)
 
     def read(self, name: str) -> RobotDescription:
+        prim = self.stage.usd.GetDefaultPrim()
+        name = prim.GetName() if prim else name
+        return self._robot_of(name) if self.bodies else self._soft(name)
+
+    def _soft(self, name: str) -> RobotDescription:
+        """Of a file with nothing but deformable bodies: they stand in the world."""
+        world = Owner("world", np.zeros(3), np.eye(3))
+        flexes = read_deformables(self.stage, self.prims, world, lambda prim: world)
+        return RobotDescription(name, [Link("world")], [], report=self.report, flexes=flexes)
+
+    def _robot_of(self, name: str) -> RobotDescription:
         used = self._robot()
         inside = [joint for joint in self.joints if used.intersection(joint.bodies)]
         grounded = [joint for joint in inside if len(joint.bodies) == 1]
@@ -81,16 +94,31 @@ class _Reader:
         self._close(rest)
         self._report_dropped()
         check_inertias([link for link in links if link.name != "world"], self.report)
-        prim = self.stage.usd.GetDefaultPrim()
         return RobotDescription(
-            prim.GetName() if prim else name,
+            name,
             links,
             joints,
             excluded=self._excluded(used),
             base="fixed" if grounded else "floating",
             placement=placement,
             report=self.report,
+            flexes=self._flexes(used, root if held else "" if grounded else None, root),
         )
+
+    def _flexes(self, used: set[str], ground: str | None, root: str) -> list[Flex]:
+        """``ground``: body that stands for the world, "" for a link of that name, None if there is none."""
+
+        def owner(path: str) -> Owner:
+            if not path:
+                return Owner("world", np.zeros(3), np.eye(3))
+            body = self.bodies[path]
+            return Owner(body.name, body.frame.position, body.frame.rotation)
+
+        def owner_of(prim: Any) -> Owner | None:
+            path = self._owner(prim) or ground
+            return owner(path) if path == "" or path in used else None
+
+        return read_deformables(self.stage, self.prims, owner(root if ground is None else ground), owner_of)
 
     # --- bodies ---
 
@@ -130,7 +158,7 @@ class _Reader:
 
     def _add_shapes(self) -> None:
         for prim in self.prims:
-            if not prim.IsA(self.pxr.UsdGeom.Gprim):
+            if not prim.IsA(self.pxr.UsdGeom.Gprim) or self._deforms(prim):
                 continue
             owner = self._owner(prim)
             purpose = self.pxr.UsdGeom.Imageable(prim).ComputePurpose()
@@ -145,6 +173,10 @@ class _Reader:
             shape = self.stage.shape(prim, body.frame, f"body '{body.name}'")
             if shape is not None:
                 body.shapes.append((prim, shape))
+
+    def _deforms(self, prim: Any) -> bool:
+        path = str(prim.GetPath()) + "/"
+        return any(path.startswith(root + "/") for root in self.deformables)
 
     def _collides(self, prim: Any) -> bool:
         api = self.pxr.UsdPhysics.CollisionAPI
