@@ -40,7 +40,9 @@ class Draw:
         return self._data[self._at - 1] if self._at <= len(self._data) else 0
 
     def integer(self, count: int) -> int:
-        """In [0, count)."""
+        """In [0, count). Raises IndexError where there is nothing to choose from."""
+        if count == 0:
+            raise IndexError("nothing to choose from")
         return (self.byte() * 256 + self.byte()) % count if count > 256 else self.byte() % count
 
     def pick(self, choices: Sequence[T]) -> T:

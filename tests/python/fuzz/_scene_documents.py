@@ -209,8 +209,6 @@ def _number(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
 
 def _formula(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     """An operation, an operand or an output of a formula is another one."""
-    if not given["formulas"]:  # emptied by a damage before this one
-        return
     row = draw.pick(given["formulas"])
     k = draw.integer(len(row["nodes"]))
     node = row["nodes"][k]
