@@ -25,7 +25,11 @@ FilledSample slip_sample() {
            {"weight1", {-1.0}},
            {"deflection", {0, 0, 0}},
            {"slope", {0.0}},
-           {"majorant", {0.0}},
+           {"pull", {0, 0, 0}},
+           {"way", {1, 0, 0}},
+           {"pull_at_iterate", {0.0}},
+           {"way_at_iterate", {0.0}},
+           {"is_model", {0.0}},
            {"stick_displacement", {kEps}}}};
 }
 

@@ -248,27 +248,69 @@ TEST_CASE("sticking contact holds by the static coefficient, sliding contact by 
   CHECK(set.residual(contacts, {{{0, 0, 8}}}, coefficients) == doctest::Approx(1.0));
 }
 
-TEST_CASE("majorants have the gradients of the energies and lie above them") {
+namespace {
+
+/// Curvature of a batch of one element along a motion of its first point [N/m], by differences.
+double curvature_along(const PotentialBatch& batch, std::span<const Vec3> x, const Vec3& t) {
+  constexpr double h = 1e-3 * kStick;
+  std::vector<Vec3> ahead(x.begin(), x.end()), behind = ahead;
+  ahead[0] += t * h;
+  behind[0] += t * -h;
+  return (batch.energies(ahead)[0] - 2.0 * batch.energies(x)[0] + batch.energies(behind)[0]) / (h * h);
+}
+
+void check_gradients(const PotentialBatch& model, const PotentialBatch& friction, std::span<const Vec3> x) {
+  const std::vector<double> a = model.evaluate(symbolic::Order::Gradient, x),
+                            b = friction.evaluate(symbolic::Order::Gradient, x);
+  for (size_t i = 1; i < a.size(); ++i) CHECK(std::fabs(a[i] - b[i]) < 1e-6 * kMu * 10.0);
+}
+
+}  // namespace
+
+TEST_CASE("models have the gradients of the energies, and at rest in a point their curvature") {
+  const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Vec3> axes{{1, 0, 0}, {0, 1, 0}, normalized(Vec3{1, 1, 0})};
+  for (const double slip : {0.3, 0.9, 1.1, 20.0}) {
+    FrictionSet set = make_set();
+    begin(set, start);
+    set.reset({contact_of(4)}, std::vector<Vec3>{{0, 0, 10}}, coefficient, start);
+    std::vector<Vec3> x = start;
+    x[0] += Vec3{0.6, 0.8, 0.0} * (slip * kStick);
+    // Without a force the model is the parabola above the energy ...
+    const PotentialBatch& friction = *set.batches().front();
+    check_gradients(*set.models(x).front(), friction, x);
+    const double largest = curvature_along(friction, x, {-0.8, 0.6, 0.0});
+    for (const Vec3& t : axes)
+      CHECK(curvature_along(*set.models(x).front(), x, t) == doctest::Approx(largest).epsilon(1e-6));
+    // ... and with iterates that come closer to each other it becomes the energy's own.
+    double way = 1e-3;
+    for (int k = 0; k < 6; ++k, way *= 0.01) {
+      std::vector<Vec3> y = x;
+      y[0] += Vec3{0.7, -0.2, 0.0} * (way * kStick);
+      check_gradients(*set.models(y).front(), friction, y);
+      x = y;
+    }
+    for (const Vec3& t : axes)
+      CHECK(curvature_along(*set.models(x).front(), x, t) ==
+            doctest::Approx(curvature_along(friction, x, t)).epsilon(1e-5).scale(largest));
+  }
+}
+
+TEST_CASE("models are convex on any way") {
   const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   FrictionSet set = make_set();
   begin(set, start);
   set.reset({contact_of(4)}, std::vector<Vec3>{{0, 0, 10}}, coefficient, start);
-  const auto energy = [](const PotentialBatch& batch, std::span<const Vec3> x) {
-    return batch.evaluate(symbolic::Order::Energy, x)[0];
-  };
-  for (const double slip : {0.0, 0.3, 0.9, 1.1, 20.0}) {
+  RandomPoints random(5);
+  for (int k = 0; k < 200; ++k) {
     std::vector<Vec3> x = start;
-    x[0].x += slip * kStick;
-    const PotentialBatch& majorant = *set.majorants(x).front();
-    const PotentialBatch& friction = *set.batches().front();
-    const std::vector<double> a = majorant.evaluate(symbolic::Order::Gradient, x),
-                              b = friction.evaluate(symbolic::Order::Gradient, x);
-    for (size_t i = 1; i < a.size(); ++i) CHECK(std::fabs(a[i] - b[i]) < 1e-6 * kMu * 10.0);
-    const double offset = energy(majorant, x) - energy(friction, x);
-    for (const double other : {0.0, 0.5, 1.0, 3.0, 40.0}) {
-      std::vector<Vec3> y = start;
-      y[0].x += other * kStick;
-      CHECK(energy(majorant, y) - offset >= energy(friction, y) - 1e-12);
+    const Vec3 away = random.point() * std::pow(10.0, k % 5 - 2.0);
+    x[0] += Vec3{away.x, away.y, 0.0} * kStick;
+    const PotentialBatch& model = *set.models(x).front();
+    const double scale = curvature_along(model, x, {1, 0, 0}) + curvature_along(model, x, {0, 1, 0});
+    for (int trial = 0; trial < 8; ++trial) {
+      const double angle = 0.4 * trial;
+      CHECK(curvature_along(model, x, {std::cos(angle), std::sin(angle), 0.0}) >= -1e-5 * scale);
     }
   }
 }
@@ -317,27 +359,22 @@ TEST_CASE("anisotropic friction has its axes on the surface and its limits form 
   }
 }
 
-TEST_CASE("anisotropic majorants have the gradients of the energies and lie above them") {
+TEST_CASE("models of anisotropic friction have its gradients, and its curvature once they know its force") {
   FrictionSet set = make_anisotropic_set();
   const std::vector<Vec3> start{{0.3, 0.3, 0.1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const auto energy = [](const PotentialBatch& batch, std::span<const Vec3> x) {
-    return batch.evaluate(symbolic::Order::Energy, x)[0];
-  };
-  RandomPoints random(8);
   for (const double slip : {0.3, 0.9, 4.0}) {
     std::vector<Vec3> x = start;
     x[0] += Vec3{0.5, -0.9, 0} * (slip * kStick);
-    const PotentialBatch& majorant = *set.majorants(x).front();
     const PotentialBatch& friction = *set.batches().front();
-    const std::vector<double> a = majorant.evaluate(symbolic::Order::Gradient, x),
-                              b = friction.evaluate(symbolic::Order::Gradient, x);
-    for (size_t i = 1; i < a.size(); ++i) CHECK(std::fabs(a[i] - b[i]) < 1e-6 * 5.0);
-    const double offset = energy(majorant, x) - energy(friction, x);
-    for (int trial = 0; trial < 20; ++trial) {
-      std::vector<Vec3> y = start;
-      y[0] += random.point() * (3.0 * kStick);
-      CHECK(energy(majorant, y) - offset >= energy(friction, y) - 1e-12);
+    double way = 1e-2;
+    for (int k = 0; k < 6; ++k, way *= 0.01) {
+      check_gradients(*set.models(x).front(), friction, x);
+      x[0] += Vec3{0.7, 0.2, 0.0} * (way * kStick);
     }
+    const PotentialBatch& model = *set.models(x).front();
+    for (const Vec3& t : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0.6, 0.8, 0}})
+      CHECK(curvature_along(model, x, t) ==
+            doctest::Approx(curvature_along(friction, x, t)).epsilon(1e-5).scale(5.0 / kStick));
   }
 }
 

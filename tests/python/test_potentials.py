@@ -106,7 +106,11 @@ def test_friction_agrees(speed: float) -> None:
         "limit": strength,
         "deflection": [0.25 * y, 0.0, 0.1],
         "slope": 7.0,
-        "majorant": 0.0,
+        "pull": [0.0, 0.0, 0.0],
+        "way": [1.0, 0.0, 0.0],
+        "pull_at_iterate": 0.0,
+        "way_at_iterate": y,
+        "is_model": 0.0,
         "normal": [0.0, 0.0, 1.0],
         "weight0": 1.0,
         "weight1": -1.0,
@@ -122,17 +126,18 @@ def test_friction_agrees(speed: float) -> None:
     # Below 1e-8 of the stick distance our curvature is that of y = 0, hence the 1e-7.
     block = hessian.reshape(6, 6)[:3, :3]
     np.testing.assert_allclose(block, np.diag([along, across, 0.0]), atol=1e-7 * scale)
-    # The parabola above has the same force and nowhere less curvature.
+    # The model has the same force, and by the dual force a curvature between that of the parabola above and,
+    # with the force there, that of the energy.
     if y > 0.0:
-        values |= {"slope": across / strength, "majorant": 1.0}
-        _, parabola_gradient, parabola = _core.evaluate_potential(
-            "friction_2", x, x_prev=x_prev, values=values
-        )
-        np.testing.assert_allclose(parabola_gradient, gradient, atol=1e-9 * strength)
-        np.testing.assert_allclose(
-            parabola.reshape(6, 6)[:3, :3], np.diag([across, across, 0.0]), atol=1e-9 * scale
-        )
-        assert across >= along
+        slope = across / strength
+        taken = strength * ipctk.smooth_friction_f1(y, eps) / (strength * slope * y) * (1.0 - along / across)
+        for part in (0.0, 0.5, 1.0):
+            pull = part * taken
+            values |= {"slope": slope, "is_model": 1.0, "pull": [pull, 0.0, 0.0], "pull_at_iterate": pull * y}
+            _, model_gradient, model = _core.evaluate_potential("friction_2", x, x_prev=x_prev, values=values)
+            np.testing.assert_allclose(model_gradient, gradient, atol=1e-9 * strength)
+            expected = np.diag([across - part * (across - along), across, 0.0])
+            np.testing.assert_allclose(model.reshape(6, 6)[:3, :3], expected, atol=1e-9 * scale)
 
 
 def test_potentials_are_listed_and_checked() -> None:

@@ -37,15 +37,19 @@ Vec3 deflection(PotentialBuilder& b) {
   return u;
 }
 
-/// f0 of the root of s, or the parabola above it.
-Scalar smoothed(PotentialBuilder& b, const Scalar& eps, const Scalar& s) {
+/// f0 of the root of s, the square of the deflection u, or its model at the iterate [theory eq. 20d].
+Scalar smoothed(PotentialBuilder& b, const Scalar& eps, const Scalar& s, const Vec3& u) {
   // Below 1e-8 eps the root is held constant: its curvature is unbounded there while the energy's is
   // 2/eps.
   const Scalar y = sqrt(max(s, square(1e-8 * eps)));
   const Scalar stick = s / eps - s * y / (3.0 * square(eps)) + eps / 3.0;
   const Scalar slope = b.data("slope", "1/m", "f0'(y) / y at the iterate");
-  const Scalar majorant = b.parameter("majorant", "1", "1 for the parabola above the energy, else 0");
-  return select(majorant > 0.5, 0.5 * slope * s, select(s < square(eps), stick, y));
+  const Vec3 pull = b.data3("pull", "1", "phi'(y) times the dual force over its limit"),
+             way = b.data3("way", "1", "unit vector along the deflection at the iterate");
+  const Scalar p = dot(pull, u) - b.data("pull_at_iterate", "m", "pull . u there"),
+               q = dot(way, u) - b.data("way_at_iterate", "m", "way . u there");
+  const Scalar is_model = b.parameter("is_model", "1", "1 for the model at the iterate, else 0");
+  return select(is_model > 0.5, 0.5 * slope * (s - p * q), select(s < square(eps), stick, y));
 }
 
 Scalar isotropic(PotentialBuilder& b) {
@@ -55,7 +59,7 @@ Scalar isotropic(PotentialBuilder& b) {
       b.parameter("stick_displacement", "m", "deflection of the bristles at which sliding begins");
   const Vec3 u = deflection(b);
   const Vec3 tangential = u - normal * dot(normal, u);
-  return limit * smoothed(b, eps, squared_norm(tangential));
+  return limit * smoothed(b, eps, squared_norm(tangential), u);
 }
 
 Scalar anisotropic(PotentialBuilder& b) {
@@ -65,7 +69,7 @@ Scalar anisotropic(PotentialBuilder& b) {
   const Scalar eps =
       b.parameter("stick_displacement", "m", "deflection of the bristles at which sliding begins");
   const Vec3 u = deflection(b);
-  return limit * smoothed(b, eps, square(dot(along, u)) + square(dot(across, u)));
+  return limit * smoothed(b, eps, square(dot(along, u)) + square(dot(across, u)), u);
 }
 
 PotentialDefinition friction_potential(const std::string& name, int point_count, const std::string& doc,
@@ -99,7 +103,12 @@ PotentialDefinition friction_potential(const std::string& name, int point_count,
     sample.values["deflection"] = {a.x, a.y, a.z};
     sample.values["stick_displacement"] = {0.5};
     sample.values["slope"] = {1.5};
-    sample.values["majorant"] = {unit(random) > 0.0 ? 1.0 : 0.0};
+    const stark::Vec3 w = random_vector() * 0.5;
+    sample.values["pull"] = {w.x, w.y, w.z};
+    sample.values["way"] = {t.x, t.y, t.z};
+    sample.values["pull_at_iterate"] = {0.1 * unit(random)};
+    sample.values["way_at_iterate"] = {0.1 * unit(random)};
+    sample.values["is_model"] = {unit(random) > 0.0 ? 1.0 : 0.0};
     return sample;
   };
   return definition;

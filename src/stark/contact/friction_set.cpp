@@ -52,8 +52,8 @@ FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_disp
     : stick_displacement_(stick_displacement), directions_(std::move(directions)) {
   const auto add = [&](const std::shared_ptr<const Potential>& potential) {
     if (potential == nullptr) return;
-    batches_.emplace_back(potential).set_uniform("majorant", 0.0);
-    majorants_.emplace_back(potential).set_uniform("majorant", 1.0);
+    batches_.emplace_back(potential).set_uniform("is_model", 0.0);
+    models_.emplace_back(potential).set_uniform("is_model", 1.0);
   };
   for (const auto& potential : potentials.isotropic) add(potential);
   for (const auto& potential : potentials.anisotropic) add(potential);
@@ -84,6 +84,10 @@ FrictionSet::Pair FrictionSet::make_pair(const Contact& contact, const FrictionC
   pair.drift = drift(contact, pair.normal, x);
   const int64_t known = find_bristles(contact, x);
   const Pair* before = find(contact.key);
+  if (resets_ > 0 && before != nullptr && before->modelled) {
+    pair.dual = turned(before->dual, pair.normal);
+    pair.modelled = turned(*before->modelled, pair.normal);
+  }
   if (known >= 0) {
     pair.deflection = turned(memory_.deflection[known], pair.normal) * orientation(*mesh_, contact);
     if (resets_ == 0 && memory_.pair[known] == pack(contact.key)) pair.force = memory_.force[known];
@@ -332,22 +336,61 @@ std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<Pote
   return result;
 }
 
-std::vector<const PotentialBatch*> FrictionSet::majorants(std::span<const Vec3> x) {
-  fill(majorants_);
-  for (size_t k = 0; k < majorants_.size(); ++k) {
-    const int field = majorants_[k].field_index("slope");
-    for (int64_t e = 0; e < majorants_[k].size(); ++e) {
-      const Pair& pair = pairs_[members_[k][e]];
-      const double slope = slope_at(measure(pair, deflection(pair, x)) / reference_.scale);
-      majorants_[k].set(field, e, {&slope, 1});
+std::vector<const PotentialBatch*> FrictionSet::models(std::span<const Vec3> x) {
+  fill(models_);
+  for (size_t k = 0; k < models_.size(); ++k) {
+    PotentialBatch& batch = models_[k];
+    if (batch.size() == 0) continue;
+    const int slope_field = batch.field_index("slope"), pull_field = batch.field_index("pull"),
+              way_field = batch.field_index("way"), pull_there = batch.field_index("pull_at_iterate"),
+              way_there = batch.field_index("way_at_iterate");
+    for (int64_t e = 0; e < batch.size(); ++e) {
+      Pair& pair = pairs_[members_[k][e]];
+      const Vec3 u = deflection(pair, x) / reference_.scale;
+      update_dual(u, pair);
+      const double y = measure(pair, u), slope = slope_at(y);
+      const Vec3 way = in_metric(pair, y > 0.0 ? u / y : Vec3{}),
+                 pull = in_metric(pair, pair.dual * phi_prime(y));
+      const double p = dot(pull, u), q = dot(way, u);
+      batch.set(slope_field, e, {&slope, 1});
+      batch.set(pull_field, e, {&pull.x, 3});
+      batch.set(way_field, e, {&way.x, 3});
+      batch.set(pull_there, e, {&p, 1});
+      batch.set(way_there, e, {&q, 1});
     }
   }
-  return non_empty(majorants_);
+  return non_empty(models_);
+}
+
+// With the force as an unknown of its own, phi(|u|) w = u, and a Newton step of this system from the last
+// iterate [Chan, Golub, Mulet 1999]; first, the force that the bristles had at the start of the step.
+void FrictionSet::update_dual(const Vec3& u, Pair& pair) const {
+  if (!pair.modelled) {
+    const Vec3 start = pair.deflection / reference_.scale;
+    pair.dual = start * slope_at(measure(pair, start));
+  } else if (u != *pair.modelled) {
+    const Vec3& before = *pair.modelled;
+    const double y = measure(pair, before);
+    const double growth = y > 0.0 ? dot(in_metric(pair, before), u - before) / y : 0.0;
+    pair.dual = (u - pair.dual * (phi_prime(y) * growth)) * slope_at(y);
+  }
+  const double length = measure(pair, pair.dual);
+  if (length > 1.0) pair.dual = pair.dual / length;
+  pair.modelled = u;
+}
+
+Vec3 FrictionSet::in_metric(const Pair& pair, const Vec3& u) {
+  return pair.is_anisotropic ? pair.along * dot(pair.along, u) + pair.across * dot(pair.across, u) : u;
 }
 
 double FrictionSet::slope_at(double y) const {
   const double eps = stick_displacement_ / reference_.scale;
   return y < eps ? (2.0 - y / eps) / eps : 1.0 / y;
+}
+
+double FrictionSet::phi_prime(double y) const {
+  const double part = std::min(1.0, y * reference_.scale / stick_displacement_);
+  return 1.0 / ((2.0 - part) * (2.0 - part));
 }
 
 std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const Vec3> x) const {
@@ -363,9 +406,7 @@ std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const 
 
 Vec3 FrictionSet::force(const Pair& pair, std::span<const Vec3> x) const {
   const Vec3 u = deflection(pair, x) / reference_.scale;
-  const Vec3 direction =
-      pair.is_anisotropic ? pair.along * dot(pair.along, u) + pair.across * dot(pair.across, u) : u;
-  return direction * (-pair.limit * slope_at(measure(pair, u)));
+  return in_metric(pair, u) * (-pair.limit * slope_at(measure(pair, u)));
 }
 
 double FrictionSet::surface_work(std::span<const Vec3> x) const {

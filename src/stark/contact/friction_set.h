@@ -88,8 +88,10 @@ class FrictionSet {
   FrictionMemory end_step(std::span<const Vec3> x) const;
 
   std::vector<const PotentialBatch*> batches() const { return non_empty(batches_); }
-  /// Parabolas above the energies that have their gradients at x.
-  std::vector<const PotentialBatch*> majorants(std::span<const Vec3> x);
+  /// Convex parabolas with the gradients of the energies at x. Their curvatures follow from what is known of
+  /// the forces, which goes on from one iterate to the next: those of the energies, or larger ones where
+  /// Newton's method would overshoot. [theory eq. 20d]
+  std::vector<const PotentialBatch*> models(std::span<const Vec3> x);
   struct PairMotion {
     Vec3 force;  ///< on the first primitive [N]
     /// Of the material of the first primitive against the second since the reference, where friction acts
@@ -124,6 +126,8 @@ class FrictionSet {
     bool is_anisotropic = false;
     Vec3 along, across;  ///< anisotropic: unit tangents times their shares of the larger coefficient
     Vec3 drift{};        ///< see drift()
+    Vec3 dual{};         ///< against the force, over the limit; in the metric of the pair at most 1
+    std::optional<Vec3> modelled{};  ///< deflection at the last iterate with a model, over the scale [m]
   };
 
   Pair make_pair(const Contact& contact, const FrictionCoefficient& mu, const Vec3& force,
@@ -149,6 +153,12 @@ class FrictionSet {
   Vec3 force(const Pair& pair, std::span<const Vec3> x) const;
   /// f0'(y) / y of a deflection of measure y [1/m].
   double slope_at(double y) const;
+  /// Derivative of phi(y) = 1 / slope_at(y).
+  double phi_prime(double y) const;
+  /// M u, with M the matrix of the metric, of vectors in the tangent plane.
+  static Vec3 in_metric(const Pair& pair, const Vec3& u);
+  /// Takes the dual force on to an iterate with this deflection.
+  void update_dual(const Vec3& u, Pair& pair) const;
   /// What LimitComparison sees of pairs.
   static std::vector<FrictionLimit> limits(const std::vector<Pair>& pairs);
   void sort_by_point_count();
@@ -172,7 +182,7 @@ class FrictionSet {
   std::set<int64_t> touching_;                   ///< bodies that had friction at the start
   int resets_ = 0;                               ///< in this step
   std::vector<PotentialBatch> batches_;  ///< of 2 to 5 points, then the anisotropic ones if there are any
-  std::vector<PotentialBatch> majorants_;
+  std::vector<PotentialBatch> models_;
   std::vector<std::vector<size_t>> members_;  ///< pairs of their elements
   std::vector<double> remembered_;
 };

@@ -259,8 +259,7 @@ void ContactPipeline::settle(std::span<const Vec3> x) {
 
 std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature) {
   std::vector<const PotentialBatch*> all = active_.batches();
-  const auto frictions =
-      curvature == Curvature::Majorant ? friction_.majorants(x_active_) : friction_.batches();
+  const auto frictions = curvature == Curvature::Modelled ? friction_.models(x_active_) : friction_.batches();
   all.insert(all.end(), frictions.begin(), frictions.end());
   const auto restitution = restitution_.batches();
   all.insert(all.end(), restitution.begin(), restitution.end());

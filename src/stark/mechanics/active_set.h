@@ -9,9 +9,9 @@
 
 namespace stark {
 
-/// Whether second derivatives are those of the energies, or, where there is something better for long steps,
-/// those of simple functions that touch the energies from above.
-enum class Curvature : uint8_t { Exact, Majorant };
+/// Whether second derivatives are those of the energies, or, where there is something better for Newton's
+/// method, those of convex functions with the same gradients.
+enum class Curvature : uint8_t { Exact, Modelled };
 
 class ActiveSet {
  public:

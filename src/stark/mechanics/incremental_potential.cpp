@@ -109,7 +109,7 @@ void IncrementalPotential::evaluate_gradient(std::span<double> out_gradient) {
 }
 
 void IncrementalPotential::linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) {
-  update_active_set(curvature_);
+  update_active_set(Curvature::Modelled);
   const PhaseTimer::Scope scope(timer_, Phase::Assemble);
   AssemblyOptions options{.project = project, .pending = {}, .pairs = ScatterPairs::All};
   if (has_pending_motion()) {

@@ -49,9 +49,6 @@ class IncrementalPotential final : public Objective {
   std::vector<Vec3> positions_along(std::span<const double> direction, double max_rotation);
 
   int32_t block_count() const override { return map_.layout().block_count; }
-  void set_cautious(bool cautious) override {
-    curvature_ = cautious ? Curvature::Majorant : Curvature::Exact;
-  }
   void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) override;
   void evaluate_gradient(std::span<double> out_gradient) override;
   bool has_pending_motion() const override { return progress_ < 1.0; }
@@ -76,7 +73,6 @@ class IncrementalPotential final : public Objective {
 
   const KinematicMap& map_;
   Assembler& assembler_;
-  Curvature curvature_ = Curvature::Exact;
   ActiveSet* active_set_;
   ConstraintSet* constraints_;
   int active_set_updates_ = 1;

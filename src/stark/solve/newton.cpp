@@ -17,7 +17,6 @@ constexpr int kRoundingProbe = 10;         ///< halvings after which the energy 
 constexpr int kUnsureSteps = 8;            ///< full steps on the basis of the gradient, between refreshes
 constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
 constexpr double kSmallestShift = 1e-12, kShiftGrowth = 100.0;  ///< of the diagonal of an unsolvable matrix
-constexpr double kShortStep = 0.6;  ///< step lengths below it call for curvature that overestimates
 constexpr double kTooStiff =
     0.85;  ///< share of the slope that a full step gains, above which it is too short
 constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, above which they go on
@@ -238,7 +237,6 @@ bool NewtonSolver::find_simplified_direction(Objective& objective) {
 std::optional<SolveStatus> NewtonSolver::find_direction(Objective& objective) {
   bool project = settings_.projection == Projection::Always || progress_.projected_left > 0;
   if (progress_.projected_left > 0) --progress_.projected_left;
-  objective.set_cautious(report_.last_step_length < kShortStep);
   Direction found = solve_direction(objective, project);
   if (found == Direction::Failed && !project && settings_.projection == Projection::OnDemand) {
     progress_.projected_left = kProjectedIterations - 1;

@@ -31,9 +31,6 @@ class Objective {
 
   virtual int32_t block_count() const = 0;
 
-  /// Asks linearize() for curvature that is rather too large than too small, as far as the objective knows
-  /// how: the steps of the exact one overshoot.
-  virtual void set_cautious(bool cautious) { static_cast<void>(cautious); }
   /// Gradient and Hessian at the iterate. `project`: element Hessians made positive semidefinite.
   virtual void linearize(bool project, std::span<double> out_gradient, BlockMatrix& out_hessian) = 0;
   /// Gradient alone, at a small part of the cost. Trial energies are relative to the iterate from then on, as

@@ -14,11 +14,13 @@ def deflected(points: list, weights: list, u: object, facing: object = None, slo
     return u
 
 
-def coulomb_smoothed(s: object, limit: object, eps: object, slope: object, majorant: object) -> object:
+def coulomb_smoothed(s: object, u: object, limit: object, eps: object, model: tuple) -> object:
+    slope, pull, way, pull_at_iterate, way_at_iterate, is_model = model
+    p, q = stark.dot(pull, u) - pull_at_iterate, stark.dot(way, u) - way_at_iterate
     y = stark.sqrt(stark.maximum(s, stark.square(1e-8 * eps)))
     stick = s / eps - s * y / (3.0 * stark.square(eps)) + eps / 3.0
     smooth = stark.where(s < stark.square(eps), stick, y)
-    return limit * stark.where(majorant > 0.5, 0.5 * slope * s, smooth)
+    return limit * stark.where(is_model > 0.5, 0.5 * slope * (s - p * q), smooth)
 
 
 def coulomb(
@@ -28,14 +30,13 @@ def coulomb(
     normal: object,
     eps: object,
     u: object,
-    slope: object,
-    majorant: object,
+    model: tuple,
     facing: object = None,
     slopes: tuple = (),
 ) -> object:
     u = deflected(points, weights, u, facing, slopes)
     tangential = u - normal * stark.dot(normal, u)
-    return coulomb_smoothed(stark.squared_norm(tangential), limit, eps, slope, majorant)
+    return coulomb_smoothed(stark.squared_norm(tangential), u, limit, eps, model)
 
 
 def in_ellipse(
@@ -48,7 +49,7 @@ def in_ellipse(
     slopes: tuple = (),
 ) -> object:
     u = deflected(points, weights, u, facing, slopes)
-    return stark.square(stark.dot(along, u)) + stark.square(stark.dot(across, u))
+    return stark.square(stark.dot(along, u)) + stark.square(stark.dot(across, u)), u
 
 
 @stark.energy
@@ -59,12 +60,17 @@ def friction_2(
     stick_displacement: float,
     deflection: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
     weight0: float,
     weight1: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights = [weight0, weight1]
-    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, slope, majorant)
+    return coulomb(list(s), weights, limit, normal, stick_displacement, deflection, model)
 
 
 @stark.energy
@@ -82,10 +88,15 @@ def friction_3(
     weight2: float,
     slope2: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2], (slope0, slope1, slope2)
-    kept = (limit, normal, stick_displacement, deflection, slope, majorant)
+    kept = (limit, normal, stick_displacement, deflection, model)
     return coulomb(list(s), weights, *kept, facing, slopes)
 
 
@@ -106,10 +117,15 @@ def friction_4(
     weight3: float,
     slope3: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2, weight3], (slope0, slope1, slope2, slope3)
-    kept = (limit, normal, stick_displacement, deflection, slope, majorant)
+    kept = (limit, normal, stick_displacement, deflection, model)
     return coulomb(list(s), weights, *kept, facing, slopes)
 
 
@@ -132,10 +148,15 @@ def friction_5(
     weight4: float,
     slope4: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2, weight3, weight4], (slope0, slope1, slope2, slope3, slope4)
-    kept = (limit, normal, stick_displacement, deflection, slope, majorant)
+    kept = (limit, normal, stick_displacement, deflection, model)
     return coulomb(list(s), weights, *kept, facing, slopes)
 
 
@@ -148,12 +169,17 @@ def anisotropic_friction_2(
     stick_displacement: float,
     deflection: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
     weight0: float,
     weight1: float,
 ):
-    square = in_ellipse(list(s), [weight0, weight1], along, across, deflection)
-    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
+    square, u = in_ellipse(list(s), [weight0, weight1], along, across, deflection)
+    return coulomb_smoothed(square, u, limit, stick_displacement, model)
 
 
 @stark.energy
@@ -172,11 +198,16 @@ def anisotropic_friction_3(
     weight2: float,
     slope2: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2], (slope0, slope1, slope2)
-    square = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
-    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+    square, u = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
+    return coulomb_smoothed(square, u, limit, stick_displacement, model)
 
 
 @stark.energy
@@ -197,11 +228,16 @@ def anisotropic_friction_4(
     weight3: float,
     slope3: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2, weight3], (slope0, slope1, slope2, slope3)
-    square = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
-    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+    square, u = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
+    return coulomb_smoothed(square, u, limit, stick_displacement, model)
 
 
 @stark.energy
@@ -224,8 +260,13 @@ def anisotropic_friction_5(
     weight4: float,
     slope4: stark.Vec3,
     slope: float,
-    majorant: float,
+    pull: stark.Vec3,
+    way: stark.Vec3,
+    pull_at_iterate: float,
+    way_at_iterate: float,
+    is_model: float,
 ):
+    model = (slope, pull, way, pull_at_iterate, way_at_iterate, is_model)
     weights, slopes = [weight0, weight1, weight2, weight3, weight4], (slope0, slope1, slope2, slope3, slope4)
-    square = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
-    return coulomb_smoothed(square, limit, stick_displacement, slope, majorant)
+    square, u = in_ellipse(list(s), weights, along, across, deflection, facing, slopes)
+    return coulomb_smoothed(square, u, limit, stick_displacement, model)
