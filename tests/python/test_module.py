@@ -6,6 +6,7 @@ import ast
 import importlib
 import subprocess
 import sys
+import traceback
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,20 @@ def test_dir_has_every_name() -> None:
 def test_an_unknown_name_is_answered_with_the_nearest(wrong: str, right: str) -> None:
     with pytest.raises(AttributeError, match=rf"no attribute '{wrong}'; did you mean stark\.{right}"):
         getattr(stark, wrong)
+
+
+@pytest.mark.parametrize("place", ["recording.Recorder", "mesh.grid", "materials.cotton", "render.Camera"])
+def test_a_name_of_a_module_is_answered_with_its_place(place: str) -> None:
+    with pytest.raises(AttributeError, match=rf"did you mean stark\.{place}\?"):
+        getattr(stark, place.split(".")[1])
+
+
+def test_python_adds_no_hint_of_its_own() -> None:
+    """Tracebacks ended with "did you mean 'cotton'?. Did you mean: 'cotton'?"."""
+    for owner, wrong in ((stark, "Simulator"), (stark.materials, "coton"), (stark.Scene(), "ad_cloth")):
+        with pytest.raises(AttributeError) as caught:
+            getattr(owner, wrong)
+        assert "".join(traceback.format_exception(caught.value)).lower().count("did you mean") == 1
 
 
 @pytest.mark.parametrize("name", ["qqqqqqqqq", "__wrapped__", "_hidden"])

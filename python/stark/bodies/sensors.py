@@ -166,7 +166,8 @@ class ContactSensors(BodyHandle):
     @property
     def contact_forces(self) -> Array:
         """Contact forces on each vertex, friction included (n, 3) [N]."""
-        return reading(self.contacts().vertex_forces(len(self.positions)), self, "contact_forces")
+        found = _core.vertex_contact_forces(self._require_simulation("contact_forces")._core, self._index)
+        return reading(found, self, "contact_forces")
 
     def contact_area(self, other: BodyHandle | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution
