@@ -40,6 +40,16 @@ class Contacts:
     def __len__(self) -> int:
         return len(self.distances)
 
+    def __repr__(self) -> str:
+        """How many there are between which bodies; the arrays are attributes."""
+        pairs, counts = np.unique(np.sort(self.bodies, axis=1), axis=0, return_counts=True)
+        order = np.argsort(-counts, kind="stable")
+        listed = [
+            f"{counts[k]} of {self.names[pairs[k][0]]} with {self.names[pairs[k][1]]}" for k in order[:4]
+        ]
+        more = f", {len(order) - 4} pairs of bodies more" if len(order) > 4 else ""
+        return f"<stark.Contacts: {', '.join(listed) or 'none'}{more}>"
+
     @property
     def forces(self) -> Array:
         """Normal force and friction together (n, 3) [N]."""

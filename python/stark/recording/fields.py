@@ -61,7 +61,7 @@ class FieldWriter:
         if isinstance(fields, str):
             raise RecordingError(f"recording: fields = '{fields}': must be several names: ('{fields}',)")
         if contacts and not hasattr(sim, "contacts"):
-            raise RecordingError("recording: contacts: need a simulation")
+            raise RecordingError("recording: contacts = True needs a simulation")
         self.contacts = contacts
         self._arrays = dict(arrays)
         names = [body.name for body in sim.bodies]

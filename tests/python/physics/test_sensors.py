@@ -35,6 +35,7 @@ def test_forces_balance_the_weight() -> None:
     assert sim["box"].contact_force[2] == pytest.approx(
         2.0 * (GRAVITY + sim["box"].acceleration(sim["box"].center_of_mass)[2]), abs=1e-7
     )
+    assert repr(sim.contacts) == f"<stark.Contacts: {len(sim.contacts)} of floor with box>"
     torque = np.cross(sim["box"].positions - sim["box"].position, sim["box"].contact_forces).sum(axis=0)
     assert torque == pytest.approx([0, 0, 0], abs=1e-2 * weight * 0.1)
 
