@@ -39,6 +39,7 @@ class Layer(Handle, KnownAttributes):
 
     @property
     def material(self) -> Any:
+        """What the layer is made of."""
         return self._material
 
     @property
@@ -48,7 +49,7 @@ class Layer(Handle, KnownAttributes):
 
     @property
     def motion(self) -> str:
-        """That of the body."""
+        """``motion`` of the body that has the layer."""
         return self._body.motion
 
     @property

@@ -41,6 +41,7 @@ class FieldEntry(NamedTuple):
     bodies: tuple[int, ...]
 
     def to_json(self) -> dict[str, Any]:
+        """The entry as the manifest has it: a dictionary."""
         return {**self._asdict(), "bodies": list(self.bodies)}
 
 
