@@ -82,7 +82,7 @@ Array array(nb::handle object, const std::string& name, const std::string& expec
     if (!error.matches(PyExc_Exception)) throw;  // Ctrl-C
     // Not an array of anything, for instance rows of unequal length: reported below.
   }
-  throw InvalidArgument(name + ": got " + got + ", need " + expected);
+  throw InvalidArgument(name + ": got " + got + ": must be " + expected);
 }
 
 /// The numbers of an array of rows, or of a flat one, as a list of their own.
@@ -100,14 +100,14 @@ std::vector<T> numbers_of(nb::handle object, const std::string& name, const std:
 
 inline Vec3 vector_of(nb::handle object, const std::string& name) {
   const auto v = numbers_of<double>(object, name, "three numbers");
-  if (v.size() != 3) throw InvalidArgument(name + ": got " + shown(object) + ", need three numbers");
+  if (v.size() != 3) throw InvalidArgument(name + ": got " + shown(object) + ": must be three numbers");
   return {v[0], v[1], v[2]};
 }
 inline Mat3 matrix_of(nb::handle object, const std::string& name,
                       const std::string& expected = "a 3 x 3 rotation matrix") {
   const auto matrix = array<Rows<double, 3>>(object, name, expected);
   if (matrix.shape(0) != 3)
-    throw InvalidArgument(name + ": got " + std::to_string(matrix.shape(0)) + " rows, need " + expected);
+    throw InvalidArgument(name + ": got " + std::to_string(matrix.shape(0)) + " rows: must be " + expected);
   Mat3 result;
   std::copy_n(matrix.data(), 9, result.m.begin());
   return result;
@@ -121,7 +121,7 @@ inline std::vector<Vec3> points_of(nb::handle object, const std::string& name,
 inline std::vector<Vec3> points_of(nb::handle object, const std::string& name, std::size_t count) {
   std::vector<Vec3> points = points_of(object, name, "an (n, 3) array of positions");
   if (points.size() != count)
-    throw InvalidArgument(name + ": got " + std::to_string(points.size()) + " points, need " +
+    throw InvalidArgument(name + ": got " + std::to_string(points.size()) + " points: must be " +
                           std::to_string(count));
   return points;
 }

@@ -29,6 +29,8 @@ void bind_contacts(nb::module_& m) {
   m.def(
       "contact_force", [](const Simulation& sim, BodyId body) { return sim.contact_force(body); },
       "simulation"_a, "body"_a, "Sum of the contact forces on a body in the last step (3,) [N].");
+  m.def("vertex_contact_forces", array_from<&Simulation::vertex_contact_forces>, "simulation"_a, "body"_a,
+        "Sum of the contact forces on each vertex of a body in the last step (n, 3) [N].");
   m.def(
       "closest_points",
       [](Simulation& sim, BodyId a, BodyId b) {

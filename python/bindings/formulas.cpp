@@ -118,7 +118,7 @@ Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Back
         numbers_of<double>(values[field.name.c_str()], field.name, "a flat array of numbers");
     const size_t width = field.width;
     if (numbers.size() != width * sample.batch.size())
-      throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers, need " +
+      throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers: must be " +
                             std::to_string(width * sample.batch.size()));
     for (int64_t e = 0; e < sample.batch.size(); ++e)
       sample.batch.set(field.name, e, std::span(numbers).subspan(e * width, width));

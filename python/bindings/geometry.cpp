@@ -185,7 +185,7 @@ class CollisionScene {
   std::vector<Vec3> positions(nb::handle object, const char* name) {
     std::vector<Vec3> x = points(object, name);
     if (x.size() != static_cast<size_t>(broad_phase_.mesh().vertex_count)) {
-      throw InvalidArgument(std::string(name) + ": got " + std::to_string(x.size()) + " rows, need " +
+      throw InvalidArgument(std::string(name) + ": got " + std::to_string(x.size()) + " rows: must be " +
                             std::to_string(broad_phase_.mesh().vertex_count) + ", one for each vertex");
     }
     return x;
@@ -237,7 +237,7 @@ nb::tuple closest_triangles(nb::handle points, nb::handle vertices, nb::handle f
 
 auto principal_axes(nb::handle matrix) {
   const auto a = copy<Vec3, double, 3>(matrix, "matrix", "a symmetric (3, 3) array");
-  if (a.size() != 3) throw InvalidArgument("matrix: need a symmetric (3, 3) array");
+  if (a.size() != 3) throw InvalidArgument("matrix: must be a symmetric (3, 3) array");
   const PrincipalAxes p = compute_principal_axes(transpose(Mat3::from_columns(a[0], a[1], a[2])));
   return std::pair(triple(p.values), nb::cast(p.axes));
 }

@@ -45,7 +45,7 @@ std::vector<double> numbers(const nb::dict& values, const ElementInput& field) {
   }
   if (static_cast<int>(result.size()) != field.width)
     throw InvalidArgument("value '" + field.name + "': got " + std::to_string(result.size()) +
-                          " numbers, need " + std::to_string(field.width));
+                          " numbers: must be " + std::to_string(field.width));
   return result;
 }
 

@@ -148,8 +148,8 @@ void bind_report(nb::module_& m) {
       .def_prop_ro(
           "status", path<&R::status>,
           "'accepted', 'retried' (after halvings of the step), 'failed' (state unchanged) or 'interrupted'.")
-      .def_prop_ro("failed", &R::failed)
-      .def_ro("message", &R::message)
+      .def_prop_ro("failed", &R::failed, "Whether no step was taken: status is 'failed' or 'interrupted'.")
+      .def_ro("message", &R::message, "Why the step was retried, failed or has caveats, and what to do; else empty.")
       .def_prop_ro("solve_status", path<&R::solve, &S::status>,
                    "How the last attempt ended: 'converged', 'round_off', 'max_iterations', 'blocked', ...")
       .def_prop_ro("at_rounding", path<&R::solve, &S::is_at_rounding>,
@@ -162,25 +162,30 @@ void bind_report(nb::module_& m) {
           "diagnosis", [](const R& r) { return r.diagnosis ? nb::cast(r.diagnosis) : nb::none(); },
           nb::sig("def diagnosis(self) -> Diagnosis | None"), "Why the step failed; None when it did not.")
       .def_ro("step", &R::step, "Number of the step, from 1.")
-      .def_ro("time", &R::time, "Time at its end [s].")
-      .def_ro("time_step", &R::time_step, "[s]")
+      .def_ro("time", &R::time, "Time at the end of the step [s].")
+      .def_ro("time_step", &R::time_step, "Length of the step that was taken [s].")
       .def_prop_ro(
           "integrator", path<&R::integrator>,
           "What the step was taken with: 'implicit_euler', 'bdf2' or 'quasistatic'. Steps of bdf2 are "
           "'implicit_euler' at the start and where steps more than double.")
-      .def_ro("rejected_steps", &R::rejected_steps)
+      .def_ro("rejected_steps", &R::rejected_steps,
+              "Attempts thrown away before this one, each with a longer step.")
       .def_prop_ro("placed", path<&R::placed>,
                    "Numbers of the bodies that were placed between the step before and this one.")
-      .def_ro("contact_count", &R::contact_count)
+      .def_ro("contact_count", &R::contact_count, "Pairs of surfaces within their contact distance.")
       .def_ro("min_distance", &R::min_distance,
               "Smallest distance of an active contact [m], inf without any.")
       .def_ro("friction_residual", &R::friction_residual,
               "Largest difference of a friction limit in this step from mu times the normal force at its end "
               "[N].")
-      .def_prop_ro("newton_iterations", path<&R::solve, &S::iterations>)
-      .def_prop_ro("linear_iterations", path<&R::solve, &S::linear_iterations>)
-      .def_prop_ro("factorizations", path<&R::solve, &S::factorizations>)
-      .def_prop_ro("line_search_backtracks", path<&R::solve, &S::backtracks>)
+      .def_prop_ro("newton_iterations", path<&R::solve, &S::iterations>,
+                   "Newton iterations of the step.")
+      .def_prop_ro("linear_iterations", path<&R::solve, &S::linear_iterations>,
+                   "Iterations of conjugate gradients in all Newton iterations.")
+      .def_prop_ro("factorizations", path<&R::solve, &S::factorizations>,
+                   "Factorisations of the matrix in all Newton iterations.")
+      .def_prop_ro("line_search_backtracks", path<&R::solve, &S::backtracks>,
+                   "How often the line search halved a Newton step.")
       .def_prop_ro("residual", path<&R::solve, &S::residual>, "Largest unbalanced force [N].")
       .def_prop_ro("acceleration", path<&R::solve, &S::acceleration>, "Largest M^-1 residual [m/s^2].")
       .def_prop_ro(
@@ -203,8 +208,8 @@ void bind_report(nb::module_& m) {
                    "Momentum of all free masses (3,) [N s].")
       .def_prop_ro("angular_momentum", path<&R::momentum, &Momentum::angular>,
                    "Angular momentum of all free masses about the origin (3,) [N m s].")
-      .def_prop_ro("phases", phases_dict, "Seconds by phase.")
+      .def_prop_ro("phases", phases_dict, "Wall-clock time of the step by phase [s].")
       .def("brief", &R::brief, "One line.")
-      .def("to_dict", report_dict)
+      .def("to_dict", report_dict, "All of it as dictionaries, lists, numbers and texts.")
       .def("__repr__", [](const R& r) { return "<stark.StepReport " + r.brief() + ">"; });
 }

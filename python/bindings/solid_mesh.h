@@ -22,7 +22,7 @@ inline void read_elements(nb::handle object, const std::string& name, SolidMesh&
       return;
     }
   throw InvalidArgument(name + ": got " + std::to_string(table.shape(1)) +
-                        " nodes an element, need 4, 8, 10 or 27");
+                        " nodes an element: must be 4, 8, 10 or 27");
 }
 
 /// What a solid carries along, from the keys "cells" (k,), "triangles" (m, 3) and "filling" (elements, 7):

@@ -34,7 +34,7 @@ std::optional<TracedScalar> to_traced(nb::handle object) {
 
 TracedScalar require_traced(nb::handle object, const std::string& name) {
   if (auto traced = to_traced(object)) return *traced;
-  throw TraceError(name + ": got " + text(object.type().attr("__name__")) + ", need a scalar or a number");
+  throw TraceError(name + ": got " + text(object.type().attr("__name__")) + ": must be a scalar or a number");
 }
 
 std::vector<TracedScalar> require_traced_list(nb::handle sequence, const std::string& name) {

@@ -34,12 +34,12 @@ Backend backend_of(const std::string& name) {
     if (names[k] == name) return static_cast<Backend>(k);
   }
   throw InvalidArgument("backend '" + name +
-                        "': need 'automatic', 'interpreter', 'avx2', 'avx512' or 'neon'" +
+                        "': must be 'automatic', 'interpreter', 'avx2', 'avx512' or 'neon'" +
                         nearest_name_hint(name, names));
 }
 
 Order order_of(int order) {
-  if (order < 0 || order > 2) throw InvalidArgument("order " + std::to_string(order) + ": need 0, 1 or 2");
+  if (order < 0 || order > 2) throw InvalidArgument("order " + std::to_string(order) + ": must be 0, 1 or 2");
   return static_cast<Order>(order);
 }
 

@@ -20,7 +20,7 @@ InputKind input_kind(const std::string& kind) {
   if (kind == "unknown") return InputKind::Unknown;
   if (kind == "element") return InputKind::Element;
   if (kind == "uniform") return InputKind::Uniform;
-  throw InvalidArgument("input kind '" + kind + "': need 'unknown', 'element' or 'uniform'" +
+  throw InvalidArgument("input kind '" + kind + "': must be 'unknown', 'element' or 'uniform'" +
                         nearest_name_hint(kind, {"unknown", "element", "uniform"}));
 }
 

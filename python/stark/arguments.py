@@ -107,7 +107,7 @@ def needs_simulation(owner: str, what: str) -> InvalidArgument:
 def added_later(owner: str, what: str) -> InvalidArgument:
     """For parts of a scene that the simulation was made without."""
     return InvalidArgument(
-        f"{owner} was added after the simulation was created, which has no {what} of it: create a new "
+        f"{owner} was added after the simulation was created, so it has no {what} there: create a new "
         f"stark.Simulation(scene)"
     )
 

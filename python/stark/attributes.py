@@ -7,6 +7,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 
+def attribute_error(message: str, name: str) -> AttributeError:
+    """An error that has its own hint: without an object, Python adds none to the traceback."""
+    return AttributeError(message, name=name, obj=None)
+
+
 class KnownAttributes:
     """Refuses to assign public attributes that its class does not declare, by a property or an annotation."""
 
@@ -17,7 +22,7 @@ class KnownAttributes:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not _declares(type(self), name):
-            raise AttributeError(self._unknown_attribute(name))
+            raise attribute_error(self._unknown_attribute(name), name)
         if isinstance(known := getattr(type(self), name, None), property) and known.fset is None:
             raise AttributeError(self._read_only_attribute(name))
         object.__setattr__(self, name, value)
@@ -52,4 +57,4 @@ class AnsweredAttributes(KnownAttributes):
         def __getattr__(self, name: str) -> Any:
             if name.startswith("_") or _declares(type(self), name):  # a property that raised: its own error
                 return object.__getattribute__(self, name)
-            raise AttributeError(self._unknown_attribute(name))
+            raise attribute_error(self._unknown_attribute(name), name)

@@ -156,8 +156,8 @@ class SceneLink:
         latest = self._latest_simulation()
         if latest is not None and body._index < latest._core.body_count:
             warnings.warn(
-                f"'{body.name}': {what}: does not affect the existing simulation; {what} before you make "
-                f"stark.Simulation(scene), or make a new simulation",
+                f"'{body.name}': {what} does not affect the existing simulation; {what} before you create "
+                f"stark.Simulation(scene), or create a new one",
                 StarkWarning,
                 stacklevel=3,
             )

@@ -416,4 +416,8 @@ if not TYPE_CHECKING:  # checkers would take every name for known
 
         near = difflib.get_close_matches(name, [other for other in globals() if other[0].islower()], n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"presets are {', '.join(presets)}"
-        raise AttributeError(f"there is no material '{name}' in stark.materials; {hint}")
+        raise AttributeError(
+            f"there is no material '{name}' in stark.materials; {hint}",
+            name=name,
+            obj=None,  # without one Python adds no hint of its own
+        )

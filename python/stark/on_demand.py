@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from types import ModuleType
 
 
 def attach(
@@ -21,13 +22,30 @@ def attach(
         if name in modules:
             return importlib.import_module(f"{package}.{name}")
         if name not in module_of:
-            near = _nearest(name, package, known())
-            raise AttributeError(f"module '{package}' has no attribute {name!r}{near}")
+            near = _deeper(name, package, known()) or _nearest(name, package, known())
+            message = f"module '{package}' has no attribute {name!r}{near}"
+            raise AttributeError(message, name=name, obj=None)  # without an object Python adds no hint
         value = getattr(importlib.import_module(module_of[name]), name)
         setattr(sys.modules[package], name, value)
         return value
 
     return get, lambda: sorted(known())
+
+
+def _deeper(name: str, package: str, names: set[str]) -> str:
+    """'; did you mean ...?' for a name that a module of the package has, or nothing."""
+    if name.startswith("_"):
+        return ""
+    loaded = vars(sys.modules[package])
+    modules = sorted(n for n in names if importlib.util.find_spec(f"{package}.{n}"))
+    for module in sorted(modules, key=lambda n: n not in loaded):
+        try:
+            has = vars(importlib.import_module(f"{package}.{module}"))
+        except ImportError:  # of an optional package
+            continue
+        if name in has.get("__all__", has) and not isinstance(has.get(name), ModuleType):
+            return f"; did you mean {package}.{module}.{name}?"
+    return ""
 
 
 def _nearest(name: str, package: str, names: set[str]) -> str:

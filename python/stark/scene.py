@@ -49,6 +49,8 @@ class Scene(
         "set_friction": "scene.friction[a, b] = 0.5, or friction=0.5 where a body is added",
         "add_ground": "scene.add_floor()",
         "add_plane": "scene.add_floor()",
+        "add_cube": "scene.add_box(0.1, mass=1.0)",
+        "remove": "a new scene without the body",
         "add_mesh": "scene.add_rigid, add_cloth or add_solid, by what it is made of",
         "add_body": "scene.add_rigid, add_cloth, add_solid or add_rod",
         "add_revolute": "scene.add_hinge",
@@ -259,7 +261,10 @@ class Scene(
         names = _core.Settings.fields()
         known = {"time_step", "contact_distance", "threads"} | {f["name"].partition(".")[0] for f in names}
         if name in known:
-            return f"{self!r} has no attribute '{name}': it is of stark.Simulation(scene, {name}=...)"
+            return (
+                f"{self!r} has no attribute '{name}': it is a setting of the simulation, "
+                f"stark.Simulation(scene, {name}=...)"
+            )
         return super()._unknown_attribute(name)
 
     def _index(self, body: Body | str) -> int:

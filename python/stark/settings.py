@@ -192,7 +192,7 @@ class FixedSettings(Settings):
     def _refuse(self, name: str) -> None:
         known = self._core.read(name) if name not in _groups(self.names()) else "..."
         raise InvalidSetting(
-            f"{name} = {known!r} of a simulation: cannot be changed; make a new one with "
+            f"{name} = {known!r}: settings of a simulation cannot be changed; create a new one with "
             f"stark.Simulation(scene, sim.settings, {name}=...)"
         )
 

@@ -64,7 +64,7 @@ def weight(p: stark.Point):
     [
         (
             lambda s: setattr(s.scene, "gravity", (0, 0, 0)),
-            r"no attribute 'gravity': it is of stark.Simulation",
+            r"no attribute 'gravity': it is a setting of the simulation",
         ),
         (lambda s: setattr(s.scene, "time_step", 0.1), r"stark.Simulation\(scene, time_step=...\)"),
         (lambda s: setattr(s.scene, "firction", 0.1), "no attribute 'firction'; did you mean 'friction'"),
@@ -104,7 +104,8 @@ def test_the_settings_of_a_simulation_stay_as_they_are(assign: Any) -> None:
     scene = stark.Scene()
     scene.add_box(0.1, mass=1.0)
     sim = stark.Simulation(scene, time_step=0.01)
-    with pytest.raises(stark.InvalidSetting, match=r"of a simulation: cannot be changed; make a new one"):
+    expected = r"settings of a simulation cannot be changed; create a new one"
+    with pytest.raises(stark.InvalidSetting, match=expected):
         assign(sim.settings)
     copy = sim.settings.copy()
     assign(copy)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 import subprocess
 import sys
+import traceback
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -37,6 +40,20 @@ def test_dir_has_every_name() -> None:
 def test_an_unknown_name_is_answered_with_the_nearest(wrong: str, right: str) -> None:
     with pytest.raises(AttributeError, match=rf"no attribute '{wrong}'; did you mean stark\.{right}"):
         getattr(stark, wrong)
+
+
+@pytest.mark.parametrize("place", ["recording.Recorder", "mesh.grid", "materials.cotton", "render.Camera"])
+def test_a_name_of_a_module_is_answered_with_its_place(place: str) -> None:
+    with pytest.raises(AttributeError, match=rf"did you mean stark\.{place}\?"):
+        getattr(stark, place.split(".")[1])
+
+
+def test_python_adds_no_hint_of_its_own() -> None:
+    """Tracebacks ended with "did you mean 'cotton'?. Did you mean: 'cotton'?"."""
+    for owner, wrong in ((stark, "Simulator"), (stark.materials, "coton"), (stark.Scene(), "ad_cloth")):
+        with pytest.raises(AttributeError) as caught:
+            getattr(owner, wrong)
+        assert "".join(traceback.format_exception(caught.value)).lower().count("did you mean") == 1
 
 
 @pytest.mark.parametrize("name", ["qqqqqqqqq", "__wrapped__", "_hidden"])
@@ -71,3 +88,27 @@ def test_importing_is_light() -> None:
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+def _members(owner: object, name: str) -> Iterator[tuple[str, object]]:
+    """A public object, and the methods and properties that it declares or inherits."""
+    yield name, owner
+    if inspect.isclass(owner):
+        for member in dir(owner):
+            value = inspect.getattr_static(owner, member)
+            if not member.startswith("_") and (isinstance(value, property) or inspect.isfunction(value)):
+                yield f"{name}.{member}", value
+
+
+def test_every_public_name_says_what_it_is() -> None:
+    """Modules and their names, with all methods and properties, have docstrings."""
+    missing = set()
+    for module in ("", *_MODULES, "materials", "mesh", "surfaces"):
+        owner = getattr(stark, module) if module else stark
+        for name in getattr(owner, "__all__", dir(owner)):
+            value = getattr(owner, name)
+            ours = getattr(value, "__module__", None) or ""
+            if not name.startswith("_") and ours.startswith("stark") and callable(value):
+                named = _members(value, f"{owner.__name__}.{name}")
+                missing |= {place for place, member in named if not inspect.getdoc(member)}
+    assert not missing

@@ -195,7 +195,7 @@ def test_followers_that_cannot() -> None:
         (lambda: box.follow(position=(1, 0, 0)), "'finger': position = \\(1, 0, 0\\): must be a motion"),
         (lambda: box.follow(position=lambda t: t), "'finger': position at 0 s"),
         (lambda: box.follow(rotation=lambda t: 2.0 * np.eye(3)), "'finger': rotation at 0 s"),
-        (lambda: cloth.follow(displacement=lambda t: (0, 0, t)), "'sheet': follow: no vertex is pinned"),
+        (lambda: cloth.follow(displacement=lambda t: (0, 0, t)), "'sheet' has no pinned vertices"),
         (lambda: pinned.follow(lambda t: np.zeros((3, 3))), "have the shape \\(3, 3\\): must be \\(2, 3\\)"),
         (
             lambda: pinned.follow(displacement=lambda t: (0, 0, t), vertices=[1]),

@@ -147,5 +147,5 @@ def test_potentials_are_listed_and_checked() -> None:
         _core.evaluate_potential("frition_2", np.zeros((2, 3)), values={})
     with pytest.raises(InvalidArgument, match=r"'mass' .* is missing"):
         _core.evaluate_potential("gravity", np.zeros((1, 3)), values={})
-    with pytest.raises(InvalidArgument, match="need 1"):
+    with pytest.raises(InvalidArgument, match="must be 1"):
         _core.evaluate_potential("gravity", np.zeros((2, 3)), values={"mass": 1.0})

@@ -56,6 +56,12 @@ TEST_CASE("rows of contacts carry the weight, between points that their weights 
     CHECK(norm(rows.points_a[k] - rows.points_b[k]) == Approx(rows.distances[k]).epsilon(1e-6));
   }
   CHECK(on_box.z == Approx(2.0 * 9.81).epsilon(1e-3));
+  for (const int32_t body : {0, 1}) {
+    Vec3 sum;
+    for (const Vec3& force : sim.vertex_contact_forces({body})) sum += force;
+    CHECK(norm(sum - sim.contact_force({body})) < 1e-12);
+    CHECK(sim.vertex_contact_forces({body}).size() == sim.positions({body}).size());
+  }
 }
 
 TEST_CASE("every array has a row for each contact, and a name of its own") {

@@ -290,7 +290,7 @@ def _symbols(inputs: Inputs, arguments: Sequence[_Argument]) -> list[Any]:
 def _scalar(name: str, function: Callable[..., Any], what: str, value: Any) -> Scalar:
     result = convert(value, what)
     if isinstance(result, Tensor) or result.is_condition:
-        raise formula_error(name, f"{what}: got {value!r}, need a number", function)
+        raise formula_error(name, f"{what}: got {value!r}: must be a number", function)
     return result
 
 

@@ -50,7 +50,7 @@ class Attachment(Handle, KnownAttributes):
 
     @property
     def force(self) -> Floats:
-        """Their sum (3,) [N]."""
+        """Sum of ``forces``, on side a (3,) [N]."""
         return reading(np.asarray(self.forces.sum(axis=0)), self, "force")
 
     @property

@@ -205,8 +205,8 @@ class Body(ContactSensors, AnsweredAttributes):
         """For what changes the scene, which a simulation has copied."""
         if self._of is not None:
             raise InvalidArgument(
-                f"'{self.name}': {what}: the simulation keeps the scene that it was made with: must be asked "
-                f"of the body of the scene, sim.scene['{self.name}'], before stark.Simulation(scene) is made"
+                f"'{self.name}': {what} changes the scene, not the simulation, which has copied it: use the "
+                f"body of the scene, sim.scene['{self.name}'], before you create stark.Simulation(scene)"
             )
 
     def _if_gone(self) -> None:

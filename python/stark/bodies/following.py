@@ -228,8 +228,8 @@ def _pin_rows(body: PinnedBody, vertices: ArrayLike | None) -> NDArray[np.intp]:
     pins = body.pins
     if len(pins) == 0:
         raise InvalidArgument(
-            f"'{body.name}': follow: no vertex is pinned: must have pins to move; call "
-            f"scene['{body.name}'].pin(vertices) before the simulation is made"
+            f"'{body.name}' has no pinned vertices that follow() could move: call "
+            f"scene['{body.name}'].pin(vertices) before stark.Simulation(scene)"
         )
     if vertices is None:
         return np.arange(len(pins))

@@ -39,6 +39,7 @@ class Layer(Handle, KnownAttributes):
 
     @property
     def material(self) -> Any:
+        """What the layer is made of."""
         return self._material
 
     @property
@@ -48,7 +49,7 @@ class Layer(Handle, KnownAttributes):
 
     @property
     def motion(self) -> str:
-        """That of the body."""
+        """``motion`` of the body that has the layer."""
         return self._body.motion
 
     @property
@@ -181,8 +182,8 @@ class Fibres(Layer):
             return self._scene._core.initial_fibre_frames(self._index).reshape(-1, 3, 3)
         if self._index >= simulation._core.fibres_count:
             raise InvalidArgument(
-                f"fibres '{self.name}' were added after the simulation was created, which has no frames "
-                f"of them: create a new stark.Simulation(scene)"
+                f"fibres '{self.name}' were added after the simulation was created, so they have no frames "
+                f"there: create a new stark.Simulation(scene)"
             )
         return simulation._core.fibre_frames(self._index).reshape(-1, 3, 3)
 

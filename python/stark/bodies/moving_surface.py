@@ -81,8 +81,8 @@ class MovingSurface(BodyHandle):
             self._give(part, numbers)
         elif not self._moves_in(simulation):
             raise InvalidArgument(
-                f"'{self.name}': {name}: its surface did not move when the simulation was made: must be "
-                f"given before, (0, 0, 0) if it is to move later"
+                f"'{self.name}': {name} was not given before the simulation was created: give it before, as "
+                f"(0, 0, 0) if the surface is to move later"
             )
         elif not callable(value):
             self._follow(simulation, name, numbers)

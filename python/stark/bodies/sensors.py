@@ -40,6 +40,16 @@ class Contacts:
     def __len__(self) -> int:
         return len(self.distances)
 
+    def __repr__(self) -> str:
+        """How many there are between which bodies; the arrays are attributes."""
+        pairs, counts = np.unique(np.sort(self.bodies, axis=1), axis=0, return_counts=True)
+        order = np.argsort(-counts, kind="stable")
+        listed = [
+            f"{counts[k]} of {self.names[pairs[k][0]]} with {self.names[pairs[k][1]]}" for k in order[:4]
+        ]
+        more = f", {len(order) - 4} pairs of bodies more" if len(order) > 4 else ""
+        return f"<stark.Contacts: {', '.join(listed) or 'none'}{more}>"
+
     @property
     def forces(self) -> Array:
         """Normal force and friction together (n, 3) [N]."""
@@ -166,7 +176,8 @@ class ContactSensors(BodyHandle):
     @property
     def contact_forces(self) -> Array:
         """Contact forces on each vertex, friction included (n, 3) [N]."""
-        return reading(self.contacts().vertex_forces(len(self.positions)), self, "contact_forces")
+        found = _core.vertex_contact_forces(self._require_simulation("contact_forces")._core, self._index)
+        return reading(found, self, "contact_forces")
 
     def contact_area(self, other: BodyHandle | str | None = None) -> float:
         """Area of the triangles all of whose vertices touch something, or another body [m^2]. The resolution

@@ -40,6 +40,7 @@ class CurveFit:
 
     @property
     def name(self) -> str:
+        """Name of the curve."""
         return self.curve.name
 
     @property

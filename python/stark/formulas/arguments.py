@@ -115,7 +115,7 @@ def read_parameter(
         kind = ArgumentType(())
     if not isinstance(kind, ArgumentType):
         given = "no annotation" if kind is parameter.empty else f"the annotation {kind!r}"
-        raise formula_error(formula, f"argument '{name}' has {given}; need {choices}", function)
+        raise formula_error(formula, f"argument '{name}' has {given}: must be {choices}", function)
     default = None if parameter.default is parameter.empty else parameter.default
     declaration = default if isinstance(default, Declaration) else declare(default)
     return Parameter(name, kind.shape, declaration)

@@ -60,7 +60,7 @@ class Energy(Handle):
 
     @property
     def energy(self) -> float:
-        """Their sum [J]."""
+        """Sum of ``energies`` [J]."""
         return float(self.energies.sum())
 
     @property

@@ -122,7 +122,7 @@ class Stencil:
 
     def __class_getitem__(cls, count: int) -> type[Stencil]:
         if cls is not Stencil or not isinstance(count, int) or count < 1:
-            raise TraceError(f"{cls.__name__}[{count!r}]: need Stencil[k] with a number of points k >= 1")
+            raise TraceError(f"{cls.__name__}[{count!r}]: must be Stencil[k] with a number of points k >= 1")
         return type(f"Stencil[{count}]", (Stencil,), {"point_count": count, "__module__": __name__})
 
     def __getitem__(self, index: int) -> Point:

@@ -82,6 +82,7 @@ class RecordedLaw:
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
+        """Its parameters, in the order of the function."""
         return tuple(a for a in self.arguments if isinstance(a, Parameter))
 
     @property
@@ -109,6 +110,8 @@ class RecordedLaw:
         return definition_of(self._function)
 
     def value(self, parameter: Parameter, given: Any) -> np.ndarray:
+        """A value of a parameter as an array of its shape, or with one value for each element. Raises
+        InvalidArgument where none is given, and for another shape."""
         if given is None:
             rule = parameter.declaration.rule
             raise InvalidArgument(

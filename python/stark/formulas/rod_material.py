@@ -139,5 +139,5 @@ def _check_annotation(
     if shape != _SHAPES[strain]:
         need = "stark.Vec2" if strain == "curvature" else "float"
         raise formula_error(
-            name, f"'{parameter.name}' has the annotation {kind!r}: need {need}, or none", function
+            name, f"'{parameter.name}' has the annotation {kind!r}: must be {need}, or none", function
         )

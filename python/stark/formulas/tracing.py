@@ -131,11 +131,11 @@ def scalar_result(name: str, value: object, function: Callable[..., object]) -> 
         raise formula_error(name, str(error), function) from None
     if isinstance(result, Tensor):
         raise formula_error(
-            name, f"it returns {describe(result)}, need a scalar; sum it, or take dot or norm", function
+            name, f"it returns {describe(result)}: must be a scalar; sum it, or take dot or norm", function
         )
     if result.is_condition:
         raise formula_error(
-            name, "it returns a condition, need a number; return stark.where(condition, a, b)", function
+            name, "it returns a condition: must be a number; return stark.where(condition, a, b)", function
         )
     return result
 

@@ -162,7 +162,7 @@ def _record(name: str, function: Callable[..., Any], arguments: Sequence[Argumen
         held = function(*values)
     if not isinstance(held, Held):
         raise formula_error(
-            name, f"it returns {held!r}, need stark.hold(length=..., direction=...)", function
+            name, f"it returns {held!r}: must be stark.hold(length=..., direction=...)", function
         )
     outputs = [r for _, group in held.groups for r in group] + [value for _, _, value in held.coordinates]
     _check_use(name, function, arguments, inputs, outputs)

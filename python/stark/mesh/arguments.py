@@ -22,11 +22,11 @@ def points_of(values: ArrayLike, name: str) -> Points:
         array = np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError):
         raise InvalidMesh(
-            f"{name}: got {type(values).__name__}, need an array of shape (n, 3) of real numbers [m]"
+            f"{name}: got {type(values).__name__}: must be an array of shape (n, 3) of real numbers [m]"
         ) from None
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidMesh(
-            f"{name}: got the shape {array.shape}, need (n, 3): one row of x, y, z [m] for each vertex"
+            f"{name}: got the shape {array.shape}: must be (n, 3): one row of x, y, z [m] for each vertex"
         )
     return array
 
@@ -40,15 +40,15 @@ def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
         return np.empty((0, columns), dtype=np.int32)
     if array.ndim != 2 or array.shape[1] != columns:
         raise InvalidMesh(
-            f"{name}: got the shape {array.shape}, need (m, {columns}): one row of vertex indices each"
+            f"{name}: got the shape {array.shape}: must be (m, {columns}): one row of vertex indices each"
         )
     if array.dtype.kind not in "iu":
         raise InvalidMesh(
-            f"{name}: got numbers of type {array.dtype}, need integers; convert with .astype(numpy.int32)"
+            f"{name}: got numbers of type {array.dtype}: must be integers; convert with .astype(numpy.int32)"
         )
     if array.max() > 2**31 - 1 or array.min() < -(2**31):
         raise InvalidMesh(
-            f"{name}: got the index {array.max()}, need indices that fit 32 bits; check the numbering"
+            f"{name}: got the index {array.max()}: must be indices that fit 32 bits; check the numbering"
         )
     return np.ascontiguousarray(array, dtype=np.int32)
 
@@ -58,7 +58,7 @@ def corners_of(vertices: Points, elements: Indices, name: str) -> list[Points]:
     if elements.size and not (elements.min() >= 0 and elements.max() < len(vertices)):
         wrong = elements[(elements < 0) | (elements >= len(vertices))]
         raise InvalidMesh(
-            f"{name}: one of them refers to vertex {wrong[0]}, need indices in [0, {len(vertices)}), which "
+            f"{name}: one of them refers to vertex {wrong[0]}: must be in [0, {len(vertices)}), which "
             f"start at 0"
         )
     return [vertices[column] for column in elements.T]

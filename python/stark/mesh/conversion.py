@@ -20,7 +20,7 @@ def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
         return mesh
     if isinstance(mesh, (TetMesh, SolidMesh)):
         kind = "lattice (EmbeddedMesh)" if isinstance(mesh, EmbeddedMesh) else type(mesh).__name__
-        raise InvalidMesh(f"{name}: got a {kind}, need a TriangleMesh; use add_solid, or mesh.surface()")
+        raise InvalidMesh(f"{name}: got a {kind}: must be a TriangleMesh; use add_solid, or mesh.surface()")
     # trimesh has the corners of its triangles as `triangles`, and their indices as `faces`.
     for attribute in ("faces", "triangles"):
         if hasattr(mesh, "vertices") and hasattr(mesh, attribute):
@@ -28,7 +28,7 @@ def as_triangle_mesh(mesh: Any, name: str) -> TriangleMesh:
     if isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2:
         return _named(name, TriangleMesh, mesh[0], mesh[1])
     raise InvalidMesh(
-        f"{name}: got {type(mesh).__name__}, need a stark.TriangleMesh or a (vertices, triangles) pair; "
+        f"{name}: got {type(mesh).__name__}: must be a stark.TriangleMesh or a (vertices, triangles) pair; "
         f"files are read by stark.mesh.load(path)"
     )
 
@@ -39,13 +39,15 @@ def as_tet_mesh(mesh: Any, name: str) -> TetMesh:
         return mesh
     if isinstance(mesh, TriangleMesh):
         raise InvalidMesh(
-            f"{name}: got a TriangleMesh, need a TetMesh; use stark.mesh.tetrahedralise(mesh) or add_cloth"
+            f"{name}: got a TriangleMesh: must be a TetMesh; use stark.mesh.tetrahedralise(mesh) or add_cloth"
         )
     if hasattr(mesh, "vertices") and hasattr(mesh, "tets"):
         return _named(name, TetMesh, mesh.vertices, mesh.tets)
     if isinstance(mesh, Sequence) and not isinstance(mesh, str) and len(mesh) == 2:
         return _named(name, TetMesh, mesh[0], mesh[1])
-    raise InvalidMesh(f"{name}: got {type(mesh).__name__}, need a stark.TetMesh or a (vertices, tets) pair")
+    raise InvalidMesh(
+        f"{name}: got {type(mesh).__name__}: must be a stark.TetMesh or a (vertices, tets) pair"
+    )
 
 
 def as_solid_mesh(mesh: Any, name: str) -> TetMesh | SolidMesh:
@@ -65,7 +67,7 @@ def as_polyline(mesh: Any, name: str) -> Polyline:
         return mesh
     if isinstance(mesh, (TriangleMesh, TetMesh, SolidMesh)):
         raise InvalidMesh(
-            f"{name}: got a {type(mesh).__name__}, need a stark.mesh.Polyline or points (n, 3); use "
+            f"{name}: got a {type(mesh).__name__}: must be a stark.mesh.Polyline or points (n, 3); use "
             f"stark.mesh.polyline(start, end, segments)"
         )
     try:

@@ -15,7 +15,7 @@ def merged(mesh: TriangleMesh, tolerance: float = 0.0) -> TriangleMesh:
     """Copy in which vertices at the same place (within ``tolerance`` [m] on a grid) are one; collapsed
     triangles go."""
     if not isinstance(mesh, TriangleMesh):
-        raise InvalidMesh(f"merged: got {type(mesh).__name__}, need a TriangleMesh")
+        raise InvalidMesh(f"merged: got {type(mesh).__name__}: must be a TriangleMesh")
     grid = numbers_of(tolerance)
     if grid.shape != () or not 0.0 <= grid < np.inf:
         raise InvalidArgument(f"merged: tolerance = {tolerance!r} m: must be a number >= 0")
@@ -40,7 +40,7 @@ def oriented(mesh: Any) -> Any:
         tets[negative] = tets[negative][:, [0, 1, 3, 2]]
         return TetMesh(mesh.vertices, tets)
     if not isinstance(mesh, TriangleMesh):
-        raise InvalidMesh(f"oriented: got {type(mesh).__name__}, need a TriangleMesh or a TetMesh")
+        raise InvalidMesh(f"oriented: got {type(mesh).__name__}: must be a TriangleMesh or a TetMesh")
     corners_of(mesh.vertices, mesh.triangles, "oriented: triangles")
     return _oriented_triangles(mesh)
 

@@ -50,7 +50,7 @@ def edge_lengths(mesh: TetMesh | TriangleMesh) -> NDArray[np.float64]:
     elif isinstance(mesh, TriangleMesh):
         pairs = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]]
     else:
-        raise InvalidMesh(f"edge_lengths: got {type(mesh).__name__}, need a TetMesh or a TriangleMesh")
+        raise InvalidMesh(f"edge_lengths: got {type(mesh).__name__}: must be a TetMesh or a TriangleMesh")
     edges = np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0)
     ends = mesh.vertices[edges]
     return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))

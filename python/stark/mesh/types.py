@@ -159,8 +159,8 @@ class SolidMesh(MeshBase):
         columns = np.shape(elements)[1] if np.ndim(elements) == 2 else 0
         if columns not in (4, 8, 10, 27):
             raise InvalidMesh(
-                f"SolidMesh: elements: got the shape {np.shape(elements)}, need (m, k) with 4, 8, 10 or 27 "
-                f"vertex indices each"
+                f"SolidMesh: elements: got the shape {np.shape(elements)}: must be (m, k) with 4, 8, 10 or "
+                f"27 vertex indices each"
             )
         self.__dict__["vertices"] = points_of(vertices, "SolidMesh: vertices")
         self.__dict__["elements"] = indices_of(elements, columns, "SolidMesh: elements")
@@ -223,8 +223,8 @@ class EmbeddedMesh(SolidMesh):
         parts = numbers_of(filling)
         if parts.shape != (len(self.elements), 7):
             raise InvalidMesh(
-                f"{where}filling: got the shape {parts.shape}, need ({len(self.elements)}, 7): the part and "
-                f"six means of each element"
+                f"{where}filling: got the shape {parts.shape}: must be ({len(self.elements)}, 7): the part "
+                f"and six means of each element"
             )
         self.__dict__["filling"] = np.ascontiguousarray(parts, dtype=np.float64)
         if not 0 < len(self.cells) < len(self.vertices):
@@ -322,7 +322,7 @@ def compact(mesh: Any) -> Any:
     if isinstance(mesh, EmbeddedMesh):
         raise InvalidMesh("compact: got an EmbeddedMesh: must be compact already, as lattice() makes them")
     if not isinstance(mesh, MeshBase) or name is None:
-        raise InvalidMesh(f"compact: got {type(mesh).__name__}, need a TriangleMesh, TetMesh or SolidMesh")
+        raise InvalidMesh(f"compact: got {type(mesh).__name__}: must be a TriangleMesh, TetMesh or SolidMesh")
     elements = getattr(mesh, name)
     corners_of(mesh.vertices, elements, f"compact: {name}")
     used, renumbered = np.unique(elements, return_inverse=True)

@@ -41,6 +41,7 @@ class FieldEntry(NamedTuple):
     bodies: tuple[int, ...]
 
     def to_json(self) -> dict[str, Any]:
+        """The entry as the manifest has it: a dictionary."""
         return {**self._asdict(), "bodies": list(self.bodies)}
 
 
@@ -61,7 +62,7 @@ class FieldWriter:
         if isinstance(fields, str):
             raise RecordingError(f"recording: fields = '{fields}': must be several names: ('{fields}',)")
         if contacts and not hasattr(sim, "contacts"):
-            raise RecordingError("recording: contacts: need a simulation")
+            raise RecordingError("recording: contacts = True needs a simulation")
         self.contacts = contacts
         self._arrays = dict(arrays)
         names = [body.name for body in sim.bodies]

@@ -43,6 +43,7 @@ class BodyEntry:
     color: tuple[float, float, float] | None = None
 
     def to_json(self) -> dict[str, Any]:
+        """The entry as the manifest has it: a dictionary."""
         return asdict(self)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from .._core import InvalidArgument
 from .camera import Bounds, Camera
 from .choosing import matching
+from .clipping import Plane
 from .colorbar import numbers
 from .lettering import strokes
 from .overlay import PAPER, Color, Overlay, rectangle
@@ -18,6 +19,7 @@ from .overlay import PAPER, Color, Overlay, rectangle
 FORCE: Color = (0.80, 0.09, 0.13)
 #: Length of the longest arrow over the radius of the scene.
 LONGEST = 0.35
+_NOTHING_CUT: Mapping[str, Plane] = {}
 
 
 def draw_contacts(
@@ -27,13 +29,15 @@ def draw_contacts(
     camera: Camera,
     bounds: Bounds,
     shown: Collection[str] | None = None,
+    cut: Mapping[str, Plane] = _NOTHING_CUT,
 ) -> None:
     """Dots and arrows of the last step over everything, and an arrow of a round force as a key. ``which`` is
     True, or a body by handle or name: forces on it, from all others. Else they are those on the body that
     moves freely, of two such on the first one of the scene. Forces below a thousandth of the largest have a
-    dot only. Contacts between bodies none of which is ``shown`` are left out. Raises InvalidArgument where
+    dot only. Contacts between bodies none of which is ``shown`` are left out, and so are those where both are
+    taken away by the planes of ``cut``. Raises InvalidArgument where
     there are no contacts to tell of: in recordings."""
-    places, forces = forces_of(sim, which, shown)
+    places, forces = forces_of(sim, which, shown, cut)
     sizes = np.linalg.norm(forces, axis=1)
     largest = float(sizes.max(initial=0.0))
     if largest == 0.0:
@@ -50,16 +54,21 @@ def draw_contacts(
     _draw_key(overlay, camera, bounds, largest, scale, thick)
 
 
-def forces_of(sim: Any, which: Any, shown: Collection[str] | None = None) -> tuple[np.ndarray, np.ndarray]:
+def forces_of(
+    sim: Any,
+    which: Any,
+    shown: Collection[str] | None = None,
+    cut: Mapping[str, Plane] = _NOTHING_CUT,
+) -> tuple[np.ndarray, np.ndarray]:
     """Places (n, 3) [m] and forces (n, 3) [N] of the contacts of the last step, as ``draw_contacts`` has
     them."""
     if getattr(sim, "recorded", None) is not None:
-        return _recorded_forces(sim, which, shown)
+        return _recorded_forces(sim, which, shown, cut)
     if not hasattr(sim, "contacts"):
-        raise InvalidArgument("contacts: need a simulation; a recording has positions only")
+        raise InvalidArgument("contacts = True needs a simulation; a recording has positions only")
     contacts = sim.contacts if which is True else sim.contacts.of(which)
-    drawn = np.array([shown is None or name in shown for name in contacts.names], dtype=bool)
-    contacts = contacts._take(drawn[contacts.bodies].any(axis=1))
+    middles = 0.5 * (contacts.points_a + contacts.points_b)
+    contacts = contacts._take(_in_sight(contacts.names, contacts.bodies, middles, shown, cut))
     forces = contacts.forces
     if which is True and len(contacts):
         moves = np.array([body.motion == "dynamic" for body in sim.bodies])
@@ -68,7 +77,25 @@ def forces_of(sim: Any, which: Any, shown: Collection[str] | None = None) -> tup
     return 0.5 * (contacts.points_a + contacts.points_b), forces
 
 
-def _recorded_forces(frame: Any, which: Any, shown: Collection[str] | None) -> tuple[np.ndarray, np.ndarray]:
+def _in_sight(
+    names: Sequence[str],
+    pairs: np.ndarray,
+    places: np.ndarray,
+    shown: Collection[str] | None,
+    cut: Mapping[str, Plane],
+) -> np.ndarray:
+    """Which contacts (n,) have a body that is shown, and not taken away at their place."""
+    seen = np.zeros(pairs.shape, dtype=bool)
+    for body, name in enumerate(names):
+        if shown is None or name in shown:
+            kept = cut[name].heights(places) <= 0.0 if name in cut else np.ones(len(places), dtype=bool)
+            seen |= (pairs == body) & kept[:, None]
+    return np.asarray(seen.any(axis=1))
+
+
+def _recorded_forces(
+    frame: Any, which: Any, shown: Collection[str] | None, cut: Mapping[str, Plane]
+) -> tuple[np.ndarray, np.ndarray]:
     """Of a frame of a recording."""
     if not frame.recorded.has_contacts:
         raise InvalidArgument(
@@ -76,11 +103,11 @@ def _recorded_forces(frame: Any, which: Any, shown: Collection[str] | None) -> t
         )
     found = frame.recorded.contacts(frame.index)
     a, b = found.bodies[:, 0], found.bodies[:, 1]
-    seen = np.array([shown is None or body.name in shown for body in frame.bodies], dtype=bool)
     moves = np.array([body.motion == "dynamic" for body in frame.bodies], dtype=bool)
-    drawn, turned = seen[a] | seen[b], ~moves[a] & moves[b]
+    names = [body.name for body in frame.bodies]
+    drawn, turned = _in_sight(names, found.bodies, found.points, shown, cut), ~moves[a] & moves[b]
     if which is not True:
-        own = matching(which, [body.name for body in frame.bodies], "contacts: body")
+        own = matching(which, names, "contacts: body")
         drawn &= np.isin(a, own) | np.isin(b, own)
         turned = ~np.isin(a, own)
     forces = np.where(turned[:, None], -found.forces, found.forces)

@@ -90,13 +90,14 @@ def render(
     far = dict(zip(map(id, shown if bounds is None else everything), box.scenery, strict=True))
     colors = Colormap(colormap)
     shades = None if field is None else field_of(source, field, {body.name for body in shown})
+    planes = _planes(clip, shown)
     pieces = pieces_of(
         shown,
         [paint[i] for i in kept],
         [far[id(body)] for body in shown],
         [share[i] for i in kept],
         {} if shades is None else shades.values,
-        _planes(clip, shown),
+        planes,
     )
     seen = [piece.values for piece in pieces if piece.values is not None]
     range_of_colors = limits_of(seen) if limits is None else _limits(limits)
@@ -113,7 +114,8 @@ def render(
     )
     overlay = Overlay(draw(pieces, style))
     if contacts is not False:
-        draw_contacts(overlay, source, contacts, style.camera, box, {body.name for body in shown})
+        cut = {body.name: plane for body, plane in zip(shown, planes, strict=True) if plane is not None}
+        draw_contacts(overlay, source, contacts, style.camera, box, {body.name for body in shown}, cut)
     if shades is not None:
         words, unit = (shades.label, shades.unit) if label is None else (given_word(label, "label"), "")
         draw_colorbar(overlay, colors, range_of_colors, words, unit)

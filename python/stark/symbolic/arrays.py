@@ -35,10 +35,12 @@ def _array(formula: str, name: str, value: object, shape: tuple[int, ...]) -> np
     except ValueError as error:
         raise InvalidArgument(f"{formula}: argument '{name}' is no array: {error}") from None
     if given.dtype.kind not in "biuf":
-        raise InvalidArgument(f"{formula}: argument '{name}' has the type {given.dtype}, need real numbers")
+        raise InvalidArgument(
+            f"{formula}: argument '{name}' has the type {given.dtype}: must be real numbers"
+        )
     if shape and given.shape[max(given.ndim - len(shape), 0) :] != shape:
         need = ", ".join(["...", *map(str, shape)])
-        raise InvalidArgument(f"{formula}: argument '{name}' has the shape {given.shape}, need ({need})")
+        raise InvalidArgument(f"{formula}: argument '{name}' has the shape {given.shape}: must be ({need})")
     if given.dtype != np.float64:
         given = given.astype(np.float64)
     if given.flags.c_contiguous and given.flags.aligned:

@@ -180,12 +180,14 @@ class Function:
             value = convert(bound[argument.name], f"{self.__name__}: argument '{argument.name}'")
             if getattr(value, "shape", ()) != argument.shape:
                 raise TraceError(
-                    f"{self.__name__}: argument '{argument.name}' is {describe(value)}, "
-                    f"need {describe(argument.value)}"
+                    f"{self.__name__}: argument '{argument.name}' is {describe(value)}: must "
+                    f"be {describe(argument.value)}"
                 )
             values += value.entries if argument.shape else [value]
         if len(shape) > 2:
-            raise TraceError(f"{self.__name__}: this derivative has {len(shape)} dimensions, need at most 2")
+            raise TraceError(
+                f"{self.__name__}: this derivative has {len(shape)} dimensions: must have at most 2"
+            )
         symbols = [entry for argument in self.formula.arguments for entry in argument.entries]
         return from_shape(core.substitute(outputs, symbols, values), shape)
 

@@ -76,7 +76,7 @@ def where(condition: object, a: object, b: object) -> Any:
         return elementwise(core.where, "where", condition, a, b)
     if not (core.is_scalar_like(condition) or isinstance(condition, bool)):
         raise TraceError(
-            f"where: got {type(condition).__name__} as the condition, need a comparison such as x > 0.0"
+            f"where: got {type(condition).__name__} as the condition: must be a comparison such as x > 0.0"
         )
     return elementwise(lambda x, y: core.where(condition, x, y), "where", a, b)
 
@@ -97,7 +97,7 @@ def jacobian(output: Any, wrt: Any) -> Any:
     shape = getattr(output, "shape", ()) + getattr(variable, "shape", ())
     if len(shape) > 2:
         raise TraceError(
-            f"jacobian: the result has {len(shape)} dimensions, need scalars or vectors on both sides"
+            f"jacobian: the result has {len(shape)} dimensions: must have at most 2; give scalars or vectors"
         )
     rows = core.jacobian(_entries(output), _entries(variable))
     return from_shape([entry for row in rows for entry in row], shape)
@@ -107,7 +107,7 @@ def hessian(output: object, wrt: object) -> Scalar | Mat:
     """Second derivatives of a scalar expression with respect to a symbol or a vector of symbols."""
     output, variable = convert(output, "hessian"), convert(wrt, "hessian: wrt")
     if isinstance(output, Tensor) or isinstance(variable, Mat):
-        raise TraceError("hessian: need a scalar output and a scalar or vector variable")
+        raise TraceError("hessian: the output must be a scalar, the variable a scalar or vector")
     rows = core.hessian(output, _entries(variable))
     return from_shape([entry for row in rows for entry in row], 2 * getattr(variable, "shape", ()))
 

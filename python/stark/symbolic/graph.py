@@ -31,6 +31,7 @@ class ExpressionGraph:
 
     @property
     def operation_count(self) -> int:
+        """How many operations one evaluation takes."""
         return sum(self.counts.values())
 
     def __str__(self) -> str:

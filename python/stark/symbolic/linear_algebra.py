@@ -14,7 +14,7 @@ def _vectors(name: str, a: object, b: object) -> tuple[Vec, Vec]:
     a, b = convert(a, name), convert(b, name)
     if not (isinstance(a, Vec) and isinstance(b, Vec)) or (name != "outer" and len(a) != len(b)):
         raise TraceError(
-            f"{name}: {describe(a)} and {describe(b)} do not fit, need two vectors of equal length"
+            f"{name}: {describe(a)} and {describe(b)} do not fit: must be two vectors of equal length"
         )
     return a, b
 
@@ -22,7 +22,7 @@ def _vectors(name: str, a: object, b: object) -> tuple[Vec, Vec]:
 def _square(name: str, a: object) -> Mat:
     a = convert(a, name)
     if not isinstance(a, Mat) or a.shape[0] != a.shape[1]:
-        raise TraceError(f"{name}: got {describe(a)}, need a square matrix")
+        raise TraceError(f"{name}: got {describe(a)}: must be a square matrix")
     return a
 
 
@@ -38,7 +38,7 @@ def cross(a: Any, b: Any) -> Any:
     if len(a) == 2:
         return a[0] * b[1] - a[1] * b[0]
     if len(a) != 3:
-        raise TraceError(f"cross: got {describe(a)} and {describe(b)}, need vectors of 2 or 3")
+        raise TraceError(f"cross: got {describe(a)} and {describe(b)}: must be vectors of 2 or 3")
     return Vec([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
@@ -57,7 +57,7 @@ def normalized(a: object) -> Vec:
     """The vector divided by its norm."""
     a = convert(a, "normalized")
     if not isinstance(a, Vec):
-        raise TraceError(f"normalized: got {describe(a)}, need a vector")
+        raise TraceError(f"normalized: got {describe(a)}: must be a vector")
     return a / norm(a)
 
 
@@ -71,7 +71,7 @@ def skew(a: object) -> Mat:
     """Matrix of the cross product: skew(a) @ b = cross(a, b)."""
     a = convert(a, "skew")
     if not isinstance(a, Vec) or len(a) != 3:
-        raise TraceError(f"skew: got {describe(a)}, need a vector of 3")
+        raise TraceError(f"skew: got {describe(a)}: must be a vector of 3")
     return Mat([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
@@ -96,7 +96,7 @@ def determinant(a: object) -> Scalar:
         return dot(a.column(0), cross(a.column(1), a.column(2)))
     if n == 4:
         return dot(a[0], _cofactors(a)[0])
-    raise TraceError(f"determinant: got {describe(a)}, need at most 4 rows")
+    raise TraceError(f"determinant: got {describe(a)}: must have at most 4 rows")
 
 
 def inverse(a: object) -> Mat:
@@ -115,7 +115,7 @@ def inverse(a: object) -> Mat:
     if n == 4:
         cofactors = _cofactors(a)
         return transpose(cofactors) * (1.0 / dot(a[0], cofactors[0]))
-    raise TraceError(f"inverse: got {describe(a)}, need at most 4 rows")
+    raise TraceError(f"inverse: got {describe(a)}: must have at most 4 rows")
 
 
 def _cofactors(a: Mat) -> Mat:
@@ -133,6 +133,6 @@ def invariants(a: object) -> tuple[Scalar, ...]:
     if len(a) == 2:
         return trace(a), determinant(a)
     if len(a) != 3:
-        raise TraceError(f"invariants: got {describe(a)}, need a matrix of 2 x 2 or 3 x 3")
+        raise TraceError(f"invariants: got {describe(a)}: must be a matrix of 2 x 2 or 3 x 3")
     first = trace(a)
     return first, 0.5 * (first * first - trace(a @ a)), determinant(a)

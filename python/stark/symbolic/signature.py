@@ -35,7 +35,7 @@ class ArgumentType:
 def _checked(kind: str, shape: tuple[Any, ...], dimensions: int) -> ArgumentType:
     if len(shape) != dimensions or not all(isinstance(n, (int, np.integer)) and n > 0 for n in shape):
         need = "Vector[n]" if dimensions == 1 else "Matrix[rows, columns]"
-        raise TraceError(f"{kind}{list(shape)}: need {need} with positive integers")
+        raise TraceError(f"{kind}{list(shape)}: must be {need} with positive integers")
     return ArgumentType(tuple(int(n) for n in shape))
 
 
@@ -157,7 +157,7 @@ def read_signature(
             given = "no annotation" if kind is parameter.empty else f"the annotation {kind!r}"
             raise formula_error(
                 formula,
-                f"argument '{name}' has {given}; need float, sym.Vector[n] or sym.Matrix[rows, columns]",
+                f"argument '{name}' has {given}: must be float, sym.Vector[n] or sym.Matrix[rows, columns]",
                 function,
             )
         shapes[name] = kind.shape

@@ -83,7 +83,8 @@ class Tensor:
             return self._entries[int(places)]
         if places.ndim > 2:
             raise TraceError(
-                f"index {key!r} of {describe(self)}: the result has {places.ndim} dimensions, need 0 to 2"
+                f"index {key!r} of {describe(self)}: the result has {places.ndim} dimensions: must have at "
+                "most 2"
             )
         return from_shape([self._entries[i] for i in places.ravel()], places.shape)
 
@@ -231,10 +232,10 @@ class Vec(Tensor):
     def __init__(self, entries: Sequence[object]) -> None:
         entries = list(entries)
         if not entries:
-            raise TraceError("Vec: got no entries, need at least one")
+            raise TraceError("Vec: got no entries: must have at least one")
         for entry in entries:
             if not core.is_scalar_like(entry):
-                raise TraceError(f"Vec: got {describe(entry)} as an entry, need scalars and numbers")
+                raise TraceError(f"Vec: got {describe(entry)} as an entry: must be scalars and numbers")
         super().__init__(entries, (len(entries),))
 
     @property
@@ -271,10 +272,10 @@ class Mat(Tensor):
     def __init__(self, rows: Sequence[Sequence[object]]) -> None:
         vectors = [vec(row) for row in rows]
         if not vectors:
-            raise TraceError("Mat: got no rows, need at least one")
+            raise TraceError("Mat: got no rows: must have at least one")
         if len({len(v) for v in vectors}) > 1:
             raise TraceError(
-                f"Mat: rows of {', '.join(str(len(v)) for v in vectors)} entries, need equal lengths"
+                f"Mat: rows of {', '.join(str(len(v)) for v in vectors)} entries: must have equal lengths"
             )
         super().__init__([entry for v in vectors for entry in v.entries], (len(vectors), len(vectors[0])))
 
@@ -313,9 +314,9 @@ def convert(value: Any, what: str) -> Any:
         return Vec(value)
     if isinstance(value, np.ndarray) and value.dtype.kind in "biufO":
         if value.ndim > 2:
-            raise TraceError(f"{what}: an array of {value.ndim} dimensions, need at most 2")
+            raise TraceError(f"{what}: an array of {value.ndim} dimensions: must have at most 2")
         return from_shape(value.ravel().tolist(), value.shape)
-    raise TraceError(f"{what}: got {type(value).__name__}, need a scalar, Vec, Mat or numbers")
+    raise TraceError(f"{what}: got {type(value).__name__}: must be a scalar, Vec, Mat or numbers")
 
 
 def vec(*entries: Any) -> Vec:
@@ -324,7 +325,7 @@ def vec(*entries: Any) -> Vec:
         if isinstance(entries[0], Vec):
             return entries[0]
         if isinstance(entries[0], Mat):
-            raise TraceError(f"vec: got {describe(entries[0])}, need scalars and numbers")
+            raise TraceError(f"vec: got {describe(entries[0])}: must be scalars and numbers")
         return Vec(list(entries[0]))
     return Vec(entries)
 
@@ -350,7 +351,7 @@ def diag(value: object) -> Mat | Vec:
     if isinstance(value, Mat):
         return Vec([value[i, i] for i in range(min(value.shape))])
     if not isinstance(value, Vec):
-        raise TraceError("diag: got a scalar, need a vector or a matrix")
+        raise TraceError("diag: got a scalar: must be a vector or a matrix")
     n = len(value)
     return Mat([[value[i] if i == j else 0.0 for j in range(n)] for i in range(n)])
 
@@ -364,7 +365,9 @@ def elementwise(function: Callable[..., object], sign: str, *operands: object) -
     first = tensors[0]
     for other in tensors[1:]:
         if other.shape != first.shape:
-            raise TraceError(f"{sign}: {describe(first)} and {describe(other)} do not fit, need equal shapes")
+            raise TraceError(
+                f"{sign}: {describe(first)} and {describe(other)} do not fit: must have equal shapes"
+            )
     size = first.size
     entries = zip(*[v.entries if isinstance(v, Tensor) else [v] * size for v in values], strict=True)
     return type(first)._of([function(*items) for items in entries], first.shape)
@@ -396,6 +399,6 @@ def transpose(a: object) -> Mat:
     """Rows become columns."""
     a = convert(a, "transpose")
     if not isinstance(a, Mat):
-        raise TraceError(f"transpose: got {describe(a)}, need a matrix")
+        raise TraceError(f"transpose: got {describe(a)}: must be a matrix")
     rows, cols = a.shape
     return Mat._of([a.entries[i * cols + j] for j in range(cols) for i in range(rows)], (cols, rows))

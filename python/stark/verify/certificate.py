@@ -49,6 +49,7 @@ class Claim:
     required: bool = True
 
     def to_json(self) -> dict[str, Any]:
+        """The claim as the certificate has it: a dictionary."""
         return {key: _finite(value) for key, value in asdict(self).items()}
 
 

@@ -180,6 +180,8 @@ class Simulation {
   std::vector<ContactForce> contacts() const;
   /// Sum of the contact forces on a body in the last step, friction included [N].
   Vec3 contact_force(BodyId body) const;
+  /// The same on each vertex of a body [N].
+  std::vector<Vec3> vertex_contact_forces(BodyId body) const;
   /// Points of the surfaces of two bodies that are nearest to each other, as they are now; of rods, of their
   /// centre lines. Distance 0 where they intersect; contact may be disabled. Throws InvalidArgument for a
   /// body with itself.

@@ -96,7 +96,7 @@ void check_numbers(const JointDescription& joint, const char* what, size_t expec
   const std::string owner = "joint '" + joint.name + "': " + what;
   if (expected == 0) throw InvalidArgument(owner + ": joints of its kind have no coordinates to be set");
   if (given.size() != expected)
-    throw InvalidArgument(owner + ": got " + std::to_string(given.size()) + " numbers, need " +
+    throw InvalidArgument(owner + ": got " + std::to_string(given.size()) + " numbers: must be " +
                           std::to_string(expected));
   for (const double value : given)
     if (!std::isfinite(value)) throw InvalidArgument(owner + " = " + to_text(value) + ": must be finite");

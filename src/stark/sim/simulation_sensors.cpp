@@ -33,6 +33,22 @@ Vec3 Simulation::contact_force(BodyId body) const {
   return sum;
 }
 
+std::vector<Vec3> Simulation::vertex_contact_forces(BodyId body) const {
+  scene_.name(body);
+  const ModelBody& of = model().bodies()[body.index];
+  std::vector<Vec3> forces(of.site_count);
+  for (const ContactForce& entry : contacts()) {
+    const Contact& contact = entry.contact;
+    for (int p = 0; p < contact.point_count; ++p) {
+      const int32_t group = p < contact.side_a_count ? contact.group_a : contact.group_b;
+      if (group == body.index)  // weights of side B are negative, as its forces are
+        forces[contact.sites[p] - of.first_site] +=
+            (entry.normal_force + entry.friction) * contact.weights[p];
+    }
+  }
+  return forces;
+}
+
 Vec3 Simulation::acceleration(BodyId body, const Vec3& point) const {
   const ModelBody& b = rigid(body, "acceleration");
   if (step_start_.empty()) return {};

@@ -283,9 +283,9 @@ void ArrayFunction::evaluate(Order order, std::span<const StridedArray> argument
   const bool energy = s.outputs.size() == 1;
   if (order == Order::Hessian && !energy)
     throw InvalidArgument("second derivatives: the function has " + std::to_string(s.outputs.size()) +
-                          " outputs, need 1; use its jacobian");
+                          " outputs: must be 1; use its jacobian");
   if (arguments.size() != s.used.size())
-    throw InvalidArgument("evaluate: got " + std::to_string(arguments.size()) + " arguments, need " +
+    throw InvalidArgument("evaluate: got " + std::to_string(arguments.size()) + " arguments: must be " +
                           std::to_string(s.used.size()));
   int64_t count = 1;
   for (const int64_t d : shape) count *= d;

@@ -441,7 +441,7 @@ def test_refused_rest_states() -> None:
     sim = stark.Simulation(scene, time_step=0.01)
     with pytest.raises(stark.InvalidArgument, match="must keep it while there is a simulation"):
         body.growth = np.eye(3)
-    with pytest.raises(stark.InvalidArgument, match="simulation keeps the scene"):
+    with pytest.raises(stark.InvalidArgument, match="changes the scene, not the simulation"):
         sim["bar"].temperature = 1.0
     body.growth[0] = -2.0
     with pytest.raises(stark.InvalidArgument, match=r"growth\[0\]"):

@@ -162,7 +162,7 @@ def test_laws_that_cannot_be_are_refused() -> None:
 
 
 def test_arguments_of_laws_are_checked_when_they_are_written() -> None:
-    with pytest.raises(TraceError, match=r"need stark\.Vec2"):
+    with pytest.raises(TraceError, match=r"must be stark\.Vec2"):
 
         @stark.material
         def wrong(stretch, curvature: stark.Vec3):

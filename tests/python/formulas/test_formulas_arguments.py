@@ -48,7 +48,7 @@ def test_annotations_say_what_arguments_are() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("p: stark.Point, k", "'k' has no annotation; need stark.Point"),
+        ("p: stark.Point, k", "'k' has no annotation: must be stark.Point"),
         ("p: stark.Point, k: str", "annotation <class 'str'>"),
         ("p: stark.Point, s: stark.Stencil", r"write stark\.Stencil\[k\]"),
         ("p: stark.Point, forces: float", "must not be called 'forces'"),

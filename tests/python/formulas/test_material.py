@@ -100,7 +100,7 @@ def law_of(body: str, strain: str = "F: stark.DeformationGradient", options: str
         (InvalidArgument, lambda: law_of("mu * stark.log(F[0, 1])")(), "the energy is not finite at rest"),
         (TraceError, lambda: law_of("mu * stark.log(2.0)")(), "does not depend on F"),
         (TraceError, lambda: law_of("F[0, 0] ** 2")(), "does not depend on 'mu'"),
-        (TraceError, lambda: law_of("mu * F")(), "returns Mat of 3 x 3, need a scalar"),
+        (TraceError, lambda: law_of("mu * F")(), "returns Mat of 3 x 3: must be a scalar"),
         (TraceError, lambda: law_of("mu", strain="F: float"), "first argument must be the strain"),
         (TraceError, lambda: law_of("mu * F[0, 0]", options="thickness: float, mu: float"), "'thickness'"),
         (TraceError, lambda: law_of("mu * F[0, 0]", options="mu: str"), "argument 'mu' has the annotation"),

@@ -110,7 +110,7 @@ TRACED = [
     (lambda: python_max(P), TraceError, ["python_max:", "stark.maximum", "# max line"]),
     (lambda: python_sqrt(P), TraceError, ["float() of", "p.x[0]", "stark.sqrt", "# sqrt line"]),
     (lambda: shapes(P), TraceError, ["Vec of 3 and Vec of 2", "# shape line"]),
-    (lambda: vector(P), TraceError, ["returns Vec of 3, need a scalar", "def vector"]),
+    (lambda: vector(P), TraceError, ["returns Vec of 3: must be a scalar", "def vector"]),
     (lambda: nothing(P), TraceError, ["returns None", "def nothing"]),
     (lambda: condition(P), TraceError, ["returns a condition", "def condition"]),
     (lambda: unused_parameter(P), TraceError, ["does not depend on 'k'", "def unused_parameter"]),
@@ -144,7 +144,7 @@ def defined(arguments: str) -> object:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ("p", "argument 'p' has no annotation; need stark.Point"),
+        ("p", "argument 'p' has no annotation: must be stark.Point"),
         ("p: str", "argument 'p' has the annotation"),
         ("k: float", "no argument is a point, a stencil or a frame"),
         ("*p: stark.Point", "number of arguments must be fixed"),

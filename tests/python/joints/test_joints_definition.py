@@ -83,7 +83,7 @@ def test_joints_of_cloth_patches_and_bodies() -> None:
 @pytest.mark.parametrize(
     ("formula", "message"),
     [
-        (lambda a, b: None, "need stark.hold"),
+        (lambda a, b: None, "must be stark.hold"),
         (lambda a, b: stark.hold(), "of nothing"),
         (lambda a, b: stark.hold(length=a.origin), "does not depend on 'b'"),
         (lambda a, b: stark.hold(length=a.origin - b.origin) if a.x @ b.x > 0 else None, "stark.where"),

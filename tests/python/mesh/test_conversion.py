@@ -54,7 +54,7 @@ def test_quadratic_elements_have_nodes_between_the_corners() -> None:
 @pytest.mark.parametrize(
     ("convert", "given", "message"),
     [
-        (mesh.as_triangle_mesh, mesh.tet_box(1.0, 1), "got a TetMesh, need a TriangleMesh"),
+        (mesh.as_triangle_mesh, mesh.tet_box(1.0, 1), "got a TetMesh: must be a TriangleMesh"),
         (
             mesh.as_triangle_mesh,
             mesh.box_hexahedra(1.0, 1),
@@ -62,10 +62,10 @@ def test_quadratic_elements_have_nodes_between_the_corners() -> None:
         ),
         (mesh.as_triangle_mesh, mesh.lattice(mesh.box(1.0), cells=1), r"got a lattice.*mesh\.surface\(\)"),
         (mesh.as_triangle_mesh, "bunny.obj", r"stark\.mesh\.load"),
-        (mesh.as_triangle_mesh, ([[0, 0, 0]], [[0, 1]]), r"need \(m, 3\)"),
+        (mesh.as_triangle_mesh, ([[0, 0, 0]], [[0, 1]]), r"must be \(m, 3\)"),
         (mesh.as_tet_mesh, mesh.box(1.0), "tetrahedralise"),
         (mesh.as_tet_mesh, 5, "got int"),
-        (mesh.as_solid_mesh, ([[0, 0, 0]], np.zeros((1, 8))), "need integers"),
+        (mesh.as_solid_mesh, ([[0, 0, 0]], np.zeros((1, 8))), "must be integers"),
         (mesh.as_polyline, mesh.box(1.0), "got a TriangleMesh"),
         (mesh.as_polyline, [[0, 0]], r"\(n, 3\)"),
     ],

@@ -38,7 +38,7 @@ def test_points_become_rows_of_three_doubles(given: Any) -> None:
     "given", [[1.0, 2, 3], [[1, 2]], "points", [[1j, 0, 0]], [[1, 2, 3], [4]], [[True] * 3]]
 )
 def test_what_are_no_points_is_refused_with_the_shape_that_is_needed(given: Any) -> None:
-    with pytest.raises(stark.InvalidMesh, match=r"vertices: .*need .*\(n, 3\)"):
+    with pytest.raises(stark.InvalidMesh, match=r"vertices: .*must be .*\(n, 3\)"):
         points_of(given, "vertices")
 
 
@@ -51,8 +51,8 @@ def test_indices_become_rows_of_32_bits() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ([[0, 1]], r"shape \(1, 2\), need \(m, 3\)"),
-        ([[0.0, 1.0, 2.0]], "need integers"),
+        ([[0, 1]], r"shape \(1, 2\): must be \(m, 3\)"),
+        ([[0.0, 1.0, 2.0]], "must be integers"),
         ([[0, 1, 2**31]], "fit 32 bits"),
         ([0, 1, 2], "one row of vertex indices each"),
     ],
@@ -67,7 +67,7 @@ def test_corners_are_the_positions_of_the_columns() -> None:
     first, second = corners_of(vertices, np.array([[0, 3], [2, 1]], dtype=np.int32), "edges")
     assert first.tolist() == vertices[[0, 2]].tolist() and second.tolist() == vertices[[3, 1]].tolist()
     for wrong in (4, -1):
-        with pytest.raises(stark.InvalidMesh, match=rf"refers to vertex {wrong}, need indices in \[0, 4\)"):
+        with pytest.raises(stark.InvalidMesh, match=rf"refers to vertex {wrong}: must be in \[0, 4\)"):
             corners_of(vertices, np.array([[0, wrong]], dtype=np.int32), "edges")
 
 

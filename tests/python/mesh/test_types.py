@@ -37,11 +37,11 @@ def test_areas_and_bounds_are_those_of_closed_forms() -> None:
 
 def test_arrays_that_are_no_mesh_are_refused() -> None:
     corners = np.eye(3)
-    with pytest.raises(stark.InvalidMesh, match=r"need indices in \[0, 3\)"):
+    with pytest.raises(stark.InvalidMesh, match=r"must be in \[0, 3\)"):
         _ = mesh.TriangleMesh(corners, [[0, 1, 3]]).area
-    with pytest.raises(stark.InvalidMesh, match=r"need \(m, 4\)"):
+    with pytest.raises(stark.InvalidMesh, match=r"must be \(m, 4\)"):
         mesh.TetMesh(corners, [[0, 1, 2]])
-    with pytest.raises(stark.InvalidMesh, match=r"need \(n, 3\)"):
+    with pytest.raises(stark.InvalidMesh, match=r"must be \(n, 3\)"):
         mesh.Polyline([[0, 0], [1, 1]])
 
 

@@ -213,7 +213,7 @@ def test_surfaces_enclose_the_volume(kind: str) -> None:
 
 def test_wrong_solid_meshes_are_refused_by_name(tmp_path: object) -> None:
     mesh = stark.mesh.box_hexahedra(1.0, 1)
-    with pytest.raises(stark.InvalidMesh, match=r"\(1, 5\), need \(m, k\) with 4, 8, 10 or 27"):
+    with pytest.raises(stark.InvalidMesh, match=r"\(1, 5\): must be \(m, k\) with 4, 8, 10 or 27"):
         stark.SolidMesh(mesh.vertices, [[0, 1, 2, 3, 4]])
     swapped = stark.SolidMesh(mesh.vertices, mesh.elements[:, [1, 0, 2, 3, 4, 5, 6, 7]])
     with pytest.raises(stark.InvalidMesh, match=r"hexahedron 0 has a Jacobian of -.*order of VTK"):

@@ -115,6 +115,7 @@ def test_reading_costs_less_than_stepping() -> None:
     assert seconds(lambda: cube.velocity, 1000) < 10e-6
     assert seconds(lambda: cube.angular_velocity, 1000) < 10e-6
     assert seconds(lambda: cube.contact_force, 1000) < 20e-6
+    assert seconds(lambda: cube.contact_forces, 1000) < 20e-6  # 4.1 us; it was 250
     assert seconds(lambda: hinge.angle, 1000) < 10e-6
 
 

@@ -35,6 +35,7 @@ def test_forces_balance_the_weight() -> None:
     assert sim["box"].contact_force[2] == pytest.approx(
         2.0 * (GRAVITY + sim["box"].acceleration(sim["box"].center_of_mass)[2]), abs=1e-7
     )
+    assert repr(sim.contacts) == f"<stark.Contacts: {len(sim.contacts)} of floor with box>"
     torque = np.cross(sim["box"].positions - sim["box"].position, sim["box"].contact_forces).sum(axis=0)
     assert torque == pytest.approx([0, 0, 0], abs=1e-2 * weight * 0.1)
 
@@ -139,6 +140,8 @@ def test_cloth_on_a_sphere_and_a_soft_block() -> None:
         vertex_forces = body.contact_forces
         assert vertex_forces.shape == body.positions.shape
         assert vertex_forces.sum(axis=0) == pytest.approx(body.contact_force, abs=1e-10)
+        spread = body.contacts().vertex_forces(len(body.positions))
+        np.testing.assert_allclose(vertex_forces, spread, atol=1e-12)
         from_pairs = sum(every.of(body, other).forces.sum(axis=0) for other in sim.bodies if other != body)
         own = every.of(body, body).forces.sum(axis=0)
         assert own == pytest.approx([0, 0, 0], abs=1e-9)

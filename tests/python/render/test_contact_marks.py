@@ -7,7 +7,8 @@ import pytest
 
 import stark
 from stark.render import Camera, scene_bounds
-from stark.render.contact_marks import FORCE, draw_contacts, round_force
+from stark.render.clipping import Plane
+from stark.render.contact_marks import FORCE, draw_contacts, forces_of, round_force
 from stark.render.overlay import Overlay
 
 SIZE = (320, 240)
@@ -80,7 +81,9 @@ def test_of_a_fixed_and_a_free_body_the_free_one_has_the_force() -> None:
 
 
 def test_recordings_have_no_contacts(sim) -> None:
-    with pytest.raises(ValueError, match="contacts: need a simulation; a recording has positions only"):
+    with pytest.raises(
+        ValueError, match="contacts = True needs a simulation; a recording has positions only"
+    ):
         draw_contacts(Overlay(np.zeros((4, 4, 3), dtype=np.uint8)), object(), True, CAMERA, scene_bounds(sim))
 
 
@@ -95,3 +98,14 @@ def test_forces_are_in_front_of_bodies(sim) -> None:
 @pytest.mark.parametrize(("largest", "key"), [(9.81, 5.0), (1.0, 1.0), (0.049, 0.02), (2e4, 2e4), (3.3, 2.0)])
 def test_keys_are_round(largest: float, key: float) -> None:
     assert round_force(largest) == pytest.approx(key)
+
+
+def test_what_a_cut_takes_away_has_no_arrows(sim) -> None:
+    """Of all bodies; where one of two is whole, their contacts stay."""
+    every = len(forces_of(sim, True)[0])
+    with_ball, without_ball = (Plane.of((0.0, 0.0, 0.0), (x, 0.0, 0.0)) for x in (1.0, -1.0))
+    assert every > 0
+    assert len(forces_of(sim, True, None, dict.fromkeys(("table", "ball"), with_ball))[0]) == 0
+    assert len(forces_of(sim, True, None, dict.fromkeys(("table", "ball"), without_ball))[0]) == every
+    assert len(forces_of(sim, True, None, {"table": with_ball})[0]) == every
+    assert len(forces_of(sim, True, {"table"}, {"table": with_ball})[0]) == 0

@@ -119,13 +119,13 @@ TRACED: list[tuple[Callable, str]] = [
     (equality, "== or != of the traced value .*<= and >="),
     (rounding, "rounding has no derivative"),
     (numpy_rounding, r"np\.floor is not part of formulas"),
-    (shapes, "Vec of 2 and Vec of 3 do not fit, need equal shapes"),
+    (shapes, "Vec of 2 and Vec of 3 do not fit: must have equal shapes"),
     (nested, "cross: Vec of 2 and Vec of 3 do not fit"),
     (condition_as_number, r"is a condition, not a number; .*stark\.where"),
     (number_as_condition, r"is a number, not a condition; compare it"),
     (returns_nothing, "returns None; return a number"),
     (returns_condition, r"returns a condition, not a number; .*stark\.where"),
-    (returns_text, "the result: got str, need"),
+    (returns_text, "the result: got str: must be"),
     (returns_pair, "rows of 2, |Vec: got|Mat|rows"),
     (unused, "does not depend on 'b'; use every argument, or remove it"),
     (constant, "does not depend on 'x'"),
@@ -205,10 +205,10 @@ def test_values_of_two_formulas_do_not_mix() -> None:
 @pytest.mark.parametrize(
     ("annotation", "message"),
     [
-        (inspect.Parameter.empty, "argument 'x' has no annotation; need float, sym.Vector"),
+        (inspect.Parameter.empty, "argument 'x' has no annotation: must be float, sym.Vector"),
         (list, "argument 'x' has the annotation <class 'list'>"),
         ("sym.Vector[m]", "name 'm' is not defined"),
-        ("sym.Vector[0]", r"need Vector\[n\] with positive integers"),
+        ("sym.Vector[0]", r"must be Vector\[n\] with positive integers"),
     ],
 )
 def test_bad_annotations(annotation: object, message: str) -> None:
@@ -246,14 +246,14 @@ def direction(x: sym.Vector[2]):
 
 
 CALLS: dict[str, tuple[Callable[[], object], str]] = {
-    "shape": (lambda: energy([1, 2, 3]), r"energy: argument 'x' has the shape \(3,\), need \(\.\.\., 2\)"),
-    "number for a vector": (lambda: energy(1.0), r"argument 'x' has the shape \(\), need \(\.\.\., 2\)"),
+    "shape": (lambda: energy([1, 2, 3]), r"energy: argument 'x' has the shape \(3,\): must be \(\.\.\., 2\)"),
+    "number for a vector": (lambda: energy(1.0), r"argument 'x' has the shape \(\): must be \(\.\.\., 2\)"),
     "batches": (
         lambda: energy(np.ones((3, 2)), np.ones(2)),
         r"batch shapes x \(3,\), k \(2,\) do not broadcast",
     ),
-    "text": (lambda: energy("ab"), "argument 'x' has the type <U2, need real numbers"),
-    "complex": (lambda: energy([1j, 2]), "argument 'x' has the type complex128, need real numbers"),
+    "text": (lambda: energy("ab"), "argument 'x' has the type <U2: must be real numbers"),
+    "complex": (lambda: energy([1j, 2]), "argument 'x' has the type complex128: must be real numbers"),
     "ragged": (lambda: energy([[1, 2], [3]]), "argument 'x' is no array"),
     "unknown wrt": (lambda: energy.gradient([1, 2], wrt="y"), "wrt='y' is no argument; there are x, k"),
     "wrt twice": (lambda: energy.gradient([1, 2], wrt=("x", "x")), "each once"),

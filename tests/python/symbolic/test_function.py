@@ -240,7 +240,7 @@ def test_functions_of_functions() -> None:
 
     x = sample((5, 2))
     np.testing.assert_allclose(twice(x), rosenbrock(x) + rosenbrock(2 * x, b=3.0), rtol=1e-15)
-    with pytest.raises(stark.TraceError, match="argument 'x' is Vec of 3, need Vec of 2"):
+    with pytest.raises(stark.TraceError, match="argument 'x' is Vec of 3: must be Vec of 2"):
         rosenbrock(sym.symbols("y[3]"))
 
 

@@ -39,13 +39,13 @@ def test_a_formula_with_checked_annotations_is_the_closed_form() -> None:
 @pytest.mark.parametrize(
     ("annotation", "message"),
     [
-        (Annotated[sym.Vec, 0], r"need Vector\[n\]"),
-        (Annotated[sym.Vec, 2, 3], r"need Vector\[n\]"),
-        (Annotated[sym.Vec, "m"], r"need Vector\[n\]"),
-        (Annotated[sym.Mat, 3], r"need Matrix\[rows, columns\]"),
-        (Annotated[str, 3], "need float"),
-        (sym.Vec, "need float"),
-        (list, "need float"),
+        (Annotated[sym.Vec, 0], r"must be Vector\[n\]"),
+        (Annotated[sym.Vec, 2, 3], r"must be Vector\[n\]"),
+        (Annotated[sym.Vec, "m"], r"must be Vector\[n\]"),
+        (Annotated[sym.Mat, 3], r"must be Matrix\[rows, columns\]"),
+        (Annotated[str, 3], "must be float"),
+        (sym.Vec, "must be float"),
+        (list, "must be float"),
     ],
 )
 def test_a_wrong_annotation_is_refused_with_the_name_of_the_formula(annotation: object, message: str) -> None:
