@@ -257,6 +257,31 @@ TEST_CASE("edges that slide past each other and turn at a small gap pass in one 
   CHECK(edge_edge_ccd(a, c, 1e-6) < 0.01);
 }
 
+TEST_CASE("a triangle that tilts below a point at a large separation passes in one go") {
+  // The point is hardly farther than the separation, which is a tenth of the size of the triangle. This turns
+  // by 0.2 rad about a line in it, far from the point's foot on one side, and the point keeps ahead of it. A
+  // plane that stands still is left after 1e-5 of the way, again and again.
+  const double separation = 0.1, angle = 0.2, foot = 0.3;
+  CcdSettings sharper;
+  sharper.sharper_iterations = 128;
+  for (const double above : {1e-3, 1e-5, 1e-7}) {
+    const double d0 = separation * (1.0 + above);
+    const std::array<Vec3, 4> x0 = {Vec3{foot, 0.0, d0}, Vec3{-1.0, -0.7, 0.0}, Vec3{1.0, -0.8, 0.0},
+                                    Vec3{0.1, 1.0, 0.0}};
+    const auto turned = [&](const Vec3& p) { return Vec3{p.x, p.y, p.z + std::tan(angle) * p.x}; };
+    std::array<Vec3, 4> x1 = {x0[0], turned(x0[1]), turned(x0[2]), turned(x0[3])};
+    x1[0].z = x0[0].z + std::tan(angle) * foot + 0.05 * separation;
+    CHECK(sampled_minimum(x0, x1, 1.0, pt_distance) > separation);
+    CHECK(point_triangle_ccd(x0, x1, separation) < 1.0);
+    CHECK(point_triangle_ccd(x0, x1, separation, sharper) == 1.0);
+    // Where it does not keep ahead, it comes to the separation.
+    x1[0].z = x0[0].z + std::tan(angle) * foot - 0.05 * separation;
+    const double t = point_triangle_ccd(x0, x1, separation, sharper);
+    CHECK(t < 1.0);
+    CHECK(sampled_minimum(x0, x1, t, pt_distance) > separation);
+  }
+}
+
 TEST_CASE("settings: margin, horizon, iteration limit") {
   const std::array<Vec3, 2> a = {Vec3{0, 0, 0}, Vec3{1, 0, 0}}, b = {Vec3{2, 0, 0}, Vec3{1, 0, 0}};
   CcdSettings settings;

@@ -132,6 +132,47 @@ TEST_CASE("batch: the minimum of single calls, same bits for any thread count, n
   CHECK_THROWS_AS(max_safe_step(mesh, list, {}, x1, {xi}, one), InvalidArgument);
 }
 
+TEST_CASE("what has come to its separation may go on to the wall of a core") {
+  SceneBuilder scene;
+  scene.add_mesh(make_grid(1.0, 1.0, 1, 1));
+  scene.add_mesh(make_icosphere(0.1, 0), {0.1, 0.05, 0.3});
+  std::vector<Vec3> x = scene.x, x1;
+  const auto lowest = [&] {
+    double z = HUGE_VAL;
+    for (int32_t v = 0; v < scene.surface.vertex_count; ++v)
+      if (scene.surface.vertex_group[v] == 1) z = std::min(z, x[v].z);
+    return z;
+  };
+  const auto move = [&](double dz) {
+    x1 = x;
+    for (int32_t v = 0; v < scene.surface.vertex_count; ++v)
+      if (scene.surface.vertex_group[v] == 1) x1[v].z += dz;
+  };
+  const std::vector<double> by_group = {0.005, 0.005};
+  const std::vector<uint8_t> has_core = {0, 1};
+  const double separation = 0.01, part = 0.999;
+  const Separations plain{.by_group = by_group};
+  const Separations core{.by_group = by_group, .has_core = has_core, .core_part = part};
+  BroadPhase broad_phase;
+  broad_phase.reset(scene.surface, PairFilter(2));
+  ThreadPool pool(1);
+  CandidateList list;
+  const auto fraction = [&](double gap, double motion, const Separations& separations) {
+    move(gap - lowest());
+    x = x1;
+    move(-motion);
+    broad_phase.find_swept(x, x1, by_group, pool, list);
+    return max_safe_step(scene.surface, list, x, x1, separations, pool);
+  };
+  // From afar both keep the separation ...
+  for (const Separations& separations : {plain, core})
+    CHECK(fraction(1.1 * separation, 0.2 * separation, separations) == doctest::Approx(0.45).epsilon(1e-9));
+  // ... from a millionth above it on, nine tenths of the way to the wall are free.
+  const double gap = (1.0 + 1e-6) * separation, motion = 0.01 * separation;
+  CHECK(fraction(gap, motion, plain) == doctest::Approx(0.9 * 1e-6 / 0.01).epsilon(1e-3));
+  CHECK(fraction(gap, motion, core) == doctest::Approx(0.9 * (1.0 + 1e-6 - part) / 0.01).epsilon(1e-3));
+}
+
 TEST_CASE("two groups may keep a separation of their own") {
   const std::vector<double> by_group = {1.0, 2.0, 4.0};
   const std::vector<Separations::Pair> by_pair = {{0, 2, 0.5}, {1, 1, 0.25}};

@@ -215,9 +215,14 @@ struct Motion {
   }
 };
 
+/// How the area |u x v| of a frame on its way is bounded: by |u| |v|, or by its Bernstein coefficients, which
+/// takes longer and tells where primitives turn at a gap hardly above the separation: each plane is left at
+/// once there, though they do not come nearer.
+enum class AreaBound : uint8_t { Lengths, Coefficients };
+
 // The cubic w . (u x v) keeps its sign and stays above `separation` times the area from frame `a` to frame
 // `b`, both moving linearly: its Bernstein coefficients, values of the blossom, bound it.
-bool volume_stays_positive(const Frame& a, const Frame& b, double separation, double error) {
+bool volume_stays_positive(const Frame& a, const Frame& b, double separation, double error, AreaBound bound) {
   const Vec3 aa = cross(a.u, a.v), ab = cross(a.u, b.v), ba = cross(b.u, a.v), bb = cross(b.u, b.v);
   const Vec3 mixed = ab + ba;
   const double c0 = dot(a.w, aa), c1 = (dot(b.w, aa) + dot(a.w, mixed)) / 3.0;
@@ -226,16 +231,18 @@ bool volume_stays_positive(const Frame& a, const Frame& b, double separation, do
   const double u = std::sqrt(std::max(squared_norm(a.u), squared_norm(b.u)));
   const double v = std::sqrt(std::max(squared_norm(a.v), squared_norm(b.v)));
   const double w = std::sqrt(std::max(squared_norm(a.w), squared_norm(b.w)));
-  return smallest > (separation * u * v) * (1.0 + 1e-12) + 8.0 * error * (u * v + v * w + w * u);
+  const double area = bound == AreaBound::Lengths ? u * v : std::max({norm(aa), 0.5 * norm(mixed), norm(bb)});
+  return smallest > (separation * area) * (1.0 + 1e-12) + 8.0 * error * (u * v + v * w + w * u);
 }
 
 // A time step from t longer than `step`, safe by the volume; or `step`. Long primitives at a small gap that
 // turn against each other leave a separating plane at once although they do not meet; the volume sees that.
 template <typename Kind>
-double extend_by_volume(const Motion<Kind>& motion, double t, double step, double separation) {
+double extend_by_volume(const Motion<Kind>& motion, double t, double step, double separation,
+                        AreaBound bound) {
   const Frame now = Kind::frame(motion.at(t));
   for (double longer = 1.0 - t; longer > 2.0 * step; longer *= 0.25) {
-    if (volume_stays_positive(now, Kind::frame(motion.at(t + longer)), separation, motion.error))
+    if (volume_stays_positive(now, Kind::frame(motion.at(t + longer)), separation, motion.error, bound))
       return longer;
   }
   return step;
@@ -285,7 +292,8 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
   const double stop = separation + settings.tolerance * (gap - separation);
   const double keep = 1.0 - settings.time_margin;
   double t = 0.0;
-  for (int iteration = 0; iteration < settings.max_iterations; ++iteration) {
+  const int iterations = settings.max_iterations + (Kind::kHasVolume ? settings.sharper_iterations : 0);
+  for (int iteration = 0; iteration < iterations; ++iteration) {
     if (iteration > 0) {
       n = unit_or_zero(Kind::direction(motion.at(t)));
       if (!(motion.gaps(n, t, gaps) > stop)) return keep * t;
@@ -297,7 +305,9 @@ double advance(const std::array<Vec3, Kind::kA + Kind::kB>& x0,
     }
     if (t + step >= settings.horizon) return 1.0;
     if constexpr (Kind::kHasVolume) {
-      step = extend_by_volume(motion, t, step, separation);
+      step = extend_by_volume(
+          motion, t, step, separation,
+          iteration < settings.max_iterations ? AreaBound::Lengths : AreaBound::Coefficients);
       if (t + step >= settings.horizon) return 1.0;
     }
     if (!(t + step > t)) return keep * t;

@@ -18,9 +18,10 @@ struct CcdSettings {
   double time_margin = 0.1;  // part of the time to the impact that is given back, so that a gap remains
   double tolerance =
       1e-4;  // an impact: the gap has come this near to the separation, relative to the initial gap
-  int max_iterations = 64;  // the time reached so far counts as the impact: safe, only smaller
-  bool is_bound = true;     // false: a pair keeps a tenth of its gap where that is less than the separation
-  double horizon = 1.0;     // impacts after this time are not looked for: the result is then 1
+  int max_iterations = 64;     // the time reached so far counts as the impact: safe, only smaller
+  int sharper_iterations = 0;  // after those, with bounds of the volume that take longer
+  bool is_bound = true;  // false: a pair keeps a tenth of its gap where that is less than the separation
+  double horizon = 1.0;  // impacts after this time are not looked for: the result is then 1
 };
 
 // Fraction t in [0, 1] such that the distance of the two primitives on [0, t] stays above the separation:

@@ -1,7 +1,9 @@
 // Smallest safe step over a candidate list: four pairs at a time are tested for an axis that separates them
 // on the whole motion, the rest go through conservative advancement. See max_safe_step.h.
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,8 +23,35 @@ struct Limit {
   int64_t tested = 0;
 };
 
+// Gap above a separation, over it, from which a pair with a core has come to it: its barrier is next to what
+// it is at the separation.
+constexpr double kArrived = 1e-5;
+
 // Candidates per unit of parallel work; fixed, so that the result does not depend on the threads.
 constexpr int64_t kGrain = 1024;
+
+// Sharper iterations of pairs with a core: they rest hardly above their separation.
+constexpr int kCoreIterations = 128;
+
+// What a pair at x keeps: its separation, or, with a core, what is left of it.
+struct Kept {
+  double separation;
+  int sharper_iterations = 0;
+};
+
+template <PairKind kind, typename Separation>
+Kept kept(const SurfaceMesh& mesh, const PrimitivePair& pair, const typename PairRow<kind>::Positions& x,
+          double from_afar, const Separation& separation) {
+  if constexpr (std::is_same_v<std::remove_cvref_t<Separation>, Separations>) {
+    if (separation.has_core.empty()) return {from_afar};
+    const PrimitivePair groups = PairRow<kind>::groups(mesh, pair);
+    if (!separation.is_core(groups.first, groups.second)) return {from_afar};
+    const bool has_come = std::sqrt(PairRow<kind>::squared_distance(x)) < (1.0 + kArrived) * from_afar;
+    return {has_come ? separation.core_part * from_afar : from_afar, kCoreIterations};
+  } else {
+    return {from_afar};
+  }
+}
 
 // Smallest step over the pairs of one kind; separation(a, b): what two groups keep.
 template <PairKind kind, typename Separation>
@@ -48,7 +77,9 @@ Limit find_limit(const SurfaceMesh& mesh, const std::vector<PrimitivePair>& pair
           b[i] = x1[four.ids[lane][i]];
         }
         ++limit.tested;
-        const double step = Row::kCcd(a, b, four.limit[lane], bounded);
+        const Kept near = kept<kind>(mesh, pairs[first + lane], a, four.limit[lane], separation);
+        bounded.sharper_iterations = near.sharper_iterations;
+        const double step = Row::kCcd(a, b, near.separation, bounded);
         if (step < limit.step) {
           limit.step = step;
           limit.candidate = first + lane;
@@ -111,6 +142,10 @@ double Separations::operator()(int32_t group_a, int32_t group_b) const {
     if (found != by_pair.end() && std::pair(found->low, found->high) == groups) return found->separation;
   }
   return by_group[group_a] + by_group[group_b];
+}
+
+bool Separations::is_core(int32_t group_a, int32_t group_b) const {
+  return !has_core.empty() && (has_core[group_a] != 0 || has_core[group_b] != 0);
 }
 
 double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,

@@ -34,8 +34,13 @@ struct Separations {
   };
   std::span<const double> by_group;
   std::span<const Pair> by_pair = {};  ///< instead of the sum; sorted by groups
+  /// By group: 1 where barriers with others are infinite at this part of the separation. Pairs that have come
+  /// to the separation keep that part: a barrier that ends in a wall carries no more than it does there.
+  std::span<const uint8_t> has_core = {};
+  double core_part = 1.0;
 
   double operator()(int32_t group_a, int32_t group_b) const;
+  bool is_core(int32_t group_a, int32_t group_b) const;
 };
 
 /// As above with separations by group.

@@ -221,10 +221,17 @@ double ContactGeometry::edge_distance(const Contact& edges, double part) const {
   return std::max(distance, 2.0 * least_distance(edges.group_a, edges.group_b));
 }
 
+Separations ContactGeometry::separations() const {
+  return {.by_group = group_separation,
+          .by_pair = pair_separation,
+          .has_core = has_least_distance ? std::span(has_core) : std::span<const uint8_t>{},
+          .core_part = kCorePole};
+}
+
 double ContactGeometry::least_distance(int32_t group_a, int32_t group_b) const {
   if (!has_least_distance || group_separation.empty()) return 0.0;
   const double pole = core(group_a, group_b) > 0.0 ? kCorePole : kPole;
-  return pole * Separations{group_separation, pair_separation}(group_a, group_b);
+  return pole * separations()(group_a, group_b);
 }
 
 void find_contacts(const ContactGeometry& geometry, const CandidateList& candidates, std::span<const Vec3> x,

@@ -101,7 +101,8 @@ struct ContactGeometry {
   /// What collision detection keeps between two groups: the sum over both [m], or that of the pair.
   std::vector<double> group_separation{};
   std::vector<Separations::Pair> pair_separation{};
-  bool has_least_distance = true;  ///< false: barriers act down to 0
+  std::vector<uint8_t> has_core{};  ///< by group; none where no surface has a core
+  bool has_least_distance = true;   ///< false: barriers act down to 0
 
   /// Contact distance of two groups [m].
   double distance(int32_t group_a, int32_t group_b) const;
@@ -110,6 +111,7 @@ struct ContactGeometry {
   /// Within which two edges act whose flatness leaves them a part of the contact distance [m]. Where there is
   /// a core they bear on it as vertices do: collision detection would stop them there before they push.
   double edge_distance(const Contact& edges, double part) const;
+  Separations separations() const;
   /// Where their barrier is infinite [m], which is just below what collision detection keeps.
   double least_distance(int32_t group_a, int32_t group_b) const;
 };

@@ -88,6 +88,33 @@ def test_layers_of_cloth_keep_their_cores_under_a_press(turn: float) -> None:
     assert 4 * 0.8e-3 < height < 4 * 1.2e-3
 
 
+def test_a_hinge_on_a_wheel_that_is_pressed_to_a_core_is_held() -> None:
+    """1 kg on a corner of a wheel, on a layer of 10 Pa: more than its barrier carries at the core itself. It
+    was blocked there, thrown off with 4 kN once contact was raised, and its joints came apart."""
+    scene = stark.Scene()
+    scene.default_friction = 0.5
+    layer = stark.surfaces.terry_towel.replace(stiffness=10.0)
+    scene.add_box((0.6, 0.3, 0.02), motion="fixed", position=(0, 0, -0.01), surface=layer, name="layer")
+    z = 0.013
+    arm = scene.add_box((0.2, 0.01, 0.01), mass=2.0, position=(-0.1, 0, z + 0.02))
+    turned = stark.rotation(axis=(1, 0.3, 0.2), angle=0.4)
+    wheel = scene.add_sphere(
+        0.01, subdivisions=1, mass=0.02, position=(0, 0, z), rotation=turned, name="wheel"
+    )
+    scene.disable_contact(arm, wheel)
+    scene.add_hinge(None, arm, anchor=(-0.2, 0, z), axis=(0, 1, 0))
+    axle = scene.add_hinge(arm, wheel, anchor=(0, 0, z), axis=(0, 1, 0))
+    axle.add_motor(20.0, cap=0.02, delta=1.0)
+    sim = stark.Simulation(scene, time_step=5e-3, contact_distance=5e-4)
+    for report in sim.run(until=0.4):
+        assert report.status == "accepted", report.message
+        assert report.min_distance > 0.9999 * layer.core
+    load = float(sim.contacts.of("wheel", "layer").forces.sum(axis=0)[2])
+    sideways = float(sim.contacts.of("wheel", "layer").forces.sum(axis=0)[0])
+    # Moments about the bearing, at the height of the axle; the wheel is below it.
+    assert 0.2 * (load - 0.02 * G) + 0.01 * sideways == pytest.approx(0.1 * 2.0 * G, rel=0.02)
+
+
 def test_a_core_has_room_in_the_thickness() -> None:
     with pytest.raises(stark.InvalidArgument, match=r"core = 0\.0006 m: must be between 0 and half"):
         FELT.replace(core=0.6e-3)
