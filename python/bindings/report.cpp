@@ -149,7 +149,8 @@ void bind_report(nb::module_& m) {
           "status", path<&R::status>,
           "'accepted', 'retried' (after halvings of the step), 'failed' (state unchanged) or 'interrupted'.")
       .def_prop_ro("failed", &R::failed, "Whether no step was taken: status is 'failed' or 'interrupted'.")
-      .def_ro("message", &R::message, "Why the step was retried, failed or has caveats, and what to do; else empty.")
+      .def_ro("message", &R::message,
+              "Why the step was retried, failed or has caveats, and what to do; else empty.")
       .def_prop_ro("solve_status", path<&R::solve, &S::status>,
                    "How the last attempt ended: 'converged', 'round_off', 'max_iterations', 'blocked', ...")
       .def_prop_ro("at_rounding", path<&R::solve, &S::is_at_rounding>,
@@ -178,8 +179,7 @@ void bind_report(nb::module_& m) {
       .def_ro("friction_residual", &R::friction_residual,
               "Largest difference of a friction limit in this step from mu times the normal force at its end "
               "[N].")
-      .def_prop_ro("newton_iterations", path<&R::solve, &S::iterations>,
-                   "Newton iterations of the step.")
+      .def_prop_ro("newton_iterations", path<&R::solve, &S::iterations>, "Newton iterations of the step.")
       .def_prop_ro("linear_iterations", path<&R::solve, &S::linear_iterations>,
                    "Iterations of conjugate gradients in all Newton iterations.")
       .def_prop_ro("factorizations", path<&R::solve, &S::factorizations>,

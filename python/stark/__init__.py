@@ -33,7 +33,7 @@ from stark._core import (  # noqa: E402
 )
 from stark.bodies import Body, Cloth, Fibres, Layer, RigidBody, Rod, Skin, Solid  # noqa: E402
 from stark.bodies.friction import Anisotropic  # noqa: E402
-from stark.bodies.sensors import ClosestPoints, Contacts, Imu  # noqa: E402
+from stark.bodies.sensors import ClosestPoints, Contacts, FreePath, Imu  # noqa: E402
 from stark.errors import StarkWarning  # noqa: E402
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
@@ -116,6 +116,7 @@ __all__ = [
     "Contacts",
     "Error",
     "Fibres",
+    "FreePath",
     "Imu",
     "InitialIntersection",
     "InternalError",

@@ -59,7 +59,12 @@ from stark.bodies import (
     Solid as Solid,
 )
 from stark.bodies.friction import Anisotropic as Anisotropic
-from stark.bodies.sensors import ClosestPoints as ClosestPoints, Contacts as Contacts, Imu as Imu
+from stark.bodies.sensors import (
+    ClosestPoints as ClosestPoints,
+    Contacts as Contacts,
+    FreePath as FreePath,
+    Imu as Imu,
+)
 from stark.calibration import Fit as Fit, fit as fit
 from stark.checkpoint import Checkpoint as Checkpoint, CheckpointError as CheckpointError
 from stark.document import DocumentError as DocumentError, load_scene as load_scene
@@ -166,6 +171,7 @@ __all__ = [
     "Contacts",
     "Error",
     "Fibres",
+    "FreePath",
     "Imu",
     "InitialIntersection",
     "InternalError",

@@ -9,18 +9,21 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar
 
+from numpy.typing import ArrayLike
+
 from stark import _core
 from stark._core import InvalidArgument, State, StepReport
 from stark.arguments import added_later, given_path, real_number, refuse_copy
 from stark.attributes import AnsweredAttributes
 from stark.bodies import Body, Layer
 from stark.bodies.rest_state import LiveRestState, RestState
-from stark.bodies.sensors import ClosestPoints, Contacts, contacts_of
+from stark.bodies.sensors import ClosestPoints, Contacts, FreePath, contacts_of, free_path_of
 from stark.errors import StarkWarning
 from stark.handle import Follower, placed_together
 from stark.named import NamedList
 from stark.overloads import overload
 from stark.pictures import Pictures
+from stark.rotations import vector
 from stark.scene import Scene
 from stark.settings import FixedSettings, Settings
 from stark.steps import (
@@ -454,6 +457,14 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         """Where two bodies are nearest to each other: ``distance`` [m], ``point_a`` and ``point_b`` (3,) [m],
         as ``distance(a, b)`` has it."""
         return ClosestPoints(*_core.closest_points(self._core, self[a]._index, self[b]._index))
+
+    def free_path(self, body: Body | str, displacement: ArrayLike) -> FreePath:
+        """How far a body can be moved along ``displacement`` (3,) [m], without turning, before its surface
+        meets another one, all others where they are now: ``fraction`` of the displacement that is certainly
+        free, and the name of the body that is ``blocking``, None where nothing is. Bodies whose contact is
+        disabled count; of rods it is the centre line. Nothing is moved."""
+        shift = vector(displacement, "free_path: displacement")
+        return free_path_of(self, self[body]._index, shift)
 
     @property
     def close_bodies(self) -> dict[tuple[str, str], float]:

@@ -127,6 +127,35 @@ class ClosestPoints(NamedTuple):
     point_b: Array  #: on the second body (3,) [m]
 
 
+class FreePath(NamedTuple):
+    """How far a body can go before it meets another one."""
+
+    fraction: float  #: of the displacement, in [0, 1]; 1 where nothing is in the way
+    blocking: str | None  #: name of the body that it meets, or None
+
+
+def free_path_of(simulation: SimulationLink, body: int, displacement: Array) -> FreePath:
+    """Of a body by its index, by continuous collision detection of all surfaces as they are now."""
+    surface = simulation._core.surface()
+    groups, start = surface["vertex_groups"], surface["positions"]
+    end = np.where((groups == body)[:, None], start + displacement, start)
+    world = _core.CollisionScene(groups, surface["edges"], surface["triangles"])
+    none = np.zeros(int(groups.max()) + 1)
+    fraction, kind, *parts = world.max_safe_step(start, end, none)
+    if not kind:
+        return FreePath(1.0, None)
+    first_vertex = {
+        "point": np.arange(len(groups)),
+        "edge": surface["edges"],
+        "triangle": surface["triangles"],
+    }
+    met = [
+        int(groups[np.ravel(first_vertex[what][part])[0]])
+        for what, part in zip(kind.split("_"), parts, strict=True)
+    ]
+    return FreePath(fraction, names_of(simulation)[met[0] if met[1] == body else met[1]])
+
+
 class Imu(NamedTuple):
     """Reading of an inertial measurement unit, in the axes of the sensor."""
 

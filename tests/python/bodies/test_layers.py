@@ -165,7 +165,7 @@ def refused(match: str, **change: object) -> None:
         ("rest_shape = 'round': must be 'mesh' or 'straight'", {"paths": [0, 1], "rest_shape": "round"}),
         ("rest_shape = straight is given", {"paths": [0, 1], "rest_shape": "straight", "bending": False}),
         ("along the first edge", {"paths": [0, 1], "normal": (1, 0, 0)}),
-        ("need three numbers", {"paths": [0, 1], "normal": (1, 0)}),
+        ("must be three numbers", {"paths": [0, 1], "normal": (1, 0)}),
         ("mass = -1", {"paths": [0, 1], "mass": -1}),
         (
             "2 numbers: must be a multiple",

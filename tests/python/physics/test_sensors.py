@@ -191,3 +191,27 @@ def test_nothing_is_known_before_the_first_step_and_names_are_checked() -> None:
     sim.step()
     sim.state = sim.state
     assert len(sim.contacts) == 0
+
+
+def test_how_far_a_body_can_go() -> None:
+    """A box between two plates, 0.2 m and 0.4 m away, and a rod across the way of a sheet."""
+    scene = stark.Scene()
+    scene.add_box(0.1, name="box", mass=1.0)
+    scene.add_box((1.0, 1.0, 0.1), name="below", motion="fixed", position=(0, 0, -0.3))
+    scene.add_box((1.0, 1.0, 0.1), name="above", motion="fixed", position=(0, 0, 0.5))
+    scene.add_cloth(stark.mesh.grid(0.2, 0.2, cells=2), name="cloth", position=(0, 2, 0))
+    scene.add_rod(stark.mesh.polyline((-1, 2, 0.5), (1, 2.01, 0.5), 3), name="rod")
+    scene.disable_contact("cloth", "rod")
+    sim = stark.Simulation(scene, time_step=0.01)
+    before = sim.state
+    for target, blocking, gap in ((-1.0, "below", 0.2), (1.0, "above", 0.4)):
+        path = sim.free_path("box", (0.0, 0.0, target))
+        assert path.blocking == blocking
+        assert 0.85 * gap < path.fraction <= gap  # 1 m; conservative advancement leaves a tenth
+        assert sim.free_path("box", (0.0, 0.0, 0.9 * target * path.fraction)) == (1.0, None)
+    path = sim.free_path(sim["cloth"], (0.0, 0.0, 2.0))
+    assert path.blocking == "rod" and 0.2 < path.fraction <= 0.25
+    assert sim.free_path("box", (1.0, 0.0, 0.0)) == (1.0, None)
+    assert sim.state == before
+    with pytest.raises(stark.InvalidArgument, match="free_path: displacement = 1: must be three numbers"):
+        sim.free_path("box", 1)
