@@ -363,7 +363,8 @@ std::vector<const PotentialBatch*> FrictionSet::models(std::span<const Vec3> x) 
 }
 
 // With the force as an unknown of its own, phi(|u|) w = u, and a Newton step of this system from the last
-// iterate [Chan, Golub, Mulet 1999]; first, the force that the bristles had at the start of the step.
+// iterate [theory eq. 20e; Chan, Golub, Mulet 1999]; first, the force of the bristles at the start of the
+// step.
 void FrictionSet::update_dual(const Vec3& u, Pair& pair) const {
   if (!pair.modelled) {
     const Vec3 start = pair.deflection / reference_.scale;
