@@ -149,10 +149,10 @@ TEST_CASE("what has come to its separation may go on to the wall of a core") {
       if (scene.surface.vertex_group[v] == 1) x1[v].z += dz;
   };
   const std::vector<double> by_group = {0.005, 0.005};
-  const std::vector<uint8_t> has_core = {0, 1};
+  const std::vector<double> cores = {0.0, 1e-3};
   const double separation = 0.01, part = 0.999;
   const Separations plain{.by_group = by_group};
-  const Separations core{.by_group = by_group, .has_core = has_core, .core_part = part};
+  const Separations core{.by_group = by_group, .core = cores, .core_part = part};
   BroadPhase broad_phase;
   broad_phase.reset(scene.surface, PairFilter(2));
   ThreadPool pool(1);

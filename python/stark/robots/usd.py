@@ -17,7 +17,7 @@ from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescrip
 from stark.robots.inertias import inertia_of
 from stark.robots.usd_deformables import DEFORMABLE, Owner, applied, read_deformables
 from stark.robots.usd_joints import Side, UsdJoint, joints_of
-from stark.robots.usd_stage import Frame, Stage, turn
+from stark.robots.usd_stage import Frame, Stage, turn, unique_names
 
 Floats = NDArray[np.float64]
 
@@ -131,19 +131,12 @@ class _Reader:
             self.report.add("dropped", f"body '{prim.GetPath()}'", "rigidBodyEnabled is false")
         rows = [prim for prim in found if prim not in off]
         bodies = {}
-        for prim, name in zip(rows, self._names(rows), strict=True):
+        for prim, name in zip(rows, unique_names(rows), strict=True):
             if api(prim).GetKinematicEnabledAttr().Get():
                 self.report.add("dropped", f"body '{name}'", "kinematicEnabled: it moves as the others do")
             path = str(prim.GetPath())
             bodies[path] = _Body(name, prim, self.stage.frame(prim, of_body=True), [])
         return bodies
-
-    def _names(self, prims: list[Any]) -> list[str]:
-        names = [str(prim.GetName()) for prim in prims]
-        return [
-            name if names.count(name) == 1 else str(prim.GetPath())[1:].replace("/", "_")
-            for prim, name in zip(prims, names, strict=True)
-        ]
 
     def _name(self, path: str) -> str:
         return self.bodies[path].name if path else "world"

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
+from stark.mesh import TetMesh, TriangleMesh, oriented
 from stark.robots.description import Flex
-from stark.robots.usd_stage import Frame, Stage
+from stark.robots.usd_stage import Frame, Stage, unique_names
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int32]
@@ -57,11 +58,7 @@ def read_deformables(
     world included; None where the robot has none there."""
     roots = [prim for prim in prims if DEFORMABLE in applied(prim)]
     reader = _Reader(stage, base, owner_of, _attachments(prims))
-    names = [str(prim.GetName()) for prim in roots]
-    found = []
-    for prim, name in zip(roots, names, strict=True):
-        unique = name if names.count(name) == 1 else str(prim.GetPath())[1:].replace("/", "_")
-        found.append(reader.read(prim, unique))
+    found = [reader.read(prim, name) for prim, name in zip(roots, unique_names(roots), strict=True)]
     return [flex for flex in found if flex is not None]
 
 
@@ -112,7 +109,7 @@ class _Reader:
             owner.link,
             owner.local(rest),
             cells,
-            mass=self._mass(prim, geometry, material, _volumes(rest, cells, thickness), title),
+            mass=self._mass(prim, geometry, material, _volume(rest, cells, thickness), title),
             held=held,
             youngs_modulus=young,
             poissons_ratio=self._number(material, "physics:poissonsRatio", _RATIO, -1.0, 0.5, title),
@@ -122,7 +119,7 @@ class _Reader:
             folds_at_rest=str(_value(geometry, "physics:restBendAnglesDefault", "flat")) == "restShape",
             velocity=self._velocity(geometry, owner, title),
             touches=self._touches(prim, geometry, title),
-            color=self._color(geometry),
+            color=self.stage.color(geometry),
         )
 
     # --- geometry ---
@@ -203,13 +200,6 @@ class _Reader:
             self.report.add("assumed", title, "starts with the mean of its velocities")
         x, y, z = (float(value) for value in velocities.mean(axis=0))
         return x, y, z
-
-    def _color(self, geometry: Any) -> tuple[float, float, float] | None:
-        colors = _value(geometry, "primvars:displayColor", [])
-        if len(colors) == 0:
-            return None
-        r, g, b = (min(1.0, max(0.0, float(value))) for value in colors[0])
-        return r, g, b
 
     # --- contact and attachments ---
 
@@ -304,7 +294,7 @@ class _Reader:
             self.report.add("dropped", title, "surfaceShearStiffness: it follows from that of stretch")
         return young, rigidity
 
-    def _mass(self, prim: Any, geometry: Any, material: Any, volumes: Floats, title: str) -> float:
+    def _mass(self, prim: Any, geometry: Any, material: Any, volume: float, title: str) -> float:
         """[kg] of the whole, from the first of the sources that the proposal lists."""
         masses = np.array(_value(geometry, "physics:masses", []), dtype=np.float64) * self.stage.kilogram
         if len(masses) > 0:
@@ -316,9 +306,9 @@ class _Reader:
         unit = self.stage.kilogram / self.stage.metre**3
         for place in (prim, material):
             if density := float(_value(place, "physics:density", 0.0)):
-                return self._positive(density * unit, "density", title) * float(volumes.sum())
+                return self._positive(density * unit, "density", title) * volume
         self.report.add("assumed", title, f"density {_DENSITY:g} kg/m^3")
-        return _DENSITY * float(volumes.sum())
+        return _DENSITY * volume
 
     def _positive(self, value: float, name: str, title: str) -> float:
         if not (value > 0.0 and np.isfinite(value)):
@@ -329,10 +319,8 @@ class _Reader:
         raise InvalidArgument(f"{self.report.source}: {title}: {text}")
 
 
-def _volumes(x: Floats, cells: Cells, thickness: float) -> Floats:
-    """Of elements [m^3]."""
-    a, b = (x[cells[:, k]] - x[cells[:, 0]] for k in (1, 2))
+def _volume(x: Floats, cells: Cells, thickness: float) -> float:
+    """[m^3]"""
     if cells.shape[1] == 3:
-        return np.asarray(0.5 * thickness * np.linalg.norm(np.cross(a, b), axis=1))
-    c = x[cells[:, 3]] - x[cells[:, 0]]
-    return np.asarray(np.abs(np.einsum("ij,ij->i", np.cross(a, b), c)) / 6.0)
+        return thickness * TriangleMesh(x, cells).area
+    return oriented(TetMesh(x, cells)).volume

@@ -44,6 +44,15 @@ def load_pxr(file: Path) -> Any:
     return SimpleNamespace(Gf=Gf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, UsdPhysics=UsdPhysics, UsdShade=UsdShade)
 
 
+def unique_names(prims: list[Any]) -> list[str]:
+    """Names of prims, or paths where two have the same."""
+    names = [str(prim.GetName()) for prim in prims]
+    return [
+        name if names.count(name) == 1 else str(prim.GetPath())[1:].replace("/", "_")
+        for prim, name in zip(prims, names, strict=True)
+    ]
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Where a prim stands: ``position`` [m], ``rotation``, and ``scale`` (3, 3), which takes coordinates of
@@ -127,7 +136,7 @@ class Stage:
         place: dict[str, Any] = {
             "position": body.rotation.T @ (frame.position - body.position),
             "rotation": body.rotation.T @ frame.rotation,
-            "color": self._color(prim),
+            "color": self.color(prim),
         }
         if kind == "Mesh":
             return self._mesh(geom.Mesh(prim), frame, place, title)
@@ -179,7 +188,8 @@ class Stage:
         surface = meshes.TriangleMesh(points, triangles[:, ::-1] if is_left else triangles)
         return _of_mesh(surface, frame.scale, place)
 
-    def _color(self, prim: Any) -> tuple[float, float, float] | None:
+    def color(self, prim: Any) -> tuple[float, float, float] | None:
+        """That of a prim, red, green and blue from 0 to 1."""
         colors = self.pxr.UsdGeom.Gprim(prim).GetDisplayColorAttr().Get()
         if not colors:
             return None

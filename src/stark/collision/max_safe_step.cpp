@@ -43,7 +43,7 @@ template <PairKind kind, typename Separation>
 Kept kept(const SurfaceMesh& mesh, const PrimitivePair& pair, const typename PairRow<kind>::Positions& x,
           double from_afar, const Separation& separation) {
   if constexpr (std::is_same_v<std::remove_cvref_t<Separation>, Separations>) {
-    if (separation.has_core.empty()) return {from_afar};
+    if (separation.core.empty()) return {from_afar};
     const PrimitivePair groups = PairRow<kind>::groups(mesh, pair);
     if (!separation.is_core(groups.first, groups.second)) return {from_afar};
     const bool has_come = std::sqrt(PairRow<kind>::squared_distance(x)) < (1.0 + kArrived) * from_afar;
@@ -145,7 +145,7 @@ double Separations::operator()(int32_t group_a, int32_t group_b) const {
 }
 
 bool Separations::is_core(int32_t group_a, int32_t group_b) const {
-  return !has_core.empty() && (has_core[group_a] != 0 || has_core[group_b] != 0);
+  return !core.empty() && core[group_a] + core[group_b] > 0.0;
 }
 
 double max_safe_step(const SurfaceMesh& mesh, const CandidateList& candidates, std::span<const Vec3> x0,

@@ -34,9 +34,10 @@ struct Separations {
   };
   std::span<const double> by_group;
   std::span<const Pair> by_pair = {};  ///< instead of the sum; sorted by groups
-  /// By group: 1 where barriers with others are infinite at this part of the separation. Pairs that have come
-  /// to the separation keep that part: a barrier that ends in a wall carries no more than it does there.
-  std::span<const uint8_t> has_core = {};
+  /// By group [m], none where no group has one. Barriers of pairs with a core are infinite at a part of the
+  /// separation. Pairs that have come to it keep that part: a barrier that ends in a wall carries no more
+  /// than it does there.
+  std::span<const double> core = {};
   double core_part = 1.0;
 
   double operator()(int32_t group_a, int32_t group_b) const;

@@ -224,7 +224,7 @@ double ContactGeometry::edge_distance(const Contact& edges, double part) const {
 Separations ContactGeometry::separations() const {
   return {.by_group = group_separation,
           .by_pair = pair_separation,
-          .has_core = has_least_distance ? std::span(has_core) : std::span<const uint8_t>{},
+          .core = has_least_distance ? std::span(group_core) : std::span<const double>{},
           .core_part = kCorePole};
 }
 

@@ -101,8 +101,7 @@ struct ContactGeometry {
   /// What collision detection keeps between two groups: the sum over both [m], or that of the pair.
   std::vector<double> group_separation{};
   std::vector<Separations::Pair> pair_separation{};
-  std::vector<uint8_t> has_core{};  ///< by group; none where no surface has a core
-  bool has_least_distance = true;   ///< false: barriers act down to 0
+  bool has_least_distance = true;  ///< false: barriers act down to 0
 
   /// Contact distance of two groups [m].
   double distance(int32_t group_a, int32_t group_b) const;

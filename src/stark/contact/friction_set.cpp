@@ -234,6 +234,7 @@ void FrictionSet::sort_by_point_count() {
     members_[pairs_[i].stencil.point_count - 2 + (pairs_[i].is_anisotropic ? FrictionPotentials::kCounts : 0)]
         .push_back(i);
   fill(batches_);
+  fill(models_);
 }
 
 const FrictionSet::Pair* FrictionSet::find(const PairKey& key) const {
@@ -337,7 +338,6 @@ std::vector<const PotentialBatch*> FrictionSet::non_empty(const std::vector<Pote
 }
 
 std::vector<const PotentialBatch*> FrictionSet::models(std::span<const Vec3> x) {
-  fill(models_);
   for (size_t k = 0; k < models_.size(); ++k) {
     PotentialBatch& batch = models_[k];
     if (batch.size() == 0) continue;

@@ -68,7 +68,6 @@ ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentia
     geometry_.prescribed.push_back(map.is_prescribed(site) ? 1 : 0);
   const auto is_positive = [](double core) { return core > 0.0; };
   if (std::ranges::any_of(surfaces.core, is_positive)) geometry_.group_core = std::move(surfaces.core);
-  for (const double core : geometry_.group_core) geometry_.has_core.push_back(is_positive(core) ? 1 : 0);
   for (size_t g = 0; g < surfaces.group_distance.size(); ++g) {
     const double separation = settings.min_separation_factor * surfaces.group_distance[g];
     const double core = geometry_.group_core.empty() ? 0.0 : geometry_.group_core[g];
