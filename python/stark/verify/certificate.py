@@ -19,6 +19,9 @@ INCONCLUSIVE = "inconclusive"  # looked at, neither shown nor refuted
 NOT_RECORDED = "not recorded"  # the recording lacks what is needed
 NOT_APPLICABLE = "not applicable"  # there is nothing of the kind in the scene
 
+#: Basis of claims about numbers that the solver reported and no state can confirm.
+AS_REPORTED = "telemetry, as the solver reported it"
+
 #: Exit codes of ``stark verify``; 2 is for recordings that cannot be read.
 EXIT_CERTIFIED, EXIT_VIOLATED, EXIT_UNREADABLE, EXIT_INCONCLUSIVE = 0, 1, 2, 3
 
@@ -74,6 +77,12 @@ class Certificate:
         return "certified" if good else "inconclusive"
 
     @property
+    def taken_as_reported(self) -> tuple[str, ...]:
+        """Names of the verified claims that rest on reported numbers alone. The numbers agree with each other
+        and with the settings; no state of the recording shows that the solver reported them truly."""
+        return tuple(c.name for c in self.claims if c.status == VERIFIED and c.basis == AS_REPORTED)
+
+    @property
     def exit_code(self) -> int:
         """Exit code of ``stark verify``: 0 certified, 1 violated, 3 inconclusive."""
         codes = {"certified": EXIT_CERTIFIED, "violated": EXIT_VIOLATED, "inconclusive": EXIT_INCONCLUSIVE}
@@ -97,6 +106,7 @@ class Certificate:
             "seconds": round(self.seconds, 3),
             "claims": [claim.to_json() for claim in self.claims],
             "limits": list(self.limits),
+            "taken_as_reported": list(self.taken_as_reported),
         }
 
     def write(self, path: Path) -> None:
@@ -121,6 +131,9 @@ class Certificate:
             if claim.detail:
                 lines.append(f"{'':17}{claim.detail}")
         lines += [f"  {'limit':14} {limit}" for limit in self.limits]
+        if self.taken_as_reported:
+            names = ", ".join(self.taken_as_reported)
+            lines.append(f"  {'as reported':14} {names}: numbers of the solver that no state can confirm")
         return "\n".join(printable(line) for line in lines)
 
 

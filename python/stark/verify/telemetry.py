@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
+from .certificate import AS_REPORTED, INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
 from .reading import Run
 
-_BASIS = "telemetry, as the solver reported it"
 _TIME_ROUNDING = 1e-9  # of a time step
 #: Rounding of a balance over the sum of its terms.
 _BALANCE_ROUNDING = 1e-10
@@ -115,7 +114,7 @@ def residual_claim(run: Run) -> Claim:
             name,
             "unbalanced forces are below the tolerances of the settings",
             NOT_RECORDED,
-            _BASIS,
+            AS_REPORTED,
             detail="telemetry lacks the motion that newton.step_tolerance bounds"
             if lacks_motion
             else run.lacks(*_TOLERANCES.values()),
@@ -144,7 +143,7 @@ def residual_claim(run: Run) -> Claim:
     elif lacks_motion:
         detail = "telemetry lacks the motion that newton.step_tolerance bounds"
     status = VIOLATED if failed or impossible else INCONCLUSIVE if rounded or lacking else VERIFIED
-    return Claim(name, statement, status, _BASIS, worst, 1.0, "of the tolerance", where, detail)
+    return Claim(name, statement, status, AS_REPORTED, worst, 1.0, "of the tolerance", where, detail)
 
 
 def _left(row: Row, key: str) -> float:
@@ -172,11 +171,11 @@ def ledger_claim(run: Run) -> Claim:
     name = "energy_ledger"
     statement = "stored energy changes by what is supplied and dissipated, and by new contact stiffness"
     if not all(_has_energies(row) for row in run.rows) or len(run.rows) < 2:
-        return Claim(name, statement, NOT_RECORDED, _BASIS, detail="a step lacks energies")
+        return Claim(name, statement, NOT_RECORDED, AS_REPORTED, detail="a step lacks energies")
     worst, bound, where, largest_growth = -math.inf, 0.0, None, 0.0
     violated, unexplained = 0, 0
     if impossible := _impossible_energy(run.rows) or _work_of_no_belt(run):
-        return Claim(name, statement, VIOLATED, _BASIS, detail=impossible)
+        return Claim(name, statement, VIOLATED, AS_REPORTED, detail=impossible)
     recorded = any(_CONTACT_AT_START in row for row in run.rows)
     for before, row in zip(run.rows, run.rows[1:], strict=False):
         contact = number(before["energy"], "contact")
@@ -212,7 +211,7 @@ def ledger_claim(run: Run) -> Claim:
     if status != VERIFIED:
         detail = f"{violated + unexplained} steps do not close"
         detail += "; values of energies of the scene may have changed" if own else ""
-    return Claim(name, statement, status, _BASIS, max(0.0, worst + bound), bound, "J", where, detail)
+    return Claim(name, statement, status, AS_REPORTED, max(0.0, worst + bound), bound, "J", where, detail)
 
 
 def _has_energies(row: Row) -> bool:
@@ -264,14 +263,19 @@ def friction_claim(run: Run) -> Claim:
     name, statement = "friction_dissipates", "friction gives back no more than its bristles stored before"
     integrator = run.settings.get("time.integrator")
     if lacking := run.lacks("time.integrator"):
-        return Claim(name, statement, INCONCLUSIVE, _BASIS, detail=lacking, required=False)
+        return Claim(name, statement, INCONCLUSIVE, AS_REPORTED, detail=lacking, required=False)
     if integrator not in ("implicit_euler", "quasistatic"):
         return Claim(
-            name, statement, NOT_APPLICABLE, _BASIS, detail=f"not implied by {integrator}", required=False
+            name,
+            statement,
+            NOT_APPLICABLE,
+            AS_REPORTED,
+            detail=f"not implied by {integrator}",
+            required=False,
         )
     recorded = all(_has_energies(row) and _BRISTLES_AT_START in row for row in run.rows)
     if not recorded or not run.rows:
-        return Claim(name, statement, NOT_RECORDED, _BASIS, required=False)
+        return Claim(name, statement, NOT_RECORDED, AS_REPORTED, required=False)
     worst, where, bound, broken = math.inf, None, 0.0, 0
     for row in run.rows:
         # The potential of the bristles is convex: grad(u) . (u - a) >= E(u) - E(a) >= -E(a).
@@ -289,7 +293,7 @@ def friction_claim(run: Run) -> Claim:
             }
     status = VIOLATED if broken else VERIFIED
     detail = f"not so in {broken} steps" if broken else ""
-    return Claim(name, statement, status, _BASIS, worst, bound, "J", where, detail, required=False)
+    return Claim(name, statement, status, AS_REPORTED, worst, bound, "J", where, detail, required=False)
 
 
 def number(row: Row, key: str) -> float:

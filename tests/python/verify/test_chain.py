@@ -78,6 +78,36 @@ def _swap_streams(run: Path) -> None:
     shutil.copy(other / "frames/chunk_000000.npz", run / "frames/chunk_000000.npz")
 
 
+def _rows(run: Path, change: Callable[[int, dict[str, Any]], None]) -> None:
+    """Changes rows of telemetry by their number."""
+
+    def each(lines: list[str]) -> None:
+        rows = [json.loads(line) for line in lines]
+        for k, row in enumerate(rows):
+            change(k, row)
+        lines[:] = [json.dumps(row) + "\n" for row in rows]
+
+    _lines(run, each)
+
+
+def _zero_residual(_k: int, row: dict[str, Any]) -> None:
+    row.update(acceleration=0.0, residual=0.0, last_motion=0.0)
+
+
+def _shift_elastic(_k: int, row: dict[str, Any]) -> None:
+    row["energy"]["elastic"] += 5.0
+
+
+def _supply_elastic(k: int, row: dict[str, Any]) -> None:
+    row["energy"]["elastic"] += k + 1.0
+    row["energy"]["external"] += 1.0
+
+
+def _double_friction(_k: int, row: dict[str, Any]) -> None:
+    row["energy"]["numerical"] -= row["energy"]["friction"]
+    row["energy"]["friction"] *= 2.0
+
+
 def _unchained(run: Path) -> None:
     """As an older version of Stark wrote it."""
     edit_json(run, "manifest.json", lambda manifest: manifest.pop("chain"))
@@ -154,6 +184,7 @@ def test_a_good_recording_has_no_limits(good: Path) -> None:
     certificate = verify(good)
     assert certificate["chain"].status == certificate["display"].status == "verified"
     assert certificate.limits == ()
+    assert certificate.taken_as_reported == ("residual", "energy_ledger", "friction_dissipates")
 
 
 # --- forgers, who compute all digests anew ---
@@ -161,6 +192,15 @@ def test_a_good_recording_has_no_limits(good: Path) -> None:
 
 def _limited(certificate: Certificate, text: str) -> bool:
     return certificate.verdict == "certified" and any(text in limit for limit in certificate.limits)
+
+
+def _as_reported(certificate: Certificate, *claims: str) -> bool:
+    printed = certificate.text().splitlines()[-1]
+    return (
+        certificate.verdict == "certified"
+        and set(claims) <= set(certificate.taken_as_reported)
+        and all(claim in printed for claim in claims)
+    )
 
 
 def _violated(certificate: Certificate, claim: str) -> bool:
@@ -211,6 +251,22 @@ _FORGERIES: dict[str, tuple[Callable[[Path], None], Callable[[Certificate], bool
     "end": (
         lambda run: (_cut(run), edit_json(run, "manifest.json", lambda m: m.update(status="running"))),
         lambda c: _limited(c, "ends at step 10, 0.1 s: its end is not recorded"),
+    ),
+    "residual": (
+        lambda run: _rows(run, _zero_residual),
+        lambda c: _as_reported(c, "residual"),
+    ),
+    "elastic energy": (
+        lambda run: _rows(run, _shift_elastic),
+        lambda c: _as_reported(c, "energy_ledger"),
+    ),
+    "elastic energy and work": (
+        lambda run: _rows(run, _supply_elastic),
+        lambda c: _as_reported(c, "energy_ledger"),
+    ),
+    "friction": (
+        lambda run: _rows(run, _double_friction),
+        lambda c: _as_reported(c, "energy_ledger", "friction_dissipates"),
     ),
     "no chain": (None, lambda c: _limited(c, "no chain: nothing shows")),
 }  # type: ignore[dict-item]
