@@ -37,6 +37,7 @@ def run_python(code: str, **environment: str) -> subprocess.CompletedProcess[str
     )
 
 
+@pytest.mark.alone
 def test_other_threads_run_during_a_step() -> None:
     """The interpreter is free while a step is computed: a clock of 2 ms goes on ticking through one step of
     a few tenths of a second."""

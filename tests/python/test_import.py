@@ -10,6 +10,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
+
 import stark
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,6 +55,7 @@ def test_type_information_is_shipped() -> None:
         ast.parse(path.read_text())
 
 
+@pytest.mark.alone
 def test_import_is_fast_and_loads_nothing_optional(tmp_path: Path) -> None:
     code = (
         "import json, sys, time; t0 = time.process_time(); import numpy; "

@@ -15,7 +15,10 @@ import pytest
 from stark import _interrupts
 from stark.recording.format import CHECKPOINT
 
-pytestmark = pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="needs /proc")
+pytestmark = [
+    pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="needs /proc"),
+    pytest.mark.alone,
+]
 
 _SCENE = """
 import time

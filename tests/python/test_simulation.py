@@ -125,6 +125,7 @@ def test_a_contact_distance_above_half_the_mesh_is_warned_about() -> None:
         stark.Simulation(scene, contact_distance=0.00125)
 
 
+@pytest.mark.alone
 def test_ctrl_c_stops_a_long_step_within_a_second(tmp_path: object) -> None:
     script = """
 import os, signal, threading, time

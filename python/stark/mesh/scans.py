@@ -44,8 +44,8 @@ def solid_from_scan(
     """Tetrahedra of ``edge_length`` [m] that fill a dirty surface: a file, a TriangleMesh, a pair of arrays,
     a mesh of trimesh. It is ``cleaned``, which fills its holes, ``simplified`` to what that edge length can
     show, and ``tetrahedralised`` within a tenth of it; ``smallest_piece`` as in ``cleaned``. ``progress(what,
-    share)`` is called before each part. Needs ``pip install 'stark-sim[mesh]'``. fTetWild is randomised: keep
-    the mesh to repeat a simulation bit by bit.
+    share)`` is called before each part. Needs ``pip install 'stark-sim[mesh]'``. The same scan gives
+    the same mesh on this machine; ``tetrahedralise`` says why.
 
     Raises InvalidMesh, InvalidArgument and ImportError as these do."""
     length = positive(edge_length, "solid_from_scan: edge_length")

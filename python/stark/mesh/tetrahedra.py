@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import tempfile
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from stark import _core
 from stark._core import InvalidMesh
 from stark.mesh.arguments import positive
 from stark.mesh.conversion import as_triangle_mesh
+from stark.mesh.kept import kept
 from stark.mesh.repair import oriented
 from stark.mesh.types import TetMesh, TriangleMesh, compact
 
@@ -23,16 +25,28 @@ _OFF = 0.1
 _TRIES = 4
 
 
-def tetrahedralise(mesh: Any, *, edge_length: float | None = None, tolerance: float | None = None) -> TetMesh:
+def tetrahedralise(
+    mesh: Any, *, edge_length: float | None = None, tolerance: float | None = None, keep: bool = True
+) -> TetMesh:
     """Volume mesh of a closed surface, by fTetWild (``pip install stark-sim[mesh]``).
 
     ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out.
     ``tolerance``: largest distance between the given surface and the result, over that diagonal; if left out
     a tenth of the edge length, with which the mean edge comes out within 15 % of the wanted one where the
     shape is wider than eight of them (up to four meshes are made for that), or 10^-3 where no edge length is
-    given. Smaller ones need shorter edges on curved surfaces. fTetWild is randomised: meshes of two calls
-    differ a little; keep one with ``mesh.save("cup.npz")`` to repeat a simulation bit by bit."""
+    given. Smaller ones need shorter edges on curved surfaces.
+
+    fTetWild is randomised: it makes another mesh in each call. ``keep`` takes the mesh that an earlier call
+    with the same surface and arguments made on this machine, in the user's folder for caches, so that
+    simulations repeat bit by bit; on other machines they do with ``mesh.save("cup.npz")``."""
     surface = _closed_surface(mesh)
+    if not keep:
+        return _made(surface, edge_length, tolerance)
+    arguments = f"{_mesher()} {edge_length!r} {tolerance!r}"
+    return kept(surface, arguments, lambda: _made(surface, edge_length, tolerance))
+
+
+def _made(surface: TriangleMesh, edge_length: float | None, tolerance: float | None) -> TetMesh:
     diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
     if edge_length is None:
         return _filled(surface, 0.05, 1e-3 if tolerance is None else tolerance)
@@ -89,6 +103,14 @@ def _closed_surface(mesh: Any) -> TriangleMesh:
             f"encloses a volume; close it first"
         )
     return surface
+
+
+def _mesher() -> str:
+    """Name and version of the mesher; the name alone where it is not installed."""
+    try:
+        return f"pytetwild {version('pytetwild')}"
+    except PackageNotFoundError:
+        return "pytetwild"
 
 
 def _filled(surface: TriangleMesh, fraction: float, tolerance: float) -> TetMesh:

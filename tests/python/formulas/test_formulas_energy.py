@@ -228,6 +228,7 @@ def test_annotations_may_be_text(definition: str) -> None:
     assert scene.add(names["f"](cloth.vertices, k=k)).k == k
 
 
+@pytest.mark.alone
 def test_definition_to_first_solve_is_fast() -> None:
     """The aim is 50 ms, and a few milliseconds are usual; the bound leaves room for a loaded machine."""
     scene, cloth = sheet(2)

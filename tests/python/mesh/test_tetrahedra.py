@@ -25,7 +25,7 @@ def test_open_surfaces_have_no_volume_to_mesh() -> None:
 def test_tetrahedralise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pytetwild")
     monkeypatch.chdir(tmp_path)
-    volume = mesh.tetrahedralise(mesh.sphere(0.1, 2), edge_length=0.05)
+    volume = mesh.tetrahedralise(mesh.sphere(0.1, 2), edge_length=0.05, keep=False)
     assert (volume.volumes > 0).all()
     assert volume.volume == pytest.approx(mesh.sphere(0.1, 2).volume, rel=0.03)
     stark.Scene().add_solid(volume)
@@ -35,7 +35,7 @@ def test_tetrahedralise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.parametrize("length", [0.25, 0.15])
 def test_edges_are_as_long_as_was_asked(length: float) -> None:
     pytest.importorskip("pytetwild")
-    found = mesh.edge_lengths(mesh.tetrahedralise(mesh.sphere(1.0, 4), edge_length=length))
+    found = mesh.edge_lengths(mesh.tetrahedralise(mesh.sphere(1.0, 4), edge_length=length, keep=False))
     assert abs(found.mean() - length) < 0.15 * length
 
 
@@ -52,7 +52,7 @@ def test_a_mesher_that_misses_is_asked_until_it_hits(monkeypatch: pytest.MonkeyP
 
     def off() -> float:
         asked.clear()
-        found = mesh.edge_lengths(mesh.tetrahedralise(mesh.box(1.0), edge_length=wanted)).mean()
+        found = mesh.edge_lengths(mesh.tetrahedralise(mesh.box(1.0), edge_length=wanted, keep=False)).mean()
         return float(abs(found / wanted - 1.0))
 
     monkeypatch.setattr("stark.mesh.tetrahedra._filled", stubborn)

@@ -88,6 +88,7 @@ def seconds(action: Callable[[], object], count: int = 100) -> float:
     return min(times)
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("mesh", [stark.mesh.box(0.1), stark.mesh.sphere(0.1, 3)], ids=["cube", "ball"])
 def test_a_reset_is_cheap(mesh: stark.TriangleMesh) -> None:
     scene = stark.Scene()
@@ -101,6 +102,7 @@ def test_a_reset_is_cheap(mesh: stark.TriangleMesh) -> None:
     assert seconds(lambda: sim.reset(later)) < 400e-6
 
 
+@pytest.mark.alone
 def test_reading_costs_less_than_stepping() -> None:
     scene = stark.Scene()
     scene.add_floor(1.0)
@@ -119,6 +121,7 @@ def test_reading_costs_less_than_stepping() -> None:
     assert seconds(lambda: hinge.angle, 1000) < 10e-6
 
 
+@pytest.mark.alone
 def test_a_step_with_eighteen_observations() -> None:
     scene = stark.Scene()
     scene.add_floor(1.0)

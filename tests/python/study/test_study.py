@@ -206,6 +206,7 @@ def _children(of: int) -> list[int]:
     return found
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_nothing_is_left_behind_and_resuming_gives_the_same(tmp_path: Path, number: int) -> None:
     plan = write_study(tmp_path, grid(height="[1.0, 2.0, 3.0, 4.0]", wait="[0.1]"))
