@@ -1,12 +1,15 @@
 // Speed of the linear algebra: ordering, symbolic and numerical Cholesky, solves, conjugate gradients, PSD
-// projection. Usage: bench_linalg [threads]. Times are the best of several runs, in milliseconds: of CPU time
-// on one thread, which a busy machine disturbs least, of wall time otherwise.
+// projection. Usage: bench_linalg [threads [folder]]; the folder gets the systems, for pardiso.py. Times are
+// the best of several runs, in milliseconds: of CPU time on one thread, which a busy machine disturbs least,
+// of wall time otherwise.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <stark/base/psd.h>
@@ -21,6 +24,7 @@ namespace {
 using namespace stark;
 
 bool one_thread = true;
+std::string dump_folder;
 
 double now_ms() {
   if (one_thread) return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -37,6 +41,32 @@ double best_ms(int runs, Body&& body) {
     best = std::min(best, now_ms() - start);
   }
   return best;
+}
+
+// The upper triangle by scalar rows: n and the number of entries, starts of rows, all int64; columns, int32;
+// values, double.
+void dump(std::string name, const BlockMatrix& matrix) {
+  const BlockPattern& pattern = matrix.pattern;
+  std::vector<int64_t> start{0};
+  std::vector<int32_t> column;
+  std::vector<double> value;
+  for (int32_t i = 0; i < pattern.block_count; ++i)
+    for (int r = 0; r < 3; ++r) {
+      for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot)
+        for (int c = pattern.column[slot] == i ? r : 0; c < 3; ++c) {
+          column.push_back(3 * pattern.column[slot] + c);
+          value.push_back(matrix.values[9 * slot + 3 * r + c]);
+        }
+      start.push_back(static_cast<int64_t>(column.size()));
+    }
+  std::replace(name.begin(), name.end(), ' ', '_');
+  std::ofstream file(dump_folder + "/" + name + ".bin", std::ios::binary);
+  const auto write = [&](const auto& numbers) {
+    file.write(reinterpret_cast<const char*>(numbers.data()),
+               static_cast<std::streamsize>(numbers.size() * sizeof(numbers[0])));
+  };
+  write(std::vector<int64_t>{3 * static_cast<int64_t>(pattern.block_count), start.back()});
+  write(start), write(column), write(value);
 }
 
 template <typename Real>
@@ -63,6 +93,7 @@ void run_system(const char* name, int32_t blocks, const test::Pairs& pairs, Thre
   const double hash = best_ms(3, [&] { matrix.pattern.hash(); });
   std::printf("%s: %d dofs, %lld blocks; pattern %.2f, hash %.3f\n", name, 3 * blocks,
               static_cast<long long>(matrix.pattern.slot_count()), pattern, hash);
+  if (!dump_folder.empty()) dump(name, matrix);
   run_factor<double>("double", matrix, b, pool);
   run_factor<float>("float ", matrix, b, pool);
   for (PcgStorage storage : {PcgStorage::Double, PcgStorage::Float}) {
@@ -138,6 +169,7 @@ void run_psd() {
 
 int main(int argc, char** argv) {
   ThreadPool pool(argc > 1 ? std::atoi(argv[1]) : 1);
+  if (argc > 2) dump_folder = argv[2];
   one_thread = pool.thread_count() == 1;
   std::printf("%d threads; milliseconds of %s time\n", pool.thread_count(), one_thread ? "CPU" : "wall");
   run_tiny(pool);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <stark/base/aligned.h>
+#include <stark/base/cpu.h>
 #include <stark/base/error.h>
 #include <stark/linalg/elimination.h>
 #include <stark/linalg/front_assembly.h>
@@ -48,6 +49,7 @@ struct Cholesky<Real>::Implementation {
   bool new_sequence = false;
   int64_t orderings = 0, analyses = 0;
   int64_t slot_count = -1;
+  const bool wide = front::kHasWideKernels && cpu_features().avx512;
   SymbolicFactorization symbolic;
   AssemblyTree tree;
   FrontPlan plan;
@@ -111,12 +113,12 @@ int32_t Cholesky<Real>::Implementation::factor_front(const BlockMatrix& matrix, 
     front::update_diagonal(f.pivot, block, block_end);
     const int failed = front::factor_diagonal(f.pivot, block, block_end);
     if (failed >= 0) return failed_position(s, f, failed);
-    front::solve_strips(f.pivot, block, block_end, strips_of<Real>(block_end), f.pivot_strips,
+    front::solve_strips(f.pivot, block, block_end, strips_of<Real>(block_end), f.pivot_strips, wide,
                         [&](int strip) { return f.pivot_strip(strip); });
-    front::solve_strips(f.pivot, block, block_end, 0, f.border_strips,
+    front::solve_strips(f.pivot, block, block_end, 0, f.border_strips, wide,
                         [&](int strip) { return f.border_strip(strip); });
   }
-  front::form_update(f.update, f.border, f.padded_columns, 0, f.border_strips);
+  front::form_update(f.update, f.border, f.padded_columns, 0, f.border_strips, wide);
   for (int32_t c = begin; c < end; ++c) {
     const int32_t child = tree.child[c];
     const auto relative = relative_of(child);
@@ -154,7 +156,7 @@ int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& m
     const int first = strips_of<Real>(block_end), below = f.pivot_strips - first;
     pool.for_each_range(std::max(below, 0) + f.border_strips, kStripGrain, [&](int64_t from, int64_t to) {
       front::solve_strips(f.pivot, block, block_end, first + static_cast<int>(from),
-                          first + static_cast<int>(to), [&](int strip) {
+                          first + static_cast<int>(to), wide, [&](int strip) {
                             return strip < f.pivot_strips ? f.pivot_strip(strip)
                                                           : f.border_strip(strip - f.pivot_strips);
                           });
@@ -165,7 +167,7 @@ int32_t Cholesky<Real>::Implementation::factor_shared_front(const BlockMatrix& m
   pool.for_each_task(tasks, [&](int64_t task, int) {
     const auto from = static_cast<int>((tasks - 1 - task) * kStripGrain);
     front::form_update(f.update, f.border, f.padded_columns, from,
-                       std::min(from + static_cast<int>(kStripGrain), f.border_strips));
+                       std::min(from + static_cast<int>(kStripGrain), f.border_strips), wide);
   });
   for (int32_t c = begin; c < end; ++c) {
     const auto relative = relative_of(tree.child[c]);

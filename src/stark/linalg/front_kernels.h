@@ -1,13 +1,6 @@
-// Dense kernels on the fronts of the multifrontal Cholesky factorisation. All matrices are cut into strips of
-// kStrip rows, stored column by column: a strip of a 12 x 4 (double) or 24 x 4 (float) tile is then three
-// vectors per column, both operands of the inner product kernel are read in sequence, and no packing is
-// needed (Goto and van de Geijn 2008 for the blocking). Phase: numerical factorisation.
-//
-// A front of n pivots (padded to n4, a multiple of kTile, with unit diagonal) and m update rows has
-//   pivot block    lower block triangle of strips: strip s holds the columns 0 .. min((s + 1) kStrip, n4) -
-//   1, border         strips of the update rows with n4 columns each, update matrix  lower block triangle of
-//   strips with whole strips of columns.
-// The factor keeps the reciprocal of its diagonal and zeros above it.
+// Dense kernels on the fronts of the multifrontal Cholesky factorisation, in the layout of front_layout.h.
+// Where the processor has 512-bit vectors, pairs of strips go through front_kernels_wide.h, with the same
+// bits. Phase: numerical factorisation.
 #pragma once
 
 #include <algorithm>
@@ -15,24 +8,10 @@
 #include <cstdint>
 
 #include <stark/base/simd.h>
+#include <stark/linalg/front_kernels_wide.h>
+#include <stark/linalg/front_layout.h>
 
 namespace stark::front {
-
-template <typename Real>
-inline constexpr int kStrip = 3 * simd::kWidth<Real>;
-inline constexpr int kTile = 4;          // columns of a register tile; divides kStrip
-inline constexpr int kColumnBlock = 96;  // columns whose operand stays in the second-level cache
-inline constexpr int kDepthBlock = 128;  // inner dimension for which two strips stay in the first-level cache
-
-template <typename Real>
-constexpr int strips_of(int rows) {
-  return (rows + kStrip<Real> - 1) / kStrip<Real>;
-}
-/// Scalars before strip s of a lower block triangle.
-template <typename Real>
-constexpr int64_t triangle_offset(int64_t s) {
-  return kStrip<Real> * kStrip<Real> * (s * (s + 1) / 2);
-}
 
 template <typename Real>
 struct Tile {
@@ -95,31 +74,50 @@ inline const Real* tile_rows(const Real* pivot, int column) {
 }
 
 /// Eliminates columns [begin, end) of strips [first, last): subtracts the products with earlier columns and
-/// solves with the finished diagonal block of these columns. strip(s) is the address of strip s.
+/// solves with the finished diagonal block of these columns. strip(s) is the address of strip s. `wide` needs
+/// cpu_features().avx512.
 template <typename Real, typename StripAt>
-void solve_strips(const Real* pivot, int begin, int end, int first, int last, StripAt&& strip) {
+void solve_strips(const Real* pivot, int begin, int end, int first, int last, bool wide, StripAt&& strip) {
   constexpr int kS = kStrip<Real>;
   Tile<Real> t;
   for (int k = 0; k < begin; k += kDepthBlock) {
     const int depth = std::min(kDepthBlock, begin - k);
-    for (int s = first; s < last; ++s) {
+    for (int s = first; s < last;) {
       Real* const row = strip(s);
+      const bool pair = wide && s + 1 < last;
+      Real* const next = pair ? strip(s + 1) : nullptr;
       for (int q = begin; q < end; q += kTile) {
+        const Real* const rows = tile_rows(pivot, q) + k * kS;
+        if (pair) {
+          subtract_product_wide(StripPair<Real>{row + q * kS, next + q * kS}, {row + k * kS, next + k * kS},
+                                rows, depth, false);
+        } else {
+          t.load(row + q * kS);
+          subtract_product(t, row + k * kS, rows, depth);
+          t.store(row + q * kS);
+        }
+      }
+      s += pair ? 2 : 1;
+    }
+  }
+  for (int s = first; s < last;) {
+    Real* const row = strip(s);
+    const bool pair = wide && s + 1 < last;
+    Real* const next = pair ? strip(s + 1) : nullptr;
+    for (int q = begin; q < end; q += kTile) {
+      const Real* const rows = tile_rows(pivot, q);
+      if (pair) {
+        eliminate_tile_wide(StripPair<Real>{row + q * kS, next + q * kS},
+                            {row + begin * kS, next + begin * kS}, rows + begin * kS, q - begin,
+                            rows + q * kS);
+      } else {
         t.load(row + q * kS);
-        subtract_product(t, row + k * kS, tile_rows(pivot, q) + k * kS, depth);
+        subtract_product(t, row + begin * kS, rows + begin * kS, q - begin);
+        solve_tile(t, rows + q * kS);
         t.store(row + q * kS);
       }
     }
-  }
-  for (int s = first; s < last; ++s) {
-    Real* const row = strip(s);
-    for (int q = begin; q < end; q += kTile) {
-      const Real* const rows = tile_rows(pivot, q);
-      t.load(row + q * kS);
-      subtract_product(t, row + begin * kS, rows + begin * kS, q - begin);
-      solve_tile(t, rows + q * kS);
-      t.store(row + q * kS);
-    }
+    s += pair ? 2 : 1;
   }
 }
 
@@ -199,30 +197,52 @@ void update_diagonal(Real* pivot, int begin, int end) {
   }
 }
 
-/// Strips [first, last) of the update matrix become minus the product of the border with its transpose.
+/// Block of kStrip columns of a strip of the update matrix: minus the product of strip `a` of the border with
+/// strip `b`, over `depth` columns, added to what is there unless `clear`.
 template <typename Real>
-void form_update(Real* update, const Real* border, int columns, int first, int last) {
+void update_block(Real* c, const Real* a, const Real* b, int depth, bool clear) {
+  constexpr int kS = kStrip<Real>;
+  Tile<Real> t;
+  for (int q = 0; q < kS; q += kTile) {
+    if (clear) {
+      t.clear();
+    } else {
+      t.load(c + q * kS);
+    }
+    subtract_product(t, a, b + q, depth);
+    t.store(c + q * kS);
+  }
+}
+
+/// Strips [first, last) of the update matrix become minus the product of the border with its transpose.
+/// `wide` needs cpu_features().avx512.
+template <typename Real>
+void form_update(Real* update, const Real* border, int columns, int first, int last, bool wide) {
   constexpr int kS = kStrip<Real>;
   constexpr int kBlock = kColumnBlock / kS;  // strips
-  Tile<Real> t;
   for (int block = 0; block < last; block += kBlock)
     for (int k = 0; k < columns; k += kDepthBlock) {
       const int depth = std::min(kDepthBlock, columns - k);
-      for (int s = std::max(first, block); s < last; ++s) {
-        const Real* const a = border + (static_cast<int64_t>(s) * columns + k) * kS;
-        for (int j = block; j < std::min(block + kBlock, s + 1); ++j) {
-          const Real* const b = border + (static_cast<int64_t>(j) * columns + k) * kS;
-          Real* const c = update + triangle_offset<Real>(s) + static_cast<int64_t>(j) * kS * kS;
-          for (int q = 0; q < kS; q += kTile) {
-            if (k == 0) {
-              t.clear();
-            } else {
-              t.load(c + q * kS);
-            }
-            subtract_product(t, a, b + q, depth);
-            t.store(c + q * kS);
+      const auto column_of = [&](int s) { return border + (static_cast<int64_t>(s) * columns + k) * kS; };
+      const auto block_of = [&](int s, int j) {
+        return update + triangle_offset<Real>(s) + static_cast<int64_t>(j) * kS * kS;
+      };
+      for (int s = std::max(first, block); s < last;) {
+        const bool pair = wide && s + 1 < last;
+        const int end = std::min(block + kBlock, s + 1);  // of the block columns that both strips have
+        for (int j = block; j < end; ++j) {
+          if (!pair) {
+            update_block(block_of(s, j), column_of(s), column_of(j), depth, k == 0);
+            continue;
           }
+          Real *const upper = block_of(s, j), *const lower = block_of(s + 1, j);
+          for (int q = 0; q < kS; q += kTile)
+            subtract_product_wide(StripPair<Real>{upper + q * kS, lower + q * kS},
+                                  {column_of(s), column_of(s + 1)}, column_of(j) + q, depth, k == 0);
         }
+        if (pair && s + 1 < block + kBlock)
+          update_block(block_of(s + 1, s + 1), column_of(s + 1), column_of(s + 1), depth, k == 0);
+        s += pair ? 2 : 1;
       }
     }
 }
