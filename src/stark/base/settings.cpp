@@ -72,6 +72,37 @@ std::string quantity_text(double value, std::string_view unit) {
   return to_text(value) + (unit.empty() || unit == "1" ? "" : " " + std::string(unit));
 }
 
+namespace {
+
+/// Power of ten that makes the third digit of a value the first before the point, or 0 where none does.
+double power_of_third_digit(double value) {
+  const double digits = value == 0.0 ? 0.0 : 2.0 - std::floor(std::log10(std::fabs(value)));
+  return std::isfinite(std::pow(10.0, std::fabs(digits))) ? digits : 0.0;
+}
+
+/// `round` of the value in units of its third digit; multiples of whole powers are exact.
+template <typename Round>
+double of_three_digits(double value, Round&& round) {
+  if (!std::isfinite(value)) return value;
+  const double digits = power_of_third_digit(value), power = std::pow(10.0, std::fabs(digits));
+  return digits < 0.0 ? round(value / power) * power : round(value * power) / power;
+}
+
+}  // namespace
+
+std::string rough_text(double value, std::string_view unit) {
+  return quantity_text(of_three_digits(value, [](double x) { return std::round(x); }), unit);
+}
+
+std::string point_text(const Vec3& point) {
+  return "(" + rough_text(point.x, "") + ", " + rough_text(point.y, "") + ", " + rough_text(point.z, "") +
+         ") m";
+}
+
+double rough_below(double value) {
+  return of_three_digits(value, [](double x) { return std::floor(x); });
+}
+
 std::string to_text(const FieldValue& value) {
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const auto* integer = std::get_if<int64_t>(&value)) return std::to_string(*integer);

@@ -48,7 +48,7 @@ inline void warn_about_size(const std::string& owner, std::span<const Vec3> vert
                             std::vector<std::string>& warnings) {
   const double extent = max_abs(box_size(vertices));
   if (extent > 100.0 || extent < 1e-4)
-    warnings.push_back(owner + ": the mesh has an extent of " + quantity_text(extent, "m") +
+    warnings.push_back(owner + ": the mesh has an extent of " + rough_text(extent, "m") +
                        "; if it is not in metres, scale it with mesh.scaled(factor)");
 }
 

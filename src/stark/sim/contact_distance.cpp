@@ -38,10 +38,11 @@ void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
   const std::vector<double> lengths = polyline_lengths(scene.rest_vertices(body));
   const double shortest = *std::min_element(lengths.begin(), lengths.end());
   if (2.0 * distance <= shortest || lengths.size() < 3) return;
-  warnings.push_back(owner_text(scene.kind(body), scene.name(body)) + ": contact_distance = " +
-                     quantity_text(distance, "m") + " is more than half of its shortest edge, " +
-                     quantity_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
-                     quantity_text(0.5 * shortest, "m") + ", longer edges, or self_contact = false");
+  warnings.push_back(
+      owner_text(scene.kind(body), scene.name(body)) +
+      ": contact_distance = " + quantity_text(distance, "m") + " is more than half of its shortest edge, " +
+      rough_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
+      quantity_text(rough_below(0.5 * shortest), "m") + ", longer edges, or self_contact = false");
 }
 
 }  // namespace
@@ -83,9 +84,9 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
         owner_text(scene.kind(body), scene.name(body)) + ": " +
         (is_automatic ? "its automatic contact_distance of " : "contact_distance = ") +
         quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
-        quantity_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
-        "), so the body touches itself at rest; use at most " + quantity_text(0.5 * smallest.height, "m") +
-        ", a coarser mesh, or self_contact = false");
+        rough_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
+        "), so the body touches itself at rest; use at most " +
+        quantity_text(rough_below(0.5 * smallest.height), "m") + ", a coarser mesh, or self_contact = false");
   }
   return warnings;
 }

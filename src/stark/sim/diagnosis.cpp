@@ -40,19 +40,6 @@ struct Verdict {
 
 std::string percent(double fraction) { return to_text(std::round(1e4 * fraction) / 100.0) + " %"; }
 
-/// Three digits are enough to read.
-std::string rough(double value, const char* unit) {
-  const double digits = value == 0.0 ? 0.0 : 2.0 - std::floor(std::log10(std::fabs(value)));
-  const double power = std::pow(10.0, std::fabs(digits));  // multiples of whole powers are exact
-  if (!std::isfinite(power)) return quantity_text(value, unit);
-  return quantity_text(digits < 0.0 ? std::round(value / power) * power : std::round(value * power) / power,
-                       unit);
-}
-
-std::string point_text(const Vec3& p) {
-  return "(" + rough(p.x, "1") + ", " + rough(p.y, "1") + ", " + rough(p.z, "1") + ") m";
-}
-
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (size_t k = 0; k < names.size(); ++k)
@@ -63,8 +50,8 @@ std::string listed(const std::vector<std::string>& names) {
 std::string force_text(const StepEvidence& e) {
   if (e.forces.empty()) return "";
   const UnbalancedForce& worst = e.forces.front();
-  return "the largest unbalanced force is " + rough(worst.force, "N") + " (" +
-         rough(worst.acceleration, "m/s^2") + ") on " + place_text(worst.at) + " near " +
+  return "the largest unbalanced force is " + rough_text(worst.force, "N") + " (" +
+         rough_text(worst.acceleration, "m/s^2") + ") on " + place_text(worst.at) + " near " +
          point_text(worst.position);
 }
 
@@ -74,14 +61,14 @@ std::string pair_text(const BlockingPair& pair) {
 }
 
 std::string gap_text(const NarrowGap& gap) {
-  return place_text(gap.a) + " is " + rough(gap.distance, "m") + " from " + place_text(gap.b) +
-         ", within their contact distance of " + rough(gap.contact_distance, "m");
+  return place_text(gap.a) + " is " + rough_text(gap.distance, "m") + " from " + place_text(gap.b) +
+         ", within their contact distance of " + rough_text(gap.contact_distance, "m");
 }
 
 std::string element_text(const StrainedElement& element) {
   return "element " + std::to_string(element.element) + " of " + place_text(element.at) +
-         (element.size <= 0.0 ? " is inverted, at " : " has ") + rough(element.size, "1") +
-         " times its size at rest, with edges stretched by up to " + rough(element.stretch, "1");
+         (element.size <= 0.0 ? " is inverted, at " : " has ") + rough_text(element.size, "1") +
+         " times its size at rest, with edges stretched by up to " + rough_text(element.stretch, "1");
 }
 
 const StrainedElement* find_inverted(const StepEvidence& e, bool prescribed_only) {
@@ -100,8 +87,8 @@ Verdict judge_pins(const StepEvidence& e) {
   if (e.pins && e.pins->stretch() > kPinStretch)
     return {FailureCause::OverconstrainedPins,
             "prescribed vertices pull " + place_text(e.pins->pins) + " to a distance of " +
-                rough(e.pins->distance, "m") + ", " + rough(e.pins->stretch(), "1") +
-                " times the length of what is between them, " + rough(e.pins->length, "m"),
+                rough_text(e.pins->distance, "m") + ", " + rough_text(e.pins->stretch(), "1") +
+                " times the length of what is between them, " + rough_text(e.pins->length, "m"),
             "check the targets of these pins, move them in smaller steps, or pin fewer vertices",
             {e.pins->pins.body}};
   return {};
@@ -189,13 +176,13 @@ bool is_overwhelming(const StepEvidence& e) {
 std::string actuator_text(const StepEvidence& e) {
   const StrongActuator& actuator = *e.actuator;
   std::string text = "actuator '" + actuator.name + "' accelerates " + place_text(actuator.at) + " with " +
-                     rough(actuator.acceleration, "m/s^2");
+                     rough_text(actuator.acceleration, "m/s^2");
   if (!is_overwhelming(e)) return text;
   const double reach = actuator.reach(e.time_step);
   return text + ", which " +
-         (actuator.is_turn ? "turns it by " + rough(reach, "rad")
-                           : "moves it by " + rough(reach, "1") + " times the size of the scene") +
-         " within " + rough(e.time_step, "s");
+         (actuator.is_turn ? "turns it by " + rough_text(reach, "rad")
+                           : "moves it by " + rough_text(reach, "1") + " times the size of the scene") +
+         " within " + rough_text(e.time_step, "s");
 }
 
 /// Where all joints hold at the start of a step in which nothing prescribed pulls, they can hold at its end,
@@ -250,7 +237,7 @@ Verdict judge_steep_energy(const StepEvidence& e) {
   return {
       FailureCause::SingularEnergy,
       "energy '" + e.steep->energy + "' grows without bound: its force on " + place_text(e.steep->at) +
-          " is " + rough(e.steep->force, "N") + ", about " + rough(e.steep->length, "m") +
+          " is " + rough_text(e.steep->force, "N") + ", about " + rough_text(e.steep->length, "m") +
           " from where the energy has no value",
       "give the energy a bound, such as the root of r^2 + c^2 for a distance r with a length c that steps "
       "can resolve, or hold its points apart",
@@ -288,19 +275,19 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
     if (!is_still && !is_rounding(t.tolerance, t.value, t.rounding)) return {};
     missed += (missed.empty() ? "" : ", ") + std::string(t.name) + " = " + quantity_text(t.tolerance, t.unit);
     if (t.tolerance < t.rounding)
-      missed += " (rounding: about " + rough(t.rounding, t.unit) + ", reached: ";
+      missed += " (rounding: about " + rough_text(t.rounding, t.unit) + ", reached: ";
     else
       missed += " (reached: ";
-    missed += rough(t.value, t.unit) + ")";
+    missed += rough_text(t.value, t.unit) + ")";
   }
   if (missed.empty()) return {};
   if (is_still)
-    missed += "; another Newton step would move nothing by more than " + rough(e.solve.last_motion, "m");
+    missed += "; another Newton step would move nothing by more than " + rough_text(e.solve.last_motion, "m");
   const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
   const bool is_far = farthest > kFar * e.scene_size;
   return {FailureCause::ToleranceBelowRoundOff, "tolerances are below what rounding allows: " + missed,
-          is_far ? "move the scene to the origin: its coordinates of " + rough(farthest, "m") + " round by " +
-                       rough(farthest * std::numeric_limits<double>::epsilon(), "m")
+          is_far ? "move the scene to the origin: its coordinates of " + rough_text(farthest, "m") +
+                       " round by " + rough_text(farthest * std::numeric_limits<double>::epsilon(), "m")
                  : "raise them above the rounding; what is very stiff rounds more",
           e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
 }
@@ -309,7 +296,7 @@ Verdict judge_equilibrium(const StepEvidence& e, const Settings& settings) {
   const bool has_inertia = stark::has_inertia(settings.time.integrator);
   if (e.solve.status == SolveStatus::RunAway && has_inertia)
     return {FailureCause::Overload,
-            e.fastest.body + " would move faster than light, at " + rough(e.motion / e.time_step, "m/s"),
+            e.fastest.body + " would move faster than light, at " + rough_text(e.motion / e.time_step, "m/s"),
             "look for forces that are too strong for what they move, such as those of a control loop that "
             "swings up: what the loop sets from velocities acts a step late, so it needs a gain below mass "
             "over time step; a spring_damper or a velocity_motor of a joint has no such limit",
@@ -319,8 +306,8 @@ Verdict judge_equilibrium(const StepEvidence& e, const Settings& settings) {
   if (!runs_away) return {};
   return {FailureCause::NoEquilibrium,
           "nothing holds " + (e.forces.empty() ? std::string("the bodies") : e.forces.front().at.body) +
-              ": it moved by " + rough(e.motion, "m") + " in a quasistatic step of a scene of " +
-              rough(e.scene_size, "m"),
+              ": it moved by " + rough_text(e.motion, "m") + " in a quasistatic step of a scene of " +
+              rough_text(e.scene_size, "m"),
           "pin it, put it on something, or use an integrator with inertia such as implicit_euler",
           e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
 }
@@ -330,14 +317,14 @@ Verdict judge_overlap(const StepEvidence& e) {
   const NarrowGap& gap = e.start_gaps.front();
   return {FailureCause::ThicknessOverlap,
           "bodies overlap in thickness at the start: " + gap_text(gap),
-          "move them at least " + rough(gap.contact_distance, "m") +
+          "move them at least " + rough_text(gap.contact_distance, "m") +
               " apart, or give them a smaller contact_distance",
           {gap.a.body, gap.b.body}};
 }
 
 Verdict judge_detour(const StepEvidence& e) {
   std::string what = "the way to where Newton's method brought the bodies, by at most " +
-                     rough(e.motion, "m") + ", is not clear";
+                     rough_text(e.motion, "m") + ", is not clear";
   std::vector<std::string> bodies;
   if (e.in_the_way) {
     bodies = {e.in_the_way->a.body, e.in_the_way->b.body};
@@ -361,7 +348,7 @@ Verdict judge_status(const StepEvidence& e) {
   }
   if (e.stiffness_ratio > (e.solve.status == SolveStatus::LinearSolveFailed ? kContrastOfSolve : kContrast))
     return {FailureCause::StiffnessContrast,
-            e.stiffest + " is " + rough(e.stiffness_ratio, "1") + " times as stiff as " + e.softest +
+            e.stiffest + " is " + rough_text(e.stiffness_ratio, "1") + " times as stiff as " + e.softest +
                 ", too much for double precision",
             "make stiff parts softer or rigid bodies, soft and light parts stiffer or heavier",
             {e.stiffest, e.softest}};

@@ -178,7 +178,7 @@ void Placing::check_contacts(const std::set<int32_t>& moved) {
     if (is_touching(contact, x))
       throw InitialIntersection(
           "'" + scene_.name(BodyId{contact.group_a}) + "' and '" + scene_.name(BodyId{contact.group_b}) +
-          "' touch where they are placed: " + "their distance is " + quantity_text(contact.distance, "m") +
+          "' touch where they are placed: " + "their distance is " + rough_text(contact.distance, "m") +
           "; place them apart, or disable contact between them");
   }
 }

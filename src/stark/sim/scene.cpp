@@ -27,7 +27,7 @@ RigidInertia checked_inertia(const std::string& owner, const RigidInertia& inert
     }
   if (!(asymmetry <= 1e-9 * size) || !std::isfinite(size))
     throw InvalidArgument(
-        owner + ": inertia tensor differs from its transpose by " + quantity_text(asymmetry, "kg m^2") +
+        owner + ": inertia tensor differs from its transpose by " + rough_text(asymmetry, "kg m^2") +
         ": must be symmetric and finite; give it about the centre of mass in the axes of the mesh");
   const Vec3 moments = compute_principal_axes(inertia.tensor).values;
   // Physical tensors obey I1 + I2 >= I3; flat bodies reach equality, so rounding needs a margin.
@@ -48,7 +48,7 @@ RigidInertia inertia_of_mesh(const std::string& owner, const RigidDescription& b
                                     : compute_shell_mass_properties(mesh.vertices, mesh.triangles, 1.0);
   if (solid && !(unit.mass > 0.0))
     throw InvalidMesh(
-        owner + ": the mesh encloses a volume of " + quantity_text(unit.mass, "m^3") +
+        owner + ": the mesh encloses a volume of " + rough_text(unit.mass, "m^3") +
         ": triangles must be counter-clockwise seen from outside; use stark.mesh.oriented(mesh)");
   if (!solid && !body.hollow)
     warnings.push_back(

@@ -37,12 +37,6 @@ std::vector<uint8_t> blocks_in_solids(const Model& model) {
   return in_solid;
 }
 
-std::string point_text(const Vec3& p) {
-  std::ostringstream out;
-  out << "(" << to_text(p.x) << ", " << to_text(p.y) << ", " << to_text(p.z) << ") m";
-  return out.str();
-}
-
 }  // namespace
 
 std::string StepReport::brief() const {
@@ -176,7 +170,7 @@ void Simulation::check_initial_state() const {
   if (nearest != contacts.end() && is_touching(*nearest, x))
     throw InitialIntersection(name(nearest->group_a) + " and " + name(nearest->group_b) +
                               " touch at time 0 near " + point_text(x[nearest->sites[0]]) +
-                              ", their distance is " + quantity_text(nearest->distance, "m") +
+                              ", their distance is " + rough_text(nearest->distance, "m") +
                               "; move them apart, or disable contact between them");
 }
 

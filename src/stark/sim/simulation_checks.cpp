@@ -29,10 +29,10 @@ void warn_about_overlap(const std::vector<NarrowGap>& gaps, std::vector<std::str
   }
   for (const auto& [bodies, found] : pairs) {
     const auto& [gap, count] = found;
-    out.push_back(place_text(gap->a) + " starts " + quantity_text(gap->distance, "m") + " from " +
+    out.push_back(place_text(gap->a) + " starts " + rough_text(gap->distance, "m") + " from " +
                   place_text(gap->b) + (count > 1 ? ", " + std::to_string(count) + " places in all" : "") +
                   ": within a hundredth of their contact distance of " +
-                  quantity_text(gap->contact_distance, "m") +
+                  rough_text(gap->contact_distance, "m") +
                   ", so contact throws them apart; move them apart, or give them a smaller contact_distance");
   }
 }
@@ -46,8 +46,8 @@ void warn_about_thin_layers(const std::vector<NarrowGap>& gaps, const std::strin
       gaps, [&](const NarrowGap& gap) { return gap.a.body == body && gap.b.body == body; });
   if (narrow == gaps.end()) return;
   out.push_back(
-      place_text(narrow->a) + " starts " + quantity_text(distance, "m") + " from " + place_text(narrow->b) +
-      ": all its layers come as close as that, instead of " + quantity_text(layers, "m") +
+      place_text(narrow->a) + " starts " + rough_text(distance, "m") + " from " + place_text(narrow->b) +
+      ": all its layers come as close as that, instead of " + rough_text(layers, "m") +
       ", until no part of it is near another; start it with wider folds, of at least a quarter of that "
       "where its surface or contact stiffness is given");
 }

@@ -55,7 +55,7 @@ void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec
   out.check(owner, "youngs_modulus", modulus, "Pa", kModulus, "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
   const double weight = material.density * std::fabs(dot(gravity, size));
   if (row.can_be_filled && weight > kHeaviest * modulus)
-    out.add(owner + ": its weight presses with " + quantity_text(weight, "Pa") + ", " +
+    out.add(owner + ": its weight presses with " + rough_text(weight, "Pa") + ", " +
             to_text(std::round(weight / modulus)) + " times its youngs_modulus of " +
             quantity_text(modulus, "Pa") + ", and flattens it; 1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa");
 }
@@ -97,9 +97,9 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
     if (const double distance = given_contact_distance(scene, body, settings);
         settings.contact.enabled && distance > kThickestContact * max_abs(size))
       suspicions.add(owner + ": contact distance of " + quantity_text(distance, "m") +
-                     " for an extent of the mesh of " + quantity_text(max_abs(size), "m") +
+                     " for an extent of the mesh of " + rough_text(max_abs(size), "m") +
                      "; if the mesh is in metres, give it a contact_distance below " +
-                     quantity_text(0.01 * max_abs(size), "m"));
+                     quantity_text(rough_below(0.01 * max_abs(size)), "m"));
     check_material(scene, body, size, settings.gravity, suspicions);
   }
   if (settings.contact.enabled) check_friction(scene, suspicions);

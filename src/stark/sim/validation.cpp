@@ -113,7 +113,7 @@ void check_triangles(std::string_view owner, const TriangleMesh& mesh, double th
     if (!(2.0 * area > thinnest * longest * longest))
       fail_mesh(owner, "triangle " + std::to_string(t) + " (vertices " + std::to_string(i) + ", " +
                            std::to_string(j) + ", " + std::to_string(k) + ") has an area of " +
-                           quantity_text(area, "m^2") +
+                           rough_text(area, "m^2") +
                            ": triangles must not be degenerate; remove it or merge its vertices");
   }
 }
@@ -194,13 +194,12 @@ void check_tet_volumes(std::string_view owner, const SolidMesh& mesh) {
     // Six volumes over the cube of the longest edge bounds the smallest height over that edge from below.
     if (!(6.0 * std::fabs(volumes[e]) > kThinnestElement * longest * longest * longest))
       fail_mesh(owner, "tetrahedron " + std::to_string(e) + " has a volume of " +
-                           quantity_text(volumes[e], "m^3") + " with edges of " +
-                           quantity_text(longest, "m") +
+                           rough_text(volumes[e], "m^3") + " with edges of " + rough_text(longest, "m") +
                            ": tetrahedra must not be degenerate; remove it or remesh");
   }
   if (inverted > 0)
     fail_mesh(owner, "tetrahedron " + std::to_string(first) + " has a volume of " +
-                         quantity_text(volumes[first], "m^3") + " (" + std::to_string(inverted) + " of " +
+                         rough_text(volumes[first], "m^3") + " (" + std::to_string(inverted) + " of " +
                          std::to_string(volumes.size()) +
                          " are inverted): volumes must be positive; reorder their vertices with "
                          "stark.mesh.oriented(mesh)");
@@ -211,9 +210,8 @@ void check_jacobians(std::string_view owner, const SolidMesh& mesh) {
   for (int64_t e = 0; e < mesh.element_count(); ++e) {
     const double smallest = smallest_jacobian(mesh, e), longest = longest_element_edge(mesh, e);
     if (!(smallest > kThinnestElement * longest * longest * longest))
-      fail_mesh(owner, kind + " " + std::to_string(e) + " has a Jacobian of " +
-                           quantity_text(smallest, "m^3") + " at a quadrature point, with edges of " +
-                           quantity_text(longest, "m") +
+      fail_mesh(owner, kind + " " + std::to_string(e) + " has a Jacobian of " + rough_text(smallest, "m^3") +
+                           " at a quadrature point, with edges of " + rough_text(longest, "m") +
                            ": must be positive at all of them; its nodes must be in the order of VTK, nodes "
                            "between corners near the middle, and the element neither flat nor inverted");
   }
