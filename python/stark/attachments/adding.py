@@ -12,8 +12,8 @@ from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import as_array, given_flag, given_name
 from stark.attachments.handle import Attachment
-from stark.bodies import Body, Solid
-from stark.body_kinds import has_frames, has_points, has_pose
+from stark.bodies import Body
+from stark.body_kinds import has_frames, has_points, has_pose, row_of
 from stark.handle import SceneLink
 from stark.selections import Points, Stencils, local_points, node_frame, vertex_points, world_points
 
@@ -99,7 +99,7 @@ def _all_vertices(body: Body) -> Points:
     """Those of its surface; of rigid bodies as points fixed to them."""
     if has_pose(body):
         return local_points(body, np.asarray(body.mesh.vertices))
-    if isinstance(body, Solid):
+    if row_of(body).has_triangles:
         return vertex_points(body, np.unique(body.triangles).astype(np.int32))
     return body.vertices
 

@@ -240,7 +240,7 @@ def _rod_stress(rod: Any, material: Any) -> np.ndarray:
     section = material.section
     area = section["mass"] / material.density
     stretches = _stretches(rod) / _rest_stretch(rod)
-    forces = section["axial_stiffness"] * (stretches - 1.0) + rod.active_force
+    forces = section["axial_stiffness"] * (stretches - 1.0) + getattr(rod, "active_force", 0.0)
     return np.abs(_at_nodes(rod, forces / area))
 
 

@@ -105,7 +105,7 @@ class FrameCheck:
 
 @dataclass(frozen=True)
 class _Shown:
-    """How a displayed body follows from a state: its vertices, a tube around the nodes of a rod, or a mesh
+    """How a displayed body follows from a state: its vertices, a tube around a chain of edges, or a mesh
     that moves with a rigid body."""
 
     name: str
@@ -116,7 +116,7 @@ class _Shown:
     @classmethod
     def of(cls, drawn: Drawn, body: Body) -> _Shown | None:
         """None where the mesh is that of something else."""
-        if body.has_frames:
+        if len(body.edges):
             nodes = body.vertex_count
             sides = (drawn.vertex_count - 2) // nodes if nodes else 0
             fits = sides >= 3 and drawn.vertex_count == sides * nodes + 2
