@@ -18,7 +18,8 @@ from repository import ROOT
 
 STUB = ROOT / "python" / "stark" / "__init__.pyi"
 
-#: Names of `stark` by page and heading. Those of formulas and symbolic follow by themselves, see _groups().
+#: Names of `stark` by page and heading. Those of formulas, symbolic and bodies that are not here follow by
+#: themselves, see _groups().
 GROUPS: dict[str, tuple[str, str]] = {
     "scene": ("Scenes", "Scene Anisotropic load_scene"),
     "simulation": ("Simulations", "Simulation Settings StepReport StepProgress Checkpoint"),
@@ -169,21 +170,28 @@ def pages() -> dict[str, str]:
 
 
 def _groups() -> dict[str, tuple[str, str]]:
-    """GROUPS and the names that formulas are written with. Every public name of stark is in one of them."""
+    """GROUPS, other bodies, and the names that formulas are written with. Every public name of stark is in
+    one of them."""
     grouped = {name for _, names in GROUPS.values() for name in names.split()}
     rest = [name for name in public_names() if name not in grouped]
     symbolic = set(public_names("stark.symbolic"))
     formulas = set(public_names("stark.formulas"))
-    lost = [name for name in rest if name not in symbolic | formulas]
+    bodies = set(public_names("stark.bodies"))
+    lost = [name for name in rest if name not in symbolic | formulas | bodies]
     lost += sorted(grouped.difference(public_names()))
     if lost:
         raise SystemExit(
             f"tools/docs_api.py: {', '.join(lost)}: enter new names in GROUPS, take old ones out"
         )
+    title, names = GROUPS["bodies"]
+    handles = " ".join([names, *(name for name in rest if name in bodies)])
     ours = " ".join(name for name in rest if name in formulas)
-    functions = " ".join(name for name in rest if name not in formulas)
-    written = {"energies": ("Energies and laws", ours), "functions": ("Functions of formulas", functions)}
-    return GROUPS | written
+    functions = " ".join(name for name in rest if name not in formulas | bodies)
+    return GROUPS | {
+        "bodies": (title, handles),
+        "energies": ("Energies and laws", ours),
+        "functions": ("Functions of formulas", functions),
+    }
 
 
 def _page(title: str, intro: str, module: str, names: list[str], shown: set[int]) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-__all__ = ["KINDS", "BodyKind", "has_frames", "has_points", "has_pose", "names_of", "row_of"]
+__all__ = ["KINDS", "BodyKind", "has_frames", "has_points", "has_pose", "names_of", "row_of", "title_of"]
 
 Color = tuple[float, float, float]
 
@@ -17,9 +17,10 @@ class BodyKind:
 
     #: What their vertices follow: "points", own positions; "pose", that of the body; "frames", own frames.
     moved_by: Literal["points", "pose", "frames"] = "points"
+    title: str = ""  #: in messages, where it is not the name of the kind
     is_layer: bool = False  #: of a body: without vertices of its own
-    is_sheet: bool = False  #: drawn smooth, with two sides
-    has_triangles: bool = True  #: which touch others, and take pressure
+    is_sheet: bool = False  #: of triangles: drawn smooth, with two sides
+    has_triangles: bool = True  #: which touch others, and take pressure; else it has edges
     strains: bool = True
     #: Of bodies without a colour of their own, in turn, sRGB in [0, 1]; none: those of rigid bodies.
     colors: tuple[Color, ...] = ()
@@ -35,6 +36,7 @@ KINDS: dict[str, BodyKind] = {
     ),
     "rigid": BodyKind(
         moved_by="pose",
+        title="rigid body",
         strains=False,
         colors=(
             (0.33, 0.45, 0.66), (0.91, 0.66, 0.33), (0.47, 0.63, 0.50), (0.80, 0.45, 0.38),
@@ -69,6 +71,11 @@ def has_pose(body: Any) -> bool:
 def has_frames(body: Any) -> bool:
     """Whether each vertex has a position and a rotation."""
     return row_of(body).moved_by == "frames"
+
+
+def title_of(body: Any) -> str:
+    """Name in messages, as the core has it: "rigid body 'box'"."""
+    return f"{row_of(body).title or body.kind} '{body.name}'"
 
 
 def names_of(**properties: bool) -> tuple[str, ...]:

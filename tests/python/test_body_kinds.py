@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import stark
 from stark.bodies import HANDLES
-from stark.body_kinds import has_frames, has_points, has_pose, names_of, row_of
+from stark.body_kinds import has_frames, has_points, has_pose, names_of, row_of, title_of
 
 
 @pytest.fixture(scope="module")
@@ -56,3 +58,9 @@ def test_a_handle_is_made_again_from_what_was_given(sim: stark.Simulation) -> No
 def test_unknown_kinds_are_taken_for_points() -> None:
     assert has_points(type("Body", (), {"kind": "cloud"}))
     assert not row_of(type("Body", (), {"kind": "cloud"})).is_sheet
+
+
+def test_titles_are_those_of_the_core(sim: stark.Simulation) -> None:
+    for body in sim.bodies:
+        with pytest.raises(stark.InvalidArgument, match=re.escape(title_of(body))):
+            sim.scene._core.set_surface_directions(body._index, np.zeros((1, 3)))

@@ -12,7 +12,8 @@ from stark import _core
 from stark._core import InvalidArgument
 from stark.arguments import as_array, given_flag, given_name
 from stark.attachments.handle import Attachment
-from stark.bodies import Body, RigidBody, Rod, Solid
+from stark.bodies import Body
+from stark.body_kinds import has_frames, has_points, has_pose, row_of
 from stark.handle import SceneLink
 from stark.selections import Points, Stencils, local_points, node_frame, vertex_points, world_points
 
@@ -96,9 +97,9 @@ def _corners(owner: str, label: str, stencils: Stencils) -> Points:
 
 def _all_vertices(body: Body) -> Points:
     """Those of its surface; of rigid bodies as points fixed to them."""
-    if isinstance(body, RigidBody):
+    if has_pose(body):
         return local_points(body, np.asarray(body.mesh.vertices))
-    if isinstance(body, Solid):
+    if row_of(body).has_triangles:
         return vertex_points(body, np.unique(body.triangles).astype(np.int32))
     return body.vertices
 
@@ -134,7 +135,7 @@ def _indexed(
             raise InvalidArgument(
                 f"{owner}: pairs: vertex {wrong[0]} of '{body.name}': must be in [0, {count})"
             )
-        if isinstance(body, RigidBody):
+        if has_pose(body):
             chosen.append(local_points(body, np.asarray(body.mesh.vertices)[column]))
         else:
             chosen.append(vertex_points(body, column.astype(np.int32)))
@@ -157,7 +158,7 @@ def _carried(
         if np.linalg.norm(b.positions - places, axis=1).max() <= _COINCIDENT:
             return points, {"b": [b._description()]}
         return points, _on_partners(owner, b, places)
-    if points.body == b and not isinstance(b, (RigidBody, Rod)):
+    if points.body == b and has_points(b):
         raise InvalidArgument(f"{owner}: both sides are '{b.name}': give pairs= or points for side b")
     near, carriers, gaps = _nearest(b, places)
     if distance is not None:
@@ -202,15 +203,14 @@ def _on_partners(owner: str, b: Points, places: Floats) -> dict[str, Any]:
             f"{np.linalg.norm(b.positions - places, axis=1).max():.3g} m from side a: must be at the same "
             f"places; leave them to scene.attach(a, None)"
         )
-    if isinstance(body, RigidBody):
+    assert isinstance(body, Body)
+    if has_pose(body):
         return _on_rigid(body, places)
-    if isinstance(body, Rod):
+    if has_frames(body):
         nodes = b._columns.get("vertices", np.full(len(b), b._columns.get("node", 0)))
         return _on_nodes(body, nodes, places)
     if b._kind == "embedded":
-        assert isinstance(body, Body)
         return _on_patches(body, b._columns["supports"][:, :3], places)
-    assert isinstance(body, Body)
     triangles = body.triangles
     first = np.full(len(body.mesh.vertices), -1, dtype=np.int64)  # a triangle of each vertex
     first[triangles[::-1].ravel()] = np.repeat(np.arange(len(triangles))[::-1], 3)
@@ -226,13 +226,13 @@ def _on_partners(owner: str, b: Points, places: Floats) -> dict[str, Any]:
 
 def _nearest(body: Body, places: Floats) -> tuple[Any, Any, Floats]:
     """Nearest carrier of each place, what makes a description of some of them, distances [m]."""
-    if isinstance(body, Rod):
+    if has_frames(body):
         gaps = np.linalg.norm(places[:, None] - _start(body)[None], axis=2)
         nodes = gaps.argmin(axis=1)
         return nodes, lambda rows, x: _on_nodes(body, rows, x), gaps.min(axis=1)
     triangles = np.ascontiguousarray(body.triangles, dtype=np.int32)
     chosen, gaps = _core.find_closest_triangles(np.ascontiguousarray(places), _start(body), triangles)
-    if isinstance(body, RigidBody):
+    if has_pose(body):
         return chosen, lambda _, x: _on_rigid(body, x), gaps
     return chosen, lambda rows, x: _on_patches(body, triangles[rows], x), gaps
 
@@ -241,12 +241,12 @@ def _start(body: Body) -> Floats:
     return body._scene._core.initial_positions(body._index)
 
 
-def _on_rigid(body: RigidBody, places: Floats) -> dict[str, Any]:
+def _on_rigid(body: Body, places: Floats) -> dict[str, Any]:
     position, rotation = body._scene._core.pose(body._index)
     return {"b": [local_points(body, (places - position) @ rotation)._description()]}
 
 
-def _on_nodes(rod: Rod, nodes: Any, places: Floats) -> dict[str, Any]:
+def _on_nodes(rod: Body, nodes: Any, places: Floats) -> dict[str, Any]:
     frames = rod._scene._core.initial_frames(rod._index).reshape(-1, 3, 3)
     origins = _start(rod)
     carriers = [

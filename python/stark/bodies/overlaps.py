@@ -11,14 +11,14 @@ import numpy as np
 from stark import _core
 from stark._core import InvalidArgument
 from stark.bodies.body import Body
-from stark.bodies.rod import Rod
+from stark.body_kinds import row_of
 
 
 def overlapping(scene: Any, bodies: Sequence[Body]) -> list[tuple[Body, Body]]:
     """Pairs of bodies whose surfaces intersect at time 0, or one of which is inside of another that is
     filled, in the order of adding. Not those that have no contact anyway: disabled, held together by a joint
     without contact, or neither of them free to move. Rods have no surface and are not looked at."""
-    parts = [body for body in bodies if not isinstance(body, Rod) and len(body.surface_triangles)]
+    parts = [body for body in bodies if row_of(body).has_triangles and len(body.surface_triangles)]
     if len(parts) < 2:
         return []
     if scene._latest_simulation() is not None:

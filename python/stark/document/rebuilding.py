@@ -134,9 +134,9 @@ class Rebuilding:
         given = dict(row)
         kind, body = given.pop("kind"), self._body(given.pop("body"), where)
         given["material"] = self._material(given["material"], where)
-        if not hasattr(body, "add_skin"):
+        if not hasattr(body, f"add_{kind}"):
             raise DocumentError(f"{where}: '{body.name}' is a {body.kind} body: must be a cloth or a solid")
-        (body.add_skin if kind == "skin" else body.add_fibres)(**given)
+        getattr(body, f"add_{kind}")(**given)
 
     # --- what acts ---
 

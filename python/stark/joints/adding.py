@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_flag, given_name, real_number
-from stark.bodies import Body, RigidBody, Rod
+from stark.bodies import Body
+from stark.body_kinds import has_frames, has_pose
 from stark.formulas.parameters import Parameter, check_range, numbers_of
 from stark.handle import SceneLink
 from stark.joints.definition import JointFormula, built_in
@@ -112,7 +113,7 @@ def place_side(scene: SceneLink, owner: str, label: str, side: Any, position: Fl
         return world_frame(position)
     if isinstance(side, FrameHandle):
         return side
-    if not isinstance(side, RigidBody):
+    if not (isinstance(side, Body) and has_pose(side)):
         raise InvalidArgument(
             f"{owner} = {side!r}: must be a rigid body, a frame such as cloth.frame((i, j, k)) or "
             f"rod.frame(node), or None for the world"
@@ -171,12 +172,12 @@ def _frame(
         return _described("world", position, rotation)
     if side._scene is not scene:
         raise InvalidArgument(f"{owner}: '{side.name}' belongs to another scene: must be a body of this one")
-    if isinstance(side, Rod):
+    if has_frames(side):
         raise InvalidArgument(
             f"{owner}: '{side.name}' is a rod: say which node, {side.name}.frame(0) at its start or "
             f"{side.name}.frame(-1) at its end"
         )
-    if not isinstance(side, RigidBody):
+    if not has_pose(side):
         raise InvalidArgument(
             f"{owner}: '{side.name}' is a {side.kind} body: give a patch of it, {side.name}.frame((i, j, "
             f"k)), three "

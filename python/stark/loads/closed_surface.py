@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.bodies import Cloth, Solid
+from stark.bodies import Body
+from stark.body_kinds import has_points, row_of
 from stark.handle import BodyHandle
 from stark.loads.element_faces import whole_faces
 from stark.mesh import Indices
@@ -29,7 +30,8 @@ def closed_surface(surface: Any, owner: str) -> ClosedSurface:
     """The faces that are meant, turned so that they enclose a positive volume at time 0; of elements of 8
     nodes and more their faces instead of the triangles that these are cut into. InvalidArgument unless they
     are closed."""
-    faces = surface.faces if isinstance(surface, (Cloth, Solid)) else surface
+    has_faces = isinstance(surface, Body) and has_points(surface) and row_of(surface).has_triangles
+    faces = surface.faces if has_faces else surface
     columns = faces.columns if isinstance(faces, Stencils) and faces.point_count == 3 else ()
     body = columns[0].body if columns else None
     if body is None or any(

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stark.body_kinds import has_frames, row_of
+
 from .element_masses import solid_masses
 
 Floats = NDArray[np.float64]
@@ -19,25 +21,23 @@ def point_masses(body: Any) -> Floats | None:
     own."""
     material = body._shared.get("material")
     layers = getattr(body, "layers", [])
-    if material is None or any(layer.kind == "fibres" and layer.bending for layer in layers):
+    if material is None or any(getattr(layer, "bending", False) for layer in layers):
         return None
-    density = np.asarray(material.density, dtype=np.float64)
-    if body.kind == "cloth":
-        areas = _areas(body.mesh.vertices, body.mesh.triangles)
-        own = _lumped(body.mesh.vertices, body.mesh.triangles, density * areas, 3)
-        return own + _of_layers(body.mesh.vertices, layers)
-    if body.kind == "solid":
-        return solid_masses(body.mesh, density) + _of_layers(body.mesh.vertices, layers)
-    if body.kind == "rod":
-        return _of_nodes(body, material.section["mass"] * density / material._core.get("density"))
-    return None
+    mesh, row = body.mesh, row_of(body)
+    if row.is_sheet:
+        own = _of_triangles(mesh.vertices, mesh.triangles, material)
+    elif row.has_triangles:
+        own = solid_masses(mesh, np.asarray(material.density, dtype=np.float64))
+    else:
+        own = _of_edges(mesh.vertices, mesh.edges, material)
+    return own + _of_layers(mesh.vertices, layers)
 
 
 def second_moments(body: Any) -> Floats | None:
     """Second moments of mass of the sections at the nodes of a rod about its axes d1 and d2 (n, 2) [kg m^2]:
     the integrals of x_k^2 dm."""
     material = body._shared.get("material")
-    if body.kind != "rod" or material is None:
+    if not has_frames(body) or material is None:
         return None
     if material.width > 0.0:
         squares = np.array([material.width**2, material.height**2]) / 12.0
@@ -48,39 +48,36 @@ def second_moments(body: Any) -> Floats | None:
     return masses[:, None] * squares
 
 
-def _lumped(vertices: Floats, elements: NDArray[np.int32], masses: Floats, corners: int) -> Floats:
-    """Equal shares of the masses of elements (m,) for their corners."""
-    shares = np.repeat(masses / corners, corners)
-    sums = np.bincount(elements.ravel(), weights=shares, minlength=len(vertices))
-    return np.asarray(sums, dtype=np.float64)
-
-
 def _of_layers(vertices: Floats, layers: Any) -> Floats:
     """Masses that skins and fibres add to the vertices (n,) [kg]."""
     total = np.zeros(len(vertices))
     for layer in layers:
-        density = np.asarray(layer.material.density, dtype=np.float64)
-        if layer.kind == "skin":
-            elements = np.asarray(layer.triangles, dtype=np.int32)
-            sizes = density * _areas(vertices, elements)
+        if row_of(layer).has_triangles:
+            total += _of_triangles(vertices, layer.triangles, layer.material)
         else:
-            elements = np.asarray(layer.edges, dtype=np.int32)
-            per_length = layer.material.section["mass"] * density / layer.material._core.get("density")
-            sizes = per_length * np.linalg.norm(np.diff(vertices[elements], axis=1)[:, 0], axis=1)
-        total += _lumped(vertices, elements, sizes, elements.shape[1])
+            total += _of_edges(vertices, layer.edges, layer.material)
     return total
 
 
-def _areas(vertices: Floats, triangles: NDArray[np.int32]) -> Floats:
+def _of_triangles(vertices: Floats, triangles: Any, material: Any) -> Floats:
+    """Of sheets, whose density is that of their areas."""
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
-    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return _lumped(vertices, triangles, np.asarray(material.density, dtype=np.float64) * areas)
 
 
-def _of_nodes(rod: Any, mass_per_length: Floats) -> Floats:
-    """Half of the mass of each segment for either end."""
-    points = rod.mesh.vertices
-    masses = mass_per_length * np.linalg.norm(np.diff(points, axis=0), axis=1)
-    nodes = np.zeros(len(points))
-    nodes[:-1] += 0.5 * masses
-    nodes[1:] += 0.5 * masses
-    return nodes
+def _of_edges(vertices: Floats, edges: Any, material: Any) -> Floats:
+    """Of rods, whose section has a mass per length."""
+    density = np.asarray(material.density, dtype=np.float64)
+    per_length = material.section["mass"] * density / material._core.get("density")
+    lengths = np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
+    return _lumped(vertices, edges, per_length * lengths)
+
+
+def _lumped(vertices: Floats, elements: Any, masses: Floats) -> Floats:
+    """Equal shares of the masses of elements (m,) for their corners."""
+    rows = np.asarray(elements, dtype=np.int32)
+    corners = rows.shape[1]
+    shares = np.repeat(masses / corners, corners)
+    sums = np.bincount(rows.ravel(), weights=shares, minlength=len(vertices))
+    return np.asarray(sums, dtype=np.float64)

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stark.body_kinds import row_of
+
 from .. import mesh as meshes
 
 
@@ -16,6 +18,11 @@ class Deformation(NamedTuple):
     gradients: np.ndarray  #: (m, k, 3, d), d = 3 of solids, 2 of cloth in the axes of each triangle
     elements: np.ndarray  #: (m, n) vertices
     sizes: np.ndarray  #: (m,) volumes at rest [m^3], of cloth areas [m^2]
+
+
+def of_body(body: Any, first: np.ndarray | None = None) -> Deformation:
+    """Of the elements of a body; ``first``: see of_cloth()."""
+    return of_cloth(body, first) if row_of(body).is_sheet else of_solid(body)
 
 
 def of_solid(body: Any) -> Deformation:

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stark.body_kinds import has_pose, names_of
+from stark.body_kinds import has_pose, names_of, row_of
 
 from .._core import InvalidArgument
 from ..arguments import real_array
 from .choosing import matching
-from .deformation import Deformation, at_body, of_cloth, of_solid
+from .deformation import Deformation, at_body, of_body
 
 
 class Field(NamedTuple):
@@ -159,12 +159,12 @@ def _pressure(body: Any) -> np.ndarray:
 
 
 def _strain(body: Any) -> np.ndarray:
-    if body.kind == "rod":
-        return np.abs(_at_nodes(_stretches(body) - 1.0))
-    deformation = of_solid(body) if body.kind == "solid" else of_cloth(body)
+    if not row_of(body).has_triangles:
+        return np.abs(_at_nodes(body, _stretches(body) - 1.0))
+    deformation = of_body(body)
     F = deformation.gradients
     left = F @ np.swapaxes(F, -1, -2)  # eigenvalues are squares of the principal stretches
-    if body.kind == "cloth":
+    if row_of(body).is_sheet:
         normals = np.cross(F[..., 0], F[..., 1])
         normals = normals / np.linalg.norm(normals, axis=-1, keepdims=True)
         left = left + normals[..., :, None] * normals[..., None, :]  # no stretch across the sheet
@@ -174,10 +174,9 @@ def _strain(body: Any) -> np.ndarray:
 
 def _stress(body: Any) -> np.ndarray:
     material = body._shared["material"]
-    if body.kind == "rod":
+    if not row_of(body).has_triangles:
         return _rod_stress(body, material)
-    warp = material._fields.get("warp_direction")
-    deformation = of_solid(body) if body.kind == "solid" else of_cloth(body, warp)
+    deformation = of_body(body, material._fields.get("warp_direction"))
     elastic = deformation._replace(gradients=beyond_rest(body, deformation.gradients))
     cauchy = cauchy_stress(material, elastic, body.name)
     if body.active_stress.any():
@@ -202,8 +201,8 @@ def beyond_rest(body: Any, gradients: np.ndarray) -> np.ndarray:
 
 def _active_stress(body: Any, F: np.ndarray) -> np.ndarray:
     """Cauchy stress (m, k, 3, 3) of a muscle: S |F a| f f^T / J along its fibres f. [theory eq. 15e]"""
-    if body.kind == "cloth":
-        fibres = of_cloth(body, body.fiber_direction).gradients[..., 0]
+    if row_of(body).is_sheet:
+        fibres = of_body(body, body.fiber_direction).gradients[..., 0]
     else:
         directions = body.fiber_direction / np.linalg.norm(body.fiber_direction, axis=1, keepdims=True)
         fibres = np.einsum("mkij,mj->mki", F, directions)
@@ -241,19 +240,22 @@ def _rod_stress(rod: Any, material: Any) -> np.ndarray:
     section = material.section
     area = section["mass"] / material.density
     stretches = _stretches(rod) / _rest_stretch(rod)
-    forces = section["axial_stiffness"] * (stretches - 1.0) + rod.active_force
-    return np.abs(_at_nodes(forces / area))
+    forces = section["axial_stiffness"] * (stretches - 1.0) + getattr(rod, "active_force", 0.0)
+    return np.abs(_at_nodes(rod, forces / area))
 
 
-def _stretches(rod: Any) -> np.ndarray:
-    """Lengths of the edges over those at rest (n - 1,)."""
-    now = np.linalg.norm(np.diff(rod.positions, axis=0), axis=1)
-    return np.asarray(now / np.linalg.norm(np.diff(rod.mesh.vertices, axis=0), axis=1))
+def _stretches(body: Any) -> np.ndarray:
+    """Lengths of the edges over those at rest (m,)."""
+    a, b = body.mesh.edges.T
+    now, rest = (np.linalg.norm(x[b] - x[a], axis=1) for x in (body.positions, body.mesh.vertices))
+    return np.asarray(now / rest)
 
 
-def _at_nodes(edges: np.ndarray) -> np.ndarray:
-    """Means of the edges at each node of a chain."""
-    return np.asarray(0.5 * (np.concatenate([edges[:1], edges]) + np.concatenate([edges, edges[-1:]])))
+def _at_nodes(body: Any, values: np.ndarray) -> np.ndarray:
+    """Means at each node of what its edges have (m,)."""
+    ends, count = body.mesh.edges.ravel(), len(body.mesh.vertices)
+    sums = np.bincount(ends, weights=np.repeat(values, 2), minlength=count)
+    return np.asarray(sums / np.maximum(np.bincount(ends, minlength=count), 1))
 
 
 _ELASTIC, _ALL = names_of(strains=True), names_of()

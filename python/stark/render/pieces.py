@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stark.body_kinds import has_frames, row_of
+from stark.body_kinds import row_of
 
 from .._core import InvalidArgument
 from ..recording.format import surface
@@ -81,7 +81,8 @@ def at_surface(body: Any, values: np.ndarray) -> np.ndarray:
     if getattr(body, "shown", None) is not None:
         return np.asarray(values[_touching(body)])
     drawn = len(surface(body)[0])
-    if has_frames(body) and drawn > len(values):  # rings around the nodes, then the middles of both ends
+    is_tube = not row_of(body).has_triangles
+    if is_tube and drawn > len(values):  # rings around the nodes, then the middles of both ends
         return np.concatenate([np.repeat(values, (drawn - 2) // len(values)), values[[0, -1]]])
     if len(values) == drawn:
         return values

@@ -20,9 +20,9 @@ function isClosed(triangles, positions) {
   return triangles.length > 0 && edges.size === 0;
 }
 
-// Cloth and what lies around the scene are never filled. The answer is kept; it costs milliseconds for large meshes.
+// Sheets and what lies around the scene are never filled. The answer is kept; it costs milliseconds for large meshes.
 function isSolid(body) {
-  if (body.closed === undefined) body.closed = body.kind !== "cloth" && isClosed(body.triangles, body.rest);
+  if (body.closed === undefined) body.closed = !body.isSheet && isClosed(body.triangles, body.rest);
   return body.closed && !body.scenery;
 }
 

@@ -23,7 +23,9 @@ function decodeRange(bytes, frameCount, vertexCount) {
 }
 
 async function readBody(entry, block) {
-  const body = { ...entry, visible: true, opacity: 1, marked: false, triangles: new Uint32Array((await block(entry.index)).buffer) };
+  const triangles = new Uint32Array((await block(entry.index)).buffer);
+  // Sheets, the one kind that pages tell apart: smooth, paler on the back, never filled.
+  const body = { ...entry, isSheet: entry.kind === "cloth", visible: true, opacity: 1, marked: false, triangles };
   if (entry.mode === "mesh") {
     body.ranges = [];
     for (const range of entry.ranges) {

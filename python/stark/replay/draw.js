@@ -118,7 +118,7 @@ class Renderer {
 
   upload(body) {
     const gl = this.gl;
-    const mesh = renderMesh(body.triangles, body.rest, body.kind === "cloth" ? -2 : Math.cos(0.65));
+    const mesh = renderMesh(body.triangles, body.rest, body.isSheet ? -2 : Math.cos(0.65));
     body.mesh = mesh;
     body.positions = new Float32Array(body.rest);
     body.scratch = new Float32Array(body.rest.length);
@@ -209,7 +209,7 @@ class Renderer {
       if (program.hasField) gl.uniform1f(program.hasField, values ? 1 : 0);
       if (program.opacity) gl.uniform1f(program.opacity, body.opacity);
       if (program.marked) gl.uniform1f(program.marked, body.marked && !values ? 1 : 0);
-      if (program.backTint) gl.uniform1f(program.backTint, body.kind === "cloth" ? 0.35 : 0);
+      if (program.backTint) gl.uniform1f(program.backTint, body.isSheet ? 0.35 : 0);
       gl.bindVertexArray(body.array);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, lines ? body.lineBuffer : body.triangleBuffer);
       if (lines) gl.drawElements(gl.LINES, body.mesh.lines.length, gl.UNSIGNED_INT, 0);

@@ -132,7 +132,7 @@ class BodyPanel {
     const name = element("span", "name", body.name, row);
     name.title = "Select " + body.name;
     name.addEventListener("click", () => this.select({ body }));
-    element("span", "kind", body.kind === "rigid" && body.motion !== "dynamic" ? body.motion : body.kind, row);
+    element("span", "kind", body.motion !== "dynamic" ? body.motion : body.kind, row);
     const box = element("input", "", "", row);
     box.type = "checkbox";
     box.checked = true;

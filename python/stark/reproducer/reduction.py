@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from stark.body_kinds import names_of, title_of
 from stark.scene_record import Call
 from stark.steps import Stepping
 
-_ADDING = ("add_cloth", "add_solid", "add_rigid", "add_rod")
+_ADDING = tuple(f"add_{kind}" for kind in names_of())
 _ABOUT_ONE = ("pin", "clamp", "set_surface_directions", "set_surface_motion")
 _ABOUT_TWO = (
     "set_friction",
@@ -30,10 +31,7 @@ def candidates(sim: Stepping, diagnosis: Any) -> list[list[int]]:
     they are all there are, or when bodies hang together by more than contact."""
     if any(name not in _REDUCIBLE for name, _ in sim._calls):
         return []
-    titles = {
-        f"{'rigid body' if body.kind == 'rigid' else body.kind} '{body.name}'": k
-        for k, body in enumerate(sim.bodies)
-    }
+    titles = {title_of(body): k for k, body in enumerate(sim.bodies)}
     named = {titles[name] for name in diagnosis.bodies if name in titles}
     seen = named | {titles[name] for name in _mentioned(diagnosis) if name in titles}
     sets = [sorted(bodies) for bodies in (named, seen) if 0 < len(bodies) < len(titles)]

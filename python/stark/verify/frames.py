@@ -105,7 +105,7 @@ class FrameCheck:
 
 @dataclass(frozen=True)
 class _Shown:
-    """How a displayed body follows from a state: its vertices, a tube around the nodes of a rod, or a mesh
+    """How a displayed body follows from a state: its vertices, a tube around a chain of edges, or a mesh
     that moves with a rigid body."""
 
     name: str
@@ -116,17 +116,17 @@ class _Shown:
     @classmethod
     def of(cls, drawn: Drawn, body: Body) -> _Shown | None:
         """None where the mesh is that of something else."""
-        if body.kind == "rod":
+        if len(body.edges):
             nodes = body.vertex_count
             sides = (drawn.vertex_count - 2) // nodes if nodes else 0
             fits = sides >= 3 and drawn.vertex_count == sides * nodes + 2
             return cls(body.name, np.arange(nodes), sides) if fits else None
-        if body.shown is not None and body.kind == "rigid":
+        if body.shown is not None and body.has_pose:
             fits = len(body.shown) == drawn.vertex_count
             same = fits and np.array_equal(drawn.triangles, np.asarray(body.shown_triangles))
             return cls(body.name, np.arange(0), local=body.shown) if same else None
         vertices, triangles = np.arange(body.vertex_count), body.triangles.astype(np.int64)
-        if drawn.vertex_count != body.vertex_count or body.kind == "solid":
+        if drawn.vertex_count != body.vertex_count or body.has_inside:
             vertices, renumbered = np.unique(triangles, return_inverse=True)
             triangles = renumbered.reshape(triangles.shape)
         same = drawn.vertex_count == len(vertices) and np.array_equal(drawn.triangles, triangles)

@@ -199,7 +199,7 @@ class InertiaCheck:
         leading = before if spins is None else leading_momentum(before, spins, step)
         rates = velocity(R0, moments, leading)
         allowed = allowed + 0.05**2 * h * np.linalg.norm(np.cross(rates, leading), axis=1)
-        if weights.body.kind == "rigid":
+        if weights.body.has_pose:
             # The residual is that of the end of the step, reported is that of the iterate before it.
             acceleration = max(number(row, "acceleration"), self.tolerance)
             allowed = allowed + h * acceleration * weights.inertia_per_reach(states[0], i)
@@ -262,7 +262,7 @@ class _Weights:
 
     def __init__(self, body: Body) -> None:
         self.body = body
-        if body.kind == "rigid":
+        if body.has_pose:
             assert body.inertia is not None
             tensor = np.array(body.inertia["tensor"], dtype=np.float64)
             self.mass = float(body.inertia["mass"])
@@ -277,7 +277,7 @@ class _Weights:
         self.free[body.clamped] = 0.0
 
     def points(self, start: State, end: State, i: int) -> list[tuple[Floats, Floats, Floats]]:
-        if self.body.kind != "rigid":
+        if not self.body.has_pose:
             return [(self.masses, start.positions[i], end.positions[i])]
         poses = start.poses[i], end.poses[i]
         before, after = (pose[0] + pose[1:] @ self.centre for pose in poses if pose is not None)
@@ -287,7 +287,7 @@ class _Weights:
         """Moments of inertia (n, 3), then rotations of the principal axes and angular velocities at the start
         and at the end; None for bodies whose points only move."""
         states = start, end
-        if self.body.kind == "rigid":
+        if self.body.has_pose:
             second = self.moments[None]
             rotations = [pose[1:] @ self.principal for s in states if (pose := s.poses[i]) is not None]
             rotations = [R[None] for R in rotations]
@@ -298,7 +298,7 @@ class _Weights:
             return None
         moments = second.sum(axis=1, keepdims=True) - second
         rates = [w.reshape(-1, 3) for s in states if (w := s.angular_velocities[i]) is not None]
-        if self.body.kind != "rigid":
+        if not self.body.has_pose:
             rates = [w[self.free > 0.0] for w in rates]
         if len(moments) == 0 or len(rotations) < 2 or len(rates) < 2:
             return None
@@ -308,7 +308,7 @@ class _Weights:
         """Of points(); those without mass rest."""
         shown = [array for s in (start, end) for array in (s.velocities[i], s.lags[i]) if array is not None]
         rows = [array.reshape(-1, 3) for array in shown]
-        if self.body.kind != "rigid":
+        if not self.body.has_pose:
             moves = self.masses > 0.0
             rows = [np.where(moves[:, None], row, 0.0) for row in rows]
             x0, x1 = places
@@ -319,7 +319,7 @@ class _Weights:
     def spins(self, state: State, i: int) -> Floats | None:
         """A, p and Q of the angular momenta of turning(), (n, 3, 3) [kg m^2/s]."""
         spins = state.spins[i]
-        if spins is None or self.body.kind == "rigid":
+        if spins is None or self.body.has_pose:
             return None if spins is None else spins[None]
         found: Floats = spins[self.free > 0.0]
         return found
@@ -342,6 +342,6 @@ def _has_velocities(state: State) -> bool:
 
 def _weights(body: Body) -> _Weights | None:
     """None for bodies without inertia, or whose masses are not known."""
-    if body.motion != "dynamic" or (body.kind != "rigid" and body.masses is None):
+    if body.motion != "dynamic" or (not body.has_pose and body.masses is None):
         return None
     return _Weights(body)

@@ -110,7 +110,7 @@ def excluded_pairs(run: Run) -> list[Pair]:
     for a, b in sorted({(min(pair), max(pair)) for pair in map(tuple, run.scene["pairs_without_contact"])}):
         first, second = bodies[a], bodies[b]
         if a == b:
-            reason = "" if first.kind == "rigid" else "self-contact is off"
+            reason = "" if first.has_pose else "self-contact is off"
         elif first.motion == second.motion == "fixed":
             reason = ""
         elif first.motion != "dynamic" and second.motion != "dynamic":

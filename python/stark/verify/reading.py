@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .body_kinds import row_of
 from .files import UnreadableRecording, file_digest, need, read_json, read_lines, read_npz
 
 Floats = NDArray[np.float64]
@@ -41,6 +42,21 @@ class Body:
     inertia: dict[str, Any] | None  # of rigid bodies
     shown: Floats | None = None  # of rigid bodies that show another mesh (n, 3), in their frame [m]
     shown_triangles: Integers | None = None
+
+    @property
+    def has_pose(self) -> bool:
+        """Whether all vertices follow one position and rotation."""
+        return row_of(self.kind).moved_by == "pose"
+
+    @property
+    def has_frames(self) -> bool:
+        """Whether each vertex has a position and a rotation."""
+        return row_of(self.kind).moved_by == "frames"
+
+    @property
+    def has_inside(self) -> bool:
+        """Whether it has vertices that are not drawn."""
+        return row_of(self.kind).has_inside
 
 
 @dataclass(frozen=True)
@@ -195,12 +211,12 @@ class Run:
         for i, body in enumerate(self.bodies):
             shapes: dict[str, tuple[int, ...]] = {"positions": (body.vertex_count, 3)}
             n = body.vertex_count
-            shapes |= {"poses": (4, 3), "angular_velocities": (3,)} if body.kind == "rigid" else {}
-            shapes |= {"frames": (n, 3, 3), "angular_velocities": (n, 3)} if body.kind == "rod" else {}
+            shapes |= {"poses": (4, 3), "angular_velocities": (3,)} if body.has_pose else {}
+            shapes |= {"frames": (n, 3, 3), "angular_velocities": (n, 3)} if body.has_frames else {}
             if f"velocities_{i:04d}" in arrays:
-                of_points = (3,) if body.kind == "rigid" else (n, 3)
+                of_points = (3,) if body.has_pose else (n, 3)
                 shapes |= {"velocities": of_points, "lags": of_points}
-                shapes |= {"spins": (*of_points, 3)} if body.kind in ("rigid", "rod") else {}
+                shapes |= {"spins": (*of_points, 3)} if body.has_pose or body.has_frames else {}
             for name, shape in shapes.items():
                 rows = arrays.get(f"{name}_{i:04d}")
                 fits = rows is not None and rows.shape[1:] == shape and len(rows) in (1, len(times))
@@ -375,12 +391,13 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
         0.0 <= distance < math.inf, f"body '{name}': contact_distance = {distance} m must be finite and >= 0"
     )
     masses, moments = arrays.get(f"masses_{i:04d}"), arrays.get(f"second_moments_{i:04d}")
-    rigid = entry["kind"] != "rigid" or isinstance(entry["inertia"], dict)
-    need(rigid, f"body '{name}': breaks an entry: inertia must be an object")
+    kind = str(entry["kind"])
+    fits = row_of(kind).moved_by != "pose" or isinstance(entry["inertia"], dict)
+    need(fits, f"body '{name}': breaks an entry: inertia must be an object")
     need(masses is None or masses.shape == (count,), f"body '{name}': masses of the wrong shape")
     return Body(
         name,
-        str(entry["kind"]),
+        kind,
         str(entry["motion"]),
         count,
         distance,

@@ -17,4 +17,13 @@ BodyElements elements_of(const Scene& scene, BodyId body) {
   return row.elements ? row.elements(scene, body) : BodyElements{};
 }
 
+std::vector<Index2> edges_of(const Scene& scene, BodyId body) {
+  const BodyElements elements = elements_of(scene, body);
+  std::vector<Index2> edges;
+  for (size_t e = 0; e < elements.count(); ++e)
+    for (const Index2& edge : elements.edges)
+      edges.push_back({elements.at(e)[edge[0]], elements.at(e)[edge[1]]});
+  return edges;
+}
+
 }  // namespace stark

@@ -62,7 +62,8 @@ struct BodyKindRow {
   /// Mass of each vertex [kg]; null where vertices have none of their own.
   std::vector<double> (*vertex_masses)(const Scene&, BodyId) = nullptr;
   double (*mass)(const Scene&, BodyId) = nullptr;  ///< [kg] without layers; null: that of the vertices
-  std::vector<Index3> (*surface)(const Scene&, BodyId) = nullptr;   ///< triangles; null: none
+  /// Triangles that touch others; null: the edges of the elements do.
+  std::vector<Index3> (*surface)(const Scene&, BodyId) = nullptr;
   BodyElements (*elements)(const Scene&, BodyId) = nullptr;         ///< what strains; null: nothing does
   MaterialScale (*material_scale)(const Scene&, BodyId) = nullptr;  ///< null: no material
 };
@@ -72,6 +73,8 @@ struct BodyKindRow {
 
 const BodyKindRow& row_of(BodyKind kind);
 BodyElements elements_of(const Scene& scene, BodyId body);  ///< none of what does not strain
+/// Edges of all elements in order, again where elements share one.
+std::vector<Index2> edges_of(const Scene& scene, BodyId body);
 inline bool has_points(BodyKind kind) { return row_of(kind).moved_by == MovedBy::Points; }
 inline bool has_nodes(BodyKind kind) { return row_of(kind).moved_by == MovedBy::Nodes; }
 inline bool is_rigid(BodyKind kind) { return row_of(kind).moved_by == MovedBy::RigidBody; }

@@ -32,11 +32,8 @@ void Model::Builder::build() {
   add_joint_sites();
   add_attachment_sites();
   model.map_ = KinematicMap(std::move(layout), std::move(sites), std::move(embedded));
-  for (int32_t i = 0; i < scene.body_count(); ++i) {
-    scene.visit(BodyId{i}, [&](const auto& body) {
-      if constexpr (requires { add_energies(BodyId{i}, body); }) add_energies(BodyId{i}, body);
-    });
-  }
+  for (int32_t i = 0; i < scene.body_count(); ++i)
+    scene.visit(BodyId{i}, [&](const auto& body) { add_energies(BodyId{i}, body); });
   add_layer_energies();
   add_inertia();
   add_energies();

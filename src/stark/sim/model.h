@@ -23,7 +23,7 @@ struct ModelBody {
   std::vector<Index3> triangles;           ///< surface, indices into the body's vertices
   Vec3 centre;                             ///< rigid: origin of the body frame in the mesh frame [m]
   Mat3 axes = Mat3::identity();            ///< rigid: axes of the body frame in the mesh frame
-  std::vector<Index2> edges;               ///< rods: from node to node
+  std::vector<Index2> edges;               ///< that touch others, of bodies without triangles
   std::vector<int32_t> pins;               ///< prescribed vertices
   std::vector<int32_t> clamped;            ///< rods: nodes with prescribed frames
 

@@ -60,10 +60,9 @@ struct Model::Builder {
   void add_layer_energies();
   void set_initial_fibres();
 
-  // Energies
-  void add_energies(BodyId id, const ClothDescription& cloth);
-  void add_energies(BodyId id, const SolidDescription& solid);
-  void add_energies(BodyId id, const RodDescription& rod);
+  // Energies of each kind of body
+#define STARK_BODY_KIND(Kind, name) void add_energies(BodyId id, const Kind##Description& body);
+#include <stark/sim/body_kinds.inc>
   void add_shell_energies(const ClothDescription& sheet, const ModelBody& body, const std::string& name);
   void add_quadrature_batch(const SolidMesh& mesh, const ElasticEnergy& elastic,
                             std::span<const int32_t> stencils, const std::string& body);

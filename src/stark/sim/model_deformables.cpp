@@ -70,6 +70,7 @@ void Model::Builder::add_deformables() {
     const BodyId id{i};
     ModelBody& body = model.bodies_[i];
     body.kind = scene.kind(id);
+    if (!row_of(body.kind).surface) body.edges = edges_of(scene, id);
     if (!has_points(body.kind)) continue;
     const std::vector<Vec3>& rest = scene.rest_vertices(id);
     body.first_site = static_cast<int32_t>(sites.size());

@@ -74,6 +74,8 @@ void Model::Builder::add_rigid_sites() {
   }
 }
 
+void Model::Builder::add_energies(BodyId, const RigidDescription&) {}  // nothing of it strains
+
 void Model::Builder::add_inertia() {
   // Translation of points and centres of mass, with gravity; rotation of bodies through their axis
   // directions.

@@ -38,7 +38,6 @@ void Model::Builder::add_rod_nodes(BodyId id) {
   body.site_count = count;
   body.pins = scene.pins(id).vertices;
   body.clamped = scene.pins(id).clamped;
-  for (int32_t e = 0; e + 1 < count; ++e) body.edges.push_back({e, e + 1});
 
   const std::vector<double> lengths = polyline_lengths(rod.mesh.vertices);
   const RodSection section = section_of(rod.material);

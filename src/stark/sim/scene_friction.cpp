@@ -119,7 +119,7 @@ std::vector<Vec3> Scene::surface_directions(BodyId body) const {
 
 void Scene::set_surface_motion(BodyId body, const SurfaceMotion& motion) {
   const std::string owner = owner_text(kind(body), name(body));
-  if (kind(body) != BodyKind::Rigid)
+  if (!is_rigid(kind(body)))
     throw InvalidArgument(owner +
                           ": surface_velocity: must be of a rigid body, also a fixed or scripted one; what "
                           "deforms moves with its material");

@@ -1,5 +1,6 @@
-// What the rest of sim asks of cloth (sim/body_kind.h).
+// Cloth: checks of what is added, and what the rest of sim asks of the kind (sim/body_kind.h).
 #include <stark/mechanics/rest_state.h>
+#include <stark/sim/body_checks.h>
 #include <stark/sim/lumped_mass.h>
 #include <stark/sim/material_fields.h>
 
@@ -37,5 +38,22 @@ const BodyKindRow kClothRow{.title = "cloth",
                             .surface = surface,
                             .elements = elements,
                             .material_scale = material_scale};
+
+BodyId Scene::add_cloth(ClothDescription body) {
+  body.name = unique_name(body.name, BodyKind::Cloth);
+  const std::string owner = owner_text(BodyKind::Cloth, body.name);
+  std::vector<std::string> warnings;
+  validate(body.material, owner);
+  check_cloth_mesh(owner, body.mesh, warnings);
+  warn_about_free_directions(owner, body.mesh, body.material, warnings);
+  warn_about_weak_plates(owner, body.mesh, body.material, warnings);
+  check_fields(owner, body);
+  check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
+  check_common(owner, body);
+  warn_about_size(owner, body.mesh.vertices, warnings);
+  warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+  cloths_.push_back(std::move(body));
+  return append(cloths_.back().name, BodyKind::Cloth, cloths_.size() - 1);
+}
 
 }  // namespace stark

@@ -1,6 +1,7 @@
-// What the rest of sim asks of rods (sim/body_kind.h).
+// Rods: checks of what is added, and what the rest of sim asks of the kind (sim/body_kind.h).
 #include <stark/geometry/polyline.h>
 #include <stark/mechanics/rest_state.h>
+#include <stark/sim/body_checks.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/scene.h>
 
@@ -42,5 +43,32 @@ const BodyKindRow kRodRow{.title = "rod",
                           .mass = mass,
                           .elements = elements,
                           .material_scale = material_scale};
+
+BodyId Scene::add_rod(RodDescription body) {
+  body.name = unique_name(body.name, BodyKind::Rod);
+  const std::string owner = owner_text(BodyKind::Rod, body.name);
+  std::vector<std::string> warnings;
+  validate(body.material, owner);
+  check_polyline(owner, "the polyline", body.mesh.vertices);
+  check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
+  if (!body.initial_positions.empty()) check_polyline(owner, "initial_positions", body.initial_positions);
+  if (body.normal) check_normal(owner, *body.normal, body.mesh.vertices);
+  if (body.normal && !body.initial_positions.empty())
+    check_normal(owner, *body.normal, body.initial_positions);
+  check_fields(owner, body);
+  check_common(owner, body);
+  warn_about_size(owner, body.mesh.vertices, warnings);
+  warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+  rods_.push_back(std::move(body));
+  return append(rods_.back().name, BodyKind::Rod, rods_.size() - 1);
+}
+
+std::vector<Mat3> Scene::initial_frames(BodyId body) const {
+  const RodDescription& rod = this->rod(body);
+  std::vector<Mat3> frames =
+      polyline_frames(rod.initial_positions.empty() ? rod.mesh.vertices : rod.initial_positions, rod.normal);
+  for (Mat3& frame : frames) frame = rod.rotation * frame;
+  return frames;
+}
 
 }  // namespace stark

@@ -1,5 +1,7 @@
-// What the rest of sim asks of soft solids (sim/body_kind.h).
+// Soft solids: checks of what is added, and what the rest of sim asks of the kind (sim/body_kind.h).
+#include <stark/base/error.h>
 #include <stark/mechanics/rest_state.h>
+#include <stark/sim/body_checks.h>
 #include <stark/sim/lumped_mass.h>
 #include <stark/sim/material_fields.h>
 
@@ -39,5 +41,25 @@ const BodyKindRow kSolidRow{.title = "solid",
                             .surface = surface,
                             .elements = elements,
                             .material_scale = material_scale};
+
+BodyId Scene::add_solid(SolidDescription body) {
+  body.name = unique_name(body.name, BodyKind::Solid);
+  const std::string owner = owner_text(BodyKind::Solid, body.name);
+  std::vector<std::string> warnings;
+  validate(body.material, owner);
+  check_solid_mesh(owner, body.mesh);
+  if (body.formulation == Formulation::MeanDilatation && body.mesh.type == ElementType::Tet4)
+    throw InvalidArgument(owner +
+                          ": formulation = mean_dilatation with linear tetrahedra, which have one volume "
+                          "ratio each anyway: must be hexahedra or quadratic tetrahedra; use "
+                          "stark.mesh.to_quadratic");
+  check_fields(owner, body);
+  check_initial_positions(owner, body.initial_positions, body.mesh.vertices.size());
+  check_common(owner, body);
+  warn_about_size(owner, body.mesh.vertices, warnings);
+  warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+  solids_.push_back(std::move(body));
+  return append(solids_.back().name, BodyKind::Solid, solids_.size() - 1);
+}
 
 }  // namespace stark
