@@ -116,7 +116,7 @@ void bind_bodies(nb::class_<Scene>& c) {
           "body"_a, "nodes"_a)
       .def(
           "clamped", [](const Scene& s, BodyId body) { return to_numpy(s.pins(body).clamped); }, "body"_a)
-      .def("initial_frames", array_from<&Scene::initial_frames>, "body"_a,
+      .def("initial_frames", with_arrays<&Scene::initial_frames>, "body"_a,
            "Frames of the nodes of a rod at time 0 (n, 3, 3).")
       .def(
           "pin",

@@ -36,20 +36,6 @@ struct ArrayOf {
 template <typename Value>
 ArrayOf(std::vector<Value>) -> ArrayOf<Value>;
 
-template <auto function>
-struct Returning;
-template <typename Result, typename Class, typename... Args, Result (Class::*function)(Args...) const>
-struct Returning<function> {
-  static auto array(const Class& self, Args... args) { return ArrayOf{(self.*function)(args...)}; }
-};
-template <typename Result, typename... Args, Result (*function)(Args...)>
-struct Returning<function> {
-  static auto array(Args... args) { return ArrayOf{function(args...)}; }
-};
-/// A function, with the list that it returns as an array.
-template <auto function>
-constexpr auto array_from = &Returning<function>::array;
-
 /// Value of a member of a part that an id names: path_of<&Scene::joint, &JointDescription::name>.
 template <auto part, auto member>
 struct PartOf;

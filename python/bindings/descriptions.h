@@ -5,6 +5,7 @@
 #include <stark/sim/scene.h>
 
 #include "given.h"
+#include "with_arrays.h"
 
 namespace stark::bindings {
 
