@@ -16,7 +16,7 @@
 namespace stark::bindings {
 
 /// A text as an argument of a template: "targets: an (n, 3) array of positions" is the name of an argument
-/// and what it must be.
+/// and what it must be. With "?" behind the name it may be empty: [] has no columns.
 template <size_t n>
 struct Text {
   char characters[n]{};
@@ -46,8 +46,12 @@ constexpr bool comes_as_array<std::vector<T>> = true;
 
 template <typename T>
 T from_array(nb::handle object, const std::string& text) {
-  const std::string name = text.substr(0, text.find(": "));
+  std::string name = text.substr(0, text.find(": "));
   const std::string expected = name.size() == text.size() ? "" : text.substr(name.size() + 2);
+  if (name.ends_with('?')) {
+    name.pop_back();
+    if (nb::hasattr(object, "__len__") && nb::len(object) == 0) return {};
+  }
   if constexpr (std::is_same_v<T, Vec3>) {
     return vector_of(object, name);
   } else if constexpr (std::is_same_v<T, Mat3>) {
