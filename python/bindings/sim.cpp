@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include <stark/base/hash.h>
 #include <stark/base/thread_pool.h>
 #include <stark/sim/contact_arrays.h>
 #include <stark/sim/placing.h>
@@ -13,7 +14,6 @@
 
 #include "casters.h"
 #include "domains.h"
-#include "state.h"
 #include "stepping.h"
 #include "watch.h"
 #include "with_arrays.h"
@@ -51,7 +51,7 @@ nb::list place_list(const Simulation& sim) {
 
 nb::list part_list(const Simulation& sim) {
   return list_of(sim.model().parts(), [](const ModelPart& part) {
-    return nb::make_tuple(part.name, part.is_structure, hex(part.hash));
+    return nb::make_tuple(part.name, part.is_structure, to_hex(part.hash));
   });
 }
 
@@ -116,7 +116,7 @@ void bind_time(nb::class_<Simulation>& c) {
            "Pairs of bodies that started within their contact distance, and the one that they have now [m].")
       .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a, "placed"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
-      .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
+      .def_prop_ro("state_hash", [](const Simulation& s) { return to_hex(s.state().hash()); })
       .def_prop_ro("thread_count", &Simulation::thread_count)
       .def_prop_ro(
           "gravity", [](const Simulation& s) { return s.settings().gravity; }, "(3,) [m/s^2]")
