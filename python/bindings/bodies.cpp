@@ -12,73 +12,41 @@ using namespace stark;
 using namespace stark::bindings;
 namespace nb = nanobind;
 
-/// Fields that all bodies share.
 template <typename Description>
-void read_body(const Given& given, Description& body) {
-  given.read("name", body.name);
-  given.read("position", body.position);
-  given.read("rotation", body.rotation);
-  given.read("velocity", body.velocity);
-  given.read("angular_velocity", body.angular_velocity);
-  given.read("contact_distance", body.contact_distance);
-  given.read("contact_stiffness", body.contact_stiffness);
-  given.read("contact_core", body.contact_core);
-  given.read("friction", body.friction);
-  given.read("color", body.color);
+Description body_of(const Given& given) {
+  auto body = description_of<Description>(given);
   given.read("vertices", body.mesh.vertices);
+  if constexpr (requires { body.mesh.triangles; }) given.read("triangles", body.mesh.triangles);
+  return body;
 }
 
-/// Those of bodies that deform.
 template <typename Description, typename Material>
-void read_deformable(const Given& given, const Material& material, Description& body) {
-  read_body(given, body);
+Description deformable_of(const Given& given, const Material& material) {
+  auto body = body_of<Description>(given);
   body.material = material;
-  given.read("law", body.law);
-  given.read("fields", body.fields);
-  given.read("initial_positions", body.initial_positions);
-  given.read("self_contact", body.self_contact);
+  return body;
 }
 
 ClothDescription cloth_of(const nb::dict& entries, const ShellMaterial& material) {
-  const Given given = given_of(entries, "cloth");
-  ClothDescription body;
-  read_deformable(given, material, body);
-  given.read("triangles", body.mesh.triangles);
-  given.read("rest_angles", body.rest_angles);
-  return body;
+  return deformable_of<ClothDescription>(given_of(entries, "cloth"), material);
 }
 
 SolidDescription solid_of(const nb::dict& entries, const SolidMaterial& material) {
   const Given given = given_of(entries, "solid");
-  SolidDescription body;
-  read_deformable(given, material, body);
+  auto body = deformable_of<SolidDescription>(given, material);
   read_elements(entries["elements"], given.owner() + ": elements", body.mesh);
   if (const nb::object embedding = given.find("embedding"))
     body.mesh.embedding = embedding_of(nb::cast<nb::dict>(embedding), given.owner());
-  given.read("formulation", body.formulation);
   return body;
 }
 
 RodDescription rod_of(const nb::dict& entries, const RodMaterial& material) {
-  const Given given = given_of(entries, "rod");
-  RodDescription body;
-  read_deformable(given, material, body);
-  given.read("normal", body.normal);
-  given.read("rest_shape", body.rest_shape);
-  return body;
+  return deformable_of<RodDescription>(given_of(entries, "rod"), material);
 }
 
 RigidDescription rigid_of(const nb::dict& entries) {
   const Given given = given_of(entries, "rigid body");
-  RigidDescription body;
-  read_body(given, body);
-  given.read("triangles", body.mesh.triangles);
-  given.read("motion", body.motion);
-  given.read("mass", body.mass);
-  given.read("density", body.density);
-  given.read("hollow", body.hollow);
-  given.read("linear_damping", body.linear_damping);
-  given.read("angular_damping", body.angular_damping);
+  auto body = body_of<RigidDescription>(given);
   if (const nb::object inertia = given.find("inertia")) {
     const std::string name = given.owner() + ": inertia.";
     body.inertia =
@@ -116,7 +84,7 @@ void bind_bodies(nb::class_<Scene>& c) {
           "body"_a, "nodes"_a)
       .def(
           "clamped", [](const Scene& s, BodyId body) { return to_numpy(s.pins(body).clamped); }, "body"_a)
-      .def("initial_frames", array_from<&Scene::initial_frames>, "body"_a,
+      .def("initial_frames", with_arrays<&Scene::initial_frames>, "body"_a,
            "Frames of the nodes of a rod at time 0 (n, 3, 3).")
       .def(
           "pin",

@@ -7,11 +7,11 @@
 
 #include <array>
 #include <concepts>
-#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <stark/base/reading.h>
 #include <stark/base/settings.h>
 #include <stark/sim/ids.h>
 #include <stark/sim/scene.h>
@@ -36,30 +36,6 @@ struct ArrayOf {
 template <typename Value>
 ArrayOf(std::vector<Value>) -> ArrayOf<Value>;
 
-template <auto function>
-struct Returning;
-template <typename Result, typename Class, typename... Args, Result (Class::*function)(Args...) const>
-struct Returning<function> {
-  static auto array(const Class& self, Args... args) { return ArrayOf{(self.*function)(args...)}; }
-};
-template <typename Result, typename... Args, Result (*function)(Args...)>
-struct Returning<function> {
-  static auto array(Args... args) { return ArrayOf{function(args...)}; }
-};
-/// A function, with the list that it returns as an array.
-template <auto function>
-constexpr auto array_from = &Returning<function>::array;
-
-template <typename Member>
-struct ClassOf;
-template <typename Value, typename Class>
-struct ClassOf<Value Class::*> {
-  using type = Class;
-};
-/// Value of a member, or of a member of a member: path<&StepReport::solve, &SolveReport::iterations>.
-template <auto first, auto... rest>
-constexpr auto path =
-    [](const typename ClassOf<decltype(first)>::type& self) { return ((self.*first).*....*rest); };
 /// Value of a member of a part that an id names: path_of<&Scene::joint, &JointDescription::name>.
 template <auto part, auto member>
 struct PartOf;
@@ -72,7 +48,15 @@ constexpr auto path_of = &PartOf<part, member>::value;
 /// A list that is a member, as an array.
 template <auto member>
 constexpr auto array_at =
-    [](const typename ClassOf<decltype(member)>::type& self) { return ArrayOf{self.*member}; };
+    [](const typename stark::detail::OwnerOf<decltype(member)>::type& self) { return ArrayOf{self.*member}; };
+
+/// All readings of a struct as properties of a class that is one.
+template <typename S, typename Class>
+void def_readings(nb::class_<Class>& c) {
+  for_each_reading<S>([&](const auto& row) {
+    c.def_prop_ro(row.name, [read = row.read](const Class& object) { return read(object); }, row.doc);
+  });
+}
 
 inline void add_to(nb::dict&) {}
 template <typename Value, typename... Rest>
@@ -94,13 +78,6 @@ nb::list list_of(const Range& range, Function function) {
   nb::list list;
   for (const auto& entry : range) list.append(function(entry));
   return list;
-}
-
-/// A dictionary of attributes that a bound object has.
-inline nb::dict attributes_of(nb::handle object, std::initializer_list<const char*> names) {
-  nb::dict dict;
-  for (const char* name : names) dict[name] = object.attr(name);
-  return dict;
 }
 
 }  // namespace stark::bindings

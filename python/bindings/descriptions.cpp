@@ -8,16 +8,6 @@ namespace stark::bindings {
 
 namespace {
 
-template <typename Description, typename Material>
-void read_layer(const Given& given, const Material& material, Description& layer) {
-  given.read("name", layer.name);
-  given.read("body", layer.body);
-  layer.material = material;
-  given.read("law", layer.law);
-  given.read("fields", layer.fields);
-  given.read("color", layer.color);
-}
-
 PointSet points_of(const nb::dict& entries) {
   const Given given(entries, "points");
   std::string kind;
@@ -74,18 +64,14 @@ FrameDescription frame_of(const nb::dict& entries) {
 }  // namespace
 
 SkinDescription skin_of(const nb::dict& entries, const ShellMaterial& material) {
-  const Given given(entries, "skin");
-  SkinDescription skin;
-  read_layer(given, material, skin);
-  given.read("triangles", skin.triangles);
-  given.read("rest_angles", skin.rest_angles);
+  auto skin = description_of<SkinDescription>({entries, "skin"});
+  skin.material = material;
   return skin;
 }
 
 FibresDescription fibres_of(const nb::dict& entries, const RodMaterial& material) {
-  const Given given(entries, "fibres");
-  FibresDescription fibres;
-  read_layer(given, material, fibres);
+  auto fibres = description_of<FibresDescription>({entries, "fibres"});
+  fibres.material = material;
   const auto all =
       numbers_of<int32_t>(entries["vertices"], "fibres: vertices of paths", "a row of vertex indices");
   auto next = all.begin();
@@ -93,65 +79,42 @@ FibresDescription fibres_of(const nb::dict& entries, const RodMaterial& material
     fibres.paths.emplace_back(next, next + count);
     next += count;
   }
-  given.read("bending", fibres.bending);
-  given.read("rest_shape", fibres.rest_shape);
-  given.read("normal", fibres.normal);
   return fibres;
 }
 
 EnergyDescription energy_of(const nb::dict& entries) {
   const Given given = given_of(entries, "energy");
-  EnergyDescription energy;
-  given.read("name", energy.name);
+  auto energy = description_of<EnergyDescription>(given);
   energy.potential =
       define_potential(nb::cast<std::string>(entries["formula_name"]), nb::cast<std::string>(entries["doc"]),
                        nb::cast<Formula>(entries["formula"]));
   given.read("translation_invariant", energy.potential.translation_invariant);
   energy.points = point_sets_of(entries["points"]);
-  energy.values = parameter_values_of(entries["values"], "energy '" + energy.name + "'");
   return energy;
 }
 
 JointDescription joint_of(const nb::dict& entries) {
-  const Given given = given_of(entries, "joint");
-  JointDescription joint;
-  given.read("name", joint.name);
-  given.read("definition", joint.definition);
+  auto joint = description_of<JointDescription>(given_of(entries, "joint"));
   joint.a = frame_of(nb::cast<nb::dict>(entries["a"]));
   joint.b = frame_of(nb::cast<nb::dict>(entries["b"]));
-  joint.values = parameter_values_of(entries["values"], "joint '" + joint.name + "'");
-  given.read("enabled", joint.enabled);
-  given.read("break_force", joint.break_force);
-  given.read("break_torque", joint.break_torque);
-  given.read("contact", joint.contact);
   return joint;
 }
 
 ActuatorDescription actuator_of(const nb::dict& entries) {
-  const Given given = given_of(entries, "actuator");
-  ActuatorDescription actuator;
-  given.read("name", actuator.name);
-  given.read("definition", actuator.definition);
+  auto actuator = description_of<ActuatorDescription>(given_of(entries, "actuator"));
   for (const auto& [joint, coordinate] :
        nb::cast<std::vector<std::pair<JointId, std::string>>>(entries["on"]))
     actuator.on.push_back({joint, coordinate});
-  given.read("values", actuator.values);
-  given.read("enabled", actuator.enabled);
   return actuator;
 }
 
 AttachmentDescription attachment_of(const nb::dict& entries) {
   const Given given = given_of(entries, "attachment");
-  AttachmentDescription attachment;
-  given.read("name", attachment.name);
+  auto attachment = description_of<AttachmentDescription>(given);
   attachment.a = points_of(nb::cast<nb::dict>(entries["a"]));
   attachment.b = point_sets_of(entries["b"]);
   if (const nb::object patches = given.find("patches"))
     attachment.patches = rows_of<Index3, int32_t, 3>(patches, "patches", "an (n, 3) array of vertices");
-  given.read("patch_body", attachment.patch_body);
-  given.read("break_force", attachment.break_force);
-  given.read("enabled", attachment.enabled);
-  given.read("contact", attachment.contact);
   return attachment;
 }
 

@@ -1,28 +1,37 @@
 // Descriptions of what is added to scenes, from dictionaries of the Python front end; bodies: bodies.cpp.
 #pragma once
 
+#include <stark/sim/description_fields.h>
 #include <stark/sim/point_set.h>
 #include <stark/sim/scene.h>
 
 #include "given.h"
+#include "with_arrays.h"
 
 namespace stark::bindings {
 
-/// {"name", "body", "triangles" (m, 3) or None, "rest_angles", "law", "fields", "color"}
+/// What a description declares (sim/description_fields.h), by the names of its members.
+template <typename Description>
+Description description_of(const Given& given) {
+  Description description;
+  for_each_field(description, [&](const char* name, auto& member) { given.read(name, member); });
+  return description;
+}
+
+// Further entries than those, of each kind.
 SkinDescription skin_of(const nb::dict& given, const ShellMaterial& material);
-/// {"name", "body", "vertices" of all paths in a row, "counts" of each, "bending", "rest_shape", "normal",
-/// "law", "fields", "color"}
+SkinDescription skin_of(const nb::dict& given, const ShellMaterial& material);
+/// {"vertices" of all paths in a row, "counts" of each}
 FibresDescription fibres_of(const nb::dict& given, const RodMaterial& material);
-/// {"name", "formula_name", "doc", "formula", "translation_invariant", "points": [...], "values": {...}};
-/// points are {"kind": "vertices" | "point" | "direction" | "embedded" | "world", "body": index, ...}
+/// {"formula_name", "doc", "formula", "translation_invariant", "points": [...]}; points are {"kind":
+/// "vertices" | "point" | "direction" | "embedded" | "world", "body": index, ...}
 EnergyDescription energy_of(const nb::dict& given);
-/// {"name", "definition", "a": frame, "b": frame, "values": {...}, "enabled"}; frames are
-/// {"carrier": "world" | "body" | "patch" | "node", "body": index, "position", "rotation" (9,),
-/// "vertices": (3,), "node": index}
+/// {"a": frame, "b": frame}; frames are {"carrier": "world" | "body" | "patch" | "node", "body": index,
+/// "position", "rotation" (9,), "vertices": (3,), "node": index}
 JointDescription joint_of(const nb::dict& given);
-/// {"name", "definition", "on": [(joint, coordinate)], "values": {name: number}, "enabled"}
+/// {"on": [(joint, coordinate)]}
 ActuatorDescription actuator_of(const nb::dict& given);
-/// {"name", "a": points, "b": [points], "patch_body", "patches" (n, 3), "break_force", "enabled"}
+/// {"a": points, "b": [points], "patches" (n, 3)}
 AttachmentDescription attachment_of(const nb::dict& given);
 
 /// A function that adds to a scene what another one reads.

@@ -8,16 +8,13 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <array>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include <stark/collision/broad_phase.h>
-#include <stark/collision/intersection.h>
-#include <stark/collision/max_safe_step.h>
+#include <stark/collision/collision_set.h>
 #include <stark/geometry/closest.h>
 #include <stark/geometry/distance.h>
 #include <stark/geometry/intersection.h>
@@ -25,8 +22,8 @@
 #include <stark/geometry/shapes.h>
 #include <stark/geometry/topology.h>
 
-#include "casters.h"
 #include "domains.h"
+#include "with_arrays.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -39,32 +36,20 @@ template <>
 struct stark::bindings::NumbersOf<EdgeTriangleIntersection> : NumbersOf<Index2> {};
 template <>
 struct stark::bindings::NumbersOf<ContainedGroup> : NumbersOf<Index3> {};
+template <size_t n>
+struct stark::bindings::NumbersOf<std::array<Vec3, n>> : NumbersOf<Vec3> {};
 
 namespace {
 
-template <typename Value, typename T, long columns>
-std::vector<Value> copy(nb::handle object, const char* name, const std::string& expected) {
-  if (nb::hasattr(object, "__len__") && nb::len(object) == 0) return {};  // [] has no columns
-  return rows_of<Value, T, columns>(object, name, expected);
-}
+constexpr Text kVertices = "vertices?: an (n, 3) array of numbers [m]";
+constexpr Text kTriangles = "triangles?: an (n, 3) array of vertex indices";
+constexpr Text kTets = "tets?: an (n, 4) array of vertex indices";
 
-std::vector<Vec3> points(nb::handle object, const char* name) {
-  return copy<Vec3, double, 3>(object, name, "an (n, 3) array of numbers [m]");
-}
-std::vector<Index2> edges(nb::handle object) {
-  return copy<Index2, int32_t, 2>(object, "edges", "an (n, 2) array of vertex indices");
-}
-std::vector<Index3> triangles(nb::handle object) {
-  return copy<Index3, int32_t, 3>(object, "triangles", "an (n, 3) array of vertex indices");
-}
-std::vector<Index4> tets(nb::handle object) {
-  return copy<Index4, int32_t, 4>(object, "tets", "an (n, 4) array of vertex indices");
-}
-
-TriangleMesh triangle_mesh(nb::handle vertices, nb::handle faces) {
-  TriangleMesh mesh{points(vertices, "vertices"), triangles(faces)};
-  validate(mesh, "mesh");
-  return mesh;
+/// A function of vertices and triangles, whose indices are checked.
+template <auto function, typename... More>
+auto of_mesh(const std::vector<Vec3>& vertices, const std::vector<Index3>& triangles, More... more) {
+  validate(TriangleMesh{vertices, triangles}, "mesh");
+  return function(vertices, triangles, more...);
 }
 
 auto to_arrays(TriangleMesh mesh) {
@@ -76,16 +61,18 @@ auto to_arrays(TetMesh mesh) {
 
 std::array<double, 3> triple(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-nb::dict to_dict(const MassProperties& p) {
+template <auto function>
+nb::dict mass_properties(std::span<const Vec3> vertices, std::span<const Index3> triangles, double density) {
+  const MassProperties p = function(vertices, triangles, density);
   return dict_of("measure", p.measure, "mass", p.mass, "centre", triple(p.centre), "inertia", p.inertia);
 }
 
 // (n, 3 Vertices) array: n stencils of so many vertices each.
 template <size_t Vertices>
 std::vector<std::array<Vec3, Vertices>> stencils(nb::handle object, const char* name) {
-  const std::string expected = "an (n, " + std::to_string(3 * Vertices) +
-                               ") array of numbers [m]: " + std::to_string(Vertices) + " points a row";
-  return copy<std::array<Vec3, Vertices>, double, 3 * Vertices>(object, name, expected);
+  return from_array<std::vector<std::array<Vec3, Vertices>>>(
+      object, std::string(name) + "?: an (n, " + std::to_string(3 * Vertices) +
+                  ") array of numbers [m]: " + std::to_string(Vertices) + " points a row");
 }
 
 // Type, squared distance and weights of each row.
@@ -123,84 +110,28 @@ void def_ccd(nb::module_& m, const char* name,
       "Safe fraction of the linear motion x0 -> x1 for each row of vertex coordinates.");
 }
 
-// A set of collision primitives with its broad phase; the groups of edges and triangles are those of their
-// vertices.
-class CollisionScene {
- public:
-  CollisionScene(nb::handle vertex_group, nb::handle edge_list, nb::handle triangle_list,
-                 nb::handle point_list, nb::handle excluded_pairs, int threads)
-      : pool_(threads) {
-    SurfaceMesh mesh;
-    mesh.vertex_group = numbers_of<int32_t>(vertex_group, "vertex_group", "an (n,) array of group numbers");
-    mesh.vertex_count = static_cast<int32_t>(mesh.vertex_group.size());
-    mesh.edges = edges(edge_list);
-    mesh.triangles = triangles(triangle_list);
-    mesh.points = numbers_of<int32_t>(point_list, "points", "an (n,) array of vertex indices");
-    const auto group_of = [&](int32_t v) {
-      return v >= 0 && v < mesh.vertex_count ? mesh.vertex_group[v] : 0;  // reset() reports bad indices
-    };
-    for (const Index2& e : mesh.edges) mesh.edge_group.push_back(group_of(e[0]));
-    for (const Index3& t : mesh.triangles) mesh.triangle_group.push_back(group_of(t[0]));
-    int32_t group_count = 0;
-    for (const int32_t group : mesh.vertex_group) group_count = std::max(group_count, group + 1);
-    PairFilter filter(group_count);
-    for (const Index2& pair :
-         copy<Index2, int32_t, 2>(excluded_pairs, "excluded_pairs", "an (n, 2) array of groups")) {
-      filter.set(pair[0], pair[1], false);
-    }
-    broad_phase_.reset(std::move(mesh), std::move(filter));
-  }
+nb::dict find_pairs(CollisionSet& set, std::span<const Vec3> x0, std::span<const Vec3> x1,
+                    std::span<const double> inflation) {
+  CandidateList list = set.find(x0, x1, inflation);
+  nb::dict result;
+  for_each_pair_kind([&](auto kind) {
+    result[nb::str(PairRow<kind.value>::kName.data())] = to_numpy(std::move(list[kind]));
+  });
+  return result;
+}
 
-  nb::dict find(nb::handle x0, nb::handle x1, nb::handle inflation) {
-    CandidateList list = candidates(positions(x0, "x0"), positions(x1, "x1"), inflation);
-    nb::dict result;
-    for_each_pair_kind([&](auto kind) {
-      result[nb::str(PairRow<kind.value>::kName.data())] = to_numpy(std::move(list[kind]));
-    });
-    return result;
-  }
+std::tuple<double, std::string, int, int> safe_step(CollisionSet& set, std::span<const Vec3> x0,
+                                                    std::span<const Vec3> x1,
+                                                    std::span<const double> separation) {
+  const CcdReport report = set.max_safe_step(x0, x1, separation);
+  return {report.step, report.kind ? std::string(to_string(*report.kind)) : "", report.first, report.second};
+}
 
-  std::tuple<double, std::string, int, int> max_safe_step(nb::handle start, nb::handle end,
-                                                          nb::handle separation) {
-    const auto x0 = positions(start, "x0"), x1 = positions(end, "x1");
-    const CandidateList list = candidates(x0, x1, separation);
-    const auto minimum = numbers_of<double>(separation, "separation", "one number [m] for each group");
-    CcdReport report;
-    stark::max_safe_step(broad_phase_.mesh(), list, x0, x1, {minimum}, pool_, &report);
-    return {report.step, report.kind ? std::string(to_string(*report.kind)) : "", report.first,
-            report.second};
-  }
-
-  auto find_intersections(nb::handle x) {
-    const auto p = positions(x, "x");
-    return to_numpy(stark::find_intersections(broad_phase_.mesh(), p, broad_phase_.filter(), pool_));
-  }
-
-  auto find_contained_groups(nb::handle x) {
-    const auto p = positions(x, "x");
-    return to_numpy(stark::find_contained_groups(broad_phase_.mesh(), p, broad_phase_.filter(), pool_));
-  }
-
- private:
-  std::vector<Vec3> positions(nb::handle object, const char* name) {
-    std::vector<Vec3> x = points(object, name);
-    if (x.size() != static_cast<size_t>(broad_phase_.mesh().vertex_count)) {
-      throw InvalidArgument(std::string(name) + ": got " + std::to_string(x.size()) + " rows: must be " +
-                            std::to_string(broad_phase_.mesh().vertex_count) + ", one for each vertex");
-    }
-    return x;
-  }
-
-  CandidateList candidates(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1, nb::handle inflation) {
-    CandidateList list;
-    broad_phase_.find_swept(
-        x0, x1, numbers_of<double>(inflation, "inflation", "one number [m] for each group"), pool_, list);
-    return list;
-  }
-
-  ThreadPool pool_;
-  BroadPhase broad_phase_;
-};
+void make_set(CollisionSet* self, const std::vector<int32_t>& vertex_group, const std::vector<Index2>& edges,
+              const std::vector<Index3>& triangles, const std::vector<int32_t>& points,
+              const std::vector<Index2>& excluded, int threads) {
+  new (self) CollisionSet(vertex_group, edges, triangles, points, excluded, threads);
+}
 
 /// A function that makes a mesh, as arrays.
 template <auto make>
@@ -223,66 +154,63 @@ void bind_shapes(nb::module_& m) {
   m.def("make_tet_box", arrays_of<make_tet_box>, "size"_a, "cells"_a);
 }
 
-nb::tuple closest_triangles(nb::handle points, nb::handle vertices, nb::handle faces) {
-  const auto p = points_of(points, "points", "an (n, 3) array");
-  const auto x = points_of(vertices, "vertices", "an (n, 3) array");
+nb::tuple closest_triangles(std::span<const Vec3> points, std::span<const Vec3> vertices,
+                            std::span<const Index3> triangles) {
   std::vector<int32_t> indices;
   std::vector<double> distances;
-  for (const ClosestTriangle& c : find_closest_triangles(p, x, triangles(faces))) {
+  for (const ClosestTriangle& c : find_closest_triangles(points, vertices, triangles)) {
     indices.push_back(c.triangle);
     distances.push_back(c.distance);
   }
   return nb::make_tuple(to_numpy(std::move(indices)), to_numpy(std::move(distances)));
 }
 
-auto principal_axes(nb::handle matrix) {
-  const auto a = copy<Vec3, double, 3>(matrix, "matrix", "a symmetric (3, 3) array");
+auto principal_axes(const std::vector<Vec3>& a) {
   if (a.size() != 3) throw InvalidArgument("matrix: must be a symmetric (3, 3) array");
   const PrincipalAxes p = compute_principal_axes(transpose(Mat3::from_columns(a[0], a[1], a[2])));
   return std::pair(triple(p.values), nb::cast(p.axes));
 }
 
+std::vector<int32_t> components(std::span<const Vec3> vertices, std::span<const Index3> triangles) {
+  return find_connected_components(static_cast<int32_t>(vertices.size()), triangles);
+}
+
+std::vector<uint8_t> locate_points(const std::vector<Vec3>& points, const std::vector<Vec3>& vertices,
+                                   const std::vector<Index3>& triangles) {
+  validate(TriangleMesh{vertices, triangles}, "mesh");
+  std::vector<uint8_t> locations;
+  for (const Vec3& point : points)
+    locations.push_back(static_cast<uint8_t>(locate_point(point, vertices, triangles)));
+  return locations;
+}
+
 void bind_topology(nb::module_& m) {
-  const auto of_triangles = [&m](const char* name, auto function) {
-    m.def(name, [function](nb::handle t) { return to_numpy(function(triangles(t))); }, "triangles"_a);
-  };
-  const auto of_tets = [&m](const char* name, auto function) {
-    m.def(name, [function](nb::handle t) { return to_numpy(function(tets(t))); }, "tets"_a);
-  };
-  const auto of_mesh = [&m](const char* name, auto function) {
-    m.def(
-        name, [function](nb::handle x, nb::handle t) { return function(triangle_mesh(x, t)); }, "vertices"_a,
+  using EdgesOfTriangles = std::vector<Index2> (*)(std::span<const Index3>);
+  using EdgesOfTets = std::vector<Index2> (*)(std::span<const Index4>);
+  using Boundary = std::vector<Index3> (*)(std::span<const Index4>);
+  constexpr auto solid = mass_properties<compute_solid_mass_properties>;
+  constexpr auto shell = mass_properties<compute_shell_mass_properties>;
+  m.def("find_edges", with_arrays<static_cast<EdgesOfTriangles>(find_edges), kTriangles>, "triangles"_a);
+  m.def("find_tet_edges", with_arrays<static_cast<EdgesOfTets>(find_edges), kTets>, "tets"_a);
+  m.def("find_closest_triangles",
+        with_arrays<closest_triangles, "points: an (n, 3) array", "vertices: an (n, 3) array", kTriangles>,
+        "points"_a, "vertices"_a, "triangles"_a, "(triangle closest to each point, distance [m]).");
+  m.def("find_hinges", with_arrays<find_hinges, kTriangles>, "triangles"_a);
+  m.def("find_boundary_edges", with_arrays<find_boundary_edges, kTriangles>, "triangles"_a);
+  m.def("find_boundary_triangles", with_arrays<static_cast<Boundary>(find_boundary_triangles), kTets>,
+        "tets"_a);
+  m.def("find_connected_components", with_arrays<of_mesh<components>, kVertices, kTriangles>, "vertices"_a,
         "triangles"_a);
-  };
-  const auto mass_properties = [&m](const char* name, auto function, const char* argument) {
-    m.def(
-        name,
-        [function](nb::handle x, nb::handle t, double density) {
-          const TriangleMesh mesh = triangle_mesh(x, t);
-          return to_dict(function(mesh.vertices, mesh.triangles, density));
-        },
-        "vertices"_a, "triangles"_a, nb::arg(argument));
-  };
-  of_triangles("find_edges", [](const auto& t) { return find_edges(t); });
-  of_tets("find_tet_edges", [](const auto& t) { return find_edges(t); });
-  m.def("find_closest_triangles", closest_triangles, "points"_a, "vertices"_a, "triangles"_a,
-        "(triangle closest to each point, distance [m]).");
-  of_triangles("find_hinges", find_hinges);
-  of_triangles("find_boundary_edges", find_boundary_edges);
-  of_tets("find_boundary_triangles", [](const auto& t) { return find_boundary_triangles(t); });
-  of_mesh("find_connected_components", [](const TriangleMesh& mesh) {
-    return to_numpy(find_connected_components(static_cast<int32_t>(mesh.vertices.size()), mesh.triangles));
-  });
-  m.def("is_closed", [](nb::handle t) { return is_closed(triangles(t)); }, "triangles"_a);
-  m.def(
-      "is_orientation_consistent", [](nb::handle t) { return is_orientation_consistent(triangles(t)); },
-      "triangles"_a);
-  of_mesh("compute_vertex_areas", [](const TriangleMesh& mesh) {
-    return to_numpy(compute_vertex_areas(mesh.vertices, mesh.triangles));
-  });
-  mass_properties("compute_solid_mass_properties", compute_solid_mass_properties, "density");
-  mass_properties("compute_shell_mass_properties", compute_shell_mass_properties, "area_density");
-  m.def("compute_principal_axes", principal_axes, "matrix"_a);
+  m.def("is_closed", with_arrays<is_closed, kTriangles>, "triangles"_a);
+  m.def("is_orientation_consistent", with_arrays<is_orientation_consistent, kTriangles>, "triangles"_a);
+  m.def("compute_vertex_areas", with_arrays<of_mesh<compute_vertex_areas>, kVertices, kTriangles>,
+        "vertices"_a, "triangles"_a);
+  m.def("compute_solid_mass_properties", with_arrays<of_mesh<solid, double>, kVertices, kTriangles>,
+        "vertices"_a, "triangles"_a, "density"_a);
+  m.def("compute_shell_mass_properties", with_arrays<of_mesh<shell, double>, kVertices, kTriangles>,
+        "vertices"_a, "triangles"_a, "area_density"_a);
+  m.def("compute_principal_axes", with_arrays<principal_axes, "matrix?: a symmetric (3, 3) array">,
+        "matrix"_a);
 }
 
 void bind_distances(nb::module_& m) {
@@ -327,17 +255,34 @@ void bind_distances(nb::module_& m) {
       },
       "stencils"_a,
       "1 where the segment (first two points of the row) meets the triangle (the other three).");
-  m.def(
-      "locate_points",
-      [](nb::handle p, nb::handle x, nb::handle t) {
-        const TriangleMesh mesh = triangle_mesh(x, t);
-        std::vector<uint8_t> locations;
-        for (const Vec3& point : points(p, "points")) {
-          locations.push_back(static_cast<uint8_t>(locate_point(point, mesh.vertices, mesh.triangles)));
-        }
-        return to_numpy(std::move(locations));
-      },
-      "points"_a, "vertices"_a, "triangles"_a, "0 outside, 1 inside, 2 on the closed surface.");
+  m.def("locate_points",
+        with_arrays<locate_points, "points?: an (n, 3) array of numbers [m]", kVertices, kTriangles>,
+        "points"_a, "vertices"_a, "triangles"_a, "0 outside, 1 inside, 2 on the closed surface.");
+}
+
+void bind_collision(nb::module_& m) {
+  constexpr Text x = "x?: an (n, 3) array of numbers [m]";
+  constexpr Text x0 = "x0?: an (n, 3) array of numbers [m]";
+  constexpr Text x1 = "x1?: an (n, 3) array of numbers [m]";
+  nb::class_<CollisionSet>(m, "CollisionScene",
+                           "Collision primitives of groups of vertices and what may touch.")
+      .def("__init__",
+           with_arrays<make_set, "vertex_group: an (n,) array of group numbers",
+                       "edges?: an (n, 2) array of vertex indices", kTriangles,
+                       "points: an (n,) array of vertex indices",
+                       "excluded_pairs?: an (n, 2) array of groups">,
+           "vertex_group"_a, "edges"_a, "triangles"_a, "points"_a = nb::tuple(),
+           "excluded_pairs"_a = nb::tuple(), "threads"_a = 1)
+      .def("find", with_arrays<find_pairs, x0, x1, "inflation: one number [m] for each group">, "x0"_a,
+           "x1"_a, "inflation"_a,
+           "Candidate pairs for the linear motion x0 -> x1 with boxes inflated by each group's value [m].")
+      .def("max_safe_step", with_arrays<safe_step, x0, x1, "separation: one number [m] for each group">,
+           "x0"_a, "x1"_a, "separation"_a,
+           "(step, kind, first, second): safe fraction of the motion and the pair that limits it.")
+      .def("find_intersections", with_arrays<&CollisionSet::find_intersections, x>, "x"_a,
+           "(n, 2): edges and triangles that meet.")
+      .def("find_contained_groups", with_arrays<&CollisionSet::find_contained_groups, x>, "x"_a,
+           "(n, 3): inner group, outer group, vertex of the inner one.");
 }
 
 }  // namespace
@@ -346,17 +291,5 @@ void bind_geometry(nb::module_& m) {
   bind_shapes(m);
   bind_topology(m);
   bind_distances(m);
-  nb::class_<CollisionScene>(m, "CollisionScene",
-                             "Collision primitives of groups of vertices and what may touch.")
-      .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, int>(), "vertex_group"_a,
-           "edges"_a, "triangles"_a, "points"_a = nb::tuple(), "excluded_pairs"_a = nb::tuple(),
-           "threads"_a = 1)
-      .def("find", &CollisionScene::find, "x0"_a, "x1"_a, "inflation"_a,
-           "Candidate pairs for the linear motion x0 -> x1 with boxes inflated by each group's value [m].")
-      .def("max_safe_step", &CollisionScene::max_safe_step, "x0"_a, "x1"_a, "separation"_a,
-           "(step, kind, first, second): safe fraction of the motion and the pair that limits it.")
-      .def("find_intersections", &CollisionScene::find_intersections, "x"_a,
-           "(n, 2): edges and triangles that meet.")
-      .def("find_contained_groups", &CollisionScene::find_contained_groups, "x"_a,
-           "(n, 3): inner group, outer group, vertex of the inner one.");
+  bind_collision(m);
 }

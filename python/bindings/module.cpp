@@ -5,7 +5,6 @@
 #include <nanobind/stl/string.h>
 
 #include <cstdlib>
-#include <exception>
 #include <string>
 
 #include <stark/base/error.h>
@@ -17,71 +16,37 @@ namespace nb = nanobind;
 
 namespace {
 
-/// Exception types of the module, index-aligned with the catch clauses of translate(). They live as long as
-/// the process.
-struct ExceptionTypes {
-  PyObject* error = nullptr;
-  PyObject* invalid_argument = nullptr;
-  PyObject* invalid_setting = nullptr;
-  PyObject* invalid_mesh = nullptr;
-  PyObject* initial_intersection = nullptr;
-  PyObject* trace_error = nullptr;
-  PyObject* internal_error = nullptr;
-};
-
-PyObject* add_exception(nb::module_& m, const char* name, const char* doc, nb::handle bases) {
+/// Types live as long as the process. Translators of later ones are asked first: bases come before what is
+/// derived from them.
+template <typename Exception>
+nb::object add_exception(nb::module_& m, const char* name, const char* doc, nb::handle bases) {
+  nb::object type = nb::exception<Exception>(m, name, bases);
+  type.attr("__doc__") = doc;
   // Users know them as stark.Error; the stub generator loads this file as plain _core and needs them to
   // belong to it.
-  const std::string module = nb::cast<std::string>(m.attr("__name__"));
-  const std::string qualified = (module == "stark._core" ? "stark" : module) + "." + name;
-  PyObject* type = PyErr_NewExceptionWithDoc(qualified.c_str(), doc, bases.ptr(), nullptr);
-  if (type == nullptr) throw nb::python_error();
-  m.attr(name) = nb::handle(type);
+  if (nb::cast<std::string>(m.attr("__name__")) == "stark._core") type.attr("__module__") = "stark";
   return type;
 }
 
-/// Most derived first; anything else falls through to nanobind's own translators.
-void translate(const std::exception_ptr& exception, void* payload) {
-  const ExceptionTypes& types = *static_cast<const ExceptionTypes*>(payload);
-  try {
-    std::rethrow_exception(exception);
-  } catch (const stark::InitialIntersection& e) {
-    PyErr_SetString(types.initial_intersection, e.what());
-  } catch (const stark::TraceError& e) {
-    PyErr_SetString(types.trace_error, e.what());
-  } catch (const stark::InvalidMesh& e) {
-    PyErr_SetString(types.invalid_mesh, e.what());
-  } catch (const stark::InvalidSetting& e) {
-    PyErr_SetString(types.invalid_setting, e.what());
-  } catch (const stark::InvalidArgument& e) {
-    PyErr_SetString(types.invalid_argument, e.what());
-  } catch (const stark::InternalError& e) {
-    PyErr_SetString(types.internal_error, e.what());
-  } catch (const stark::Error& e) {
-    PyErr_SetString(types.error, e.what());
-  }
-}
-
 void bind_exceptions(nb::module_& m) {
-  static ExceptionTypes types;
-  types.error = add_exception(m, "Error", "Base of every exception that Stark raises.", PyExc_Exception);
-  types.invalid_argument = add_exception(
+  const nb::object error =
+      add_exception<stark::Error>(m, "Error", "Base of every exception that Stark raises.", PyExc_Exception);
+  const nb::object argument = add_exception<stark::InvalidArgument>(
       m, "InvalidArgument", "A value handed to Stark breaks a rule; the message names the remedy.",
-      nb::make_tuple(nb::handle(types.error), nb::handle(PyExc_ValueError)));
-  types.invalid_setting = add_exception(m, "InvalidSetting", "An unknown setting, or one outside its range.",
-                                        types.invalid_argument);
-  types.invalid_mesh = add_exception(
+      nb::make_tuple(error, nb::handle(PyExc_ValueError)));
+  add_exception<stark::InvalidSetting>(m, "InvalidSetting", "An unknown setting, or one outside its range.",
+                                       argument);
+  add_exception<stark::InvalidMesh>(
       m, "InvalidMesh", "A mesh that cannot be simulated: bad indices, degenerate or inverted elements.",
-      types.invalid_argument);
-  types.initial_intersection = add_exception(
-      m, "InitialIntersection", "Surfaces intersect in the initial configuration.", types.invalid_argument);
-  types.trace_error = add_exception(
+      argument);
+  add_exception<stark::InitialIntersection>(m, "InitialIntersection",
+                                            "Surfaces intersect in the initial configuration.", argument);
+  add_exception<stark::TraceError>(
       m, "TraceError",
       "A formula that cannot be recorded or compiled: control flow that depends on its values, wrong shapes.",
-      types.invalid_argument);
-  types.internal_error =
-      add_exception(m, "InternalError", "A defect of Stark itself, never of its input.", types.error);
-  nb::register_exception_translator(translate, &types);
+      argument);
+  add_exception<stark::InternalError>(m, "InternalError", "A defect of Stark itself, never of its input.",
+                                      error);
 }
 
 void require_supported_processor() {

@@ -66,7 +66,7 @@ void bind_friction(nb::class_<Scene>& c) {
             s.set_surface_directions(body, points_of(directions, quoted(s, body) + ": surface_direction"));
           },
           "body"_a, "directions"_a)
-      .def("surface_directions", array_from<&Scene::surface_directions>, "body"_a)
+      .def("surface_directions", with_arrays<&Scene::surface_directions>, "body"_a)
       .def(
           "set_surface_motion",
           [](Scene& s, BodyId body, nb::object velocity, nb::object spin, nb::object center) {
@@ -114,7 +114,7 @@ void bind_description(nb::class_<Scene>& c) {
       .def("contact_core", &Scene::contact_core, "body"_a)
       .def("is_filled", &Scene::is_filled, "body"_a,
            "Whether a body is the solid inside of its closed surface.")
-      .def("initial_positions", array_from<&Scene::initial_positions>, "body"_a)
+      .def("initial_positions", with_arrays<&Scene::initial_positions>, "body"_a)
       .def(
           "pose",
           [](const Scene& s, BodyId body) {
@@ -171,7 +171,7 @@ void bind_layers(nb::class_<Scene>& c) {
       .def(
           "mass", [](const Scene& s, BodyId body) { return total_mass(s, body); }, "body"_a,
           "Of a body with all of its layers [kg].")
-      .def("initial_fibre_frames", array_from<initial_fibre_frames>, "fibres"_a,
+      .def("initial_fibre_frames", with_arrays<initial_fibre_frames>, "fibres"_a,
            "Frames of the nodes at time 0, path by path (n, 3, 3).");
 }
 

@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include <stark/base/hash.h>
 #include <stark/base/thread_pool.h>
 #include <stark/sim/contact_arrays.h>
 #include <stark/sim/placing.h>
@@ -13,9 +14,9 @@
 
 #include "casters.h"
 #include "domains.h"
-#include "state.h"
 #include "stepping.h"
 #include "watch.h"
+#include "with_arrays.h"
 
 namespace {
 
@@ -50,11 +51,13 @@ nb::list place_list(const Simulation& sim) {
 
 nb::list part_list(const Simulation& sim) {
   return list_of(sim.model().parts(), [](const ModelPart& part) {
-    return nb::make_tuple(part.name, part.is_structure, hex(part.hash));
+    return nb::make_tuple(part.name, part.is_structure, to_hex(part.hash));
   });
 }
 
-using Duration = std::optional<double>;  // [s]
+/// Frames of the nodes of a rod, or of fibres.
+template <typename Id>
+constexpr auto kFrames = static_cast<std::vector<Mat3> (Simulation::*)(Id) const>(&Simulation::frames);
 
 nb::dict surface_dict(const Simulation& sim) {
   const SurfaceMesh& mesh = sim.surface_mesh();
@@ -113,7 +116,7 @@ void bind_time(nb::class_<Simulation>& c) {
            "Pairs of bodies that started within their contact distance, and the one that they have now [m].")
       .def("resume", &resume, "before"_a, "max_time_step"_a.none(), "state"_a, "placed"_a,
            "Takes the step from `before` to `state` again; whether it came to the same places.")
-      .def_prop_ro("state_hash", [](const Simulation& s) { return hex(s.state().hash()); })
+      .def_prop_ro("state_hash", [](const Simulation& s) { return to_hex(s.state().hash()); })
       .def_prop_ro("thread_count", &Simulation::thread_count)
       .def_prop_ro(
           "gravity", [](const Simulation& s) { return s.settings().gravity; }, "(3,) [m/s^2]")
@@ -122,8 +125,8 @@ void bind_time(nb::class_<Simulation>& c) {
 }
 
 void bind_bodies(nb::class_<Simulation>& c) {
-  c.def("positions", array_from<&Simulation::positions>)
-      .def("velocities", array_from<&Simulation::velocities>)
+  c.def("positions", with_arrays<&Simulation::positions>)
+      .def("velocities", with_arrays<&Simulation::velocities>)
       .def("pose", [](const Simulation& s,
                       BodyId body) { return nb::make_tuple(s.position(body), s.rotation(body)); })
       .def("twist",
@@ -131,28 +134,14 @@ void bind_bodies(nb::class_<Simulation>& c) {
              return nb::make_tuple(s.linear_velocity(body), s.angular_velocity(body));
            })
       .def("center_velocity", &Simulation::centre_velocity, "body"_a, "Of the centre of mass (3,) [m/s].")
-      .def("acceleration", [](const Simulation& s, BodyId body,
-                              nb::object point) { return s.acceleration(body, vector_of(point, "point")); })
-      .def(
-          "set_pose",
-          [](Simulation& s, BodyId body, nb::object position, nb::object rotation, Duration duration) {
-            s.set_pose(body, vector_of(position, "position"),
-                       matrix_of(rotation, "rotation", "a 3 x 3 matrix"), duration);
-          },
-          "body"_a, "position"_a, "rotation"_a, "duration"_a = nb::none())
+      .def("acceleration", with_arrays<&Simulation::acceleration, "point">)
+      .def("set_pose", with_arrays<&Simulation::set_pose, "position", "rotation: a 3 x 3 matrix">, "body"_a,
+           "position"_a, "rotation"_a, "duration"_a = nb::none())
       .def("target_pose", &target_pose)
-      .def("set_twist",
-           [](Simulation& s, BodyId body, nb::object velocity, nb::object angular_velocity) {
-             s.set_velocity(body, vector_of(velocity, "velocity"),
-                            vector_of(angular_velocity, "angular_velocity"));
-           })
-      .def(
-          "set_surface_motion",
-          [](Simulation& s, BodyId body, nb::object velocity, nb::object spin) {
-            s.set_surface_motion(body, vector_of(velocity, "surface_velocity"),
-                                 vector_of(spin, "surface_spin"));
-          },
-          "body"_a, "velocity"_a, "spin"_a)
+      .def("set_twist", with_arrays<&Simulation::set_velocity, "velocity", "angular_velocity">)
+      .def("set_surface_motion",
+           with_arrays<&Simulation::set_surface_motion, "surface_velocity", "surface_spin">, "body"_a,
+           "velocity"_a, "spin"_a)
       .def(
           "surface_motion",
           [](const Simulation& s, BodyId body) -> std::optional<nb::tuple> {
@@ -161,22 +150,15 @@ void bind_bodies(nb::class_<Simulation>& c) {
             return nb::make_tuple(motion.velocity, motion.spin, motion.center);
           },
           "body"_a, "Velocity, spin and center of the motion of a surface; None where it rests.")
-      .def("pin_targets", array_from<&Simulation::pin_targets>)
-      .def(
-          "set_pin_targets",
-          [](Simulation& s, BodyId body, nb::object targets, Duration duration) {
-            s.set_pin_targets(body, points_of(targets, "targets", "an (n, 3) array of positions"), duration);
-          },
-          "body"_a, "targets"_a, "duration"_a = nb::none())
-      .def("frames", [](const Simulation& s, BodyId body) { return to_numpy(s.frames(body)); })
-      .def("clamp_targets", array_from<&Simulation::clamp_targets>)
-      .def(
-          "set_clamp_targets",
-          [](Simulation& s, BodyId body, nb::object targets, Duration duration) {
-            s.set_clamp_targets(
-                body, rows_of<Mat3, double, 9>(targets, "targets", "an (n, 9) array of rotations"), duration);
-          },
-          "body"_a, "targets"_a, "duration"_a = nb::none())
+      .def("pin_targets", with_arrays<&Simulation::pin_targets>)
+      .def("set_pin_targets",
+           with_arrays<&Simulation::set_pin_targets, "targets: an (n, 3) array of positions">, "body"_a,
+           "targets"_a, "duration"_a = nb::none())
+      .def("frames", with_arrays<kFrames<BodyId>>)
+      .def("clamp_targets", with_arrays<&Simulation::clamp_targets>)
+      .def("set_clamp_targets",
+           with_arrays<&Simulation::set_clamp_targets, "targets: an (n, 9) array of rotations">, "body"_a,
+           "targets"_a, "duration"_a = nb::none())
       .def(
           "set_rest_state",
           [](Simulation& s, BodyId body, const std::string& name, nb::handle numbers) {
@@ -192,19 +174,19 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
          s.set_energy_value(energy, name, numbers_of<double>(values, name, "a flat array of numbers"));
        },
        "energy"_a, "name"_a, "values"_a)
-      .def("element_energies", array_from<&Simulation::element_energies>, "energy"_a,
+      .def("element_energies", with_arrays<&Simulation::element_energies>, "energy"_a,
            "Energies of its elements (n,) [J].")
-      .def("element_forces", array_from<&Simulation::element_forces>, "energy"_a,
+      .def("element_forces", with_arrays<&Simulation::element_forces>, "energy"_a,
            "Forces on the points of its elements in the last step (n * points, 3) [N].")
       .def_prop_ro("joint_count", count_of<&Scene::joints>)
       .def_prop_ro("exclusion_count", &Simulation::exclusion_count)
-      .def("joint_coordinates", array_from<&Simulation::joint_coordinates>, "joint"_a, "[m, rad]")
+      .def("joint_coordinates", with_arrays<&Simulation::joint_coordinates>, "joint"_a, "[m, rad]")
       .def(
           "joint_coordinate",
           [](const Simulation& s, JointId joint, int32_t k) { return s.joint_coordinates(joint).at(k); },
           "joint"_a, "coordinate"_a, "One of them [m, rad].")
-      .def("joint_rates", array_from<&Simulation::joint_rates>, "joint"_a, "[m/s, rad/s]")
-      .def("joint_residuals", array_from<&Simulation::joint_residuals>, "joint"_a, "[m, rad]")
+      .def("joint_rates", with_arrays<&Simulation::joint_rates>, "joint"_a, "[m/s, rad/s]")
+      .def("joint_residuals", with_arrays<&Simulation::joint_residuals>, "joint"_a, "[m, rad]")
       .def(
           "joint_reaction",
           [](const Simulation& s, JointId joint) {
@@ -234,16 +216,15 @@ void bind_actuators_and_attachments(nb::class_<Simulation>& c) {
       .def("parts", part_list, "What the model was made of: name, whether a state depends on it, hash.")
       .def("kernels", kernel_list, "Energies of the model: name, body, elements, backend.")
       .def_prop_ro("attachment_count", count_of<&Scene::attachments>)
-      .def("attachment_forces", array_from<&Simulation::attachment_forces>, "attachment"_a,
+      .def("attachment_forces", with_arrays<&Simulation::attachment_forces>, "attachment"_a,
            "On side a in the last step (n, 3) [N].")
-      .def("attachment_status", array_from<&Simulation::attachment_status>, "attachment"_a,
+      .def("attachment_status", with_arrays<&Simulation::attachment_status>, "attachment"_a,
            "By pair: 1 held, 0 released, -1 broken.")
       .def("set_attachment_enabled", &Simulation::set_attachment_enabled, "attachment"_a, "enabled"_a)
       .def_prop_ro("skin_count", count_of<&Scene::skins>)
       .def_prop_ro("fibres_count", [](const Simulation& s) { return s.scene().fibres().size(); })
-      .def(
-          "fibre_frames", [](const Simulation& s, FibresId k) { return to_numpy(s.frames(k)); }, "fibres"_a,
-          "Frames of the nodes, path by path (n, 3, 3).");
+      .def("fibre_frames", with_arrays<kFrames<FibresId>>, "fibres"_a,
+           "Frames of the nodes, path by path (n, 3, 3).");
 }
 
 /// Bodies put elsewhere between steps. The Python front end is stark/placing.py.
@@ -255,42 +236,19 @@ void bind_placing(nb::class_<Simulation>& c) {
       .def_prop_ro(
           "placed_bodies", [](const Simulation& s) { return ArrayOf{s.placed().bodies}; },
           "Bodies placed since the last step, by number.")
-      .def(
-          "place",
-          [](Simulation& s, BodyId body, nb::object position, nb::object rotation) {
-            s.place(body, vector_of(position, "position"), matrix_of(rotation, "rotation", "a 3x3 matrix"));
-          },
-          "body"_a, "position"_a, "rotation"_a)
-      .def(
-          "push",
-          [](Simulation& s, BodyId body, nb::object velocity, nb::object angular_velocity) {
-            s.push(body, vector_of(velocity, "velocity"), vector_of(angular_velocity, "angular_velocity"));
-          },
-          "body"_a, "velocity"_a, "angular_velocity"_a)
-      .def(
-          "place_vertices",
-          [](Simulation& s, BodyId body, nb::object positions) {
-            s.place_vertices(body, points_of(positions, "positions", "an (n, 3) array of positions"));
-          },
-          "body"_a, "positions"_a)
-      .def(
-          "push_vertices",
-          [](Simulation& s, BodyId body, nb::object velocities) {
-            s.push_vertices(body, points_of(velocities, "velocities", "an (n, 3) array of velocities"));
-          },
-          "body"_a, "velocities"_a)
-      .def(
-          "place_joint",
-          [](Simulation& s, JointId joint, nb::object coordinates) {
-            s.place_joint(joint, numbers_of<double>(coordinates, "coordinates", "numbers"));
-          },
-          "joint"_a, "coordinates"_a)
-      .def(
-          "push_joint",
-          [](Simulation& s, JointId joint, nb::object rates) {
-            s.push_joint(joint, numbers_of<double>(rates, "rates", "numbers"));
-          },
-          "joint"_a, "rates"_a);
+      .def("place", with_arrays<&Simulation::place, "position", "rotation: a 3x3 matrix">, "body"_a,
+           "position"_a, "rotation"_a)
+      .def("push", with_arrays<&Simulation::push, "velocity", "angular_velocity">, "body"_a, "velocity"_a,
+           "angular_velocity"_a)
+      .def("place_vertices",
+           with_arrays<&Simulation::place_vertices, "positions: an (n, 3) array of positions">, "body"_a,
+           "positions"_a)
+      .def("push_vertices",
+           with_arrays<&Simulation::push_vertices, "velocities: an (n, 3) array of velocities">, "body"_a,
+           "velocities"_a)
+      .def("place_joint", with_arrays<&Simulation::place_joint, "coordinates: numbers">, "joint"_a,
+           "coordinates"_a)
+      .def("push_joint", with_arrays<&Simulation::push_joint, "rates: numbers">, "joint"_a, "rates"_a);
 }
 
 }  // namespace

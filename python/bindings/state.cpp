@@ -1,11 +1,10 @@
-#include "state.h"
-
+// Bindings of states: values that are compared, copied and taken apart into arrays.
 #include <nanobind/operators.h>
 #include <nanobind/stl/string.h>
 
-#include <cstdio>
 #include <vector>
 
+#include <stark/base/hash.h>
 #include <stark/mechanics/state.h>
 
 #include "casters.h"
@@ -14,12 +13,6 @@
 namespace stark::bindings {
 
 using namespace nb::literals;
-
-std::string hex(uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
 
 namespace {
 
@@ -85,7 +78,7 @@ void bind_state(nanobind::module_& m) {
       .def_prop_ro("body_positions", array_at<&State::body_position>,
                    "Centres of mass of rigid bodies, nodes of rods (n, 3) [m].")
       .def_prop_ro(
-          "hash", [](const State& s) { return hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
+          "hash", [](const State& s) { return to_hex(s.hash()); }, "Hash of all bits, 16 hexadecimal digits.")
       .def(
           "copy", [](const State& s) { return s; }, "A state of its own: the same value.")
       .def("arrays", &state_arrays,

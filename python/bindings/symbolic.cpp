@@ -7,13 +7,16 @@
 
 #include <stark/base/error.h>
 #include <stark/symbolic/evaluate.h>
+#include <stark/symbolic/named_functions.h>
 
 #include "arrays.h"
 
 namespace stark::bindings {
 
 using namespace nb::literals;
+using symbolic::BinaryOperator;
 using symbolic::Scalar;
+using symbolic::UnaryOperation;
 
 std::optional<TracedScalar> to_traced(nb::handle object) {
   TracedScalar* traced = nullptr;
@@ -60,32 +63,14 @@ std::optional<TracedScalar> to_condition(nb::handle object) {
   return to_traced(object);
 }
 
-/// The operator of Python; other types get their turn by NotImplemented.
-template <bool Swap, bool Conditions = false>
-auto python_operator(symbolic::BinaryOperation function, const char* operation) {
-  return [function, operation](const TracedScalar& a, nb::handle other) -> nb::object {
-    const auto b = Conditions ? to_condition(other) : to_traced(other);
-    if (!b) return nb::borrow(Py_NotImplemented);
-    return nb::cast(Swap ? apply(function, *b, a, Conditions, operation)
-                         : apply(function, a, *b, Conditions, operation));
-  };
+/// The operator of Python, with the scalar on the left or on the right; other types get their turn by
+/// NotImplemented.
+nb::object operate(const BinaryOperator& op, const TracedScalar& self, nb::handle other, bool on_the_right) {
+  const auto operand = op.of_conditions ? to_condition(other) : to_traced(other);
+  if (!operand) return nb::borrow(Py_NotImplemented);
+  return nb::cast(apply(op.function, on_the_right ? *operand : self, on_the_right ? self : *operand,
+                        op.of_conditions, op.symbol));
 }
-
-Scalar add(const Scalar& a, const Scalar& b) { return a + b; }
-Scalar subtract(const Scalar& a, const Scalar& b) { return a - b; }
-Scalar multiply(const Scalar& a, const Scalar& b) { return a * b; }
-Scalar divide(const Scalar& a, const Scalar& b) { return a / b; }
-Scalar less(const Scalar& a, const Scalar& b) { return a < b; }
-Scalar less_equal(const Scalar& a, const Scalar& b) { return a <= b; }
-Scalar greater(const Scalar& a, const Scalar& b) { return a > b; }
-Scalar greater_equal(const Scalar& a, const Scalar& b) { return a >= b; }
-Scalar both(const Scalar& a, const Scalar& b) { return a && b; }
-Scalar either(const Scalar& a, const Scalar& b) { return a || b; }
-Scalar differ(const Scalar& a, const Scalar& b) { return (a && !b) || (!a && b); }
-Scalar negative(const Scalar& a) { return -a; }
-
-/// Integer exponents are products, other numbers real powers of a base >= 0.
-Scalar power(const Scalar& a, const Scalar& b) { return symbolic::pow(a, b); }
 
 nb::object python_power(const TracedScalar& a, nb::handle exponent) {
   if (PyLong_Check(exponent.ptr())) {
@@ -93,7 +78,7 @@ nb::object python_power(const TracedScalar& a, nb::handle exponent) {
     if (n == -1 && PyErr_Occurred()) throw nb::python_error();
     return nb::cast(symbolic::power(a, n));
   }
-  return python_operator<false>(power, "power")(a, exponent);
+  return operate(symbolic::kPower, a, exponent, false);
 }
 
 std::string representation(const TracedScalar& x) { return "Scalar(" + to_string(x.value, 200) + ")"; }
@@ -125,38 +110,6 @@ bool constant_truth(const TracedScalar& x) {
 
 // Functions.
 
-struct NamedUnary {
-  const char* name;
-  symbolic::UnaryOperation function;
-  const char* doc;
-};
-
-Scalar sinh(const Scalar& x) {
-  // Near zero the difference of exponentials cancels: sinh x = 2 t / (1 - t^2), t = tanh(x / 2).
-  const Scalar t = symbolic::tanh(0.5 * x);
-  const Scalar far = 0.5 * (symbolic::exp(x) - symbolic::exp(-x));
-  return symbolic::select(symbolic::abs(x) < 1.0, 2.0 * t / (1.0 - t * t), far);
-}
-Scalar cosh(const Scalar& x) { return 0.5 * (symbolic::exp(x) + symbolic::exp(-x)); }
-
-constexpr NamedUnary kUnary[] = {
-    {"abs", symbolic::abs, "Absolute value; its derivative at 0 is 1."},
-    {"sqrt", symbolic::sqrt, "Square root."},
-    {"square", symbolic::square, "x x."},
-    {"exp", symbolic::exp, "e to the power x."},
-    {"log", symbolic::log, "Natural logarithm."},
-    {"sin", symbolic::sin, "Sine of an angle [rad], |x| <= 1e9."},
-    {"cos", symbolic::cos, "Cosine of an angle [rad], |x| <= 1e9."},
-    {"tan", symbolic::tan, "Tangent of an angle [rad], |x| <= 1e9."},
-    {"asin", symbolic::asin, "Inverse sine [rad]."},
-    {"acos", symbolic::acos, "Inverse cosine [rad]."},
-    {"atan", symbolic::atan, "Inverse tangent [rad]."},
-    {"sinh", sinh, "Hyperbolic sine."},
-    {"cosh", cosh, "Hyperbolic cosine."},
-    {"tanh", symbolic::tanh, "Hyperbolic tangent."},
-    {"held", symbolic::held, "The value of x, which derivatives take for a constant."},
-};
-
 TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {
   auto c = to_condition(condition);
   if (!c) c = require_traced(condition, "where: the condition");
@@ -164,32 +117,38 @@ TracedScalar where(nb::handle condition, nb::handle a, nb::handle b) {
 }
 
 void bind_operators(nb::class_<TracedScalar>& c) {
-  const nb::is_operator op;
-  c.def("__add__", python_operator<false>(add, "+"), op);
-  c.def("__radd__", python_operator<true>(add, "+"), op);
-  c.def("__sub__", python_operator<false>(subtract, "-"), op);
-  c.def("__rsub__", python_operator<true>(subtract, "-"), op);
-  c.def("__mul__", python_operator<false>(multiply, "*"), op);
-  c.def("__rmul__", python_operator<true>(multiply, "*"), op);
-  c.def("__truediv__", python_operator<false>(divide, "/"), op);
-  c.def("__rtruediv__", python_operator<true>(divide, "/"), op);
-  c.def("__pow__", python_power, op);
-  c.def("__rpow__", python_operator<true>(power, "power"), op);
-  c.def("__lt__", python_operator<false>(less, "<"), op);
-  c.def("__le__", python_operator<false>(less_equal, "<="), op);
-  c.def("__gt__", python_operator<false>(greater, ">"), op);
-  c.def("__ge__", python_operator<false>(greater_equal, ">="), op);
-  c.def("__and__", python_operator<false, true>(both, "&"), op);
-  c.def("__rand__", python_operator<true, true>(both, "&"), op);
-  c.def("__or__", python_operator<false, true>(either, "|"), op);
-  c.def("__ror__", python_operator<true, true>(either, "|"), op);
-  c.def("__xor__", python_operator<false, true>(differ, "^"), op);
-  c.def("__rxor__", python_operator<true, true>(differ, "^"), op);
+  const auto on = [&c](const char* name, const BinaryOperator& op, bool on_the_right = false) {
+    c.def(
+        name,
+        [&op, on_the_right](const TracedScalar& self, nb::handle other) {
+          return operate(op, self, other, on_the_right);
+        },
+        nb::is_operator());
+  };
+  const auto both = [&on](const char* left, const char* right, const BinaryOperator& op) {
+    on(left, op);
+    on(right, op, true);
+  };
+  both("__add__", "__radd__", symbolic::kAdd);
+  both("__sub__", "__rsub__", symbolic::kSubtract);
+  both("__mul__", "__rmul__", symbolic::kMultiply);
+  both("__truediv__", "__rtruediv__", symbolic::kDivide);
+  both("__and__", "__rand__", symbolic::kAnd);
+  both("__or__", "__ror__", symbolic::kOr);
+  both("__xor__", "__rxor__", symbolic::kXor);
+  on("__lt__", symbolic::kLess);
+  on("__le__", symbolic::kLessEqual);
+  on("__gt__", symbolic::kGreater);
+  on("__ge__", symbolic::kGreaterEqual);
+  c.def("__pow__", python_power, nb::is_operator());
+  on("__rpow__", symbolic::kPower, true);
   c.def("__invert__", [](const TracedScalar& a) {
     require_kind(a, true, "~");
     return TracedScalar{a.graph, !a.value};
   });
-  c.def("__neg__", [](const TracedScalar& a) { return apply(negative, a, "-"); });
+  c.def("__neg__", [](const TracedScalar& a) {
+    return apply(static_cast<UnaryOperation>(symbolic::operator-), a, "-");
+  });
   c.def("__pos__", [](const TracedScalar& a) { return a; });
   c.def("__abs__", [](const TracedScalar& a) { return apply(symbolic::abs, a, "abs"); });
   c.def("__eq__", no_equality, "other"_a.none());
@@ -208,7 +167,7 @@ void bind_operators(nb::class_<TracedScalar>& c) {
 }
 
 void bind_functions(nb::module_& m) {
-  for (const NamedUnary& f : kUnary)
+  for (const symbolic::NamedUnary& f : symbolic::kUnaryFunctions)
     m.def(
         f.name, [f](nb::handle x) { return apply(f.function, require_traced(x, f.name), f.name); }, "x"_a,
         f.doc);

@@ -1,5 +1,7 @@
 #include "watch.h"
 
+#include <stark/sim/report_readings.h>
+
 #include "casters.h"
 #include "domains.h"
 
@@ -11,8 +13,7 @@ namespace {
 constexpr double kSignalPeriod = 0.02;
 
 /// What a callback is told.
-struct LiveProgress {
-  StepProgress step;
+struct LiveProgress : StepProgress {
   double time;     ///< at the start of the step [s]
   double seconds;  ///< of wall-clock time since the step began
 };
@@ -41,7 +42,7 @@ void Watch::look(bool reports) {
   const nb::gil_scoped_acquire gil;
   try {
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
-    if (reports) callback_.function(LiveProgress{sim_.progress(), sim_.time(), seconds()});
+    if (reports) callback_.function(LiveProgress{{sim_.progress()}, sim_.time(), seconds()});
   } catch (...) {
     raised_ = std::current_exception();
   }
@@ -55,38 +56,8 @@ void bind_step_progress(nanobind::module_& m) {
   using namespace stark;
   using namespace stark::bindings;
   using L = LiveProgress;
-  using P = StepProgress;
-  using S = SolveReport;
-  nb::class_<L>(m, "StepProgress", "How far a time step has come that is under way.")
-      .def_prop_ro("step", path<&L::step, &P::step>, "Number of the step, from 1.")
-      .def_ro("time", &L::time, "Simulated time at its start [s].")
-      .def_ro("seconds", &L::seconds, "Wall-clock time since the step began [s].")
-      .def_prop_ro("attempt", path<&L::step, &P::attempt>,
-                   "From 1; what fails is tried again with a shorter time step.")
-      .def_prop_ro("iterations", path<&L::step, &P::iterations>,
-                   "Newton iterations, those of earlier attempts included.")
-      .def_prop_ro("refreshes", path<&L::step, &P::solve, &S::lag_updates>,
-                   "Refreshes of friction and joints in this attempt.")
-      .def_prop_ro("residual", path<&L::step, &P::solve, &S::residual>, "Largest unbalanced force [N].")
-      .def_prop_ro("acceleration", path<&L::step, &P::solve, &S::acceleration>,
-                   "Largest M^-1 residual [m/s^2].")
-      .def_prop_ro("last_motion", path<&L::step, &P::solve, &S::last_motion>,
-                   "Largest motion of a vertex in the last Newton step, taken in full [m].")
-      .def_prop_ro("step_length", path<&L::step, &P::solve, &S::last_step_length>,
-                   "Share of it that was taken.")
-      .def_prop_ro("bound", path<&L::step, &P::solve, &S::last_bound>,
-                   "Largest share of it that collision detection and the limit of rotations allowed.")
-      .def_prop_ro("slope", path<&L::step, &P::solve, &S::last_slope>,
-                   "Of the energy along it [J]: a quadratic energy falls by half of that.")
-      .def_prop_ro("difference", path<&L::step, &P::solve, &S::last_difference>,
-                   "Change of the energy by what was taken of it [J].")
-      .def_prop_ro("backtracks", path<&L::step, &P::solve, &S::backtracks>,
-                   "Times that steps were halved in this attempt.")
-      .def_prop_ro("projected_iterations", path<&L::step, &P::solve, &S::projected_iterations>,
-                   "Iterations of this attempt whose Hessians were projected.")
-      .def_prop_ro("factorizations", path<&L::step, &P::solve, &S::factorizations>,
-                   "Of matrices, in this attempt.")
-      .def_prop_ro("linear_iterations", path<&L::step, &P::solve, &S::linear_iterations>,
-                   "Of conjugate gradients, in this attempt.")
-      .def_prop_ro("contacts", path<&L::step, &P::contact_count>, "Pairs within their contact distance.");
+  nb::class_<L> progress(m, "StepProgress", "How far a time step has come that is under way.");
+  def_readings<StepProgress>(progress);
+  progress.def_ro("time", &L::time, "Simulated time at its start [s].")
+      .def_ro("seconds", &L::seconds, "Wall-clock time since the step began [s].");
 }

@@ -3,6 +3,7 @@
 
 #include <stark/base/error.h>
 #include <stark/base/math.h>
+#include <stark/base/reading.h>
 #include <stark/base/rotation.h>
 #include <stark/base/settings.h>
 #include <stark/geometry/lattice.h>
@@ -20,6 +21,7 @@
 #include <stark/sim/materials.h>
 #include <stark/sim/point_set.h>
 #include <stark/sim/registry.h>
+#include <stark/sim/report_readings.h>
 #include <stark/sim/scene.h>
 #include <stark/sim/settings.h>
 #include <stark/sim/simulation.h>

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <string>
 
 namespace stark {
 
@@ -21,5 +23,12 @@ class Hash64 {
  private:
   uint64_t value_ = 0xcbf29ce484222325ull;
 };
+
+/// 16 hexadecimal digits.
+inline std::string to_hex(uint64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
 
 }  // namespace stark

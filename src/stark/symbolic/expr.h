@@ -189,6 +189,8 @@ Scalar asin(const Scalar& a);
 Scalar acos(const Scalar& a);
 Scalar atan(const Scalar& a);
 Scalar atan2(const Scalar& y, const Scalar& x);
+Scalar sinh(const Scalar& a);
+Scalar cosh(const Scalar& a);
 Scalar tanh(const Scalar& a);
 /// The value of a, which derivatives take for a constant. For iterations whose result the energy is
 /// stationary in: their steps need no derivatives (models/yielding.h).

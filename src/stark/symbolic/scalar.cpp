@@ -151,6 +151,13 @@ Scalar asin(const Scalar& a) { return apply(Op::Asin, a, "asin"); }
 Scalar acos(const Scalar& a) { return apply(Op::Acos, a, "acos"); }
 Scalar atan(const Scalar& a) { return apply(Op::Atan, a, "atan"); }
 Scalar atan2(const Scalar& y, const Scalar& x) { return apply(Op::Atan2, y, x, "atan2"); }
+Scalar sinh(const Scalar& a) {
+  // Near zero the difference of exponentials cancels: sinh a = 2 t / (1 - t^2), t = tanh(a / 2).
+  const Scalar t = tanh(0.5 * a);
+  const Scalar far = 0.5 * (exp(a) - exp(-a));
+  return select(abs(a) < 1.0, 2.0 * t / (1.0 - t * t), far);
+}
+Scalar cosh(const Scalar& a) { return 0.5 * (exp(a) + exp(-a)); }
 Scalar tanh(const Scalar& a) { return apply(Op::Tanh, a, "tanh"); }
 Scalar held(const Scalar& a) { return apply(Op::Held, a, "held"); }
 
