@@ -175,7 +175,7 @@ CASES = [
     Case("flat tet", lambda: solid_of(changed(CORNER, (3, 2), 0.0), ONE_TET), InvalidMesh,
          ("solid 'block'", "tetrahedron 0", "0 m^3", "remesh")),
     Case("inverted tet", lambda: solid_of(CORNER, [[1, 0, 2, 3]]), InvalidMesh,
-         ("solid 'block'", "tetrahedron 0", "-0.16666666666666666 m^3", "1 of 1 are inverted", "stark.mesh.oriented")),
+         ("solid 'block'", "tetrahedron 0", "-0.167 m^3", "1 of 1 are inverted", "stark.mesh.oriented")),
     Case("unused vertex of a cloth", lambda: cloth_of(np.vstack([SQUARE, [[9, 9, 9]]]), TWO), InvalidMesh,
          ("cloth 'sheet'", "1 vertex (first: 4)", "no triangle", "stark.mesh.compact")),
     Case("unused vertices of a solid", lambda: solid_of(np.vstack([CORNER, CORNER + 5]), ONE_TET), InvalidMesh,

@@ -74,17 +74,12 @@ std::string quantity_text(double value, std::string_view unit) {
 
 namespace {
 
-/// Power of ten that makes the third digit of a value the first before the point, or 0 where none does.
-double power_of_third_digit(double value) {
-  const double digits = value == 0.0 ? 0.0 : 2.0 - std::floor(std::log10(std::fabs(value)));
-  return std::isfinite(std::pow(10.0, std::fabs(digits))) ? digits : 0.0;
-}
-
 /// `round` of the value in units of its third digit; multiples of whole powers are exact.
 template <typename Round>
 double of_three_digits(double value, Round&& round) {
-  if (!std::isfinite(value)) return value;
-  const double digits = power_of_third_digit(value), power = std::pow(10.0, std::fabs(digits));
+  const double digits = value == 0.0 ? 0.0 : 2.0 - std::floor(std::log10(std::fabs(value)));
+  const double power = std::pow(10.0, std::fabs(digits));
+  if (!std::isfinite(value) || !std::isfinite(power)) return value;
   return digits < 0.0 ? round(value / power) * power : round(value * power) / power;
 }
 
