@@ -31,7 +31,11 @@ def robot_files(packages: list[str]) -> Iterator[tuple[str, Path, Path]]:
 
 def _roots(package: str) -> list[Path]:
     if package == "example-robot-data":
-        folders = [Path(entry).parents[2] / "share/example-robot-data/robots" for entry in sys.path if entry]
+        folders = [
+            Path(entry).parents[2] / "share/example-robot-data/robots"
+            for entry in sys.path
+            if len(Path(entry).parents) > 2
+        ]
         return [folder for folder in folders[:] if folder.is_dir()][:1]
     spec = importlib.util.find_spec(package)
     if spec is None or not spec.submodule_search_locations:

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 from stark.array_file import DamageError, read_arrays
 from stark.files import open_regular, printable, read_bytes
 
-from .errors import DocumentError
+from .errors import DocumentError, told
 from .format import DOCUMENT, FORMAT_NAME, FORMAT_VERSION
 from .kinds import Arrays
 
@@ -29,7 +29,7 @@ def read(path: Path) -> dict[str, Any]:
         arrays = _arrays(path, given.get("arrays"))
         return DOCUMENT.read(given, "scene", arrays)
     except DocumentError as error:
-        raise DocumentError(f"{owner}: {printable(str(error))}") from None
+        raise DocumentError(f"{owner}: {told(error)}") from None
 
 
 def _json(path: Path, owner: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from stark.arguments import given_name, given_path
 from stark.files import printable
 from stark.scene import Scene
 
-from .errors import DocumentError
+from .errors import DocumentError, told
 from .files import read as read_files
 from .rebuilding import Rebuilding, settings_of
 
@@ -43,9 +43,9 @@ def read(path: str | PathLike[str]) -> SceneDocument:
             Rebuilding(document, scene).run()
         settings = settings_of(document)
     except DocumentError as error:
-        raise DocumentError(f"{owner}: {printable(str(error))}") from None
+        raise DocumentError(f"{owner}: {told(error)}") from None
     except Error as error:
-        raise DocumentError(f"{owner}: {printable(str(error))}") from error
+        raise DocumentError(f"{owner}: {told(error)}") from error
     until = document["until"]
     if until is not None and not until > 0.0:
         raise DocumentError(f"{owner}: until = {until} s: must be > 0")

@@ -47,11 +47,13 @@ def folder() -> Path | None:
 
 def _file(surface: TriangleMesh, arguments: str) -> Path | None:
     place = folder()
+    if place is None:
+        return None
     digest = hashlib.sha256(arguments.encode())
     for array in (surface.vertices, surface.triangles):
         digest.update(f"{array.dtype.str}{array.shape}".encode())
         digest.update(array.tobytes())
-    return None if place is None else place / f"{digest.hexdigest()}.npz"
+    return place / f"{digest.hexdigest()}.npz"
 
 
 def _forget_old(place: Path) -> None:

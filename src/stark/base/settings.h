@@ -38,11 +38,12 @@ std::string to_text(const FieldValue& value);
 std::string to_text(double value);
 /// "-1 N/m", and the bare number for unit "1" or none.
 std::string quantity_text(double value, std::string_view unit);
-/// The same of a measured value, rounded to three digits: "0.000599 m".
+/// The same of a measured value, rounded to three digits: "0.000599 m". Not for what is told beside a bound
+/// that it may miss by less.
 std::string rough_text(double value, std::string_view unit);
 /// "(0, 0.05, 1.05) m", rounded to three digits.
 std::string point_text(const Vec3& point);
-/// The largest value of three digits that is not above a positive one, which "use at most" may name.
+/// The largest value of three digits that is not above a positive one: for "use at most", and for bounds.
 double rough_below(double value);
 
 /// The range a number must lie in. For vectors it holds for each component.

@@ -49,7 +49,7 @@ struct Cholesky<Real>::Implementation {
   bool new_sequence = false;
   int64_t orderings = 0, analyses = 0;
   int64_t slot_count = -1;
-  const bool wide = front::kHasWideKernels && cpu_features().avx512;
+  const bool wide = cpu_features().avx512;
   SymbolicFactorization symbolic;
   AssemblyTree tree;
   FrontPlan plan;

@@ -13,12 +13,6 @@ struct StripPair {
   Real *upper, *lower;
 };
 
-#if defined(__x86_64__)
-inline constexpr bool kHasWideKernels = true;
-#else
-inline constexpr bool kHasWideKernels = false;
-#endif
-
 /// t -= a b^T over `depth` columns of two strips `a` and four rows `b` of a strip, starting from zero if
 /// `clear`. Needs cpu_features().avx512.
 void subtract_product_wide(StripPair<double> t, StripPair<const double> a, const double* b, int depth,

@@ -41,7 +41,7 @@ void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
   warnings.push_back(
       owner_text(scene.kind(body), scene.name(body)) +
       ": contact_distance = " + quantity_text(distance, "m") + " is more than half of its shortest edge, " +
-      rough_text(shortest, "m") + ", so the rod touches itself at rest; use at most " +
+      quantity_text(rough_below(shortest), "m") + ", so the rod touches itself at rest; use at most " +
       quantity_text(rough_below(0.5 * shortest), "m") + ", longer edges, or self_contact = false");
 }
 
@@ -84,7 +84,7 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
         owner_text(scene.kind(body), scene.name(body)) + ": " +
         (is_automatic ? "its automatic contact_distance of " : "contact_distance = ") +
         quantity_text(distance, "m") + " is more than half the smallest height of its triangles, " +
-        rough_text(smallest.height, "m") + " (triangle " + std::to_string(smallest.triangle) +
+        quantity_text(rough_below(smallest.height), "m") + " (triangle " + std::to_string(smallest.triangle) +
         "), so the body touches itself at rest; use at most " +
         quantity_text(rough_below(0.5 * smallest.height), "m") + ", a coarser mesh, or self_contact = false");
   }

@@ -39,7 +39,7 @@ void Simulation::check_actuators() {
       if (!(off <= tolerance))
         throw InvalidArgument(owner_text(actuator) + ": coordinate '" + actuator.on[0].name + "' of joint '" +
                               scene_.joint(actuator.on[0].joint).name + "' is off by " +
-                              rough_text(off, is_length ? "m" : "rad") + " at time 0: must be within " +
+                              quantity_text(off, is_length ? "m" : "rad") + " at time 0: must be within " +
                               quantity_text(tolerance, is_length ? "m" : "rad") +
                               "; change its values or the pose, or add it with enabled = false");
     }

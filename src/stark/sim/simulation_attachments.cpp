@@ -26,7 +26,7 @@ void Simulation::check_attachments() {
       const double gap = norm(vector_at(C, energies_.constraints.place(number).residual));
       if (!(gap <= tolerance))
         throw InvalidArgument("attachment '" + attachment.name + "': the points of pair " +
-                              std::to_string(pair) + " are " + rough_text(gap, "m") +
+                              std::to_string(pair) + " are " + quantity_text(gap, "m") +
                               " apart at time 0: must be within " + quantity_text(tolerance, "m") +
                               "; move them together, or attach to the surface of the body");
     }

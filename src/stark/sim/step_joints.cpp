@@ -34,7 +34,7 @@ ConstraintTolerance joint_tolerance(const JointSettings& settings) {
 }
 
 std::string residual_text(double residual, ResidualUnit unit) {
-  return rough_text(residual, unit == ResidualUnit::Length ? "m" : "rad");
+  return quantity_text(residual, unit == ResidualUnit::Length ? "m" : "rad");
 }
 
 SideStiffness StepJoints::stiffness_of(const JointSide& side, std::span<const Mat3> diagonal) const {
