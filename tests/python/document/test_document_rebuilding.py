@@ -66,14 +66,22 @@ def same_steps(scene: Any, settings: Any, steps: int, folder: Path) -> None:
 
 
 def scene_of(name: str) -> tuple[Any, Any]:
-    """Scene and settings of an example: a scene file, or a program, run up to its first simulation."""
+    """Scene and settings of an example; skips where packages or files that it reads are missing."""
     for package in PACKAGES.get(name, []):
         pytest.importorskip(package)
     module = importlib.import_module(name)
-    if hasattr(module, "settings"):
-        return scenes.load(EXAMPLES / f"{name}.py").build()
-    if hasattr(module, "scene"):
-        return module.scene, stark.Settings()
+    try:
+        if hasattr(module, "settings"):
+            return scenes.load(EXAMPLES / f"{name}.py").build()
+        if hasattr(module, "scene"):
+            return module.scene, stark.Settings()
+        return scene_of_program(name, module.main)
+    except ImportError as missing:  # of files that it reads
+        pytest.skip(str(missing))
+
+
+def scene_of_program(name: str, main: Any) -> tuple[Any, Any]:
+    """Scene and settings of a program, run up to its first simulation."""
     found: list[Any] = []
 
     class Reached(Exception):  # noqa: N818 (no error)
@@ -88,11 +96,8 @@ def scene_of(name: str) -> tuple[Any, Any]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stark, "Simulation", take)
         patch.setattr(sys, "argv", [name])
-        try:
-            with pytest.raises(Reached):
-                module.main()
-        except ImportError as missing:  # of files that it reads
-            pytest.skip(str(missing))
+        with pytest.raises(Reached):
+            main()
     return found[0], found[1]
 
 
