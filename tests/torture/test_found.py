@@ -271,3 +271,13 @@ def test_a_needle_that_rolls_up_is_certified() -> None:
     from benchmarks.torture.campaign import run_one
 
     assert run_one(3, 1167, "containers").problems == []
+
+
+@pytest.mark.filterwarnings("ignore::stark.StarkWarning")
+def test_restitution_out_of_reach_is_no_step_without_contact() -> None:
+    """The certificate called lags of bdf2 wrong after a step whose report has no contact, in which what an
+    impact had taken up was given back."""
+    pytest.importorskip("ipctk")
+    from benchmarks.torture.campaign import run_one
+
+    assert run_one(9, 641, "materials").problems == []
