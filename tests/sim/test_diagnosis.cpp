@@ -93,6 +93,21 @@ TEST_CASE(
   CHECK(judged(evidence).cause == FailureCause::IterationBudget);
 }
 
+TEST_CASE("what runs into one prescribed body, and touches nothing else, is not blocked by it") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::Blocked;
+  evidence.prescribed_arrived = false;
+  evidence.pushing = {"rigid body 'shell'"};
+  evidence.gaps = {{{"rigid body 'needle'"}, {"rigid body 'shell'"}, 6.6e-7, 6.6e-4}};
+  CHECK(judged(evidence).cause == FailureCause::BlockedMotion);
+  evidence.is_between = false;
+  const Diagnosis diagnosis = judged(evidence);
+  CHECK(diagnosis.cause == FailureCause::CrushingLoad);
+  CHECK(names(diagnosis, "rigid body 'needle' is 6.6e-07 m from rigid body 'shell'"));
+  evidence.gaps[0].distance = 1e-4;  // not pressed
+  CHECK(judged(evidence).cause == FailureCause::BlockedMotion);
+}
+
 TEST_CASE("forces that crush are named before joints that they pull apart") {
   StepEvidence evidence = plain();
   evidence.solve.status = SolveStatus::ConstraintViolated;
@@ -167,6 +182,22 @@ TEST_CASE("what meets on the way is named") {
   CHECK(diagnosis.bodies == std::vector<std::string>{"cloth 'sheet'", "rigid body 'ball'"});
 }
 
+TEST_CASE("bodies that an actuator throws into each other's places are overloaded") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::Detour;
+  evidence.in_the_way = BlockingPair{{"rigid body 'speck'", {1}}, {"rigid body 'box'", {4}}, 0.2};
+  evidence.time_step = 1e-6;
+  evidence.actuator = StrongActuator{"effort", {"rigid body 'speck'"}, 1e11, false, 1.0};
+  const Diagnosis diagnosis = judged(evidence);  // by 0.1 m, which is how far it comes
+  CHECK(diagnosis.cause == FailureCause::Overload);
+  CHECK(names(diagnosis, "actuator 'effort' accelerates rigid body 'speck' with"));
+  CHECK(
+      names(diagnosis, "rigid body 'speck' (vertex 1) and rigid body 'box' (vertex 4) would change places"));
+  CHECK(diagnosis.bodies == std::vector<std::string>{"rigid body 'speck'", "rigid body 'box'"});
+  evidence.actuator->acceleration = 1e10;
+  CHECK(judged(evidence).cause == FailureCause::Detour);
+}
+
 TEST_CASE("an energy without a bound comes before what follows from it") {
   StepEvidence evidence = plain();
   evidence.stiffness_ratio = 1e18;
@@ -209,6 +240,13 @@ TEST_CASE("tolerances count as below rounding only where rounding is all that is
   const Diagnosis diagnosis = judged(evidence, settings);
   CHECK(diagnosis.cause == FailureCause::ToleranceBelowRoundOff);
   CHECK(names(diagnosis, "newton.acceleration_tolerance = 1e-09 m/s^2 (rounding: about 1e-07 m/s^2"));
+  // What an actuator does is most of what is left.
+  evidence.actuator = StrongActuator{"motor", {"rigid body 'finger'"}, 4e-7, false, 1.0};
+  CHECK(judged(evidence, settings)
+            .remedy.find("lower the cap, the stiffness or the effort of actuator 'motor'") !=
+        std::string::npos);
+  evidence.actuator->acceleration = 1e-9;
+  CHECK(judged(evidence, settings).remedy == diagnosis.remedy);
   // Far from rounding, the tolerance is not what stands in the way.
   evidence.solve.acceleration = 1.0;
   CHECK(judged(evidence, settings).cause == FailureCause::IterationBudget);

@@ -126,7 +126,8 @@ class InertiaCheck:
         """Sums over all bodies after a step of that kind, and by part how far states are from what it makes
         of them, over what is allowed."""
         sums, parts = Sums(), {"turning": 0.0}
-        is_free = number(row, "contact_count") == 0.0  # no contact has pushed
+        # No contact has pushed, not even what was spent before, as restitution.
+        is_free = number(row, "contact_count") == 0.0 and not row["energy"].get("restitution")
         for i, weights in enumerate(self.weights):
             if weights is None:
                 continue

@@ -13,6 +13,9 @@ namespace {
 /// Angle, or motion over the size of the scene, in the shortest step beyond which no step follows an
 /// actuator.
 constexpr double kOverwhelming = 0.5;
+/// Part of the motion of a step, and of the acceleration that rounding leaves, from which an actuator makes
+/// it.
+constexpr double kDriven = 0.5, kRounded = 0.1;
 /// Stretch of a body between two of its pins that nobody means.
 constexpr double kPinStretch = 1.5;
 /// Distance over contact distance below which bodies that start like that overlap in thickness.
@@ -157,6 +160,8 @@ Verdict judge_prescribed(const StepEvidence& e) {
   const std::vector<NarrowGap> crushed = crushed_gaps(e);
   const bool presses = !crushed.empty() && !e.pushing.empty();
   if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
+  // What touches one prescribed part only could go along with it: it is too heavy, or comes too fast.
+  if (!e.is_between && !crushed.empty()) return judge_load(e);
   return blocked(e, crushed);
 }
 
@@ -211,6 +216,21 @@ Verdict judge_overload(const StepEvidence& e) {
           "lower the efforts, caps and speeds that act on these bodies, or make light ones heavier", bodies};
 }
 
+/// Bodies that would change places because an actuator throws them there.
+Verdict judge_thrown(const StepEvidence& e) {
+  const double motion = e.actuator ? e.actuator->acceleration * e.time_step * e.time_step : 0.0;
+  if (!(motion > kDriven * e.motion)) return {};
+  const BlockingPair& pair = *e.in_the_way;
+  return {FailureCause::Overload,
+          actuator_text(e) +
+              (is_overwhelming(e)
+                   ? ""
+                   : ", by " + rough_text(motion, "m") + " within " + rough_text(e.time_step, "s")) +
+              ": " + place_text(pair.a) + " and " + place_text(pair.b) + " would change places",
+          "lower the efforts, caps and speeds that act on these bodies, or make light ones heavier",
+          {e.actuator->at.body, pair.a.body, pair.b.body}};
+}
+
 Verdict judge_not_finite(const StepEvidence& e) {
   if (e.solve.status != SolveStatus::NotFinite) return {};
   if (const StrainedElement* element = find_inverted(e, false))
@@ -256,6 +276,19 @@ bool stands_still(const StepEvidence& e, const NewtonSettings& newton) {
          e.solve.last_motion < kStandstill * newton.step_tolerance * e.time_step && crushed_gaps(e).empty();
 }
 
+/// Near a solution the force of what is stiff is the rounding of its coordinate.
+std::string tolerance_remedy(const StepEvidence& e) {
+  const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
+  if (farthest > kFar * e.scene_size)
+    return "move the scene to the origin: its coordinates of " + rough_text(farthest, "m") + " round by " +
+           rough_text(farthest * std::numeric_limits<double>::epsilon(), "m");
+  std::string text = "raise them above the rounding";
+  if (e.actuator && e.actuator->acceleration > kRounded * e.solve.acceleration)
+    text += ", or lower the cap, the stiffness or the effort of actuator '" + e.actuator->name +
+            "', whose force on " + place_text(e.actuator->at) + " rounds";
+  return text + "; what is very stiff rounds more";
+}
+
 Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
   if (e.solve.status != SolveStatus::MaxIterations && e.solve.status != SolveStatus::LineSearchFailed)
     return {};
@@ -283,12 +316,8 @@ Verdict judge_tolerance(const StepEvidence& e, const NewtonSettings& newton) {
   if (missed.empty()) return {};
   if (is_still)
     missed += "; another Newton step would move nothing by more than " + rough_text(e.solve.last_motion, "m");
-  const double farthest = e.forces.empty() ? 0.0 : max_abs(e.forces.front().position);
-  const bool is_far = farthest > kFar * e.scene_size;
   return {FailureCause::ToleranceBelowRoundOff, "tolerances are below what rounding allows: " + missed,
-          is_far ? "move the scene to the origin: its coordinates of " + rough_text(farthest, "m") +
-                       " round by " + rough_text(farthest * std::numeric_limits<double>::epsilon(), "m")
-                 : "raise them above the rounding; what is very stiff rounds more",
+          tolerance_remedy(e),
           e.forces.empty() ? std::vector<std::string>{} : std::vector<std::string>{e.forces.front().at.body}};
 }
 
@@ -390,7 +419,10 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
        {judge_prescribed(e), judge_not_finite(e), judge_steep_energy(e), judge_tolerance(e, settings.newton),
         judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
-  if (e.solve.status == SolveStatus::Detour && e.in_the_way) return judge_detour(e);
+  if (e.solve.status == SolveStatus::Detour && e.in_the_way) {
+    Verdict thrown = judge_thrown(e);
+    return thrown.cause != FailureCause::None ? thrown : judge_detour(e);
+  }
   for (Verdict verdict : {judge_load(e), judge_overload(e), judge_earlier_attempts(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (!e.unit_suspicions.empty())

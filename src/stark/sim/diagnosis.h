@@ -143,6 +143,8 @@ struct StepEvidence {
   bool is_first_step = false;
   bool prescribed_arrived = true;    ///< prescribed parts have got where they were to go
   std::vector<std::string> pushing;  ///< prescribed bodies and pinned ones that still had to move
+  /// Something is between prescribed parts, or between one and something fixed; else it could go along.
+  bool is_between = true;
   std::vector<UnbalancedForce> forces;
   std::vector<NarrowGap> gaps;        ///< where the attempt ended
   std::vector<NarrowGap> start_gaps;  ///< where the step started

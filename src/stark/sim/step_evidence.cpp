@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <stark/sim/body_checks.h>
 #include <stark/sim/element_strain.h>
+#include <stark/sim/held_between.h>
 #include <stark/sim/unit_checks.h>
 
 namespace stark {
@@ -64,6 +66,14 @@ void add_forces(const FailedStep& step, std::span<const double> gradient, StepEv
 std::vector<NarrowGap> find_gaps(const FailedStep& step, std::span<const Vec3> x) {
   if (!step.contact) return {};
   return find_narrow_gaps(step.scene, step.model, step.contact->find_contacts_at(x), kListed);
+}
+
+/// Of all contacts where the step started and where its last attempt ended.
+void add_between(const FailedStep& step, StepEvidence& out) {
+  if (!step.contact) return;
+  std::vector<Contact> all = step.contact->find_contacts_at(step.start);
+  std::ranges::copy(step.contact->find_contacts_at(step.potential.site_positions()), std::back_inserter(all));
+  out.is_between = is_something_between(step.scene, step.model, all);
 }
 
 /// The two parts that the last motion which was looked at has been limited by.
@@ -338,6 +348,7 @@ StepEvidence collect_evidence(const FailedStep& step) {
   if (step.is_detour) evidence.in_the_way = limiting_parts(step);
   add_motion(step, evidence);
   add_prescribed(step, evidence);
+  add_between(step, evidence);
   evidence.start_gaps = find_gaps(step, step.start);
   evidence.gaps = find_gaps(step, step.potential.site_positions());
   evidence.blocking = find_blocking_pair(step, step.settings.newton.max_rotation);
