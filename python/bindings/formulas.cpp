@@ -6,12 +6,9 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <numeric>
-
 #include <stark/mechanics/constitutive_law.h>
-#include <stark/mechanics/formula.h>
+#include <stark/mechanics/formula_sample.h>
 #include <stark/mechanics/law_density.h>
-#include <stark/mechanics/potential_batch.h>
 #include <stark/sim/registry.h>
 
 #include "domains.h"
@@ -21,7 +18,6 @@
 namespace stark::bindings {
 
 using namespace nb::literals;
-using symbolic::kLanes;
 using symbolic::Order;
 
 namespace {
@@ -47,12 +43,6 @@ Formula finish(const Builder& builder, nb::handle outputs) {
     values.push_back(output.value);
   }
   return Formula(builder, std::move(values));
-}
-
-Formula formula_of(const PotentialDefinition& definition) {
-  const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
-  const symbolic::Scalar energy = definition.energy(*builder);
-  return Formula(builder, {energy});
 }
 
 Formula registered_formula(const std::string& name) {
@@ -83,63 +73,20 @@ nb::tuple law_density(const Law& law) {
   return nb::make_tuple(traced(builder, psi), columns, parameters);
 }
 
-nb::list field_list(const Formula& formula) {
-  return describe(parameters_of(define_potential("formula", "", formula)));
-}
-
-std::set<std::string> names_of(const std::vector<ParameterDeclaration>& fields) {
-  std::set<std::string> names;
-  for (const ParameterDeclaration& field : fields) names.insert(field.name);
-  return names;
-}
-
-/// A formula's potential with a batch of given elements, to be evaluated outside of any simulation.
-struct Sample {
-  PotentialBatch batch;
-  std::vector<Vec3> x;
-};
-
-Sample make_sample(const Formula& formula, const nb::dict& given, symbolic::Backend backend) {
-  const PotentialDefinition definition = define_potential("formula", "", formula);
-  const std::vector<ParameterDeclaration> fields = parameters_of(definition);
-  Sample sample{PotentialBatch(std::make_shared<Potential>(definition, backend, names_of(fields))), {}};
-  sample.x = points_of(given["x"], "x", "an (n, 3) array of positions");
-  const size_t count = sample.x.size();
-  std::vector<int32_t> stencils(count);
-  std::iota(stencils.begin(), stencils.end(), 0);
-  sample.batch.resize(stencils);
-  sample.batch.set_rest(points_of(given["X"], "X", count));
-  sample.batch.set_previous(points_of(given["x_prev"], "x_prev", count));
-  sample.batch.set_initial(points_of(given["x_initial"], "x_initial", count));
-  sample.batch.set_time(nb::cast<double>(given["time_step"]), nb::cast<double>(given["time"]));
+/// The formula on elements that are given by name.
+FormulaSample make_sample(const Formula& formula, const nb::dict& given, symbolic::Backend backend) {
+  SamplePoints points{.x = points_of(given["x"], "x", "an (n, 3) array of positions")};
+  const size_t count = points.x.size();
+  points.X = points_of(given["X"], "X", count);
+  points.x_prev = points_of(given["x_prev"], "x_prev", count);
+  points.x_initial = points_of(given["x_initial"], "x_initial", count);
+  points.time_step = nb::cast<double>(given["time_step"]);
+  points.time = nb::cast<double>(given["time"]);
   const nb::dict values = nb::cast<nb::dict>(given["values"]);
-  for (const ParameterDeclaration& field : fields) {
-    const auto numbers =
-        numbers_of<double>(values[field.name.c_str()], field.name, "a flat array of numbers");
-    const size_t width = field.width;
-    if (numbers.size() != width * sample.batch.size())
-      throw InvalidArgument(field.name + ": got " + std::to_string(numbers.size()) + " numbers: must be " +
-                            std::to_string(width * sample.batch.size()));
-    for (int64_t e = 0; e < sample.batch.size(); ++e)
-      sample.batch.set(field.name, e, std::span(numbers).subspan(e * width, width));
-  }
-  return sample;
+  return {formula, backend, std::move(points), [&](const ParameterDeclaration& field) {
+            return numbers_of<double>(values[field.name.c_str()], field.name, "a flat array of numbers");
+          }};
 }
-
-/// (elements * outputs,): energy, gradient, upper triangle of the Hessian of each element.
-auto evaluate(const Sample& sample, int order) {
-  return to_numpy(sample.batch.evaluate(static_cast<Order>(order), sample.x));
-}
-
-/// The work of an evaluation without its results, for timings.
-void run(const Sample& sample, int order) {
-  const PotentialBatch& batch = sample.batch;
-  const int outputs = batch.potential().kernel().output_count(static_cast<Order>(order));
-  AlignedVector<double> lanes(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
-  batch.evaluate(static_cast<Order>(order), sample.x, 0, batch.block_count(), lanes.data());
-}
-
-void set_positions(Sample& sample, nb::handle given) { sample.x = points_of(given, "x", sample.x.size()); }
 
 symbolic::Backend to_backend(const std::string& name) {
   const auto& names = EnumNames<symbolic::Backend>::kNames;
@@ -210,14 +157,25 @@ void bind_formulas(nanobind::module_& m) {
           },
           "value"_a, "name"_a, "Names an input for printing.")
       .def("finish", &finish, "outputs"_a, "The formula with these scalars as outputs.");
+  using Sample = FormulaSample;
   nb::class_<Sample>(m, "FormulaSample", "A compiled formula on given elements, outside of any simulation.")
-      .def("set_positions", &set_positions, "x"_a, "New positions of all points.")
-      .def("evaluate", &evaluate, "order"_a,
-           "Energy, gradient, upper triangle of the Hessian of each element, in a row one after another.")
-      .def("run", &run, "order"_a, "Evaluates and forgets the results, for timings.");
+      .def(
+          "set_positions",
+          [](Sample& s, nb::handle x) { s.set_positions(points_of(x, "x", s.point_count())); }, "x"_a,
+          "New positions of all points.")
+      .def(
+          "evaluate",
+          [](const Sample& s, int order) { return to_numpy(s.evaluate(static_cast<Order>(order))); },
+          "order"_a,
+          "Energy, gradient, upper triangle of the Hessian of each element, in a row one after another.")
+      .def(
+          "run", [](const Sample& s, int order) { s.run(static_cast<Order>(order)); }, "order"_a,
+          "Evaluates and forgets the results, for timings.");
   nb::class_<Formula>(m, "Formula", "A formula of points and parameters, ready to be used in energies.")
       .def_prop_ro("point_count", &Formula::point_count)
-      .def_prop_ro("fields", &field_list, "Inputs to be given: name, unit, doc, width, is_data.")
+      .def_prop_ro(
+          "fields", [](const Formula& f) { return describe(parameters_of(f)); },
+          "Inputs to be given: name, unit, doc, width, is_data.")
       .def(
           "sample",
           [](const Formula& f, const nb::dict& inputs, const std::string& backend) {

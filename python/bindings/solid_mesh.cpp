@@ -10,6 +10,7 @@
 #include "casters.h"
 #include "domains.h"
 #include "solid_mesh.h"
+#include "with_arrays.h"
 
 namespace {
 
@@ -23,11 +24,7 @@ SolidMesh solid_mesh(nb::handle vertices, nb::handle elements) {
   SolidMesh mesh;
   mesh.vertices = points_of(vertices, "vertices", "an (n, 3) array of positions [m]");
   read_elements(elements, "elements", mesh);
-  for (size_t k = 0; k < mesh.elements.size(); ++k)
-    if (mesh.elements[k] < 0 || static_cast<size_t>(mesh.elements[k]) >= mesh.vertices.size())
-      throw InvalidMesh("element " + std::to_string(k / mesh.node_count()) + " refers to vertex " +
-                        std::to_string(mesh.elements[k]) + ": indices must be in [0, " +
-                        std::to_string(mesh.vertices.size()) + ")");
+  check_indices(mesh);
   return mesh;
 }
 
@@ -37,10 +34,9 @@ nb::tuple to_arrays(SolidMesh mesh) {
                         to_numpy(std::move(mesh.elements), {count, nodes}));
 }
 
-nb::tuple lattice(nb::handle vertices, nb::handle triangles, double cell_size, bool quadratic) {
-  const TriangleMesh surface{
-      points_of(vertices, "vertices", "an (n, 3) array of positions [m]"),
-      rows_of<Index3, int32_t, 3>(triangles, "triangles", "an (m, 3) array of vertices")};
+nb::tuple lattice(const std::vector<Vec3>& vertices, const std::vector<Index3>& triangles, double cell_size,
+                  bool quadratic) {
+  const TriangleMesh surface{vertices, triangles};
   SolidMesh mesh;
   {
     const nb::gil_scoped_release release;
@@ -86,7 +82,10 @@ void bind_solid_mesh(nb::module_& m) {
       "make_hex_box",
       [](const Vec3& size, const Index3& cells) { return to_arrays(make_hex_box(size, cells)); }, "size"_a,
       "cells"_a, "(vertices, elements) of a box of hexahedra with 8 nodes.");
-  m.def("make_lattice", lattice, "vertices"_a, "triangles"_a, "cell_size"_a, "quadratic"_a,
+  m.def("make_lattice",
+        with_arrays<lattice, "vertices: an (n, 3) array of positions [m]",
+                    "triangles: an (m, 3) array of vertices">,
+        "vertices"_a, "triangles"_a, "cell_size"_a, "quadratic"_a,
         "((vertices, elements), cells, triangles, filling) of a surface in a lattice of cubes.");
   m.def("filled_volumes", filled_volumes, "vertices"_a, "elements"_a, "embedding"_a,
         "Volume of what is filled of each element [m^3].");

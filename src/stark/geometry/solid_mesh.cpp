@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <string>
 
+#include <stark/base/error.h>
 #include <stark/geometry/embedding.h>
 #include <stark/geometry/topology.h>
 
@@ -44,6 +46,14 @@ SolidMesh::SolidMesh(const TetMesh& mesh) : vertices(mesh.vertices) {
 
 SolidMesh::SolidMesh(std::vector<Vec3> v, ElementType t, std::vector<int32_t> e)
     : vertices(std::move(v)), type(t), elements(std::move(e)) {}
+
+void check_indices(const SolidMesh& mesh) {
+  for (size_t k = 0; k < mesh.elements.size(); ++k)
+    if (mesh.elements[k] < 0 || static_cast<size_t>(mesh.elements[k]) >= mesh.vertices.size())
+      throw InvalidMesh("element " + std::to_string(k / mesh.node_count()) + " refers to vertex " +
+                        std::to_string(mesh.elements[k]) + ": indices must be in [0, " +
+                        std::to_string(mesh.vertices.size()) + ")");
+}
 
 double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& position, std::span<Vec3> out) {
   shape_gradients(mesh.type, position, out);

@@ -47,6 +47,9 @@ struct SolidMesh {
   }
 };
 
+/// Throws InvalidMesh where an element refers to a vertex that does not exist.
+void check_indices(const SolidMesh& mesh);
+
 /// Gradients of the shape functions in rest coordinates [1/m], and determinant of the Jacobian of the map
 /// from the reference cell, at a reference position in an element.
 double rest_gradients(const SolidMesh& mesh, int64_t element, const Vec3& position, std::span<Vec3> out);

@@ -42,6 +42,10 @@ std::vector<ParameterDeclaration> parameters_of(const PotentialDefinition& defin
   return declarations;
 }
 
+std::vector<ParameterDeclaration> parameters_of(const Formula& formula) {
+  return parameters_of(define_potential("formula", "", formula));
+}
+
 void check_values(std::string_view owner, const ParameterDeclaration& declaration, const FieldValues& values,
                   int64_t element_count) {
   if (declaration.is_data && !values.per_element)

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include <stark/mechanics/formula.h>
 #include <stark/mechanics/potential_batch.h>
 
 namespace stark {
@@ -34,6 +35,7 @@ struct ParameterDeclaration {
 /// Parameters and data of a potential, each in the order of their first use; time_step and time are not among
 /// them. Runs the formula.
 std::vector<ParameterDeclaration> parameters_of(const PotentialDefinition& definition);
+std::vector<ParameterDeclaration> parameters_of(const Formula& formula);
 
 /// Checks values against a declaration: as many as needed, finite, in range. Throws InvalidArgument:
 /// "solid 'cube': c10[3] = -1 Pa: must be > 0 and finite; ...".

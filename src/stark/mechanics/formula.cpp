@@ -94,4 +94,10 @@ PotentialDefinition define_potential(std::string name, std::string doc, Formula 
       [formula = std::move(formula)](PotentialBuilder& builder) { return formula.repeat_energy(builder); });
 }
 
+Formula formula_of(const PotentialDefinition& definition) {
+  const auto builder = std::make_shared<PotentialBuilder>(definition.point_count);
+  const Scalar energy = definition.energy(*builder);
+  return Formula(builder, {energy});
+}
+
 }  // namespace stark

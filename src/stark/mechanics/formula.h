@@ -45,5 +45,7 @@ class Formula {
 
 /// Potential whose energy is the first output of a formula.
 PotentialDefinition define_potential(std::string name, std::string doc, Formula formula);
+/// The energy of a potential as a formula.
+Formula formula_of(const PotentialDefinition& definition);
 
 }  // namespace stark
