@@ -167,6 +167,19 @@ TEST_CASE("which exclusions are over is a part of the state") {
   CHECK_THROWS_AS(sim.set_state(wrong), InvalidArgument);
 }
 
+TEST_CASE("places that were clear with an exclusion are looked at again without it") {
+  Simulation sim(hinged_boxes({0, 0, 0.09}), without_gravity());
+  const State held = sim.state();
+  sim.set_state(held);
+  State over = held;
+  over.joint_enabled = {0.0};
+  over.contact_regained = {0};
+  CHECK_THROWS_AS(sim.set_state(over), InitialIntersection);
+  CHECK(sim.state() == held);
+  sim.set_state(held);
+  CHECK_FALSE(sim.step().failed());
+}
+
 TEST_CASE("vertices whose attachment breaks touch the other body again, one by one") {
   Scene scene;
   const BodyId box =

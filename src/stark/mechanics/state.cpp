@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -124,7 +125,7 @@ struct NumberRule {
   bool (*holds)(double);
 };
 
-NumberRule rule_of(const std::string& field) {
+NumberRule rule_of(std::string_view field) {
   if (field == "actuator_enabled") return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
   if (field == "restitution_due") return {"must be 0 or 1", [](double v) { return v == 0.0 || v == 1.0; }};
   if (field == "restitution_stiffness")
@@ -141,12 +142,32 @@ NumberRule rule_of(const std::string& field) {
   return {"must be finite", [](double v) { return std::isfinite(v); }};
 }
 
-size_t length(const std::vector<size_t>& shape) { return shape.empty() ? 1 : shape[0]; }
+template <typename T>
+size_t length(const T&) {
+  return 1;
+}
+template <typename T>
+size_t length(const std::vector<T>& values) {
+  return values.size();
+}
 
-size_t count_numbers(const std::vector<size_t>& shape) {
-  size_t count = 1;
-  for (const size_t extent : shape) count *= extent;
-  return count;
+std::string invalid_number(int64_t, const char*, const char*) { return {}; }
+std::string invalid_number(const std::vector<int64_t>&, const char*, const char*) { return {}; }
+std::string invalid_number(double value, const char* name, const char* unit) {
+  const NumberRule rule = rule_of(name);
+  return rule.holds(value) ? std::string{}
+                           : std::string(name) + " = " + quantity_text(value, unit) + ": " + rule.text;
+}
+template <typename T>
+std::string invalid_number(const std::vector<T>& values, const char* name, const char* unit) {
+  if (values.empty()) return {};
+  const NumberRule rule = rule_of(name);
+  const auto* numbers = reinterpret_cast<const double*>(values.data());
+  for (size_t k = 0; k < values.size() * kWidth<T>; ++k)
+    if (!rule.holds(numbers[k]))
+      return std::string(name) + "[" + std::to_string(k / kWidth<T>) +
+             "] = " + quantity_text(numbers[k], unit) + ": " + rule.text;
+  return {};
 }
 
 /// Rounding of many steps stays far below this, anything but a rotation far above.
@@ -205,16 +226,11 @@ std::string find_invalid_number(const State& state) {
   for (const auto& [name, count] :
        {std::pair{"step_count", state.step_count}, std::pair{"mark_count", state.mark_count}})
     if (count < 0) return std::string(name) + " = " + std::to_string(count) + ": must be >= 0";
-  for (const StateArray& array : arrays_of(state)) {
-    if (array.is_integer) continue;
-    const auto* numbers = static_cast<const double*>(array.data);
-    const NumberRule rule = rule_of(array.name);
-    const size_t count = count_numbers(array.shape), width = count / std::max<size_t>(1, length(array.shape));
-    for (size_t k = 0; k < count; ++k)
-      if (!rule.holds(numbers[k]))
-        return array.name + (array.shape.empty() ? "" : "[" + std::to_string(k / width) + "]") + " = " +
-               quantity_text(numbers[k], array.unit) + ": " + rule.text;
-  }
+  // Field by field without lists of them: states are set between the steps of small scenes.
+#define STARK_STATE_FIELD(type, name, unit, meaning) \
+  if (std::string what = invalid_number(state.name, #name, unit); !what.empty()) return what;
+#include <stark/mechanics/state_fields.inc>
+#undef STARK_STATE_FIELD
   for (const auto& [name, matrices] : {std::pair{"body_rotation", &state.body_rotation},
                                        {"script_rotation", &state.script_rotation},
                                        {"previous_body_rotation", &state.previous_body_rotation}})
@@ -228,15 +244,14 @@ std::string first_length_difference(const State& a, const State& b) {
   if (a.friction_force.size() != a.friction_pair.size()) return "friction_force";
   if (a.contact_factor.size() != a.contact_bodies.size()) return "contact_factor";
   if (a.contact_close_distance.size() != a.contact_close_bodies.size()) return "contact_close_distance";
-  const std::vector<StateArray> of_a = arrays_of(a), of_b = arrays_of(b);
-  for (const StateArray& array : of_a)
-    if (array.name.starts_with("restitution_") && length(array.shape) != a.restitution_bodies.size())
-      return array.name;
-  for (size_t k = 0; k < of_a.size(); ++k) {
-    const bool by_contact = of_a[k].name.starts_with("friction_") || of_a[k].name.starts_with("contact_") ||
-                            of_a[k].name.starts_with("restitution_");
-    if (!by_contact && length(of_a[k].shape) != length(of_b[k].shape)) return of_a[k].name;
+#define STARK_STATE_FIELD(type, name, unit, meaning)                                                     \
+  if (constexpr std::string_view field = #name; field.starts_with("restitution_")) {                     \
+    if (length(a.name) != a.restitution_bodies.size()) return #name;                                     \
+  } else if (!field.starts_with("friction_") && !field.starts_with("contact_")) { /* those by contact */ \
+    if (length(a.name) != length(b.name)) return #name;                                                  \
   }
+#include <stark/mechanics/state_fields.inc>
+#undef STARK_STATE_FIELD
   return {};
 }
 

@@ -6,6 +6,12 @@
 
 namespace stark {
 
+/// Places of sites at which nothing intersects, with these exclusions of contact over.
+struct ClearPlaces {
+  std::vector<Vec3> places{};
+  std::vector<int64_t> regained{};
+};
+
 struct Simulation::Parts {
   Parts(const StepContext& context, Exclusions exclusions, const SurfaceMesh& mesh,
         const std::vector<bool>& is_filled, PrescribedBodies prescribed, Assembler& assembler,
@@ -25,6 +31,7 @@ struct Simulation::Parts {
   ReleaseWatch watch;
   Placing placing;
   StepRunner runner;
+  ClearPlaces known_clear{};  ///< of the state or placing that was checked last
 };
 
 }  // namespace stark

@@ -64,12 +64,17 @@ void Simulation::set_state(const State& state) {
 void Simulation::check_state_clear(const State& state, std::span<const Vec3> x, const std::string& when) {
   const std::vector<int64_t> filtered = parts_->watch.filtered();
   parts_->watch.set_regained(parts_->watch.exclusions().over(state));
+  // Of a state that is set again and again, as at the start of each episode of learning, this is known.
+  ClearPlaces& known = parts_->known_clear;
+  if (known.regained == parts_->watch.filtered() && std::ranges::equal(known.places, x)) return;
   try {
     check_clear(x, when);
   } catch (...) {
     parts_->watch.set_regained(filtered);
     throw;
   }
+  known.regained = parts_->watch.filtered();
+  known.places.assign(x.begin(), x.end());
 }
 
 void Simulation::reset() {
