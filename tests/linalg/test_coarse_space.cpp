@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <stark/linalg/jacobi_matrix.h>
 #include <stark/linalg/pcg.h>
 
 #include "linalg/systems.h"
@@ -89,13 +90,15 @@ TEST_CASE("coarse space: a slender bar takes less than a third of the iterations
   const std::vector<double> b = test::random_vector(3 * static_cast<int64_t>(body.positions.size()), 3);
   std::vector<double> x(b.size()), y(b.size());
   Pcg pcg;
-  REQUIRE(pcg.prepare(body.matrix, pool));
+  JacobiMatrix jacobi;
+  REQUIRE(jacobi.prepare(body.matrix, PcgStorage::Double, pool));
   CoarseSpace coarse;
   coarse.prepare(body.matrix.pattern);
   coarse.set_positions(body.positions);
   REQUIRE(coarse.factor(body.matrix, pool));
-  const PcgReport plain = pcg.solve(b, x, 1e-8, 10000, pool);
-  const PcgReport corrected = pcg.solve(b, y, 1e-8, 10000, pool, &coarse);
+  const PcgReport plain = pcg.solve(jacobi, b, x, 1e-8, 10000, pool);
+  jacobi.set_coarse_space(&coarse);
+  const PcgReport corrected = pcg.solve(jacobi, b, y, 1e-8, 10000, pool);
   CHECK(plain.converged);
   CHECK(corrected.converged);
   CHECK(3 * corrected.iterations < plain.iterations);
@@ -177,8 +180,10 @@ TEST_CASE("coarse space: clusters on a line or on a point, whose turns move noth
     const std::vector<double> b = test::random_vector(3 * count, 4);
     std::vector<double> x(b.size());
     Pcg pcg;
-    REQUIRE(pcg.prepare(matrix, pool));
-    CHECK(pcg.solve(b, x, 1e-8, 1000, pool, &coarse).converged);
+    JacobiMatrix jacobi;
+    REQUIRE(jacobi.prepare(matrix, PcgStorage::Double, pool));
+    jacobi.set_coarse_space(&coarse);
+    CHECK(pcg.solve(jacobi, b, x, 1e-8, 1000, pool).converged);
     CHECK(test::relative_residual(matrix, b, x) < 1e-6);
   }
 }

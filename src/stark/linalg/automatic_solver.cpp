@@ -1,6 +1,7 @@
 #include <stark/linalg/automatic_solver.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace stark {
 
@@ -14,6 +15,8 @@ constexpr double kBytesPerSecond = 12e9;
 // some milliseconds. For cloth they do not: it takes about 100 iterations, and steps of Newton's method grow
 // in number by a tenth.
 constexpr double kSolidFlops = 6e7;
+// Where sweeps precondition them, they pay from this on.
+constexpr double kSweptFlops = 1e6;
 // Without a coarse space they pay where a factorisation costs so many iterations.
 constexpr double kProbeMinIterations = 150;
 // Above, single precision with refinement is faster than double.
@@ -49,9 +52,10 @@ void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8
     start_direct_ = &direct_;
   else
     start_direct_ = &direct_.in_double();
-  const auto solid = static_cast<double>(std::ranges::count(in_solid, 1));
+  const bool is_solid = static_cast<double>(std::ranges::count(in_solid, 1)) > 0.5 * n;
   starts_with_pcg_ = break_even > kProbeMinIterations;
-  if (pcg_.has_coarse_space()) starts_with_pcg_ = solid > 0.5 * n && flops > kSolidFlops;
+  if (pcg_.has_coarse_space()) starts_with_pcg_ = is_solid && flops > kSolidFlops;
+  may_sweep_ = is_solid && flops > kSweptFlops;
   break_even_ = std::max(break_even, kLeastBreakEven);
   pcg_.set_max_iterations(
       static_cast<int>(std::min(kPatience * break_even_, static_cast<double>(max_iterations_))));
@@ -60,12 +64,14 @@ void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8
 void AutomaticSolver::begin_step() {
   current_ = starts_with_pcg_ ? static_cast<LinearSolver*>(&pcg_) : start_direct_;
   solves_ = iterations_ = 0;
+  is_first_ = true;
   pcg_.begin_step();
   direct_.begin_step();
 }
 
 LinearSolveReport AutomaticSolver::solve_system(const LinearSystem& system, std::span<double> x) {
   int iterations = 0;
+  if (std::exchange(is_first_, false) && may_sweep_ && pcg_.is_swept(system.A)) current_ = &pcg_;
   if (current_ == &pcg_) {
     last_used_ = current_;
     const LinearSolveReport report = pcg_.solve(system, x);

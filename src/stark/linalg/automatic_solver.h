@@ -28,6 +28,8 @@ class AutomaticSolver final : public LinearSolver {
   // What steps start with and when they change; all follow from prepare(), never from earlier steps, so that
   // a resumed run continues bit for bit.
   bool starts_with_pcg_ = false;
+  bool may_sweep_ = false;   ///< starts with pcg where sweeps precondition it
+  bool is_first_ = true;     ///< no system of this step was solved
   double break_even_ = 0.0;  ///< iterations of conjugate gradients that cost as much as a factorisation
   int solves_ = 0, iterations_ = 0;  ///< of conjugate gradients in this step
   LinearSolver* start_direct_;
