@@ -1,7 +1,6 @@
 #include <stark/linalg/automatic_solver.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace stark {
 
@@ -25,6 +24,8 @@ constexpr double kFloatFlops = 2e7;
 // more than one: the model is no better than that for systems of which all is in the cache.
 constexpr double kPatience = 3.0, kPatienceOnAverage = 1.5;
 constexpr double kLeastBreakEven = 80.0;
+// Those with sweeps give up earlier: the model is right for them.
+constexpr double kSweptPatience = 2.0, kSweptPatienceOnAverage = 1.0;
 
 }  // namespace
 
@@ -56,9 +57,18 @@ void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8
   starts_with_pcg_ = break_even > kProbeMinIterations;
   if (pcg_.has_coarse_space()) starts_with_pcg_ = is_solid && flops > kSolidFlops;
   may_sweep_ = is_solid && flops > kSweptFlops;
-  break_even_ = std::max(break_even, kLeastBreakEven);
-  pcg_.set_max_iterations(
-      static_cast<int>(std::min(kPatience * break_even_, static_cast<double>(max_iterations_))));
+  break_even_ = break_even;
+}
+
+// What the first system of a step says: whether conjugate gradients are worth a try, and for how long.
+void AutomaticSolver::choose(const BlockMatrix& matrix) {
+  is_first_ = false;
+  const bool is_swept = may_sweep_ && pcg_.is_swept(matrix);
+  if (is_swept) current_ = &pcg_;
+  const double break_even = is_swept ? break_even_ : std::max(break_even_, kLeastBreakEven);
+  const double most = (is_swept ? kSweptPatience : kPatience) * break_even;
+  pcg_.set_max_iterations(static_cast<int>(std::min(most, static_cast<double>(max_iterations_))));
+  most_on_average_ = (is_swept ? kSweptPatienceOnAverage : kPatienceOnAverage) * break_even;
 }
 
 void AutomaticSolver::begin_step() {
@@ -71,13 +81,14 @@ void AutomaticSolver::begin_step() {
 
 LinearSolveReport AutomaticSolver::solve_system(const LinearSystem& system, std::span<double> x) {
   int iterations = 0;
-  if (std::exchange(is_first_, false) && may_sweep_ && pcg_.is_swept(system.A)) current_ = &pcg_;
+  if (is_first_) choose(system.A);
   if (current_ == &pcg_) {
     last_used_ = current_;
     const LinearSolveReport report = pcg_.solve(system, x);
     iterations_ += report.iterations;
-    if (iterations_ > kPatienceOnAverage * break_even_ * ++solves_) current_ = start_direct_;
-    if (report.ok || report.indefinite) return report;
+    // A system that takes so many is ill-conditioned, and its solution of little use to Newton's method.
+    const bool are_too_many = iterations_ > most_on_average_ * ++solves_;
+    if ((report.ok && !are_too_many) || report.indefinite) return report;
     iterations = report.iterations;
     current_ = start_direct_;  // for the rest of the step
   }

@@ -22,6 +22,8 @@ class AutomaticSolver final : public LinearSolver {
   LinearSolveReport solve_kept(const LinearSystem& system, std::span<double> x) override;
 
  private:
+  void choose(const BlockMatrix& matrix);
+
   PcgSolver pcg_;
   CholeskyFloatSolver direct_;
   int max_iterations_;
@@ -31,6 +33,8 @@ class AutomaticSolver final : public LinearSolver {
   bool may_sweep_ = false;   ///< starts with pcg where sweeps precondition it
   bool is_first_ = true;     ///< no system of this step was solved
   double break_even_ = 0.0;  ///< iterations of conjugate gradients that cost as much as a factorisation
+  double most_on_average_ =
+      0.0;  ///< iterations of the solves of a step, after which a factorisation is tried
   int solves_ = 0, iterations_ = 0;  ///< of conjugate gradients in this step
   LinearSolver* start_direct_;
   LinearSolver* current_;    ///< what the next solve will use

@@ -1,6 +1,6 @@
 // A block matrix with the preconditioner symmetric Gauss-Seidel, M = K D^-1 K^T, where D are the diagonal
 // blocks and K is the lower triangle with them, A = K + K^T - D. In the variables K^T x an iteration reads
-// every block once, as a product with A does [Eisenstat 1981; theory eq. 23e]. Sweeps go from row to row on
+// every block once, as a product with A does [Eisenstat 1981; theory eq. 23d]. Sweeps go from row to row on
 // one thread: it is for systems that are too small to share. Phase: linear solve of a Newton step.
 #pragma once
 
