@@ -390,7 +390,8 @@ void merge_by_feature(const ContactGeometry& geometry, const SurfaceCells& cells
     merger.append_to(std::span(contacts).subspan(i, end - i), merged);
   }
   contacts = std::move(merged);
-  std::ranges::stable_sort(contacts, {}, &Contact::key);
+  if (!std::ranges::is_sorted(contacts, {}, &Contact::key))  // a sort takes memory
+    std::ranges::stable_sort(contacts, {}, &Contact::key);
 }
 
 }  // namespace stark

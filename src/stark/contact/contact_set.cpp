@@ -188,9 +188,10 @@ void classify_all(const Classifier& classifier, Tag kind, const std::vector<Prim
 /// stiffness and its friction, while the point slides from triangle to triangle.
 void keep_nearest_of_faces(std::span<const int32_t> face, std::vector<Contact>& contacts) {
   for (Contact& contact : contacts) contact.key.second = face[contact.key.second];
-  std::ranges::stable_sort(contacts, [](const Contact& a, const Contact& b) {
+  const auto by_face = [](const Contact& a, const Contact& b) {
     return a.key != b.key ? a.key < b.key : a.distance < b.distance;
-  });
+  };
+  if (!std::ranges::is_sorted(contacts, by_face)) std::ranges::stable_sort(contacts, by_face);
   const auto rest = std::ranges::unique(contacts, {}, &Contact::key);
   contacts.erase(rest.begin(), rest.end());
 }
@@ -247,12 +248,19 @@ void find_contacts(const ContactGeometry& geometry, const CandidateList& candida
 ContactSet::ContactSet(const std::array<std::shared_ptr<const Potential>, kStencilKindCount>& barriers,
                        ThreadPool& pool)
     : pool_(pool), contact_of_(kStencilKindCount) {
-  for (const auto& barrier : barriers) batches_.emplace_back(barrier);
+  for (const auto& barrier : barriers) {
+    const PotentialBatch& batch = batches_.emplace_back(barrier);
+    const bool is_mollified = batches_.size() > static_cast<size_t>(StencilKind::MollifiedPointPoint);
+    fields_.push_back({batch.field_index("stiffness"), batch.field_index("contact_distance"),
+                       batch.field_index("least_distance"),
+                       is_mollified ? batch.field_index("parallel_threshold") : -1});
+  }
 }
 
 void ContactSet::reset(std::vector<Contact> contacts) {
   contacts_ = std::move(contacts);
   std::vector<int32_t> stencils;
+  stencils.reserve(4 * contacts_.size());
   for (int kind = 0; kind < kStencilKindCount; ++kind) {
     stencils.clear();
     contact_of_[kind].clear();
@@ -264,18 +272,15 @@ void ContactSet::reset(std::vector<Contact> contacts) {
     }
     PotentialBatch& batch = batches_[kind];
     batch.resize(stencils);
-    if (stencils.empty()) continue;  // as most are: their fields need no looking up
-    const bool mollified = kind >= static_cast<int>(StencilKind::MollifiedPointPoint);
-    const int stiffness = batch.field_index("stiffness"), distance = batch.field_index("contact_distance");
-    const int least = batch.field_index("least_distance");
-    const int threshold = mollified ? batch.field_index("parallel_threshold") : -1;
+    const Fields& fields = fields_[kind];
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Contact& contact = contacts_[contact_of_[kind][e]];
       const double weighted = contact.stiffness * weight_;
-      batch.set(stiffness, e, {&weighted, 1});
-      batch.set(distance, e, {&contact.contact_distance, 1});
-      batch.set(least, e, {&contact.least_distance, 1});
-      if (mollified) batch.set(threshold, e, {&contact.parallel_threshold, 1});
+      batch.set(fields.stiffness, e, {&weighted, 1});
+      batch.set(fields.distance, e, {&contact.contact_distance, 1});
+      batch.set(fields.least_distance, e, {&contact.least_distance, 1});
+      if (fields.parallel_threshold >= 0)
+        batch.set(fields.parallel_threshold, e, {&contact.parallel_threshold, 1});
     }
   }
 }
@@ -300,6 +305,7 @@ const std::vector<double>& ContactSet::evaluate_energies(std::span<const Vec3> x
   AlignedVector<double> out;
   for (int kind = 0; kind < kStencilKindCount; ++kind) {
     const PotentialBatch& batch = batches_[kind];
+    if (batch.size() == 0) continue;
     out.resize(batch.block_count() * kLanes);
     pool_.for_each_range(batch.block_count(), 32, [&](int64_t first, int64_t last) {
       batch.evaluate(Order::Energy, x, first, last, out.data() + first * kLanes);
@@ -314,6 +320,7 @@ void ContactSet::evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out
   AlignedVector<double> out;
   for (int kind = 0; kind < kStencilKindCount; ++kind) {
     const PotentialBatch& batch = batches_[kind];
+    if (batch.size() == 0) continue;
     const int outputs = batch.potential().kernel().output_count(Order::Gradient);
     out.resize(batch.block_count() * outputs * kLanes);
     batch.evaluate(Order::Gradient, x, 0, batch.block_count(), out.data());

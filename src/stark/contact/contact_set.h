@@ -143,7 +143,11 @@ class ContactSet {
 
  private:
   ThreadPool& pool_;
-  std::vector<PotentialBatch> batches_;           ///< by StencilKind
+  std::vector<PotentialBatch> batches_;  ///< by StencilKind
+  struct Fields {                        // of a batch, by number
+    int stiffness, distance, least_distance, parallel_threshold;
+  };
+  std::vector<Fields> fields_;                    ///< [kind]; without a threshold -1
   std::vector<std::vector<int64_t>> contact_of_;  ///< [kind][element] -> index into contacts_
   std::vector<Contact> contacts_;
   std::vector<double> energies_;

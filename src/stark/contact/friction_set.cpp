@@ -176,6 +176,7 @@ std::vector<FrictionSet::Pair> FrictionSet::make_pairs(const std::vector<Contact
                                                        const FrictionTable& coefficient,
                                                        std::span<const Vec3> x) const {
   std::vector<Pair> pairs;
+  pairs.reserve(contacts.size());
   for (size_t c = 0; c < contacts.size(); ++c) {
     const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
     if (!(mu.sticking > 0.0) || !(norm(forces[c]) > 0.0)) continue;

@@ -43,6 +43,7 @@ Assembler::Assembler(const KinematicMap& map, ThreadPool& pool) : map_(map), poo
 void Assembler::append_pairs(std::span<const int32_t> stencils, int nodes,
                              std::vector<std::pair<int32_t, int32_t>>& out) const {
   std::vector<int32_t> blocks;
+  blocks.reserve(2 * nodes);
   SupportPairs of_supports(map_);
   for (size_t first = 0; first < stencils.size(); first += nodes) {
     const auto stencil = stencils.subspan(first, nodes);
@@ -96,6 +97,7 @@ Assembler::StaticPlan Assembler::plan(const PotentialBatch& batch) const {
 void Assembler::set_dynamic_batches(std::vector<const PotentialBatch*> batches) {
   dynamic_batches_ = std::move(batches);
   std::vector<std::pair<int32_t, int32_t>> pairs;
+  pairs.reserve(dynamic_pairs_.size());
   for (const PotentialBatch* batch : dynamic_batches_)
     append_pairs(batch->stencils(), batch->point_count(), pairs);
   if (pairs == dynamic_pairs_ && pattern_.block_count == static_pattern_.block_count) return;
@@ -229,8 +231,8 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
     batch.evaluate(Order::Hessian, x, first, last, out);
     if (options.project) projected_count_ += project_blocks(batch.potential(), last - first, out);
   });
-  std::vector<SiteJacobian> jacobians(points);
-  std::vector<int32_t> blocks(points);
+  jacobians_.resize(points);
+  blocks_.resize(points);
   std::vector<Vec3> extra(options.pending.empty() ? 0 : points);
   for (int64_t e = 0; e < batch.size(); ++e) {
     const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, n,
@@ -241,15 +243,15 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
     bool only_points = true;
     for (int p = 0; p < points; ++p) {
       const bool is_prescribed = map_.is_prescribed(sites[p]);
-      blocks[p] = is_prescribed || !map_.is_point(sites[p]) ? kNoBlock : map_.point_block(sites[p]);
+      blocks_[p] = is_prescribed || !map_.is_point(sites[p]) ? kNoBlock : map_.point_block(sites[p]);
       only_points = only_points && (is_prescribed || map_.is_point(sites[p]));
     }
     if (only_points) {
-      add_point_element(element, blocks, extra, gradient, hessian);
+      add_point_element(element, blocks_, extra, gradient, hessian);
       continue;
     }
-    for (int p = 0; p < points; ++p) jacobians[p] = map_.jacobian(sites[p], configuration);
-    add_mapped_element(element, sites, jacobians, extra, gradient, hessian, body_moment_, site_pairs_);
+    for (int p = 0; p < points; ++p) jacobians_[p] = map_.jacobian(sites[p], configuration);
+    add_mapped_element(element, sites, jacobians_, extra, gradient, hessian, body_moment_, site_pairs_);
   }
 }
 

@@ -92,6 +92,8 @@ class Assembler {
   std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with
   std::vector<int64_t> slot_of_static_;  ///< slot in pattern_ of each slot of static_pattern_
   AlignedVector<double> buffer_;
+  std::vector<SiteJacobian> jacobians_;  ///< of one element
+  std::vector<int32_t> blocks_;
   AlignedVector<double> padded_gradient_;  ///< [block][4] of plain static batches
   std::vector<Vec3> site_gradient_;        ///< [N] by site
   SitePairs site_pairs_;                   ///< of embedded sites, to be scattered at the end
