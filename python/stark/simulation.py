@@ -142,7 +142,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         ]
         self._held: tuple[str, str, bool] | None = None
         self._is_asking = False  # functions of time for the targets of a step that begins
-        self._last_step: LastStep | None = None
+        self._loaded: LastStep | None = None
         self._taken: TakenStep | None = None
         # The scene may grow after this: the simulation is of what it is now.
         self._calls = [*scene._core.calls, ("default_friction", (scene.default_friction,))]
@@ -217,12 +217,10 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             self._follow_motions(*self._core.next_step(limit))
         for values in self._live_values:
             values.push(self._core)
-        before, self._last_step, self._taken = self._core.state, None, None
+        before, self._loaded, self._taken = self._core.state, None, None
         report = self._core.step(limit, progress, PROGRESS_PERIOD)
-        self._taken = TakenStep(before, limit, report)
-        if not report.failed:
-            pushed = [values.pushed() for values in self._live_values]
-            self._last_step = LastStep(before, limit, pushed, report.energy["placed"])
+        pushed = [values.pushed() for values in self._live_values]
+        self._taken = TakenStep(before, limit, report, pushed)
         return report
 
     def _follow_motions(self, duration: float, end: float) -> None:
@@ -327,7 +325,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
                 f"state = {state!r}: must be a state that sim.state of a simulation of this scene returned"
             )
         self._core.state = state
-        self._last_step = self._taken = None
+        self._loaded = self._taken = None
 
     def reset(self, state: State | None = None) -> None:
         """Goes back to the start: the state that the simulation was made with, bit for bit; or to ``state``,
@@ -338,7 +336,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
             return
         self._require_free("reset()")
         self._core.reset()
-        self._last_step = self._taken = None
+        self._loaded = self._taken = None
 
     def save(self, path: str | PathLike[str], *, memory: dict[str, Any] | None = None) -> None:
         """Writes where it is to a file, to go on from bit for bit: the state, the live values of energies,

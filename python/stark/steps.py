@@ -40,6 +40,7 @@ class TakenStep(NamedTuple):
     before: State
     limit: float | None  #: [s]
     report: StepReport
+    values: list[dict[str, Any]]  #: live values of the energies, arrays by name
 
 
 #: Called while a step is under way: how far it has come.
@@ -49,10 +50,17 @@ OnProgress = Callable[[StepProgress], object]
 class Stepping(SimulationLink):
     """What checkpoints and reproducers know of a simulation."""
 
-    _last_step: LastStep | None
+    _loaded: LastStep | None  # of the checkpoint that it goes on from
     _taken: TakenStep | None
     _calls: list[Call]  # that made its scene
     _again: tuple[Any, Any]  # stark.Scene and stark.Simulation, to make both again
+
+    @property
+    def _last_step(self) -> LastStep | None:
+        if self._taken is None:
+            return self._loaded
+        before, limit, report, values = self._taken
+        return None if report.failed else LastStep(before, limit, values, report.energy["placed"])
 
     @cached_property
     def _parts(self) -> list[tuple[str, bool, str]]:

@@ -122,7 +122,7 @@ class Checkpoint(Content):
             live.push(sim._core)
         same = sim._core.resume(self.last.before, self.last.limit, self.state, self.last.placed)
         _assign(sim, self.values)
-        sim._last_step = self.last if same else None
+        sim._loaded = self.last if same else None
         if not same:
             warnings.warn(
                 f"the last step before the checkpoint at {self.time:g} s, taken again, has other bits: this "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace stark {
 
@@ -113,14 +114,21 @@ bool ContactLaw::depends_on_normal(const Contact& contact) const {
 
 void ContactLaw::freeze_areas(const SurfaceMesh& mesh, std::span<const Vec3> x,
                               const std::vector<Contact>& contacts) {
-  std::map<int64_t, const Contact*> nearest;
-  for (const Contact& contact : contacts) {
-    if (!depends_on_normal(contact) || frozen_.contains(area_code(contact))) continue;
-    const Contact*& known = nearest[area_code(contact)];
-    if (known == nullptr || contact.distance < known->distance) known = &contact;
-  }
-  for (const auto& [code, contact] : nearest)
-    frozen_[code] = areas_.area(mesh, *contact, normalized(gap_vector(*contact, x)), x);
+  struct Open {
+    int64_t code;
+    const Contact* contact;
+  };
+  std::vector<Open> open;
+  open.reserve(contacts.size());
+  for (const Contact& contact : contacts)
+    if (const int64_t code = area_code(contact); depends_on_normal(contact) && !frozen_.contains(code))
+      open.push_back({code, &contact});
+  // The nearest of each code; of equals, the first.
+  std::ranges::sort(open, {},
+                    [](const Open& o) { return std::tuple(o.code, o.contact->distance, o.contact); });
+  for (const auto& [code, contact] : open)
+    if (!frozen_.contains(code))
+      frozen_[code] = areas_.area(mesh, *contact, normalized(gap_vector(*contact, x)), x);
 }
 
 void ContactLaw::assign(const SurfaceMesh& mesh, std::span<const Vec3> x, std::vector<Contact>& contacts) {

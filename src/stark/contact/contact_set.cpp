@@ -174,12 +174,15 @@ template <typename Tag>
 void classify_all(const Classifier& classifier, Tag kind, const std::vector<PrimitivePair>& candidates,
                   ThreadPool& pool, std::vector<Contact>& out) {
   const int64_t count = static_cast<int64_t>(candidates.size());
-  std::vector<std::vector<Contact>> parts((count + kCandidatesPerTask - 1) / kCandidatesPerTask);
-  pool.for_each_range(count, kCandidatesPerTask, [&](int64_t begin, int64_t end) {
+  const auto classify_range = [&](int64_t begin, int64_t end, std::vector<Contact>& found) {
     Contact contact;
     for (int64_t i = begin; i < end; ++i)
-      if (classifier.classify(kind, candidates[i], contact))
-        parts[begin / kCandidatesPerTask].push_back(contact);
+      if (classifier.classify(kind, candidates[i], contact)) found.push_back(contact);
+  };
+  if (count <= kCandidatesPerTask) return classify_range(0, count, out);
+  std::vector<std::vector<Contact>> parts((count + kCandidatesPerTask - 1) / kCandidatesPerTask);
+  pool.for_each_range(count, kCandidatesPerTask, [&](int64_t begin, int64_t end) {
+    classify_range(begin, end, parts[begin / kCandidatesPerTask]);
   });
   for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
 }
@@ -295,6 +298,7 @@ void ContactSet::swap(ContactSet& other) {
 
 std::vector<const PotentialBatch*> ContactSet::batches() const {
   std::vector<const PotentialBatch*> result;
+  result.reserve(batches_.size());
   for (const PotentialBatch& batch : batches_)
     if (batch.size() > 0) result.push_back(&batch);
   return result;

@@ -37,6 +37,12 @@ PairKey unpack(int64_t code) {
           static_cast<int32_t>((code >> kPrimitiveBits) & kMask), static_cast<int32_t>(code & kMask)};
 }
 
+void FrictionMemory::reserve(size_t count) {
+  pair.reserve(count);
+  deflection.reserve(count);
+  force.reserve(count);
+}
+
 void FrictionMemory::append(const PairKey& key, const Vec3& pair_deflection, double normal_force) {
   pair.push_back(pack(key));
   deflection.push_back(pair_deflection);

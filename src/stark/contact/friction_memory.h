@@ -18,6 +18,7 @@ struct FrictionMemory {
   std::vector<Vec3> deflection;  ///< of the side of key.first against that of key.second [m]
   std::vector<double> force;     ///< normal force [N]
 
+  void reserve(size_t count);
   void append(const PairKey& key, const Vec3& pair_deflection, double normal_force);
   /// Index of a pair, -1 when nothing is known of it.
   int64_t find(const PairKey& key) const;

@@ -47,12 +47,30 @@ Vec3 any_tangent(const Vec3& normal) {
 
 }  // namespace
 
+FrictionSet::Fields::Fields(const PotentialBatch& batch, bool is_anisotropic)
+    : limit(batch.field_index("limit")),
+      deflection(batch.field_index("deflection")),
+      first(batch.field_index(is_anisotropic ? "along" : "normal")),
+      second(is_anisotropic ? batch.field_index("across") : -1),
+      facing(batch.point_count() > 2 ? batch.field_index("facing") : -1),
+      slope(batch.field_index("slope")),
+      pull(batch.field_index("pull")),
+      way(batch.field_index("way")),
+      pull_at_iterate(batch.field_index("pull_at_iterate")),
+      way_at_iterate(batch.field_index("way_at_iterate")) {
+  for (int p = 0; p < batch.point_count(); ++p) {
+    weights[p] = batch.field_index("weight" + std::to_string(p));
+    if (facing >= 0) slopes[p] = batch.field_index("slope" + std::to_string(p));
+  }
+}
+
 FrictionSet::FrictionSet(const FrictionPotentials& potentials, double stick_displacement,
                          SurfaceDirections directions)
     : stick_displacement_(stick_displacement), directions_(std::move(directions)) {
   const auto add = [&](const std::shared_ptr<const Potential>& potential) {
     if (potential == nullptr) return;
     batches_.emplace_back(potential).set_uniform("is_model", 0.0);
+    fields_.emplace_back(batches_.back(), batches_.size() > FrictionPotentials::kCounts);
     models_.emplace_back(potential).set_uniform("is_model", 1.0);
   };
   for (const auto& potential : potentials.isotropic) add(potential);
@@ -275,43 +293,38 @@ void FrictionSet::fill(std::vector<PotentialBatch>& batches) const {
   for (size_t k = 0; k < batches.size(); ++k) {
     PotentialBatch& batch = batches[k];
     const int points = batch.point_count();
-    const bool is_anisotropic = k >= FrictionPotentials::kCounts;
+    const Fields& fields = fields_[k];
+    const bool is_anisotropic = fields.second >= 0;
     std::vector<int32_t> stencils;
+    stencils.reserve(members_[k].size() * points);
     for (const size_t i : members_[k])
       stencils.insert(stencils.end(), pairs_[i].stencil.sites.begin(),
                       pairs_[i].stencil.sites.begin() + points);
     batch.resize(stencils);
-    if (stencils.empty()) continue;  // as most are: their fields need no looking up
+    if (stencils.empty()) continue;
     batch.set_previous(reference_.positions);
-    const int limit = batch.field_index("limit"), deflection = batch.field_index("deflection");
-    const int first = batch.field_index(is_anisotropic ? "along" : "normal");
-    const int second = is_anisotropic ? batch.field_index("across") : -1;
-    const int facing = points > 2 ? batch.field_index("facing") : -1;
-    std::array<int, kFrictionPoints> weights{}, slopes{};
-    for (int p = 0; p < points; ++p) {
-      weights[p] = batch.field_index("weight" + std::to_string(p));
-      if (points > 2) slopes[p] = batch.field_index("slope" + std::to_string(p));
-    }
     for (int64_t e = 0; e < batch.size(); ++e) {
       const Pair& pair = pairs_[members_[k][e]];
       Vec3 start = pair.deflection / reference_.scale;
       if (!moving_.empty()) start += pair.drift;
       const double weighted = pair.limit * reference_.weight;
-      batch.set(limit, e, {&weighted, 1});
-      batch.set(first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
-      if (is_anisotropic) batch.set(second, e, {&pair.across.x, 3});
-      batch.set(deflection, e, {&start.x, 3});
-      for (int p = 0; p < points; ++p) batch.set(weights[p], e, {&pair.stencil.weights[p], 1});
+      batch.set(fields.limit, e, {&weighted, 1});
+      batch.set(fields.first, e, {is_anisotropic ? &pair.along.x : &pair.normal.x, 3});
+      if (is_anisotropic) batch.set(fields.second, e, {&pair.across.x, 3});
+      batch.set(fields.deflection, e, {&start.x, 3});
+      for (int p = 0; p < points; ++p) batch.set(fields.weights[p], e, {&pair.stencil.weights[p], 1});
       if (points == 2) continue;
-      batch.set(facing, e, {&pair.stencil.facing.x, 3});
-      for (int p = 0; p < points; ++p) batch.set(slopes[p], e, {&pair.stencil.slopes[p].x, 3});
+      batch.set(fields.facing, e, {&pair.stencil.facing.x, 3});
+      for (int p = 0; p < points; ++p) batch.set(fields.slopes[p], e, {&pair.stencil.slopes[p].x, 3});
     }
   }
 }
 
 FrictionMemory FrictionSet::end_step(std::span<const Vec3> x) const {
   FrictionMemory memory;
-  for (const Pair& pair : next_start_ ? *next_start_ : pairs_) {
+  const std::vector<Pair>& pairs = next_start_ ? *next_start_ : pairs_;
+  memory.reserve(pairs.size());
+  for (const Pair& pair : pairs) {
     const Vec3 u = limited(pair, deflection(pair, x));
     double angle = spin(*mesh_, pair.contact.key, pair.normal, x_start_, x);
     if (!moving_.empty()) angle += surface_turn(pair, x);
@@ -342,9 +355,7 @@ std::vector<const PotentialBatch*> FrictionSet::models(std::span<const Vec3> x) 
   for (size_t k = 0; k < models_.size(); ++k) {
     PotentialBatch& batch = models_[k];
     if (batch.size() == 0) continue;
-    const int slope_field = batch.field_index("slope"), pull_field = batch.field_index("pull"),
-              way_field = batch.field_index("way"), pull_there = batch.field_index("pull_at_iterate"),
-              way_there = batch.field_index("way_at_iterate");
+    const Fields& fields = fields_[k];
     for (int64_t e = 0; e < batch.size(); ++e) {
       Pair& pair = pairs_[members_[k][e]];
       const Vec3 u = deflection(pair, x) / reference_.scale;
@@ -353,11 +364,11 @@ std::vector<const PotentialBatch*> FrictionSet::models(std::span<const Vec3> x) 
       const Vec3 way = in_metric(pair, y > 0.0 ? u / y : Vec3{}),
                  pull = in_metric(pair, pair.dual * phi_prime(y));
       const double p = dot(pull, u), q = dot(way, u);
-      batch.set(slope_field, e, {&slope, 1});
-      batch.set(pull_field, e, {&pull.x, 3});
-      batch.set(way_field, e, {&way.x, 3});
-      batch.set(pull_there, e, {&p, 1});
-      batch.set(way_there, e, {&q, 1});
+      batch.set(fields.slope, e, {&slope, 1});
+      batch.set(fields.pull, e, {&pull.x, 3});
+      batch.set(fields.way, e, {&way.x, 3});
+      batch.set(fields.pull_at_iterate, e, {&p, 1});
+      batch.set(fields.way_at_iterate, e, {&q, 1});
     }
   }
   return non_empty(models_);
@@ -431,8 +442,10 @@ double FrictionSet::energy_at_start() const {
 
 std::vector<double> FrictionSet::energies(std::span<const Vec3> x) const {
   std::vector<double> energies;
+  energies.reserve(pairs_.size());
   AlignedVector<double> out;
   for (const PotentialBatch& batch : batches_) {
+    if (batch.size() == 0) continue;
     out.resize(batch.block_count() * kLanes);
     batch.evaluate(Order::Energy, x, 0, batch.block_count(), out.data());
     energies.insert(energies.end(), out.begin(), out.begin() + batch.size());

@@ -130,6 +130,13 @@ class FrictionSet {
     std::optional<Vec3> modelled{};  ///< deflection at the last iterate with a model, over the scale [m]
   };
 
+  struct Fields {  ///< of a batch, by number; -1: it has none
+    Fields(const PotentialBatch& batch, bool is_anisotropic);
+    int limit, deflection, first, second, facing;
+    int slope, pull, way, pull_at_iterate, way_at_iterate;
+    std::array<int, kFrictionPoints> weights{}, slopes{};
+  };
+
   Pair make_pair(const Contact& contact, const FrictionCoefficient& mu, const Vec3& force,
                  std::span<const Vec3> x) const;
   std::vector<Pair> make_pairs(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
@@ -183,6 +190,7 @@ class FrictionSet {
   int resets_ = 0;                               ///< in this step
   std::vector<PotentialBatch> batches_;  ///< of 2 to 5 points, then the anisotropic ones if there are any
   std::vector<PotentialBatch> models_;
+  std::vector<Fields> fields_;                ///< of each batch and its model
   std::vector<std::vector<size_t>> members_;  ///< pairs of their elements
   std::vector<double> remembered_;
 };
