@@ -70,7 +70,7 @@ def error(found: Run, exact: Run) -> float:
 
 
 def extrapolated(coarse: Run, fine: Run, ratio: float) -> Run:
-    """What meshes go to whose errors fall with the size of their elements, that of the finer by this ratio."""
+    """What meshes go to whose errors fall with the size of their elements, smaller by this ratio."""
     share = 1.0 / (ratio - 1.0)
     heights = fine.heights + share * (fine.heights - coarse.heights)
     widths = fine.widths + share * (fine.widths - coarse.widths)
