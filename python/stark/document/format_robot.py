@@ -95,7 +95,7 @@ ROBOT = Record(
         "flexes": Field(
             Listing(Record({"name": Field(Text()), "body": Field(Whole())}), 10_000),
             [],
-            "deformable parts and the cloth or solid of each",
+            "deformable parts and the cloth, solid or rod of each",
         ),
         "drives": Field(
             Listing(

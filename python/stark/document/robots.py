@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stark.body_kinds import has_points, has_pose
+from stark.body_kinds import has_pose
 from stark.robots.description import Inertia, Link, Mimic, RobotDescription, RobotJoint
 from stark.robots.drives import Drives
 from stark.robots.handle import Robot
@@ -115,8 +115,8 @@ def add_robot(scene: Any, row: Mapping[str, Any], where: str) -> None:
 
 
 def _flex(scene: Any, number: int, where: str) -> Any:
-    if number >= len(scene.bodies) or not has_points(scene.bodies[number]):
-        raise DocumentError(f"{where}: flexes: body must be a cloth or a solid of the scene")
+    if number >= len(scene.bodies) or has_pose(scene.bodies[number]):
+        raise DocumentError(f"{where}: flexes: body must be a cloth, a solid or a rod of the scene")
     return scene.bodies[number]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.bodies import Cloth, RigidBody, Solid
+from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SimulationLink, placed_together
 from stark.robots.description import RobotDescription
 from stark.robots.kinematics import Placement
@@ -30,7 +30,7 @@ class BasedRobot(Protocol):
     def links(self) -> Mapping[str, RobotLink]: ...
 
     @property
-    def flexes(self) -> Mapping[str, Cloth | Solid]: ...
+    def flexes(self) -> Mapping[str, Cloth | Rod | Solid]: ...
 
     def _require(self, what: str) -> SimulationLink: ...
 
@@ -115,7 +115,7 @@ def _floating(robot: BasedRobot, what: str) -> str:
     return root
 
 
-def _carried(robot: BasedRobot, root: str) -> tuple[list[RigidBody], list[Cloth | Solid]]:
+def _carried(robot: BasedRobot, root: str) -> tuple[list[RigidBody], list[Cloth | Rod | Solid]]:
     """What hangs on the base by joints that do not float: bodies, each once, and flexes."""
     names = {root}
     for joint in robot.description.outwards:

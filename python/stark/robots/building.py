@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stark import mesh as meshes
 from stark._core import InvalidArgument
-from stark.bodies import Cloth, RigidBody, Solid
+from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh, joined
@@ -370,7 +370,7 @@ class _Builder:
                 core.disable_contact(pair[0]._index, pair[1]._index)
                 self.report.add("kept", "contact", f"'{a}' and '{b}' do not touch")
 
-    def _add_flex(self, flex: Flex) -> Cloth | Solid:
+    def _add_flex(self, flex: Flex) -> Cloth | Rod | Solid:
         group = self.group_of[flex.link]
         frame = group.frames[flex.link]
         carrier = Carrier(self.body_of[group.root], frame, self.frames[flex.link])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn, TypeVar
@@ -132,8 +132,8 @@ class RobotJoint:
 
 @dataclass(frozen=True, eq=False)
 class Flex:
-    """A deformable part: a cloth (triangles) or a solid (tetrahedra) whose ``vertices`` (n, 3) [m] are those
-    of rest, in the frame of a link."""
+    """A deformable part: a cloth (triangles), a solid (tetrahedra) or a rod (edges, each vertex joined to the
+    next) whose ``vertices`` (n, 3) [m] are those of rest, in the frame of a link."""
 
     name: str
     link: str
@@ -147,11 +147,14 @@ class Flex:
     """[Pa], 0 where the file says nothing."""
     poissons_ratio: float = 0.0
     thickness: float = 0.0
-    """[m], of a cloth."""
+    """[m], of a cloth; diameter of a rod."""
     bends: bool = True
     """Whether a cloth resists bending."""
     flexural_rigidity: float | None = None
     """Of a cloth [N m]; None: that of a plate of its modulus and thickness."""
+    rod_stiffnesses: Mapping[str, float] = field(default_factory=dict)
+    """Of a rod, where it is not its section that has them: ``axial_stiffness`` and ``shear_stiffness`` [N],
+    ``bending_stiffness`` and ``torsional_stiffness`` [N m^2]."""
     start: Floats | None = None
     """Where it starts (n, 3) [m], if not at rest."""
     folds_at_rest: bool = False
@@ -168,8 +171,13 @@ class Flex:
 
     @property
     def is_solid(self) -> bool:
-        """Whether it becomes a solid (three dimensions), not a cloth (two)."""
+        """Whether it becomes a solid (three dimensions), not a cloth (two) or a rod (one)."""
         return self.cells.shape[1] == 4
+
+    @property
+    def is_rod(self) -> bool:
+        """Whether it becomes a rod (one dimension)."""
+        return self.cells.shape[1] == 2
 
 
 _Part = TypeVar("_Part", Link, RobotJoint, Flex)

@@ -1,4 +1,4 @@
-"""Deformable parts of robots in a scene: cloth and solids that links hold."""
+"""Deformable parts of robots in a scene: cloth, solids and rods that links hold."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from stark import materials
-from stark.bodies import Cloth, RigidBody, Solid
-from stark.materials import ShellMaterial, SolidMaterial
+from stark.bodies import Cloth, RigidBody, Rod, Solid
+from stark.materials import RodMaterial, ShellMaterial, SolidMaterial
 from stark.mesh import TetMesh, TriangleMesh, oriented
 from stark.robots.description import Flex
 from stark.robots.kinematics import Placement
@@ -18,6 +18,9 @@ from stark.robots.report import Report
 
 #: Poisson's ratios beyond make linear tetrahedra lock.
 _LARGEST_RATIO = 0.49
+#: Of rods, where nothing is said.
+_DIAMETER, _MODULUS = 1e-3, 1e6  # [m], [Pa]
+_SLACK = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +40,7 @@ def add_flex(
     given: Mapping[str, Any],
     contact: bool,
     report: Report,
-) -> Cloth | Solid:
+) -> Cloth | Rod | Solid:
     """Adds a deformable part as a body of that name and fixes its held vertices to their link. ``given``:
     options of all bodies of the robot; without ``contact`` it touches nothing."""
     title = f"flex '{flex.name}'"
@@ -58,10 +61,12 @@ def add_flex(
         report.add("kept", title, f"radius {options['contact_distance']:g} m as its contact distance")
     if carrier.body is None and held:
         options["pins"] = held
-    body: Cloth | Solid
+    body: Cloth | Rod | Solid
     if flex.is_solid:
         mesh = oriented(TetMesh(flex.vertices, flex.cells))
         body = scene.add_solid(mesh, _solid(flex, report, title), **options)
+    elif flex.is_rod:
+        body = scene.add_rod(flex.vertices, _rod(flex, report, title), **options)
     else:
         sheet, angles = TriangleMesh(flex.vertices, flex.cells), "mesh" if flex.folds_at_rest else "flat"
         body = scene.add_cloth(sheet, _shell(flex, report, title), rest_angles=angles, **options)
@@ -104,6 +109,31 @@ def _shell(flex: Flex, report: Report, title: str) -> ShellMaterial:
     )
     rigidity = flex.flexural_rigidity if flex.bends else 0.0
     return material if rigidity is None else material.replace(flexural_rigidity=rigidity)
+
+
+def _rod(flex: Flex, report: Report, title: str) -> RodMaterial:
+    if not flex.thickness > 0.0:
+        report.add("assumed", title, f"no diameter: {_DIAMETER:g} m")
+    if not flex.youngs_modulus > 0.0:
+        report.add("assumed", title, f"no elasticity: a modulus of {_MODULUS:g} Pa")
+    ratio = min(max(flex.poissons_ratio, 0.0), 0.5)
+    if ratio != flex.poissons_ratio:
+        report.add("assumed", title, f"Poisson's ratio {ratio:g} instead of {flex.poissons_ratio:g}")
+    material = RodMaterial(
+        youngs_modulus=flex.youngs_modulus if flex.youngs_modulus > 0.0 else _MODULUS,
+        poissons_ratio=ratio,
+        radius=0.5 * (flex.thickness if flex.thickness > 0.0 else _DIAMETER),
+        density=1.0,  # the mass is given
+        strain_damping=flex.damping,
+    )
+    given: dict[str, Any] = {}
+    for name, value in flex.rod_stiffnesses.items():
+        own = ["bending_stiffness_1", "bending_stiffness_2"] if name == "bending_stiffness" else [name]
+        if not value > 0.0:  # a rod must have some; 0 in RodMaterial is that of the section
+            value = _SLACK * material.section[own[0]]
+            report.add("assumed", title, f"no {name}: {value:g}, {_SLACK:g} times that of its section")
+        given |= dict.fromkeys(own, value)
+    return material.replace(**given)
 
 
 def _ratio(flex: Flex, report: Report, title: str) -> float:

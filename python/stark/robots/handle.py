@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import added_later, needs_simulation
-from stark.bodies import Cloth, RigidBody, Solid
+from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
 from stark.readings import reading
@@ -57,7 +57,7 @@ class Robot:
         joints: Mapping[str, Joint],
         shifts: Mapping[str, float],
         start: Floats,
-        flexes: Mapping[str, Cloth | Solid] = MappingProxyType({}),
+        flexes: Mapping[str, Cloth | Rod | Solid] = MappingProxyType({}),
     ) -> None:
         self._scene, self._of = scene, None
         self._links, self._joints, self._shifts, self._start = links, joints, dict(shifts), start
@@ -92,7 +92,7 @@ class Robot:
         return MappingProxyType(bound)
 
     @property
-    def flexes(self) -> Mapping[str, Cloth | Solid]:
+    def flexes(self) -> Mapping[str, Cloth | Rod | Solid]:
         """Deformable parts by name: bodies of the scene."""
         if self._of is None:
             return MappingProxyType(dict(self._flexes))

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.mesh import TetMesh, TriangleMesh, oriented
+from stark.mesh import Polyline, TetMesh, TriangleMesh, oriented
 from stark.robots.description import Flex
-from stark.robots.usd_stage import Frame, Stage, unique_names
+from stark.robots.usd_curves import Curves
+from stark.robots.usd_stage import Frame, Stage, unique_names, value_of
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int32]
@@ -31,6 +32,7 @@ _GEOMETRIES = {
 #: What the proposal assumes where a file says nothing.
 _MODULUS, _RATIO, _DENSITY, _THICKNESS = 1e6, 0.3, 1000.0, 1e-3  # [Pa], [1], [kg/m^3], [m]
 _SAME = 1e-4  # relative; the file has single precision
+_ONE_LINK = "only points that hang at one link; use scene.attach"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,12 +56,12 @@ def applied(prim: Any) -> list[str]:
 def read_deformables(
     stage: Stage, prims: list[Any], base: Owner, owner_of: Callable[[Any], Owner | None]
 ) -> list[Flex]:
-    """All of a stage that are cloth or solids. ``owner_of``: the link that a prim is part of, that of the
+    """All of a stage: cloth, solids and rods. ``owner_of``: the link that a prim is part of, that of the
     world included; None where the robot has none there."""
     roots = [prim for prim in prims if DEFORMABLE in applied(prim)]
-    reader = _Reader(stage, base, owner_of, _attachments(prims))
-    found = [reader.read(prim, name) for prim, name in zip(roots, unique_names(roots), strict=True)]
-    return [flex for flex in found if flex is not None]
+    names = unique_names(roots)
+    reader = _Reader(stage, base, owner_of, _attachments(prims), set(names))
+    return [flex for prim, name in zip(roots, names, strict=True) for flex in reader.read(prim, name)]
 
 
 def _attachments(prims: list[Any]) -> list[Any]:
@@ -67,40 +69,46 @@ def _attachments(prims: list[Any]) -> list[Any]:
         prim
         for prim in prims
         if str(prim.GetTypeName()) == "PhysicsAttachment"
-        and _value(prim, "physics:attachmentEnabled", True) is not False
+        and value_of(prim, "physics:attachmentEnabled", True) is not False
     ]
-
-
-def _value(prim: Any, name: str, otherwise: Any = None) -> Any:
-    attribute = prim.GetAttribute(name)
-    found = attribute.Get() if attribute else None
-    return otherwise if found is None else found
 
 
 class _Reader:
     def __init__(
-        self, stage: Stage, base: Owner, owner_of: Callable[[Any], Owner | None], attachments: list[Any]
+        self,
+        stage: Stage,
+        base: Owner,
+        owner_of: Callable[[Any], Owner | None],
+        attachments: list[Any],
+        taken: set[str],
     ) -> None:
         self.stage, self.report, self.pxr = stage, stage.report, stage.pxr
-        self.base, self.owner_of, self.attachments = base, owner_of, attachments
+        self.base, self.owner_of, self.attachments, self.taken = base, owner_of, attachments, taken
 
-    def read(self, prim: Any, name: str) -> Flex | None:
+    def read(self, prim: Any, name: str) -> list[Flex]:
+        """A cloth or a solid, or a rod for each curve; nothing where the body is off."""
         title = f"deformable '{name}'"
         geometry = self._geometry(prim, title)
         kind = str(geometry.GetTypeName())
-        if _value(prim, "physics:bodyEnabled", True) is False:
+        if value_of(prim, "physics:bodyEnabled", True) is False:
             self.report.add("dropped", title, "bodyEnabled is false")
-            return None
-        if kind == "BasisCurves":
-            self.report.add("dropped", title, "curves: add rods with scene.add_rod")
-            return None
-        if _value(prim, "physics:kinematicEnabled", False):
+            return []
+        if kind == "BasisCurves" and str(value_of(geometry, "wrap", "")) == "periodic":
+            self.report.add("dropped", title, "wrap is periodic: rods have two ends; make it nonperiodic")
+            return []
+        if value_of(prim, "physics:kinematicEnabled", False):
             self.report.add("dropped", title, "kinematicEnabled: it moves as the others do")
         self.report.add("kept", title, f"as of {PROPOSAL}")
+        if kind == "BasisCurves":
+            return self._rods(prim, geometry, name, title)
+        return [self._sheet_or_solid(prim, geometry, name, title)]
+
+    def _sheet_or_solid(self, prim: Any, geometry: Any, name: str, title: str) -> Flex:
+        kind = str(geometry.GetTypeName())
         start = self._points(geometry, "points", title)
         cells = self._cells(geometry, kind, len(start), title)
         rest, is_moved = self._rest(geometry, start, title)
-        owner, held = self._held(geometry, start, title)
+        owner, held = self._held(self._holds(geometry, len(start), title), slice(0, len(start)), title)
         thickness = self._thickness(geometry, cells, title) if kind == "Mesh" else 0.0
         material = self._material(geometry, title)
         young, rigidity = self._stiffness(material, kind, thickness, title)
@@ -116,11 +124,47 @@ class _Reader:
             thickness=thickness,
             flexural_rigidity=rigidity,
             start=owner.local(start) if is_moved else None,
-            folds_at_rest=str(_value(geometry, "physics:restBendAnglesDefault", "flat")) == "restShape",
+            folds_at_rest=str(value_of(geometry, "physics:restBendAnglesDefault", "flat")) == "restShape",
             velocity=self._velocity(geometry, owner, title),
             touches=self._touches(prim, geometry, title),
             color=self.stage.color(geometry),
         )
+
+    def _rods(self, prim: Any, geometry: Any, name: str, title: str) -> list[Flex]:
+        start = self._points(geometry, "points", title)
+        curves = Curves(self.stage, geometry, len(start), title)
+        curves.lengths(start)  # refuses points that coincide
+        rest, is_moved = self._rest(geometry, start, title)
+        diameters, material = curves.diameters(), self._material(geometry, title)
+        volumes = 0.25 * np.pi * diameters**2 * curves.lengths(rest)
+        total = self._mass(prim, geometry, material, float(volumes.sum()), title, len(volumes))
+        masses = curves.masses(total, volumes)
+        stiffnesses = curves.stiffnesses(material)
+        young, ratio = self._moduli(material, stiffnesses, float(diameters.mean()), title)
+        holds = self._holds(geometry, len(start), title)
+        touches, color = self._touches(prim, geometry, title), self.stage.color(geometry)
+        found = []
+        for k, own in enumerate(curves.names(name, self.taken)):
+            points = curves.points[k]
+            owner, held = self._held(holds, points, title)
+            flex = Flex(
+                own,
+                owner.link,
+                owner.local(rest[points]),
+                Polyline(rest[points]).edges,
+                mass=masses[k],
+                held=held,
+                youngs_modulus=young,
+                poissons_ratio=ratio,
+                thickness=float(diameters[k]),
+                rod_stiffnesses=stiffnesses,
+                start=owner.local(start[points]) if is_moved else None,
+                velocity=self._velocity(geometry, owner, title, points),
+                touches=touches,
+                color=color,
+            )
+            found.append(flex)
+        return found
 
     # --- geometry ---
 
@@ -132,7 +176,8 @@ class _Reader:
             self._refuse(
                 title,
                 f"has {len(found)} simulation geometries: must have one, itself or a child: a TetMesh with "
-                f"PhysicsVolumeDeformableSimAPI or a Mesh with PhysicsSurfaceDeformableSimAPI",
+                f"PhysicsVolumeDeformableSimAPI, a Mesh with PhysicsSurfaceDeformableSimAPI or BasisCurves "
+                f"with PhysicsCurvesDeformableSimAPI",
             )
         return found[0]
 
@@ -153,23 +198,25 @@ class _Reader:
             name, size = "tetVertexIndices", 4
         else:
             name, size = "faceVertexIndices", 3
-            corners = np.array(_value(geometry, "faceVertexCounts", []), dtype=np.int64)
+            corners = np.array(value_of(geometry, "faceVertexCounts", []), dtype=np.int64)
             if (corners != 3).any():
                 self._refuse(title, "faceVertexCounts: must all be 3, triangles; triangulate the mesh")
-        flat = np.array(_value(geometry, name, []), dtype=np.int64).reshape(-1)
+        flat = np.array(value_of(geometry, name, []), dtype=np.int64).reshape(-1)
         if len(flat) == 0 or len(flat) % size or not 0 <= flat.min() <= flat.max() < count:
             self._refuse(title, f"{name}: must be {size} numbers of points an element; correct them")
         cells = flat.reshape(-1, size).astype(np.int32)
-        is_left = str(_value(geometry, "orientation", "rightHanded")) == "leftHanded"
+        is_left = str(value_of(geometry, "orientation", "rightHanded")) == "leftHanded"
         return np.ascontiguousarray(cells[:, ::-1]) if is_left and size == 3 else cells
 
     def _rest(self, geometry: Any, start: Floats, title: str) -> tuple[Floats, bool]:
         """Shape at rest, and whether it starts in another one."""
         for name in ("restTetVertexIndices", "restTriVertexIndices", "restBendAngles"):
-            if len(_value(geometry, f"physics:{name}", [])) > 0:
+            if len(value_of(geometry, f"physics:{name}", [])) > 0:
                 self.report.add("dropped", title, f"{name}: where it starts, it is at rest")
                 return start, False
-        if _value(geometry, "physics:restShapePoints") is None:
+        if len(value_of(geometry, "physics:restNormals", [])) > 0:
+            self.report.add("dropped", title, "restNormals: it has no twist at rest")
+        if value_of(geometry, "physics:restShapePoints") is None:
             return start, False
         rest = self._points(geometry, "physics:restShapePoints", title)
         if len(rest) != len(start):
@@ -178,7 +225,7 @@ class _Reader:
 
     def _thickness(self, geometry: Any, cells: Cells, title: str) -> float:
         """[m], one for all."""
-        values = np.array(_value(geometry, "physics:thicknesses", []), dtype=np.float64) * self.stage.metre
+        values = np.array(value_of(geometry, "physics:thicknesses", []), dtype=np.float64) * self.stage.metre
         if len(values) == 0:
             self.report.add("assumed", title, f"thickness {_THICKNESS:g} m")
             return _THICKNESS
@@ -190,8 +237,10 @@ class _Reader:
             )
         return float(values.mean())
 
-    def _velocity(self, geometry: Any, owner: Owner, title: str) -> tuple[float, float, float]:
-        values = np.array(_value(geometry, "velocities", []), dtype=np.float64).reshape(-1, 3)
+    def _velocity(
+        self, geometry: Any, owner: Owner, title: str, points: slice = slice(None)
+    ) -> tuple[float, float, float]:
+        values = np.array(value_of(geometry, "velocities", []), dtype=np.float64).reshape(-1, 3)[points]
         if len(values) == 0:
             return (0.0, 0.0, 0.0)
         frame: Frame = self.stage.frame(geometry)
@@ -217,35 +266,44 @@ class _Reader:
             )
         return bool(colliders)
 
-    def _held(self, geometry: Any, start: Floats, title: str) -> tuple[Owner, tuple[int, ...]]:
-        """The link that it hangs at, and which points."""
-        owner, held = self.base, set[int]()
+    def _holds(self, geometry: Any, count: int, title: str) -> list[tuple[str, Owner, NDArray[np.int64]]]:
+        """The attachments of points to links: path, link and points."""
+        found = []
         for prim in self.attachments:
             sources = [list(prim.GetRelationship(f"physics:src{k}").GetTargets()) for k in (0, 1)]
             if geometry.GetPath() not in [path for source in sources for path in source]:
                 continue
-            other = self._other(prim, geometry, sources)
-            if other is None or (held and other.link != owner.link):
-                self.report.add(
-                    "dropped", title, f"{prim.GetPath()}: only points that hang at one link; use scene.attach"
-                )
+            path, owner = str(prim.GetPath()), self._other(prim, geometry, sources)
+            if owner is None:
+                self.report.add("dropped", title, f"{path}: {_ONE_LINK}")
                 continue
-            indices = np.array(_value(prim, "physics:indices0", []), dtype=np.int64)
-            if len(indices) == 0 or not 0 <= indices.min() <= indices.max() < len(start):
-                self._refuse(
-                    title, f"{prim.GetPath()}: indices0: must be numbers of its points; correct them"
-                )
-            if np.isfinite(_value(prim, "physics:stiffness", np.inf)):
-                self.report.add(
-                    "dropped", title, f"{prim.GetPath()}: stiffness: it is as stiff as joints are"
-                )
+            indices = np.array(value_of(prim, "physics:indices0", []), dtype=np.int64)
+            if len(indices) == 0 or not 0 <= indices.min() <= indices.max() < count:
+                self._refuse(title, f"{path}: indices0: must be numbers of its points; correct them")
+            if np.isfinite(value_of(prim, "physics:stiffness", np.inf)):
+                self.report.add("dropped", title, f"{path}: stiffness: it is as stiff as joints are")
+            found.append((path, owner, indices))
+        return found
+
+    def _held(
+        self, holds: list[tuple[str, Owner, NDArray[np.int64]]], points: slice, title: str
+    ) -> tuple[Owner, tuple[int, ...]]:
+        """The link at which a part with these points hangs, and by which of them."""
+        owner, held = self.base, set[int]()
+        for path, other, indices in holds:
+            own = indices[(indices >= points.start) & (indices < points.stop)] - points.start
+            if len(own) == 0:
+                continue
+            if held and other.link != owner.link:
+                self.report.add("dropped", title, f"{path}: {_ONE_LINK}")
+                continue
             owner = other
-            held.update(int(k) for k in indices)
+            held.update(int(k) for k in own)
         return owner, tuple(sorted(held))
 
     def _other(self, prim: Any, geometry: Any, sources: list[list[Any]]) -> Owner | None:
         """The link at which an attachment holds points; None where it is of another kind."""
-        kinds = [str(_value(prim, f"physics:type{k}", "")) for k in (0, 1)]
+        kinds = [str(value_of(prim, f"physics:type{k}", "")) for k in (0, 1)]
         if kinds != ["point", "xform"] or sources[0] != [geometry.GetPath()]:
             return None
         target = self.stage.usd.GetPrimAtPath(sources[1][0]) if sources[1] else None
@@ -267,7 +325,7 @@ class _Reader:
         self, prim: Any, name: str, otherwise: float, least: float, most: float, title: str, unit: float = 1.0
     ) -> float:
         """What is infinite is not given."""
-        value = float(_value(prim, name, -np.inf))
+        value = float(value_of(prim, name, -np.inf))
         if not np.isfinite(value):
             self.report.add("assumed", title, f"{name.removeprefix('physics:')} {otherwise:g}")
             return otherwise
@@ -280,32 +338,44 @@ class _Reader:
     ) -> tuple[float, float | None]:
         """Young's modulus [Pa], and flexural rigidity [N m] if the file has one of its own."""
         pascal = self.stage.kilogram / self.stage.metre
-        stretch = float(_value(material, "physics:surfaceStretchStiffness", -np.inf)) * self.stage.kilogram
-        bend = float(_value(material, "physics:surfaceBendStiffness", -np.inf))
+        stretch = float(value_of(material, "physics:surfaceStretchStiffness", -np.inf)) * self.stage.kilogram
+        bend = float(value_of(material, "physics:surfaceBendStiffness", -np.inf))
         rigidity = bend * self.stage.kilogram * self.stage.metre**2 if np.isfinite(bend) else None
         if kind != "Mesh" or not np.isfinite(stretch):
             young = self._number(material, "physics:youngsModulus", _MODULUS, 0.0, np.inf, title, pascal)
         else:
-            ratio = float(_value(material, "physics:poissonsRatio", _RATIO))
+            ratio = float(value_of(material, "physics:poissonsRatio", _RATIO))
             young = stretch * (1.0 - ratio**2) / thickness
         if kind != "Mesh":
             return young, None
-        if np.isfinite(float(_value(material, "physics:surfaceShearStiffness", -np.inf))):
+        if np.isfinite(float(value_of(material, "physics:surfaceShearStiffness", -np.inf))):
             self.report.add("dropped", title, "surfaceShearStiffness: it follows from that of stretch")
         return young, rigidity
 
-    def _mass(self, prim: Any, geometry: Any, material: Any, volume: float, title: str) -> float:
+    def _moduli(
+        self, material: Any, stiffnesses: dict[str, float], diameter: float, title: str
+    ) -> tuple[float, float]:
+        """Young's modulus [Pa] and Poisson's ratio of curves, for the stiffnesses that are not given."""
+        if len(stiffnesses) == 4:
+            return stiffnesses["axial_stiffness"] / (0.25 * np.pi * diameter**2), _RATIO
+        pascal = self.stage.kilogram / self.stage.metre
+        young = self._number(material, "physics:youngsModulus", _MODULUS, 0.0, np.inf, title, pascal)
+        return young, self._number(material, "physics:poissonsRatio", _RATIO, -1.0, 0.5, title)
+
+    def _mass(
+        self, prim: Any, geometry: Any, material: Any, volume: float, title: str, parts: int = 1
+    ) -> float:
         """[kg] of the whole, from the first of the sources that the proposal lists."""
-        masses = np.array(_value(geometry, "physics:masses", []), dtype=np.float64) * self.stage.kilogram
+        masses = np.array(value_of(geometry, "physics:masses", []), dtype=np.float64) * self.stage.kilogram
         if len(masses) > 0:
-            if len(masses) > 1:
+            if len(masses) > parts:
                 self.report.add("dropped", title, "how its mass is spread: by its volume")
             return self._positive(float(masses.sum()), "masses", title)
-        if mass := float(_value(prim, "physics:mass", 0.0)):
+        if mass := float(value_of(prim, "physics:mass", 0.0)):
             return self._positive(mass * self.stage.kilogram, "mass", title)
         unit = self.stage.kilogram / self.stage.metre**3
         for place in (prim, material):
-            if density := float(_value(place, "physics:density", 0.0)):
+            if density := float(value_of(place, "physics:density", 0.0)):
                 return self._positive(density * unit, "density", title) * volume
         self.report.add("assumed", title, f"density {_DENSITY:g} kg/m^3")
         return _DENSITY * volume

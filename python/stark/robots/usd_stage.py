@@ -53,6 +53,13 @@ def unique_names(prims: list[Any]) -> list[str]:
     ]
 
 
+def value_of(prim: Any, name: str, otherwise: Any = None) -> Any:
+    """Of an attribute, which the prim need not have."""
+    attribute = prim.GetAttribute(name)
+    found = attribute.Get() if attribute else None
+    return otherwise if found is None else found
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Where a prim stands: ``position`` [m], ``rotation``, and ``scale`` (3, 3), which takes coordinates of

@@ -71,3 +71,14 @@ def test_names_of_links_are_checked_and_scenes_stay_whole() -> None:
     with pytest.raises(stark.InvalidArgument, match="mass"):
         scene.add_robot(robot_with(flag(), flag(name="other", mass=-1.0)))
     assert not scene.bodies and not scene.attachments and not scene.robots
+
+
+def test_a_rod_of_which_nothing_is_said() -> None:
+    line = stark.mesh.polyline((0.1, 0.0, 0.0), (0.4, 0.0, 0.0), segments=3)
+    cord = Flex("cord", "arm", line.vertices, line.edges, 0.01, (0,))
+    robot = stark.Scene().add_robot(robot_with(cord))
+    rod = robot.flexes["cord"]
+    assert isinstance(rod, stark.Rod) and rod.mass == pytest.approx(0.01)
+    assert (rod.material.radius, rod.material.youngs_modulus) == pytest.approx((5e-4, 1e6))
+    for said in ("no diameter: 0.001 m", "no elasticity: a modulus of 1e+06 Pa", "1 vertices are fixed"):
+        assert said in str(robot.report)

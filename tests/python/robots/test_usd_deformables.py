@@ -162,16 +162,12 @@ def test_shape_at_rest_and_velocity(tmp_path: Path) -> None:
 
 
 def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
-    curves = (
-        'def BasisCurves "hair" (prepend apiSchemas = ["PhysicsDeformableBodyAPI", '
-        '"PhysicsCurvesDeformableSimAPI"]) {\npoint3f[] points = [(0, 0, 0), (0, 0, 1)]\n'
-        "int[] curveVertexCounts = [2]\n}\n"
-    )
-    robot = added(written(tmp_path, sheet("cloth"), curves))
+    off = sheet("off", "bool physics:bodyEnabled = false")
+    robot = added(written(tmp_path, sheet("cloth"), off))
     assert list(robot.flexes) == ["cloth"]
     text = str(robot.report)
     for line in (
-        "deformable 'hair': curves: add rods with scene.add_rod",
+        "deformable 'off': bodyEnabled is false",
         "deformable 'cloth': thickness 0.001 m",
         "deformable 'cloth': youngsModulus 1e+06",
         "deformable 'cloth': density 1000 kg/m^3",
