@@ -42,6 +42,7 @@ ELSEWHERE = {
     "benchmarks/results/torture.md": "benchmarks/torture.md",
     "benchmarks/results/torture_random.md": "benchmarks/torture_random.md",
     "benchmarks/results/torture_damaged.md": "benchmarks/torture_damaged.md",
+    "benchmarks/results/torture_sample.md": "benchmarks/torture_sample.md",
 }
 #: Page with the table of contents, and the section that generated pages are part of.
 CONTENTS = "docs/README.md"
