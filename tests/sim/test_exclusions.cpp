@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
+#include <stark/base/rotation.h>
 #include <stark/geometry/shapes.h>
 #include <stark/sim/exclusions.h>
 #include <stark/sim/registry.h>
@@ -203,4 +204,41 @@ TEST_CASE("vertices whose attachment breaks touch the other body again, one by o
   }
   CHECK(sim.state().contact_regained.size() == 25);
   for (const Vec3& x : sim.positions(cloth)) CHECK(x.z > 0.1);
+}
+
+TEST_CASE("vertices whose contact is back are looked at when the rest of their body is released") {
+  // Glue without contact of the bodies has broken at two corners, which were apart and went into the base.
+  Scene scene;
+  const BodyId base =
+      scene.add_rigid({.name = "base", .mesh = make_box({0.4, 0.4, 0.2}), .motion = Motion::Fixed});
+  const BodyId arm = scene.add_rigid(
+      {.name = "arm", .mesh = make_box({0.1, 0.1, 0.1}), .mass = 0.1, .position = {0, 0, 0.16}});
+  std::vector<int32_t> vertices;
+  std::vector<Vec3> places;
+  std::vector<double> broken, released;
+  State state;
+  const std::vector<Vec3> x = scene.initial_positions(arm);
+  for (int32_t v = 0; v < static_cast<int32_t>(x.size()); ++v) {
+    if (x[v].z > 0.16) continue;
+    vertices.push_back(v);
+    places.push_back(x[v]);
+    broken.push_back(x[v].x > 0.0 ? -1.0 : 1.0);
+    released.push_back(x[v].x > 0.0 ? -1.0 : 0.0);
+    if (x[v].x > 0.0) state.contact_regained.push_back(static_cast<int64_t>(vertices.size()));
+  }
+  REQUIRE(vertices.size() == 4);
+  scene.add_attachment(
+      {.a = vertex_points(arm, vertices), .b = {body_points(base, places)}, .contact = false});
+  Simulation sim(scene, without_gravity());
+  const std::vector<int64_t> regained = state.contact_regained;
+  state = sim.state();
+  state.contact_regained = regained;
+  state.attachment_held = broken;
+  state.body_rotation[1] = exp_rotation({0, 0.35, 0}) * state.body_rotation[1];
+  sim.set_state(state);
+  CHECK(sim.state().contact_regained == regained);
+  state.attachment_held = released;
+  sim.set_state(state);
+  CHECK(says_overlap(sim.step()));
+  CHECK_FALSE(std::ranges::binary_search(sim.state().contact_regained, 0));
 }

@@ -143,10 +143,12 @@ PairFilter Exclusions::filter(std::span<const int64_t> over) const {
   return filter;
 }
 
-PairFilter Exclusions::filter_between(std::span<const int64_t> some) const {
+PairFilter Exclusions::filter_between(std::span<const int64_t> some, std::span<const int64_t> over) const {
   PairFilter filter(base_.group_count(), false, false);
   for (const int64_t k : some) filter.set((*this)[k].body, (*this)[k].other, true);
-  exclude_all_but(some, filter);
+  std::vector<int64_t> acting;
+  std::ranges::set_union(some, over, std::back_inserter(acting));
+  exclude_all_but(acting, filter);
   return filter;
 }
 

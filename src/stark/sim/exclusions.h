@@ -44,8 +44,9 @@ class Exclusions {
 
   /// What may touch where some of them, sorted, are over.
   PairFilter filter(std::span<const int64_t> over) const;
-  /// What may touch of the bodies of some of them, with the exclusions of all others.
-  PairFilter filter_between(std::span<const int64_t> some) const;
+  /// What may touch of the bodies of some of them, sorted, with the exclusions of all others that are not
+  /// over.
+  PairFilter filter_between(std::span<const int64_t> some, std::span<const int64_t> over) const;
 
  private:
   void exclude_all_but(std::span<const int64_t> some, PairFilter& filter) const;

@@ -138,7 +138,7 @@ void ReleaseWatch::begin_step() {
 Numbers ReleaseWatch::find_overlapping(const Numbers& released, std::span<const Vec3> x) {
   const ByPlace by_place(exclusions_, released);
   std::set<int64_t> blocked;
-  const PairFilter between = exclusions_.filter_between(released);
+  const PairFilter between = exclusions_.filter_between(released, watch_.regained);
   for (const EdgeTriangleIntersection& pair : find_intersections(surface_mesh_, x, between, pool_))
     by_place.block(side_of(surface_mesh_, PrimitiveKind::Edge, pair.edge),
                    side_of(surface_mesh_, PrimitiveKind::Triangle, pair.triangle), blocked);
