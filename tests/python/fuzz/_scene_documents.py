@@ -183,7 +183,9 @@ def _node(draw: Draw, given: dict[str, Any], arrays: dict[str, Any]) -> None:
     elif action == 2 and isinstance(place, dict):
         place[draw.pick(("", "nmae", key + "s", "\x1b", "__init__", *place))] = place.pop(key)
     elif action == 3 and isinstance(place[key], (int, float)):
-        place[key] = draw.pick((-place[key], place[key] * 1e3, place[key] + 1, str(place[key]), [place[key]]))
+        # Integers that are damaged twice may have no float.
+        larger = place[key] * (1e3 if abs(place[key]) < 1e300 else 1000)
+        place[key] = draw.pick((-place[key], larger, place[key] + 1, str(place[key]), [place[key]]))
     else:
         place[key] = copy.deepcopy(draw.pick(_ODD))
 
