@@ -88,6 +88,8 @@ import threading, time, stark, stark.render, numpy as np
 scene = stark.Scene(); scene.add_floor(1.0)
 scene.add_cloth(stark.mesh.grid(0.3, 0.3, 30), position=(0, 0, 0.15))
 scene.add_sphere(0.05, motion="fixed", position=(0, 0, 0.06))
+# Imported here: a thread that the end of the process freezes in the middle of an import keeps all of it.
+stark.Simulation(scene, threads=2).step()
 def work():
     sim = stark.Simulation(scene, threads=2)
     while True: sim.step()
