@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument
-from stark.robots.usd_stage import Frame, Stage, value_of
+from stark.robots.usd_stage import SAME, Frame, Stage, value_of
 
 Floats = NDArray[np.float64]
 
 _DIAMETER = 1e-3  # [m]; the proposal assumes it where a file says nothing
-_SAME = 1e-4  # relative; the file has single precision
 #: Names of the proposal, those of RodMaterial, and the power of metres in their unit, kg m^k/s^2.
 _STIFFNESSES = {
     "curvesStretchStiffness": ("axial_stiffness", 1),
@@ -88,7 +87,7 @@ class Curves:
         if name == "widths" and not self._is_linear and len(given) not in self._groups:
             given = given.mean(keepdims=True)  # one for each segment of a cubic curve
         parts = self._of_curves(given, name)
-        if any(np.ptp(part) > _SAME * part.max() for part in parts):
+        if any(np.ptp(part) > SAME * part.max() for part in parts):
             span = f"{given.min():g} to {given.max():g} m"
             self._report.add("assumed", self._title, f"one diameter a curve, the mean; the file has {span}")
         return np.array([float(part.mean()) for part in parts])

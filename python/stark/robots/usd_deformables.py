@@ -13,7 +13,7 @@ from stark._core import InvalidArgument
 from stark.mesh import Polyline, TetMesh, TriangleMesh, oriented
 from stark.robots.description import Flex
 from stark.robots.usd_curves import Curves
-from stark.robots.usd_stage import Frame, Stage, unique_names, value_of
+from stark.robots.usd_stage import SAME, Frame, Stage, unique_names, value_of
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.int32]
@@ -31,7 +31,6 @@ _GEOMETRIES = {
 }
 #: What the proposal assumes where a file says nothing.
 _MODULUS, _RATIO, _DENSITY, _THICKNESS = 1e6, 0.3, 1000.0, 1e-3  # [Pa], [1], [kg/m^3], [m]
-_SAME = 1e-4  # relative; the file has single precision
 _ONE_LINK = "only points that hang at one link; use scene.attach"
 
 
@@ -231,7 +230,7 @@ class _Reader:
             return _THICKNESS
         if not (values > 0.0).all():
             self._refuse(title, f"thicknesses: {values.min():g} m: must be positive; correct it")
-        if np.ptp(values) > _SAME * values.max():
+        if np.ptp(values) > SAME * values.max():
             self.report.add(
                 "assumed", title, f"one thickness, the mean of {values.min():g} to {values.max():g} m"
             )
@@ -245,7 +244,7 @@ class _Reader:
             return (0.0, 0.0, 0.0)
         frame: Frame = self.stage.frame(geometry)
         velocities = values @ frame.scale.T @ frame.rotation.T @ owner.rotation
-        if np.ptp(velocities, axis=0).max() > _SAME * max(1e-9, float(np.abs(velocities).max())):
+        if np.ptp(velocities, axis=0).max() > SAME * max(1e-9, float(np.abs(velocities).max())):
             self.report.add("assumed", title, "starts with the mean of its velocities")
         x, y, z = (float(value) for value in velocities.mean(axis=0))
         return x, y, z

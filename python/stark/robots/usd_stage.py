@@ -32,6 +32,8 @@ _TURNS = {
     "Z": np.eye(3),
 }
 _CONE_SIDES = 32
+#: Relative difference up to which numbers of a file are the same, which has single precision.
+SAME = 1e-4
 _EQUAL = 1e-5  # scales that differ by less are one; USD has them in single precision
 
 

@@ -34,7 +34,6 @@ AutomaticSolver::AutomaticSolver(const LinearSettings& settings, ThreadPool& poo
       direct_(settings, pool),
       max_iterations_(settings.pcg_max_iterations),
       start_direct_(&direct_.in_double()),
-      current_(start_direct_),
       last_used_(start_direct_) {}
 
 void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8_t> in_solid) {
@@ -62,9 +61,8 @@ void AutomaticSolver::prepare(const BlockPattern& pattern, std::span<const uint8
 
 // What the first system of a step says: whether conjugate gradients are worth a try, and for how long.
 void AutomaticSolver::choose(const BlockMatrix& matrix) {
-  is_first_ = false;
   const bool is_swept = may_sweep_ && pcg_.is_swept(matrix);
-  if (is_swept) current_ = &pcg_;
+  current_ = is_swept || starts_with_pcg_ ? static_cast<LinearSolver*>(&pcg_) : start_direct_;
   const double break_even = is_swept ? break_even_ : std::max(break_even_, kLeastBreakEven);
   const double most = (is_swept ? kSweptPatience : kPatience) * break_even;
   pcg_.set_max_iterations(static_cast<int>(std::min(most, static_cast<double>(max_iterations_))));
@@ -72,22 +70,22 @@ void AutomaticSolver::choose(const BlockMatrix& matrix) {
 }
 
 void AutomaticSolver::begin_step() {
-  current_ = starts_with_pcg_ ? static_cast<LinearSolver*>(&pcg_) : start_direct_;
+  current_ = nullptr;
   solves_ = iterations_ = 0;
-  is_first_ = true;
   pcg_.begin_step();
   direct_.begin_step();
 }
 
 LinearSolveReport AutomaticSolver::solve_system(const LinearSystem& system, std::span<double> x) {
   int iterations = 0;
-  if (is_first_) choose(system.A);
+  if (current_ == nullptr) choose(system.A);
   if (current_ == &pcg_) {
     last_used_ = current_;
     const LinearSolveReport report = pcg_.solve(system, x);
     iterations_ += report.iterations;
     // A system that takes so many is ill-conditioned, and its solution of little use to Newton's method.
     const bool are_too_many = iterations_ > most_on_average_ * ++solves_;
+    if (are_too_many) current_ = start_direct_;
     if ((report.ok && !are_too_many) || report.indefinite) return report;
     iterations = report.iterations;
     current_ = start_direct_;  // for the rest of the step

@@ -30,15 +30,13 @@ class AutomaticSolver final : public LinearSolver {
   // What steps start with and when they change; all follow from prepare(), never from earlier steps, so that
   // a resumed run continues bit for bit.
   bool starts_with_pcg_ = false;
-  bool may_sweep_ = false;   ///< starts with pcg where sweeps precondition it
-  bool is_first_ = true;     ///< no system of this step was solved
-  double break_even_ = 0.0;  ///< iterations of conjugate gradients that cost as much as a factorisation
-  double most_on_average_ =
-      0.0;  ///< iterations of the solves of a step, after which a factorisation is tried
+  bool may_sweep_ = false;        ///< starts with pcg where sweeps precondition it
+  double break_even_ = 0.0;       ///< iterations of conjugate gradients that cost as much as a factorisation
+  double most_on_average_ = 0.0;  ///< iterations a solve of a step, before a factorisation is tried
   int solves_ = 0, iterations_ = 0;  ///< of conjugate gradients in this step
   LinearSolver* start_direct_;
-  LinearSolver* current_;    ///< what the next solve will use
-  LinearSolver* last_used_;  ///< what has the factor or preconditioner of the last solve
+  LinearSolver* current_ = nullptr;  ///< what the next solve will use; none before the first of a step
+  LinearSolver* last_used_;          ///< what has the factor or preconditioner of the last solve
 };
 
 }  // namespace stark

@@ -1,6 +1,6 @@
 #include <stark/linalg/gauss_seidel_matrix.h>
 
-#include <algorithm>
+#include <utility>
 
 #include <stark/base/simd.h>
 #include <stark/linalg/block_rows.h>
@@ -31,85 +31,26 @@ VDouble load3(const double* p) { return VDouble{p[0], p[1], p[2], 0.0}; }
 
 }  // namespace
 
-void GaussSeidelMatrix::expand_structure(const BlockPattern& pattern) {
-  const int32_t n = block_count_ = pattern.block_count;
-  std::vector<int64_t> below(n, 0);
-  for (int32_t i = 0; i < n; ++i)
-    for (int64_t slot = pattern.row_start[i] + 1; slot < pattern.row_start[i + 1]; ++slot)
-      ++below[pattern.column[slot]];
-  row_start_.assign(static_cast<size_t>(n) + 1, 0);
-  above_.resize(n);
-  for (int32_t i = 0; i < n; ++i) {
-    above_[i] = row_start_[i] + below[i];
-    row_start_[i + 1] = above_[i] + pattern.row_start[i + 1] - pattern.row_start[i] - 1;
-  }
-  column_.resize(row_start_[n]);
-  source_.resize(row_start_[n]);
-  below.assign(row_start_.begin(), row_start_.end() - 1);
-  for (int32_t i = 0; i < n; ++i) {
-    int64_t above = row_start_[i + 1];  // from the last to the first
-    for (int64_t slot = pattern.row_start[i] + 1; slot < pattern.row_start[i + 1]; ++slot) {
-      const int32_t j = pattern.column[slot];
-      column_[--above] = j;
-      source_[above] = 2 * slot;
-      column_[below[j]] = i;
-      source_[below[j]++] = 2 * slot + 1;
-    }
-  }
-}
-
-bool GaussSeidelMatrix::prepare(const BlockMatrix& matrix, PcgStorage storage, ThreadPool&) {
-  const uint64_t hash = matrix.pattern.hash();
-  if (row_start_.empty() || hash != pattern_hash_ || matrix.pattern.block_count != block_count_) {
-    expand_structure(matrix.pattern);
-    pattern_hash_ = hash;
-  }
-  storage_ = storage;
-  diagonal_.resize(9 * static_cast<size_t>(block_count_) + 1);  // last columns are read as four entries
-  inverse_.resize(diagonal_.size());
+bool GaussSeidelMatrix::prepare(const BlockMatrix& matrix, PcgStorage storage, ThreadPool& pool) {
+  const bool is_definite = rows_.prepare(matrix, storage, pool);
   solved_.resize(size());
   product_.resize(size());
-  if (storage == PcgStorage::Double)
-    blocks_.resize(9 * column_.size() + 1);
-  else
-    blocks_float_.resize(9 * column_.size() + 1);
-  copy_blocks(matrix);
-  return failed_block_ < 0;
-}
-
-void GaussSeidelMatrix::copy_blocks(const BlockMatrix& matrix) {
-  failed_block_ = -1;
-  for (int32_t k = 0; k < block_count_; ++k) {
-    const double* d = matrix.values.data() + 9 * matrix.pattern.row_start[k];
-    double* out = diagonal_.data() + 9 * k;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) out[3 * r + c] = 0.5 * (d[3 * r + c] + d[3 * c + r]);
-    if (!invert_spd(d, inverse_.data() + 9 * k) && failed_block_ < 0) failed_block_ = k;
-  }
-  const auto copy = [&](auto* blocks) {
-    for (size_t k = 0; k < column_.size(); ++k)
-      copy_columns(matrix.values.data() + 9 * (source_[k] >> 1), (source_[k] & 1) != 0, blocks + 9 * k);
-  };
-  if (storage_ == PcgStorage::Double)
-    copy(blocks_.data());
-  else
-    copy(blocks_float_.data());
-}
-
-template <typename Sweep>
-auto GaussSeidelMatrix::with_blocks(Sweep&& sweep) {
-  return storage_ == PcgStorage::Double ? sweep(blocks_.data()) : sweep(blocks_float_.data());
+  // Rounding may have left the diagonal blocks unsymmetric, and M would be.
+  for (double* d = rows_.diagonal(); d != rows_.diagonal() + 9 * static_cast<int64_t>(block_count()); d += 9)
+    for (const auto [upper, lower] : {std::pair(1, 3), {2, 6}, {5, 7}})
+      d[upper] = d[lower] = 0.5 * (d[upper] + d[lower]);
+  return is_definite;
 }
 
 // r = K^-1 b and z = D r.
 double GaussSeidelMatrix::start(const double* b, double* r, double* z, ThreadPool&) {
-  return with_blocks([&](const auto* blocks) {
+  return rows_.with_blocks([&](const auto* blocks) {
     double sum = 0.0;
-    for (int64_t i = 0; i < block_count_; ++i) {
-      const VDouble below = multiply_row<4>(row_start_[i], above_[i], column_.data(), blocks, r);
+    for (int64_t i = 0; i < block_count(); ++i) {
+      const VDouble below = multiply_row<4>(rows_.row_begin(i), rows_.above(i), rows_.column(), blocks, r);
       const VDouble given = load3(b + 3 * i);
-      const VDouble left = multiply_block(inverse_.data() + 9 * i, given - below);
-      const VDouble turned = multiply_block(diagonal_.data() + 9 * i, left);
+      const VDouble left = multiply_block(rows_.inverse() + 9 * i, given - below);
+      const VDouble turned = multiply_block(rows_.diagonal() + 9 * i, left);
       simd::store(r + 4 * i, left);
       simd::store(z + 4 * i, turned);
       sum += sum_of(left * turned);
@@ -121,19 +62,19 @@ double GaussSeidelMatrix::start(const double* b, double* r, double* z, ThreadPoo
 // With t = K^-T p, K^-1 A K^-T p = t + K^-1 (p - D t), where p - D t is what is above times t.
 double GaussSeidelMatrix::multiply(const double* z, double beta, double* p, double* q, ThreadPool&) {
   double *t = solved_.data(), *product = product_.data();
-  return with_blocks([&](const auto* blocks) {
-    for (int64_t i = block_count_; i-- > 0;) {
+  return rows_.with_blocks([&](const auto* blocks) {
+    for (int64_t i = block_count(); i-- > 0;) {
       const VDouble direction = simd::load(z + 4 * i) + simd::splat(beta) * simd::load(p + 4 * i);
-      const VDouble above = multiply_row<4>(above_[i], row_start_[i + 1], column_.data(), blocks, t);
+      const VDouble above = multiply_row<4>(rows_.above(i), rows_.row_end(i), rows_.column(), blocks, t);
       simd::store(p + 4 * i, direction);
       simd::store(product + 4 * i, above);
-      simd::store(t + 4 * i, multiply_block(inverse_.data() + 9 * i, direction - above));
+      simd::store(t + 4 * i, multiply_block(rows_.inverse() + 9 * i, direction - above));
     }
     VDouble sum = simd::splat(0.0);
     double* u = product;  // row by row in the place of the product
-    for (int64_t i = 0; i < block_count_; ++i) {
-      const VDouble below = multiply_row<4>(row_start_[i], above_[i], column_.data(), blocks, u);
-      const VDouble left = multiply_block(inverse_.data() + 9 * i, simd::load(product + 4 * i) - below);
+    for (int64_t i = 0; i < block_count(); ++i) {
+      const VDouble below = multiply_row<4>(rows_.row_begin(i), rows_.above(i), rows_.column(), blocks, u);
+      const VDouble left = multiply_block(rows_.inverse() + 9 * i, simd::load(product + 4 * i) - below);
       const VDouble both = simd::load(t + 4 * i) + left;
       simd::store(u + 4 * i, left);
       simd::store(q + 4 * i, both);
@@ -147,10 +88,10 @@ double GaussSeidelMatrix::update(double alpha, const double* p, const double* q,
                                  double* z, ThreadPool&) {
   VDouble sum = simd::splat(0.0);
   const VDouble step = simd::splat(alpha);
-  for (int64_t i = 0; i < block_count_; ++i) {
+  for (int64_t i = 0; i < block_count(); ++i) {
     simd::store(y + 4 * i, simd::load(y + 4 * i) + step * simd::load(p + 4 * i));
     const VDouble left = simd::load(r + 4 * i) - step * simd::load(q + 4 * i);
-    const VDouble turned = multiply_block(diagonal_.data() + 9 * i, left);
+    const VDouble turned = multiply_block(rows_.diagonal() + 9 * i, left);
     simd::store(r + 4 * i, left);
     simd::store(z + 4 * i, turned);
     sum = sum + left * turned;
@@ -161,10 +102,10 @@ double GaussSeidelMatrix::update(double alpha, const double* p, const double* q,
 // x = K^-T y.
 void GaussSeidelMatrix::finish(const double* y, double* x, ThreadPool&) {
   double* t = solved_.data();
-  with_blocks([&](const auto* blocks) {
-    for (int64_t i = block_count_; i-- > 0;) {
-      const VDouble above = multiply_row<4>(above_[i], row_start_[i + 1], column_.data(), blocks, t);
-      const VDouble solved = multiply_block(inverse_.data() + 9 * i, simd::load(y + 4 * i) - above);
+  rows_.with_blocks([&](const auto* blocks) {
+    for (int64_t i = block_count(); i-- > 0;) {
+      const VDouble above = multiply_row<4>(rows_.above(i), rows_.row_end(i), rows_.column(), blocks, t);
+      const VDouble solved = multiply_block(rows_.inverse() + 9 * i, simd::load(y + 4 * i) - above);
       simd::store(t + 4 * i, solved);
       for (int a = 0; a < 3; ++a) x[3 * i + a] = solved[a];
     }

@@ -8,11 +8,9 @@
 #include <stark/base/aligned.h>
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
+#include <stark/linalg/expanded_matrix.h>
 
 namespace stark {
-
-/// Precision in which the off-diagonal blocks are kept. Vectors and diagonal blocks are always double.
-enum class PcgStorage : uint8_t { Double, Float };
 
 /// A matrix A and its preconditioner M: what an iteration asks of them. Vectors have `size` numbers, in
 /// variables of its own: it may solve B^-1 A B^-T y = B^-1 b for y = B^T x.
