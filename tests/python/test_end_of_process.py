@@ -88,17 +88,22 @@ import threading, time, stark, stark.render, numpy as np
 scene = stark.Scene(); scene.add_floor(1.0)
 scene.add_cloth(stark.mesh.grid(0.3, 0.3, 30), position=(0, 0, 0.15))
 scene.add_sphere(0.05, motion="fixed", position=(0, 0, 0.06))
-# Imported here: a thread that the end of the process freezes in the middle of an import keeps all of it.
-stark.Simulation(scene, threads=2).step()
+stepping = threading.Semaphore(0)
 def work():
     sim = stark.Simulation(scene, threads=2)
+    sim.step()
+    stepping.release()
     while True: sim.step()
 """
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.05, 0.3])
 def test_daemon_threads_in_the_middle_of_a_step(seconds: float, run: Run) -> None:
-    code = f"for _ in range(3): threading.Thread(target=work, daemon=True).start()\ntime.sleep({seconds})\n"
+    # All of them step: a thread that the end freezes in Python code, as in its imports, keeps what it holds.
+    code = (
+        "for _ in range(3): threading.Thread(target=work, daemon=True).start()\n"
+        f"for _ in range(3): stepping.acquire()\ntime.sleep({seconds})\n"
+    )
     done = run(_BUSY + code)
     assert (done.returncode, done.stderr) == (0, "")
 
