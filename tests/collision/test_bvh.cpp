@@ -84,7 +84,9 @@ TEST_CASE("boxes in single precision contain the points far from the origin") {
   ThreadPool pool(1);
   Bvh bvh;
   bvh.reset(scene.surface, 1);
-  bvh.refit(scene.x, std::vector<double>{0.0}, pool);
+  const std::vector<double> inflation = {0.0};
+  bvh.refit(scene.x, inflation, pool);
+  bvh.for_each_pair<Box>(PairFilter(1), pool, [](int, const Cell&, const Cell&, bool) {});
   Vec3 low = scene.x[0], high = low;
   for (const Vec3& p : scene.x) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -110,7 +112,8 @@ TEST_CASE("places that floats cannot reach are found together, and nothing else 
   ThreadPool pool(1);
   Bvh bvh;
   bvh.reset(scene.surface, 2);
-  bvh.refit(scene.x, std::vector<double>{0.001, 0.001}, pool);
+  const std::vector<double> inflation = {0.001, 0.001};
+  bvh.refit(scene.x, inflation, pool);
   const auto count = static_cast<int32_t>(scene.surface.triangles.size());
   int64_t pairs = 0;
   bvh.for_each_pair<Box>(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool) {
@@ -121,7 +124,7 @@ TEST_CASE("places that floats cannot reach are found together, and nothing else 
   // On the way there from the grids, too.
   std::vector<Vec3> start = scene.x;
   for (size_t v = 0; v < start.size(); v += 3) start[v] = {0.001 * static_cast<double>(v), 0.5, 0.1};
-  bvh.refit(start, scene.x, std::vector<double>{0.001, 0.001}, pool);
+  bvh.refit(start, scene.x, inflation, pool);
   int64_t moving = 0;
   bvh.for_each_pair<MovingBox>(PairFilter(2), pool, [&](int, const Cell& a, const Cell& b, bool) {
     REQUIRE((a.triangle >= 0 && a.triangle < count && b.triangle >= 0 && b.triangle < count));

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace stark::detail {
 
@@ -35,6 +36,10 @@ struct Box {
 #endif
   }
 };
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+inline constexpr Box kEmptyBox = {{kInfinity, kInfinity, kInfinity, 0.0f},
+                                  {-kInfinity, -kInfinity, -kInfinity, 0.0f}};
 
 inline Float4 min(const Float4& a, const Float4& b) { return a < b ? a : b; }
 inline Float4 max(const Float4& a, const Float4& b) { return a > b ? a : b; }

@@ -187,6 +187,7 @@ void BroadPhase::find(std::span<const Vec3> x, std::span<const double> group_inf
                       CandidateList& out, std::span<const uint8_t> moved) {
   implementation_->bvh.refit(x, group_inflation, pool, moved);
   implementation_->collect<Box>(pool, out);
+  implementation_->bvh.learn_clearances(pool);
   if (!moved.empty()) remove_still(mesh(), moved, out);
 }
 

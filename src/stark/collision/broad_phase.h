@@ -29,9 +29,9 @@ class BroadPhase {
   void set_filter(PairFilter filter);
 
   /// All allowed pairs whose distance at positions x [m] can be <= group_inflation[a] + group_inflation[b]
-  /// [m], except those that share a vertex; a superset that depends on the primitives' boxes only, not on
-  /// threads or history. Positions must be finite. Reuses the capacity of `out`.
-  /// moved: by vertex; where given, only pairs with a vertex where it is not 0.
+  /// [m], except those that share a vertex. Which others it has depends on the primitives' boxes and on what
+  /// is known of their groups' distances from earlier calls, not on threads. Positions must be finite. Reuses
+  /// the capacity of `out`. moved: by vertex; where given, only pairs with a vertex where it is not 0.
   void find(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
             CandidateList& out, std::span<const uint8_t> moved = {});
 

@@ -15,8 +15,10 @@
 #include <vector>
 
 #include <stark/base/thread_pool.h>
+#include <stark/collision/bounds.h>
 #include <stark/collision/boxes.h>
 #include <stark/collision/candidates.h>
+#include <stark/collision/group_clearances.h>
 #include <stark/collision/slab.h>
 
 namespace stark::detail {
@@ -39,9 +41,10 @@ class Bvh {
   const SurfaceMesh& mesh() const { return mesh_; }
   int32_t group_count() const { return static_cast<int32_t>(trees_.size()); }
 
-  /// Boxes of all vertices and groups at x, inflated by the group's value. The trees follow when
-  /// for_each_pair needs them, and are built anew where leaves have grown too much. moved: by vertex, not 0
-  /// where pairs of cells with it are asked for; none: all are.
+  /// Bounds of all groups at x, inflated by the group's value. for_each_pair and learn_clearances fit
+  /// vertices and trees where they need them: x and group_inflation have to stay until then; trees are built
+  /// anew where leaves have grown too much. moved: by vertex, not 0 where pairs of cells with it are asked
+  /// for; none: all are.
   void refit(std::span<const Vec3> x, std::span<const double> group_inflation, ThreadPool& pool,
              std::span<const uint8_t> moved = {}) {
     refit(x, x, group_inflation, pool, moved, false);
@@ -54,12 +57,20 @@ class Bvh {
   }
 
   /// Calls body(thread, cell_a, cell_b, same_group) for all pairs of cells whose boxes overlap, each pair
-  /// once, in groups that the filter allows, but for those of which neither has moved and those that the slab
-  /// of a triangle that is large beside the other group keeps apart. Order unspecified; on several threads.
+  /// once, in groups that the filter allows, but for those of which neither has moved, those that the slab
+  /// of a triangle that is large beside the other group keeps apart, and those of groups that are known to
+  /// keep clear of each other. Order unspecified; on several threads.
   /// Extent: Box, or MovingBox after a refit for motion.
   template <typename Extent, typename Body>
   void for_each_pair(const PairFilter& filter, ThreadPool& pool, Body&& body);
 
+  /// After a refit at rest and for_each_pair: measures how far the groups are apart that were looked at and
+  /// have no such pair. Later refits leave them out until their motion has used that up.
+  void learn_clearances(ThreadPool& pool);
+  /// How many pairs of groups the last for_each_pair has looked at.
+  int32_t looked_at() const { return looked_at_; }
+
+  /// Of groups that the last for_each_pair has looked at.
   template <typename Extent>
   Extent vertex_extent(int32_t vertex) const;
   template <typename Extent>
@@ -75,36 +86,61 @@ class Bvh {
  private:
   static constexpr int kMaxLevels = 11;
   static constexpr int kAll = (1 << kWidth) - 1;
+  // Some cells of a group: those of a node, or one.
+  struct Part {
+    int32_t level, node;  // level -1: cell
+    Box box;
+  };
   struct Tree {
     int32_t cell_begin = 0, cell_count = 0;  // cell_begin is a multiple of kWidth
     int32_t level_count = 0;                 // 0 for a group without primitives
     int32_t level_begin[kMaxLevels] = {};    // node numbers
     int32_t level_size[kMaxLevels] = {};
-    double built_size = -1.0;  // sum of leaf extents when built; < 0: not built yet
-    bool is_fitted = false;    // nodes are those of the last refit
-    bool has_moved = true;     // some of it
-    MovingBox extent{};        // of all of it
-    Box bounds{};              // of all its way
+    int32_t chunk_begin = 0, chunk_end = 0;  // of its points
+    double built_size = -1.0;                // sum of leaf extents when built; < 0: not built yet
+    bool is_fitted = false;                  // vertices and nodes are those of the last refit
+    bool has_moved = true;                   // some of it
+    MovingBox extent{};                      // of all of it
+    Box bounds{};                            // of all its way
+    Part root() const { return {level_count - 1, 0, extent.start}; }
   };
   // Leaf blocks [begin, end) of group a against the subtree of group b under a node.
   struct Task {
     int32_t a, b, begin, end, level, node;
+    bool has_found = false;
+  };
+  // Points [begin, end) of a group, and where the last refit has them and how they move [m].
+  struct Chunk {
+    int32_t group, begin, end;
+    Bounds place{}, motion{};
+    Bounds from_clear{}, to_clear{};  // displacements from where clearances are known, at start and end
+    bool has_moved = true;
   };
 
   void make_cells(int32_t group_count);
   void build(Tree& tree);
   void refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
              ThreadPool& pool, std::span<const uint8_t> moved, bool is_moving);
-  void refit_vertices(std::span<const Vec3> x0, std::span<const Vec3> x1,
-                      std::span<const double> group_inflation, ThreadPool& pool);
+  void make_chunks();
+  void bound(Chunk& chunk) const;
+  void bound_groups();
+  void set_precision();
+  void note_motion();
   void fit_trees(ThreadPool& pool);
+  void fit_vertices(const Chunk& chunk);
+  void finish_fit(Tree& tree);
+  /// By what boxes of the group are enlarged [m].
+  double radius(int32_t group) const { return inflation_[group] * (1.0 + 1e-12) + slack_; }
   void refit_leaves(int64_t begin, int64_t end);
   void mark_moved(const Tree& tree);
   void refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const;
   double leaf_size(const Tree& tree) const;
   void find_tasks(const PairFilter& filter);
+  void add_tasks(int32_t a, int32_t b, int32_t& work);
+  bool are_clear(int32_t a, int32_t b) const;
+  double find_gap(const Tree& a, const Tree& b, double worthwhile) const;
   template <typename Extent, typename Body>
-  void run_task(const Task& task, int thread, Body& body);
+  void run_task(Task& task, int thread, Body& body);
   template <typename Extent>
   int node_mask(int32_t node, const Extent& query) const;
   template <typename Extent>
@@ -116,7 +152,8 @@ class Bvh {
   void descend(const Task& task, int32_t leaf_a, Test&& test, Visit&& visit) const;
 
   SurfaceMesh mesh_;
-  std::vector<int32_t> points_;        // all collision points, sorted
+  std::vector<int32_t> points_;        // all collision points, by group
+  std::vector<Chunk> chunks_;          // of them, by group
   std::vector<Cell> cells_;            // per group in tree order, padded to a multiple of kWidth
   std::vector<BoxNode> nodes_;         // level 0 of all groups first: node k holds cells 8 k ...
   std::vector<BoxNode> motion_nodes_;  // displacements, where there are any
@@ -124,9 +161,17 @@ class Bvh {
   std::vector<uint8_t> moved_nodes_;   // bit k set where some of box k has moved
   std::vector<Tree> trees_;
   std::vector<Box> vertex_boxes_, vertex_motions_;
+  std::span<const Vec3> x0_, x1_;      // of the last refit
+  std::span<const double> inflation_;  // by group [m]
+  Vec3 origin_{};
+  double slack_ = 0.0;  // rounding of boxes [m]
   bool is_moving_ = false;
   float rounding_ = 0.0f;  // of sums of products with components of a normal [m]
+  GroupClearances clearances_;
+  std::vector<Vec3> clear_at_;                 // where vertices were when clearances were brought up to date
+  std::vector<Bounds> from_clear_, to_clear_;  // displacements from there on a way, by group; empty at rest
   std::vector<Task> tasks_;
+  int32_t looked_at_ = 0;
   std::vector<int32_t> task_begin_;  // tasks of one unit of parallel work
   std::vector<int32_t> order_;       // groups along the sweep axis
 };
@@ -205,7 +250,7 @@ void Bvh::descend(const Task& task, int32_t leaf_a, Test&& test, Visit&& visit) 
 
 // What has not moved is looked up among what has.
 template <typename Extent, typename Body>
-void Bvh::run_task(const Task& task, int thread, Body& body) {
+void Bvh::run_task(Task& task, int thread, Body& body) {
   const Tree &a = trees_[task.a], &b = trees_[task.b];
   const bool self = task.a == task.b;
   Extent boxes[kWidth];
@@ -219,6 +264,7 @@ void Bvh::run_task(const Task& task, int thread, Body& body) {
     const int count_a = std::min(kWidth, a.cell_count - kWidth * leaf_a);
     const auto pass = [&](int k, int32_t leaf_b, int hits) {
       const Cell* cells_b = &cells_[b.cell_begin + kWidth * leaf_b];
+      task.has_found |= hits != 0;
       for (; hits != 0; hits &= hits - 1)
         body(thread, cells_a[k], cells_b[__builtin_ctz(static_cast<unsigned>(hits))], self);
     };

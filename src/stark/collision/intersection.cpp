@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include <stark/collision/bounds.h>
 #include <stark/collision/bvh.h>
 #include <stark/geometry/distance.h>
 #include <stark/geometry/intersection.h>
@@ -33,18 +34,6 @@ void add_edge_triangle(const Bvh& bvh, const Cell& a, const Cell& b, std::span<c
     }
   }
 }
-
-struct Bounds {
-  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-
-  void add(const Vec3& p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  bool contains(const Vec3& p) const {
-    return low.x <= p.x && low.y <= p.y && low.z <= p.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
-  }
-};
 
 // Lowest vertex of each connected piece of the collision primitives, sorted.
 std::vector<int32_t> find_piece_vertices(const SurfaceMesh& mesh) {

@@ -24,6 +24,28 @@ KinematicMap::KinematicMap(DofLayout layout, std::vector<Site> sites, EmbeddedPo
     append_blocks(i, blocks);
     prescribed_.push_back(blocks.empty());
   }
+  find_runs();
+}
+
+void KinematicMap::find_runs() {
+  bool has_bodies = false;
+  for (int32_t i = 0; i < site_count(); ++i) {
+    const Site& site = sites_[i];
+    const bool is_point = site.kind == SiteKind::Point;
+    const bool is_of_body = site.kind == SiteKind::RigidPoint || site.kind == SiteKind::RigidDirection;
+    has_bodies = has_bodies || is_of_body;
+    if (!runs_.empty() && runs_.back().kind == site.kind) {
+      Run& run = runs_.back();
+      const int32_t next = is_point ? run.index + (i - run.begin) : run.index;
+      if ((!is_point && !is_of_body) || site.index == next) {
+        run.end = i + 1;
+        continue;
+      }
+    }
+    runs_.push_back({site.kind, i, i + 1, site.index});
+  }
+  if (!has_bodies) return;
+  for (const Site& site : sites_) local_.push_back(site.local);
 }
 
 SiteSupport KinematicMap::support(int32_t i) const {
@@ -38,30 +60,30 @@ void KinematicMap::follow(std::span<Vec3> by_point) const {
 }
 
 void KinematicMap::positions(const Configuration& configuration, std::span<Vec3> out_x) const {
-  for (int32_t i = 0; i < site_count(); ++i) {
-    const Site& site = sites_[i];
-    switch (site.kind) {
+  for (const Run& run : runs_) {
+    switch (run.kind) {
       case SiteKind::Point:
-        out_x[i] = configuration.point_position[site.index];
+        std::copy_n(configuration.point_position.begin() + run.index, run.end - run.begin,
+                    out_x.begin() + run.begin);
         break;
       case SiteKind::RigidPoint:
-        out_x[i] =
-            configuration.body_position[site.index] + configuration.body_rotation[site.index] * site.local;
-        break;
-      case SiteKind::RigidDirection:
-        out_x[i] = configuration.body_rotation[site.index] * site.local;
-        break;
-      case SiteKind::Barycentric: {
-        Vec3 x;
-        for (int k = 0; k < 4; ++k) x += configuration.point_position[site.points[k]] * site.weights[k];
-        out_x[i] = x;
+      case SiteKind::RigidDirection: {
+        const Mat3 R = configuration.body_rotation[run.index];
+        if (run.kind == SiteKind::RigidDirection) {
+          for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = R * local_[i];
+          break;
+        }
+        const Vec3 centre = configuration.body_position[run.index];
+        for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = centre + R * local_[i];
         break;
       }
+      case SiteKind::Barycentric:
       case SiteKind::Embedded:
-        out_x[i] = point_sum(support(i), configuration.point_position);
+        for (int32_t i = run.begin; i < run.end; ++i)
+          out_x[i] = point_sum(support(i), configuration.point_position);
         break;
       case SiteKind::World:
-        out_x[i] = site.local;
+        for (int32_t i = run.begin; i < run.end; ++i) out_x[i] = sites_[i].local;
         break;
     }
   }

@@ -99,8 +99,18 @@ class KinematicMap {
                Configuration& out) const;
 
  private:
+  /// Sites [begin, end) of one kind: consecutive points from `index` on, or sites of the body `index`.
+  struct Run {
+    SiteKind kind;
+    int32_t begin, end, index;
+  };
+
+  void find_runs();
+
   DofLayout layout_;
   std::vector<Site> sites_;
+  std::vector<Run> runs_;    ///< of points and of sites of bodies, which are most
+  std::vector<Vec3> local_;  ///< by site, if there are bodies: what sites_ has, close together [m]
   EmbeddedPoints embedded_;
   std::vector<int32_t> support_block_;  ///< by entry of embedded_.points
   std::vector<int32_t> followers_;      ///< points that are embedded sites

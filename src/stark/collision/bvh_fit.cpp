@@ -1,0 +1,298 @@
+// Bounds of groups, boxes of vertices and nodes at the positions of a refit. See bvh.h.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <stark/base/error.h>
+#include <stark/collision/bvh.h>
+
+namespace stark::detail {
+
+namespace {
+
+// A tree is built anew when the sum of its leaves' extents has grown by this factor.
+constexpr double kRebuildGrowth = 2.0;
+
+constexpr int32_t kPointGrain = 4096;
+
+// Boxes of what is farther away than floats reach end at the largest one: an infinite box would overlap the
+// empty slots of nodes.
+float bounded(float value) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return std::clamp(value, -kLargest, kLargest);
+}
+
+// One unit in the last place further out; subtracting two roundings' worth keeps the bound after the
+// conversion.
+float round_down(double value) {
+  const float rounded = static_cast<float>(value);
+  return bounded(rounded - std::fabs(rounded) * 0x1p-23f - 1e-37f);
+}
+float round_up(double value) {
+  const float rounded = static_cast<float>(value);
+  return bounded(rounded + std::fabs(rounded) * 0x1p-23f + 1e-37f);
+}
+
+Box round_outward(const Bounds& bounds) {
+  const Vec3 &low = bounds.low, &high = bounds.high;
+  return {Float4{round_down(low.x), round_down(low.y), round_down(low.z), 0.0f},
+          Float4{round_up(high.x), round_up(high.y), round_up(high.z), 0.0f}};
+}
+
+Bounds enlarged(const Bounds& bounds, double r) {
+  const Vec3 reach{r, r, r};
+  return {bounds.low - reach, bounds.high + reach};
+}
+
+// Of what is within `bounds`, about the origin and enlarged by r.
+Box box_of(const Bounds& bounds, const Vec3& origin, double r) {
+  return round_outward(enlarged({bounds.low - origin, bounds.high - origin}, r));
+}
+
+void set_box(BoxNode& node, int k, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.low[axis][k] = box.low[axis];
+    node.high[axis][k] = box.high[axis];
+  }
+}
+
+Box node_bounds(const BoxNode& node) {
+  Box box = kEmptyBox;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < kWidth; ++k) {
+      box.low[axis] = std::min<float>(box.low[axis], node.low[axis][k]);
+      box.high[axis] = std::max<float>(box.high[axis], node.high[axis][k]);
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+void Bvh::make_chunks() {
+  chunks_.clear();
+  const auto count = static_cast<int32_t>(points_.size());
+  for (int32_t begin = 0; begin < count;) {
+    const int32_t group = mesh_.vertex_group[points_[begin]];
+    int32_t end = begin;
+    while (end < std::min(count, begin + kPointGrain) && mesh_.vertex_group[points_[end]] == group) ++end;
+    Tree& tree = trees_[group];
+    if (tree.chunk_end == 0) tree.chunk_begin = static_cast<int32_t>(chunks_.size());
+    chunks_.push_back({group, begin, end});
+    tree.chunk_end = static_cast<int32_t>(chunks_.size());
+    begin = end;
+  }
+}
+
+void Bvh::refit(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const double> group_inflation,
+                ThreadPool& pool, std::span<const uint8_t> moved, bool is_moving) {
+  const size_t vertex_count = static_cast<size_t>(mesh_.vertex_count);
+  if (x0.size() < vertex_count || x1.size() < vertex_count) {
+    throw InvalidArgument("collision: " + std::to_string(std::min(x0.size(), x1.size())) + " positions for " +
+                          std::to_string(vertex_count) + " vertices; give one each");
+  }
+  if (group_inflation.size() != trees_.size()) {
+    throw InvalidArgument("collision: " + std::to_string(group_inflation.size()) + " inflations for " +
+                          std::to_string(trees_.size()) + " groups; give one each, in metres");
+  }
+  if (!moved.empty() && moved.size() < vertex_count) {
+    throw InvalidArgument("collision: " + std::to_string(moved.size()) + " marks of motion for " +
+                          std::to_string(vertex_count) + " vertices; give one each, or none");
+  }
+  x0_ = x0;
+  x1_ = x1;
+  inflation_ = group_inflation;
+  is_moving_ = is_moving;
+  moved_.assign(moved.begin(), moved.end());
+  if (points_.empty()) return;
+  pool.for_each_task(static_cast<int64_t>(chunks_.size()), [&](int64_t k, int) { bound(chunks_[k]); });
+  set_precision();
+  bound_groups();
+  note_motion();
+}
+
+void Bvh::bound(Chunk& chunk) const {
+  chunk.place = chunk.motion = chunk.from_clear = chunk.to_clear = {};
+  chunk.has_moved = moved_.empty();
+  const bool has_clearances = !clearances_.empty();
+  for (int32_t k = chunk.begin; k < chunk.end; ++k) {
+    const int32_t v = points_[k];
+    chunk.place.add(x0_[v]);
+    if (!moved_.empty() && moved_[v] != 0) chunk.has_moved = true;
+    if (is_moving_) chunk.motion.add(x1_[v] - x0_[v]);
+    if (!has_clearances) continue;
+    chunk.from_clear.add(x0_[v] - clear_at_[v]);
+    if (is_moving_) chunk.to_clear.add(x1_[v] - clear_at_[v]);
+  }
+}
+
+// Where boxes are measured from, and what rounding adds to them.
+void Bvh::set_precision() {
+  Bounds all;
+  double largest_motion = 0.0;
+  for (const Chunk& chunk : chunks_) {
+    all.add(chunk.place);
+    if (is_moving_)
+      largest_motion = std::max({largest_motion, max_abs(chunk.motion.low), max_abs(chunk.motion.high)});
+  }
+  origin_ = (all.low + all.high) * 0.5;
+  // Covers the rounding of the differences below, which is relative to the distance from the origin; of boxes
+  // that move also that of the sums and differences in single precision, four for each pair.
+  double reach = max_abs(all.high - all.low);
+  slack_ = 1e-15 * reach;
+  for (const double r : inflation_) reach = std::max(reach, max_abs(all.high - all.low) + 2.0 * r);
+  if (is_moving_) slack_ += 0x1p-24 * (reach + 3.0 * largest_motion);
+  rounding_ = bounded(static_cast<float>(0x1p-20 * (reach + largest_motion)));
+}
+
+void Bvh::bound_groups() {
+  for (int32_t g = 0; g < group_count(); ++g) {
+    Tree& tree = trees_[g];
+    tree.is_fitted = false;
+    tree.has_moved = moved_.empty();
+    tree.extent = {kEmptyBox, kEmptyBox};
+    const double r = radius(g);
+    for (int32_t k = tree.chunk_begin; k < tree.chunk_end; ++k) {
+      const Chunk& chunk = chunks_[k];
+      tree.extent.start = merge(tree.extent.start, box_of(chunk.place, origin_, r));
+      tree.has_moved |= chunk.has_moved;
+      if (is_moving_) tree.extent.motion = merge(tree.extent.motion, round_outward(chunk.motion));
+    }
+    tree.bounds = tree.extent.start;
+    if (!is_moving_ || tree.cell_count == 0) continue;
+    tree.bounds.low += min(tree.extent.motion.low, Float4{});
+    tree.bounds.high += max(tree.extent.motion.high, Float4{});
+  }
+}
+
+// Brings clearances up to date, or notes what the way from here will take of them.
+void Bvh::note_motion() {
+  from_clear_.clear();
+  to_clear_.clear();
+  if (clearances_.empty()) return;
+  from_clear_.resize(trees_.size());
+  to_clear_.resize(trees_.size());
+  for (const Chunk& chunk : chunks_) {
+    const double r = slack_ + 1e-15 * std::max(max_abs(chunk.place.low), max_abs(chunk.place.high));
+    from_clear_[chunk.group].add(enlarged(chunk.from_clear, r));
+    if (is_moving_) to_clear_[chunk.group].add(enlarged(chunk.to_clear, r));
+  }
+  if (is_moving_) return;
+  clearances_.move(from_clear_);
+  from_clear_.clear();
+  to_clear_.clear();
+  std::ranges::copy(x0_.first(clear_at_.size()), clear_at_.begin());
+}
+
+void Bvh::fit_trees(ThreadPool& pool) {
+  std::vector<Tree*> trees;
+  std::vector<int32_t> vertices;                    // chunks of them
+  std::vector<std::pair<int32_t, int32_t>> leaves;  // ranges
+  for (const Task& task : tasks_) {
+    for (Tree* tree : {&trees_[task.a], &trees_[task.b]}) {
+      if (tree->is_fitted) continue;
+      tree->is_fitted = true;
+      trees.push_back(tree);
+      for (int32_t k = tree->chunk_begin; k < tree->chunk_end; ++k) vertices.push_back(k);
+      constexpr int32_t kLeafGrain = 512;
+      for (int32_t begin = 0; begin < tree->level_size[0]; begin += kLeafGrain)
+        leaves.emplace_back(tree->level_begin[0] + begin,
+                            tree->level_begin[0] + std::min(begin + kLeafGrain, tree->level_size[0]));
+    }
+  }
+  const auto for_each = [&](const auto& items, auto&& body) {
+    pool.for_each_task(static_cast<int64_t>(items.size()), [&](int64_t k, int) { body(items[k]); });
+  };
+  for_each(vertices, [&](int32_t chunk) { fit_vertices(chunks_[chunk]); });
+  for_each(trees, [&](Tree* tree) {
+    if (tree->built_size < 0.0) build(*tree);
+  });
+  for_each(leaves, [&](const auto& range) { refit_leaves(range.first, range.second); });
+  for_each(trees, [&](Tree* tree) { finish_fit(*tree); });
+}
+
+void Bvh::finish_fit(Tree& tree) {
+  const double size = leaf_size(tree);
+  if (tree.built_size < 0.0) {
+    tree.built_size = size;
+  } else if (size > kRebuildGrowth * tree.built_size && tree.level_count > 1) {
+    build(tree);
+    refit_leaves(tree.level_begin[0], tree.level_begin[0] + tree.level_size[0]);
+    tree.built_size = leaf_size(tree);
+  }
+  refit_upper_levels(tree, nodes_);
+  if (is_moving_) refit_upper_levels(tree, motion_nodes_);
+  mark_moved(tree);
+}
+
+void Bvh::fit_vertices(const Chunk& chunk) {
+  const double r = radius(chunk.group);
+  for (int32_t k = chunk.begin; k < chunk.end; ++k) {
+    const int32_t v = points_[k];
+    vertex_boxes_[v] = box_of({x0_[v], x0_[v]}, origin_, r);
+    if (!is_moving_) continue;
+    const Vec3 d = x1_[v] - x0_[v];
+    vertex_motions_[v] = round_outward({d, d});
+  }
+}
+
+void Bvh::refit_leaves(int64_t begin, int64_t end) {
+  for (int64_t leaf = begin; leaf < end; ++leaf) {
+    for (int k = 0; k < kWidth; ++k) {
+      const Cell& cell = cells_[kWidth * leaf + k];
+      const bool used = cell.triangle >= 0 || cell.point_count + cell.edge_count > 0;
+      if (!is_moving_) {
+        set_box(nodes_[leaf], k, used ? cell_extent<Box>(cell) : kEmptyBox);
+        continue;
+      }
+      const MovingBox box = used ? cell_extent<MovingBox>(cell) : MovingBox{kEmptyBox, kEmptyBox};
+      set_box(nodes_[leaf], k, box.start);
+      set_box(motion_nodes_[leaf], k, box.motion);
+    }
+  }
+}
+
+double Bvh::leaf_size(const Tree& tree) const {
+  double size = 0.0;
+  for (int32_t leaf = 0; leaf < tree.level_size[0]; ++leaf) {
+    const Box box = node_bounds(nodes_[tree.level_begin[0] + leaf]);
+    for (int axis = 0; axis < 3; ++axis) size += static_cast<double>(box.high[axis]) - box.low[axis];
+  }
+  return size;
+}
+
+void Bvh::refit_upper_levels(const Tree& tree, std::vector<BoxNode>& nodes) const {
+  for (int level = 1; level < tree.level_count; ++level) {
+    for (int32_t n = 0; n < tree.level_size[level]; ++n) {
+      for (int k = 0; k < kWidth; ++k) {
+        const int32_t child = kWidth * n + k;
+        const bool used = child < tree.level_size[level - 1];
+        set_box(nodes[tree.level_begin[level] + n], k,
+                used ? node_bounds(nodes[tree.level_begin[level - 1] + child]) : kEmptyBox);
+      }
+    }
+  }
+}
+
+void Bvh::mark_moved(const Tree& tree) {
+  const auto has_moved = [&](const Cell& cell) {
+    return moved_[cell.vertices[0]] | moved_[cell.vertices[1]] | moved_[cell.vertices[2]];
+  };
+  for (int level = 0; level < tree.level_count; ++level) {
+    const int32_t count = level == 0 ? tree.cell_count : tree.level_size[level - 1];
+    for (int32_t n = 0; n < tree.level_size[level]; ++n) {
+      uint8_t& mask = moved_nodes_[tree.level_begin[level] + n];
+      mask = kAll;
+      if (moved_.empty()) continue;
+      mask = 0;
+      for (int32_t child = kWidth * n; child < std::min(kWidth * (n + 1), count); ++child) {
+        const bool moved = level == 0 ? has_moved(cells_[tree.cell_begin + child]) != 0
+                                      : moved_nodes_[tree.level_begin[level - 1] + child] != 0;
+        mask |= static_cast<uint8_t>(moved << (child - kWidth * n));
+      }
+    }
+  }
+}
+
+}  // namespace stark::detail
