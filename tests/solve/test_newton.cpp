@@ -50,6 +50,33 @@ TEST_CASE("a start at the minimum takes none") {
   CHECK(objective.x == Vec3{});
 }
 
+TEST_CASE("a guess is where the minimisation begins if its energy is lower and nothing is in the way") {
+  const std::vector<double> good = {1.0, 0.4, 0.5}, bad = {-20.0, 0.0, 0.0};
+  const auto from = [](const std::vector<double>& guess, const auto& change) {
+    Analytic objective(rosenbrock, {-1.2, 0.0, -0.5});
+    change(objective);
+    Solver solver(tight());
+    const SolveReport report = solver.newton.minimize(objective, 1.0, guess);
+    return std::pair(report, objective);
+  };
+  const auto as_it_is = [](Analytic&) {};
+  const auto [without, end] = from({}, as_it_is);
+  const auto [with, same_end] = from(good, as_it_is);
+  CHECK(without.status == SolveStatus::Converged);
+  CHECK(with.status == SolveStatus::Converged);
+  CHECK(norm(end.x - Vec3{1, 1, 0}) < 1e-9);
+  CHECK(norm(same_end.x - Vec3{1, 1, 0}) < 1e-9);
+  CHECK(with.iterations < without.iterations);
+
+  // Uphill, in the way of something, or while prescribed parts move: as without.
+  CHECK(from(bad, as_it_is).second.residuals == end.residuals);
+  const auto half_way = [](Analytic& objective) { objective.bound = 0.5; };
+  CHECK(from(good, half_way).second.residuals == from({}, half_way).second.residuals);
+  const auto moving = [](Analytic& objective) { objective.pending = true; };
+  CHECK(from(good, moving).second.residuals == from({}, moving).second.residuals);
+  CHECK(from(good, moving).second.gradients == from({}, moving).second.gradients);
+}
+
 TEST_CASE("where the last Hessian is good enough, convergence is found without a new one") {
   // From nearby, the second direction is far below the tolerance: the gradient alone tells.
   Analytic objective(cosh_sum, {0.32, -0.2, 0.45});

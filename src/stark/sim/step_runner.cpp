@@ -344,7 +344,10 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   // Friction is not worth refreshing in a motion that will be thrown away.
   // Why the shortest step fails is seen best where Newton's method comes to its end.
   newton_.set_way_check([&] { return !way_.leads_through_something(start); }, !is_shortest(h));
-  SolveReport solved = newton_.minimize(potential_, h);
+  std::vector<double> guess;
+  if (report_.rejected_steps == 0 && has_inertia(settings_.time.integrator))
+    guess = motion_.free_increments(h);
+  SolveReport solved = newton_.minimize(potential_, h, guess);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
   if (is_success(solved.status)) {

@@ -96,6 +96,20 @@ Configuration StepMotion::target_configuration(double h) const {
   return target;
 }
 
+std::vector<double> StepMotion::free_increments(double h) const {
+  const DofLayout& layout = model_.map().layout();
+  std::vector<double> increments(3 * static_cast<size_t>(layout.block_count), 0.0);
+  const auto set = [&](const std::vector<int32_t>& blocks, const std::vector<Vec3>& velocity) {
+    for (size_t i = 0; i < blocks.size(); ++i)
+      if (blocks[i] != kNoBlock)
+        for (int k = 0; k < 3; ++k) increments[3 * static_cast<size_t>(blocks[i]) + k] = h * velocity[i][k];
+  };
+  set(layout.point_block, state_.point_velocity);
+  set(layout.body_block, state_.body_velocity);
+  set(layout.rotation_block, state_.body_angular_velocity);
+  return increments;
+}
+
 void StepMotion::predict(double h) {
   const double duration = reference_.stencil.duration;
   predict(h, duration, !has_inertia(settings_.time.integrator) ? kQuasistaticStep : duration);

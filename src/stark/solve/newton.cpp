@@ -31,7 +31,8 @@ constexpr double kModelled =
     0.35;  ///< relative error of the decrease of a full step, below which the next is short
 constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
 constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
-constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
+constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
+constexpr double kContraction = 0.5;     ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
 constexpr double kNoForce = 1e-140;               ///< [N] products with forces below it underflow
@@ -55,8 +56,9 @@ double dot(std::span<const double> a, std::span<const double> b) {
 NewtonSolver::NewtonSolver(const NewtonSettings& settings, LinearSolver& linear_solver, PhaseTimer& timer)
     : settings_(settings), linear_solver_(linear_solver), timer_(timer) {}
 
-SolveReport NewtonSolver::minimize(Objective& objective, double time_step) {
+SolveReport NewtonSolver::minimize(Objective& objective, double time_step, std::span<const double> guess) {
   start(objective, time_step);
+  try_guess(objective, guess);
   std::optional<SolveStatus> end;
   while (!end) end = iterate(objective);
   return finish(objective, *end);
@@ -70,6 +72,22 @@ void NewtonSolver::start(const Objective& objective, double time_step) {
   gradient_.assign(n, 0.0);
   direction_.assign(n, 0.0);
   right_hand_side_.assign(n, 0.0);
+}
+
+void NewtonSolver::try_guess(Objective& objective, std::span<const double> guess) {
+  // Energies along a step are not comparable while prescribed parts move.
+  if (guess.empty() || objective.has_pending_motion()) return;
+  std::ranges::copy(guess, direction_.begin());
+  if (!(objective.motion(direction_) > kWorthGuessing * settings_.step_tolerance * time_step_)) return;
+  objective.evaluate_gradient(gradient_);
+  if (!(slope() < 0.0)) return;
+  {
+    const PhaseTimer::Scope scope(timer_, Phase::StepBound);
+    if (objective.bound_step(direction_, settings_.max_rotation) < 1.0) return;
+  }
+  const PhaseTimer::Scope scope(timer_, Phase::LineSearch);
+  const TrialEnergy trial = objective.try_step(direction_, 1.0);
+  if (trial.feasible && trial.difference < 0.0) objective.accept_trial();
 }
 
 std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {

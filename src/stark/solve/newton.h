@@ -36,8 +36,9 @@ class NewtonSolver {
   void set_deadline(std::optional<std::chrono::steady_clock::time_point> deadline) { deadline_ = deadline; }
 
   /// Minimises from the objective's current iterate, which is left at the last accepted point. `time_step`
-  /// [s] turns the motion of a Newton step into a velocity.
-  SolveReport minimize(Objective& objective, double time_step);
+  /// [s] turns the motion of a Newton step into a velocity. `guess`: an increment to begin with, taken where
+  /// nothing is in its way and its end has a lower energy; may be empty.
+  SolveReport minimize(Objective& objective, double time_step, std::span<const double> guess = {});
   /// Of the minimisation under way, or the last one.
   const SolveReport& progress() const { return report_; }
   /// Last direction of the last minimisation.
@@ -62,6 +63,7 @@ class NewtonSolver {
   };
 
   void start(const Objective& objective, double time_step);
+  void try_guess(Objective& objective, std::span<const double> guess);
   /// One iteration; why the minimisation ends with it, if it does.
   std::optional<SolveStatus> iterate(Objective& objective);
   SolveReport finish(Objective& objective, SolveStatus status);
