@@ -129,6 +129,18 @@ void bind_bodies(nb::class_<Simulation>& c) {
       .def("velocities", with_arrays<&Simulation::velocities>)
       .def("pose", [](const Simulation& s,
                       BodyId body) { return nb::make_tuple(s.position(body), s.rotation(body)); })
+      .def(
+          "poses",
+          [](const Simulation& s, const std::vector<BodyId>& bodies) {
+            std::vector<Vec3> positions;
+            std::vector<Mat3> rotations;
+            for (const BodyId body : bodies) {
+              positions.push_back(s.position(body));
+              rotations.push_back(s.rotation(body));
+            }
+            return nb::make_tuple(to_numpy(positions), to_numpy(rotations, {bodies.size(), 3, 3}));
+          },
+          "bodies"_a, "Of mesh frames: positions (k, 3) [m], rotations (k, 3, 3).")
       .def("twist",
            [](const Simulation& s, BodyId body) {
              return nb::make_tuple(s.linear_velocity(body), s.angular_velocity(body));

@@ -6,6 +6,7 @@ between settings are checked when a simulation is made."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, ClassVar
 
 from stark import _core
@@ -106,7 +107,7 @@ class Settings:
 
     def names(self) -> list[str]:
         """Dotted names of all settings, as in docs/reference.md."""
-        return [field["name"] for field in _core.Settings.fields()]
+        return list(_names())
 
     @staticmethod
     def fields() -> list[dict[str, Any]]:
@@ -142,7 +143,7 @@ class Settings:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        if any(known.startswith(name + ".") for known in self.names()):
+        if any(known.startswith(name + ".") for known in _names()):
             return SettingsGroup(self, name + ".")
         try:
             return self._core.read(name)
@@ -150,7 +151,7 @@ class Settings:
             raise _UnknownSetting(str(error)) from None
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if any(known.startswith(name + ".") for known in self.names()):
+        if any(known.startswith(name + ".") for known in _names()):
             raise InvalidSetting(
                 f"'{name}' is a group of settings, not a setting; assign to one of its fields"
             )
@@ -195,6 +196,11 @@ class FixedSettings(Settings):
             f"{name} = {known!r}: settings of a simulation cannot be changed; create a new one with "
             f"stark.Simulation(scene, sim.settings, {name}=...)"
         )
+
+
+@cache
+def _names() -> tuple[str, ...]:
+    return tuple(field["name"] for field in _core.Settings.fields())
 
 
 def _groups(names: list[str]) -> set[str]:

@@ -29,7 +29,7 @@ class DrivenRobot(Protocol):
     @property
     def q(self) -> Floats: ...
 
-    def gravity_efforts(self) -> Floats: ...
+    def _holding(self, gravity: Floats) -> Floats: ...
 
     def _axes(self) -> Any: ...
 
@@ -74,8 +74,8 @@ class Drives:
         if self.kind == "efforts":
             caps = self._caps()
             numbers = np.clip(numbers, -caps, caps)
-        for actuator, value in zip(self._actuators, numbers - self._shifts, strict=True):
-            actuator.target = float(value)
+        for actuator, value in zip(self._actuators, (numbers - self._shifts).tolist(), strict=True):
+            actuator._assign("target", value)
 
     @property
     def feedforward(self) -> Floats:
@@ -183,9 +183,10 @@ class GravityFollower:
         """Of the coming step, from where the robot is at its start."""
         if self._actuators[-1]._index >= simulation._core.actuator_count:
             return
-        efforts = self._robot._bound_to(simulation).gravity_efforts()[self._rows]
-        for actuator, effort in zip(self._actuators, efforts, strict=True):
-            simulation._core.set_actuator_value(actuator._index, "feedforward", float(effort))
+        gravity = np.array(simulation.settings.gravity)
+        efforts = self._robot._bound_to(simulation)._holding(gravity)[self._rows]
+        for actuator, effort in zip(self._actuators, efforts.tolist(), strict=True):
+            simulation._core.set_actuator_value(actuator._index, "feedforward", effort)
 
     def jump(self) -> str:
         """They move nothing to a place."""

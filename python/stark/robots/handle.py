@@ -26,6 +26,7 @@ from stark.robots.kinematics import Placement, Values
 from stark.robots.link import RobotLink
 from stark.robots.posture import settled
 from stark.robots.report import Report
+from stark.robots.weight import CarriedWeight, Weight
 from stark.rotations import as_matrix, vector
 from stark.settings import Settings
 
@@ -67,6 +68,7 @@ class Robot:
         self.name: str = name
         self.description: RobotDescription = description
         """What the file says, with the inertias that the bodies have."""
+        self._weight = CarriedWeight(description, links)
         self.report: Report = report
         """What was kept, assumed, dropped, and what is suspicious; ``print(robot.report)``."""
 
@@ -371,9 +373,13 @@ class Robot:
         if gravity is None:
             simulation = self._simulation()
             gravity = (Settings() if simulation is None else simulation.settings).gravity
-        frames = self.forward_kinematics(self.q if q is None else q)
         acceleration = vector(gravity, f"robot '{self.name}': gravity")
-        return kinematics.gravity_efforts(self.description, frames, acceleration)
+        if q is None:
+            return self._holding(acceleration)
+        frames = self.forward_kinematics(q)
+        placed = [frames[name] for name in self.description.links]
+        positions, rotations = (np.array(values) for values in zip(*placed, strict=True))
+        return Weight(self.description).efforts(positions, rotations, acceleration)
 
     @property
     def _title(self) -> str:
@@ -395,6 +401,11 @@ class Robot:
             return link.offset
         body = link.body if self._of is None else link.body._bound_to(self._of)
         return Placement(*body.pose).at(*link.offset)
+
+    def _holding(self, gravity: Floats) -> Floats:
+        """Efforts (n,) [N m, N] that hold it where it is."""
+        simulation = self._simulation()
+        return self._weight.efforts((self._scene if simulation is None else simulation)._core, gravity)
 
     def _rests(self) -> tuple[Placement, dict[str, Placement]]:
         """Frames that no coordinate places, now: that of the base, those of children of floating joints."""

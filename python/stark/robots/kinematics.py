@@ -1,4 +1,4 @@
-"""Where the links of a description are, how they move with q, and what carries their weight.
+"""Where the links of a description are, and how they move with q.
 
 Recursive kinematics of a tree; Siciliano et al., Robotics (2009), 3.1 for the Jacobian."""
 
@@ -123,36 +123,6 @@ def jacobian(robot: RobotDescription, links: Mapping[str, Placement], link: str,
                 column[3:] += ratio * axis
         link = joint.parent
     return columns
-
-
-def gravity_efforts(robot: RobotDescription, links: Mapping[str, Placement], gravity: Floats) -> Floats:
-    """Efforts (n,) [N m, N] along q that hold the weight of all links at rest under ``gravity`` (3,)
-    [m/s^2]."""
-    # From the tips inwards: mass and first moment of all that hangs on a link.
-    mass = dict.fromkeys(robot.links, 0.0)
-    moment = dict.fromkeys(robot.links, np.zeros(3))
-    for name, link in robot.links.items():
-        if link.inertia is not None:
-            frame = links[name]
-            mass[name] = link.inertia.mass
-            moment[name] = mass[name] * (frame.position + frame.rotation @ link.inertia.center)
-    rows = {name: k for k, name in enumerate(robot.coordinates)}
-    efforts = np.zeros(len(rows))
-    for joint in reversed(robot.outwards):
-        if joint.is_moving:
-            driver, ratio, _ = robot.drive_of(joint)
-            frame = links[joint.child]
-            axis = frame.rotation @ joint.axis
-            if joint.kind == "prismatic":
-                along = mass[joint.child] * (axis @ gravity)
-            else:
-                origin = frame.position + frame.rotation @ joint.anchor
-                arm = moment[joint.child] - mass[joint.child] * origin
-                along = axis @ _cross(arm, gravity)
-            efforts[rows[driver]] -= ratio * along
-        mass[joint.parent] += mass[joint.child]
-        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
-    return efforts
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robots._robots import ARM, GRAVITY, random_mjcf, random_urdf
+from robots._robots import ARM, GRAVITY, gravity_efforts, random_mjcf, random_urdf
 
 import stark.robots
 from stark.robots import kinematics
@@ -67,7 +67,7 @@ def test_frames_jacobians_and_gravity_of_urdf_files_are_those_of_pinocchio(tmp_p
                 )
                 ours = kinematics.jacobian(robot, frames, name, frame.position)
                 np.testing.assert_allclose(ours, theirs @ drive, atol=TOLERANCE)
-            efforts = kinematics.gravity_efforts(robot, frames, GRAVITY)
+            efforts = gravity_efforts(robot, frames, GRAVITY)
             theirs = drive.T @ pinocchio.computeGeneralizedGravity(model, data, other)
             np.testing.assert_allclose(efforts, theirs, atol=TOLERANCE)
 
@@ -95,7 +95,7 @@ def test_frames_and_gravity_of_mjcf_files_are_those_of_mujoco(seed: int, tmp_pat
         for name, frame in frames.items():
             np.testing.assert_allclose(frame.position, data.body(name).xpos, atol=TOLERANCE)
             np.testing.assert_allclose(frame.rotation.ravel(), data.body(name).xmat, atol=TOLERANCE)
-        efforts = kinematics.gravity_efforts(robot, frames, GRAVITY)
+        efforts = gravity_efforts(robot, frames, GRAVITY)
         np.testing.assert_allclose(efforts, drive.T @ data.qfrc_bias, atol=TOLERANCE)
 
 

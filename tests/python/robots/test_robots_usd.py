@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots._robots import GRAVITY, random_mjcf
+from robots._robots import GRAVITY, gravity_efforts, random_mjcf
 from robots._stages import body, joint, numbers, of_mujoco, shape, stage
 
 import stark
@@ -58,7 +58,7 @@ def test_robots_are_those_of_mujoco(
             frame = frames[model.body(k).name]
             np.testing.assert_allclose(frame.position, data.xpos[k], atol=SINGLE)
             np.testing.assert_allclose(frame.rotation.ravel(), data.xmat[k], atol=SINGLE)
-        efforts = kinematics.gravity_efforts(robot, frames, GRAVITY)
+        efforts = gravity_efforts(robot, frames, GRAVITY)
         theirs = [signs[name] * data.qfrc_bias[k] for name, k in zip(robot.coordinates, columns, strict=True)]
         np.testing.assert_allclose(efforts, theirs, atol=100 * SINGLE)
 

@@ -1,0 +1,89 @@
+"""What carries the weight of a robot: all joints and links at once, as before each step of a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark import _core
+from stark.robots.description import RobotDescription
+from stark.robots.kinematics import WORLD, Placement
+from stark.robots.link import RobotLink
+
+Floats = NDArray[np.float64]
+
+
+class Weight:
+    """Of the links of a robot: each joint carries what hangs on it, by the moment about its axis."""
+
+    def __init__(self, robot: RobotDescription, offsets: Mapping[str, Placement] | None = None) -> None:
+        """``offsets``: of the frames of links in the frames that ``efforts`` is given; none: it is given
+        theirs."""
+        place = {name: k for k, name in enumerate(robot.links)}
+        at = [WORLD if offsets is None else offsets[name] for name in robot.links]
+        inertias = [link.inertia for link in robot.links.values()]
+        self._mass = np.array([0.0 if inertia is None else inertia.mass for inertia in inertias])
+        centers = [np.zeros(3) if inertia is None else inertia.center for inertia in inertias]
+        centers = [frame.at(c, np.eye(3)).position for frame, c in zip(at, centers, strict=True)]
+        # By link, as columns: first moment, axis and a point of the axis of the joint that carries it.
+        self._columns = np.zeros((len(at), 3, 3))
+        self._columns[:, :, 0] = self._mass[:, None] * np.array(centers).reshape(-1, 3)
+        joints = [joint for joint in robot.outwards if joint.is_moving]
+        self._child = np.array([place[joint.child] for joint in joints], int)
+        for k, joint in zip(self._child, joints, strict=True):
+            self._columns[k, :, 1] = at[k].rotation @ joint.axis
+            self._columns[k, :, 2] = at[k].at(joint.anchor, np.eye(3)).position
+        self._slides = np.array([joint.kind == "prismatic" for joint in joints], bool)
+        hanging = np.eye(len(place))  # rows: a link and all that hangs on it
+        for joint in reversed(robot.outwards):
+            hanging[place[joint.parent]] += hanging[place[joint.child]]
+        self._hanging = hanging[self._child]
+        self._carried = self._hanging @ self._mass
+        rows = {name: k for k, name in enumerate(robot.coordinates)}
+        self._drives = np.zeros((len(rows), len(joints)))
+        for k, joint in enumerate(joints):
+            driver, ratio, _ = robot.drive_of(joint)
+            self._drives[rows[driver], k] += ratio
+
+    def efforts(self, positions: Floats, rotations: Floats, gravity: Floats) -> Floats:
+        """(n,) [N m, N] along q that hold all links at rest under ``gravity`` (3,) [m/s^2], with frames at
+        ``positions`` (k, 3) [m] and ``rotations`` (k, 3, 3), in the order of ``robot.links``."""
+        columns = rotations @ self._columns
+        moments = self._mass[:, None] * positions + columns[:, :, 0]
+        axes = columns[self._child, :, 1]
+        origins = (positions + columns[:, :, 2])[self._child]
+        arms = self._hanging @ moments - self._carried[:, None] * origins
+        x, y, z = gravity
+        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])  # a @ across: a x gravity
+        along = ((arms @ across) * axes).sum(axis=1)
+        if self._slides.any():
+            along = np.where(self._slides, self._carried * (axes @ gravity), along)
+        return np.asarray(-(self._drives @ along))
+
+
+class CarriedWeight:
+    """The weight of a robot in a scene, of which links are parts of bodies or of the world."""
+
+    def __init__(self, robot: RobotDescription, links: Mapping[str, RobotLink]) -> None:
+        self._weight = Weight(robot, {name: link.offset for name, link in links.items()})
+        bodies = [links[name].body for name in robot.links]
+        self._bodies = [body._index for body in bodies if body is not None]
+        self._rows = [k for k, body in enumerate(bodies) if body is not None]
+        self._count = len(bodies)
+
+    def efforts(self, core: _core.Scene | _core.Simulation, gravity: Floats) -> Floats:
+        """(n,) [N m, N] that hold it where its bodies are."""
+        if isinstance(core, _core.Simulation):
+            poses = core.poses(self._bodies)
+        else:
+            found = [core.pose(body) for body in self._bodies]
+            poses = tuple(np.array([pose[k] for pose in found]) for k in range(2))
+        if len(self._rows) == self._count:
+            return self._weight.efforts(*poses, gravity)
+        positions, rotations = np.zeros((self._count, 3)), np.zeros((self._count, 3, 3))
+        rotations[:] = np.eye(3)
+        if self._rows:
+            positions[self._rows], rotations[self._rows] = poses
+        return self._weight.efforts(positions, rotations, gravity)
