@@ -280,3 +280,14 @@ def test_restitution_out_of_reach_is_no_step_without_contact() -> None:
     from benchmarks.torture.campaign import run_one
 
     assert run_one(9, 641, "materials").problems == []
+
+
+@pytest.mark.parametrize(("seed", "index"), [(12, 929), (10, 4613)])
+@pytest.mark.filterwarnings("ignore::stark.StarkWarning")
+def test_rods_that_bend_for_good_are_certified(seed: int, index: int) -> None:
+    """Frames that are held far from their free motion keep the rate of their turn (theory, section 3), which
+    the certificate granted rigid bodies alone."""
+    pytest.importorskip("ipctk")
+    from benchmarks.torture.campaign import run_one
+
+    assert run_one(seed, index, "materials").problems == []
