@@ -93,6 +93,17 @@ TEST_CASE(
   CHECK(judged(evidence).cause == FailureCause::IterationBudget);
 }
 
+TEST_CASE("prescribed parts that stand where energies have no value are not blocked") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::NotFinite;
+  evidence.prescribed_arrived = false;
+  evidence.pushing = {"rigid body 'lid'"};
+  evidence.gaps = {{{"rigid body 'ball'"}, {"rigid body 'ground'"}, 1.6e-4, 7.9e-4}};
+  CHECK(judged(evidence).cause == FailureCause::NotFinite);
+  evidence.solve.status = SolveStatus::Blocked;
+  CHECK(judged(evidence).cause == FailureCause::BlockedMotion);
+}
+
 TEST_CASE("what runs into one prescribed body, and touches nothing else, is not blocked by it") {
   StepEvidence evidence = plain();
   evidence.solve.status = SolveStatus::Blocked;

@@ -295,3 +295,33 @@ def test_rods_that_bend_for_good_are_certified(seed: int, index: int) -> None:
     from benchmarks.torture.campaign import run_one
 
     assert run_one(seed, index, "materials").problems == []
+
+
+@pytest.mark.parametrize(
+    ("seed", "index", "kind"),
+    [
+        *((10, index, "mixed") for index in (1044, 1332, 1854, 2070)),
+        *((10, index, "impacts") for index in (1921, 4927)),
+        (10, 671, "materials"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::stark.StarkWarning")
+def test_what_is_stiff_and_nearly_at_rest_converges(seed: int, index: int, kind: str) -> None:
+    """Terms of its energies cancel, and their rounding hid the way down: steps failed with
+    tolerance_below_round_off, unit_mistake and unknown."""
+    pytest.importorskip("ipctk")
+    from benchmarks.torture.campaign import run_one
+
+    outcome = run_one(seed, index, kind)
+    assert (outcome.status, outcome.problems) == ("complete", [])
+
+
+@pytest.mark.filterwarnings("ignore::stark.StarkWarning")
+def test_damped_rods_whose_frames_turn_fast_have_strains() -> None:
+    """Frames that bdf2 extrapolates are no rotations, and the angle between two had no cosine: forces were
+    NaN, and the step failed as blocked_motion of a lid."""
+    pytest.importorskip("ipctk")
+    from benchmarks.torture.campaign import run_one
+
+    outcome = run_one(14, 84, "mixed")
+    assert (outcome.status, outcome.problems) == ("complete", [])

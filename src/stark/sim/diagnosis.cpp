@@ -157,6 +157,8 @@ Verdict blocked(const StepEvidence& e, const std::vector<NarrowGap>& crushed) {
 }
 
 Verdict judge_prescribed(const StepEvidence& e) {
+  // Energies without a value stop anything, prescribed or not.
+  if (e.solve.status == SolveStatus::NotFinite && !find_inverted(e, true)) return {};
   const std::vector<NarrowGap> crushed = crushed_gaps(e);
   const bool presses = !crushed.empty() && !e.pushing.empty();
   if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
