@@ -110,22 +110,23 @@ TEST_CASE("energies that vanish at rest round by more than they are") {
 }
 
 TEST_CASE("steps that reduce no force and move nothing end where forces are rounding") {
-  // Forces are known to 1e-10, energies to the last bit of next to nothing: they look like a way down.
+  // Forces are known to 1e-10, and energies say nothing of it: their magnitude is as small as their noise.
   const auto rough = [](const Vec3& x) {
     const Mat3 H = Mat3::identity();
-    return Analytic::Value{0.5 * dot(x, x), x + Vec3{1e-10, 0, 0} * std::sin(1e18 * x.y), H, H};
+    return Analytic::Value{0.5 * dot(x, x), x + Vec3{1e-10, 0, 0} * std::sin(1e18 * x.x + 1.0), H, H};
   };
   NewtonSettings settings = tight();
   settings.residual_tolerance = 1e-30;
   settings.step_tolerance = 1e-3;
   Analytic objective(rough, {2.0, -1.5, 1.0});
   objective.rounding = 2e-10;
+  objective.noise = 1e-19;
   Solver solver(settings);
   const SolveReport report = solver.minimize(objective);
   CHECK(report.status == SolveStatus::Converged);
   CHECK(report.is_at_rounding);
   CHECK(report.iterations < 12);
-  // More than rounding is left of forces that are ten times as large.
+  // More than rounding is left where that is a hundredth.
   Analytic unbalanced(rough, {2.0, -1.5, 1.0});
   unbalanced.rounding = 1e-12;
   Solver other(settings);
