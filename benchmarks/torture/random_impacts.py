@@ -162,13 +162,11 @@ def no_passing(plates: list[tuple[Any, float]]) -> Callable[[stark.Simulation], 
         found = None
         sizes = {plate.name: size for plate, size in plates}
         now = seen(sim)
-        slow = {
-            plate.name: _turned_little(turned.get(plate.name), sim[plate].rotation) for plate, _ in plates
-        }
+        turns = {plate.name: _turn(turned.get(plate.name), sim[plate].rotation) for plate, _ in plates}
         turned.update({plate.name: sim[plate].rotation for plate, _ in plates})
         for (body, plate), after in now.items():
             before = last.get((body, plate))
-            if before is not None and slow[plate] and _went_through(before, after, sizes[plate]):
+            if before is not None and _went_through(before, after, sizes[plate], turns[plate]):
                 found = f"'{body}' passed through '{plate}'"
         last.update(now)
         return found
@@ -176,16 +174,23 @@ def no_passing(plates: list[tuple[Any, float]]) -> Callable[[stark.Simulation], 
     return watch
 
 
-def _turned_little(before: Floats | None, after: Floats) -> bool:
-    """Else bodies get around it within a step."""
-    return before is not None and float(np.trace(after @ before.T)) > 1.0 + 2.0 * np.cos(_TURN)
+def _turn(before: Floats | None, after: Floats) -> float:
+    """[rad]"""
+    if before is None:
+        return np.inf
+    return float(np.arccos(np.clip(0.5 * (np.trace(after @ before.T) - 1.0), -1.0, 1.0)))
 
 
-def _went_through(before: Floats, after: Floats, size: float) -> bool:
-    """All points of a body, in the frame of a plate across z."""
+def _went_through(before: Floats, after: Floats, size: float, turn: float) -> bool:
+    """All points of a body, in the frame of a plate across z that turns by an angle in the step: far bodies
+    cross its plane elsewhere than on the straight line in its frame, by less than that angle times their
+    distance. What turns much they get around."""
+    if turn > _TURN:
+        return False
     a, b = before[:, 2], after[:, 2]
     if not ((a > 0).all() and (b < 0).all()) and not ((a < 0).all() and (b > 0).all()):
         return False
     part = (a / (a - b))[:, None]
     crossing = (before + part * (after - before))[:, :2]
-    return bool((np.abs(crossing) < 0.5 * _MIDDLE * size).all())
+    off = turn * max(float(np.linalg.norm(x, axis=1).max()) for x in (before, after))
+    return bool((np.abs(crossing) + off < 0.5 * _MIDDLE * size).all())

@@ -266,6 +266,21 @@ def test_joints_that_contradict_each_other() -> None:
     assert "is apart by" in diagnosis.finding
 
 
+def test_joints_of_a_chain_on_one_scripted_body_do_not_contradict_each_other() -> None:
+    """It could follow its base, which moves by half of the tolerance in the shortest step: 10 MN on
+    1 g force its joints apart."""
+    scene = stark.Scene()
+    base = scene.add_box(0.02, motion="scripted", velocity=(0.5, 0, 0), name="base")
+    near = scene.add_box(0.02, mass=1e-3, position=(0.03, 0, 0), name="near")
+    far = scene.add_box(0.02, mass=1e-3, position=(0.06, 0, 0), name="far")
+    scene.add_hinge(base, near, anchor=(0.015, 0, 0), axis=(0, 1, 0), contact=False)
+    slider = scene.add_slider(near, far, anchor=(0.045, 0, 0), axis=(1, 0.3, 0), contact=True)
+    slider.add_motor(target=-100.0, cap=1e7, delta=1.0)
+    diagnosis = failed(stark.Simulation(scene, time_step=0.01, contact_distance=1e-4), "overload")
+    assert "joint 'hinge' is apart by" in diagnosis.finding
+    assert "actuator 'velocity_motor'" in diagnosis.finding
+
+
 def test_too_few_iterations() -> None:
     scene = stark.Scene()
     scene.add_cloth(stark.mesh.grid(0.3, 0.3, 6), position=(0, 0, 0.05), name="sheet", velocity=(0, 0, -10))

@@ -93,6 +93,17 @@ TEST_CASE(
   CHECK(judged(evidence).cause == FailureCause::IterationBudget);
 }
 
+TEST_CASE("prescribed parts that stand where energies have no value are not blocked") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::NotFinite;
+  evidence.prescribed_arrived = false;
+  evidence.pushing = {"rigid body 'lid'"};
+  evidence.gaps = {{{"rigid body 'ball'"}, {"rigid body 'ground'"}, 1.6e-4, 7.9e-4}};
+  CHECK(judged(evidence).cause == FailureCause::NotFinite);
+  evidence.solve.status = SolveStatus::Blocked;
+  CHECK(judged(evidence).cause == FailureCause::BlockedMotion);
+}
+
 TEST_CASE("what runs into one prescribed body, and touches nothing else, is not blocked by it") {
   StepEvidence evidence = plain();
   evidence.solve.status = SolveStatus::Blocked;
@@ -194,8 +205,26 @@ TEST_CASE("bodies that an actuator throws into each other's places are overloade
   CHECK(
       names(diagnosis, "rigid body 'speck' (vertex 1) and rigid body 'box' (vertex 4) would change places"));
   CHECK(diagnosis.bodies == std::vector<std::string>{"rigid body 'speck'", "rigid body 'box'"});
-  evidence.actuator->acceleration = 1e10;
+  evidence.actuator->acceleration = 1e6;  // too little to give it its speed of 1e5 m/s
   CHECK(judged(evidence).cause == FailureCause::Detour);
+}
+
+TEST_CASE("bodies that meet at the speed that an actuator gives one of them in a full step are overloaded") {
+  StepEvidence evidence = plain();
+  evidence.solve.status = SolveStatus::Detour;
+  evidence.in_the_way = BlockingPair{{"rigid body 'speck'", {1}}, {"rigid body 'box'", {4}}, 0.2};
+  evidence.time_step = 1e-6;
+  evidence.actuator = StrongActuator{"effort", {"rigid body 'speck'"}, 1e8, false, 1.0};
+  Settings settings;
+  settings.time.step = 0.01;  // to 1e6 m/s, when it moves at 1e5
+  const Diagnosis diagnosis = judged(evidence, settings);
+  CHECK(diagnosis.cause == FailureCause::Overload);
+  CHECK(names(diagnosis, "accelerates rigid body 'speck' with 1e+08 m/s^2, to 1e+06 m/s within 0.01 s"));
+  settings.time.step = 1e-4;
+  CHECK(judged(evidence, settings).cause == FailureCause::Detour);
+  settings.time.step = 0.01;
+  evidence.actuator->at = {"rigid body 'fan'"};  // that meets nothing
+  CHECK(judged(evidence, settings).cause == FailureCause::Detour);
 }
 
 TEST_CASE("an energy without a bound comes before what follows from it") {

@@ -86,6 +86,53 @@ TEST_CASE("where the decrease is below the noise of energies, full steps are tak
   CHECK(report.iterations < 12);
 }
 
+TEST_CASE("energies that vanish at rest round by more than they are") {
+  // By 1e-9 J, as terms of what is stiff and unstrained do that cancel.
+  const auto rough = [](const Vec3& x) {
+    Analytic::Value value;
+    for (int c = 0; c < 3; ++c) {
+      value.energy += std::cosh(x[c]) - 1.0;
+      value.gradient[c] = std::sinh(x[c]);
+      value.hessian(c, c) = std::cosh(x[c]);
+    }
+    value.projected = value.hessian;
+    value.energy += 1e-9 * std::sin(1e15 * x.x);
+    return value;
+  };
+  Analytic objective(rough, {2e-5, -1.5e-5, 1e-5}), blind(rough, objective.x);
+  objective.noise = 2e-9;
+  Solver solver(tight()), other(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations < 6);
+  const SolveReport longer = other.minimize(blind);
+  CHECK((longer.status != SolveStatus::Converged || longer.iterations > report.iterations));
+}
+
+TEST_CASE("steps that reduce no force and move nothing end where forces are rounding") {
+  // Forces are known to 1e-10, and energies say nothing of it: their magnitude is as small as their noise.
+  const auto rough = [](const Vec3& x) {
+    const Mat3 H = Mat3::identity();
+    return Analytic::Value{0.5 * dot(x, x), x + Vec3{1e-10, 0, 0} * std::sin(1e18 * x.x + 1.0), H, H};
+  };
+  NewtonSettings settings = tight();
+  settings.residual_tolerance = 1e-30;
+  settings.step_tolerance = 1e-3;
+  Analytic objective(rough, {2.0, -1.5, 1.0});
+  objective.rounding = 2e-10;
+  objective.noise = 1e-19;
+  Solver solver(settings);
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.is_at_rounding);
+  CHECK(report.iterations < 12);
+  // More than rounding is left where that is a hundredth.
+  Analytic unbalanced(rough, {2.0, -1.5, 1.0});
+  unbalanced.rounding = 1e-12;
+  Solver other(settings);
+  CHECK_FALSE(other.minimize(unbalanced).is_at_rounding);
+}
+
 TEST_CASE("forces whose products underflow are none") {
   // The square of the force is 1e-316, its product with the direction zero.
   const double stiffness = 1e10;

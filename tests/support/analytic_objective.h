@@ -46,6 +46,7 @@ class Analytic final : public Objective {
     const double force = norm(Vec3{gradient[0], gradient[1], gradient[2]});
     return force <= rounding ? Residual{} : Residual{force, force};
   }
+  double energy_rounding(const BlockMatrix&) const override { return noise; }
   double motion(std::span<const double> d) const override { return norm(Vec3{d[0], d[1], d[2]}); }
   double bound_step(std::span<const double>, double, double longest) override {
     return bound == 1.0 ? longest : std::fmin(bound, longest);
@@ -68,7 +69,7 @@ class Analytic final : public Objective {
 
   Vec3 x, trial;
   bool pending = false, feasible = true;
-  double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0;
+  double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0, noise = 0.0;
   int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, lag_rounds = 0;
   mutable std::vector<double> residuals;
 

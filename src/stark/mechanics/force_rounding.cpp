@@ -9,6 +9,13 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
+/// Frobenius norm of a block.
+double norm_of_block(const BlockMatrix& hessian, int64_t slot) {
+  double squared = 0.0;
+  for (int k = 0; k < 9; ++k) squared += hessian.values[9 * slot + k] * hessian.values[9 * slot + k];
+  return std::sqrt(squared);
+}
+
 }  // namespace
 
 std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
@@ -21,13 +28,28 @@ std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const V
   const BlockPattern& pattern = hessian.pattern;
   for (int32_t i = 0; i < pattern.block_count; ++i)
     for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot) {
-      double squared = 0.0;
-      for (int k = 0; k < 9; ++k) squared += hessian.values[9 * slot + k] * hessian.values[9 * slot + k];
+      const double size = norm_of_block(hessian, slot);
       const int32_t j = pattern.column[slot];
-      noise[i] += std::sqrt(squared) * known[j];
-      if (j != i) noise[j] += std::sqrt(squared) * known[i];
+      noise[i] += size * known[j];
+      if (j != i) noise[j] += size * known[i];
     }
   return noise;
+}
+
+double energy_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
+                       const DofLayout& layout) {
+  const BlockPattern& pattern = hessian.pattern;
+  std::vector<char> is_point(static_cast<size_t>(pattern.block_count), 0);
+  for (const int32_t block : layout.point_block)
+    if (block != kNoBlock) is_point[block] = 1;
+  double noise = 0.0;
+  for (int32_t i = 0; i < pattern.block_count; ++i)
+    for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot) {
+      const int32_t j = pattern.column[slot];
+      if (j == i || !is_point[i] || !is_point[j]) continue;
+      noise += norm_of_block(hessian, slot) * squared_norm(block_positions[i] - block_positions[j]);
+    }
+  return kEpsilon * noise;
 }
 
 }  // namespace stark

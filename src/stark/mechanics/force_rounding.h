@@ -1,5 +1,5 @@
-// What doubles leave of the balance of forces (step phase 4j): no tolerance can ask for less.
-// [theory eq. 23b]
+// What doubles leave of the balance of forces (step phase 4j): no tolerance can ask for less; and what they
+// make of energies at rest (phase 4i). [theory eq. 23b]
 #pragma once
 
 #include <span>
@@ -15,5 +15,11 @@ namespace stark {
 /// the matrix says what forces that makes, sum_j |H_ij| eps |x_j|. Rotations are known to eps.
 std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
                                    const DofLayout& layout);
+
+/// Rounding of the energy of what is nearly at rest, where energies vanish and their terms do not: those of
+/// an element are its stiffness times the square of its size, sum over pairs of points of
+/// eps |H_ij| |x_i - x_j|^2 [J].
+double energy_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
+                       const DofLayout& layout);
 
 }  // namespace stark

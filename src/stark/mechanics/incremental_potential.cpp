@@ -154,6 +154,10 @@ Residual IncrementalPotential::residual_beyond_rounding(std::span<const double> 
   return residual;
 }
 
+double IncrementalPotential::energy_rounding(const BlockMatrix& hessian) const {
+  return stark::energy_rounding(hessian, block_positions_, map_.layout());
+}
+
 double IncrementalPotential::motion(std::span<const double> direction) const {
   double motion = 0.0;
   for (int32_t block = 0; block < block_count(); ++block)

@@ -55,6 +55,7 @@ class IncrementalPotential final : public Objective {
   Residual residual(std::span<const double> gradient) const override;
   Residual residual_beyond_rounding(std::span<const double> gradient,
                                     const BlockMatrix& hessian) const override;
+  double energy_rounding(const BlockMatrix& hessian) const override;
   double motion(std::span<const double> direction) const override;
   double bound_step(std::span<const double> direction, double max_rotation, double longest = 1.0) override;
   TrialEnergy try_step(std::span<const double> direction, double alpha) override;

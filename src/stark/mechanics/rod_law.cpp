@@ -12,11 +12,20 @@ namespace {
 
 using Point = PotentialBuilder::Position;
 
+/// 4 cos^2(phi/2) of turns within a segment by 162 degrees.
+constexpr double kLeastTurnCosine = 0.1;
+
 /// Edge in the middle of a segment and turn of its frames; not yet per rest length.
 struct SegmentStrain {
   symbolic::Vec3 edge_in_frame;  ///< [m] along m1, m2, m3
   symbolic::Vec3 turn;           ///< (tan(phi/2) + sin(phi/2)) n along d1, d2, d3
 };
+
+/// 4 cos^2(phi/2), by the trace of R0^T R1.
+Scalar turn_cosine(PotentialBuilder& b, Point p) {
+  const auto Q = [&](int k) { return dot((b.*p)(2 + k), (b.*p)(5 + k)); };
+  return 1.0 + Q(0) + Q(1) + Q(2);
+}
 
 SegmentStrain segment_strain(PotentialBuilder& b, Point p) {
   const symbolic::Vec3 edge = (b.*p)(1) - (b.*p)(0);
@@ -24,7 +33,7 @@ SegmentStrain segment_strain(PotentialBuilder& b, Point p) {
   // Q = R0^T R1 has the axial vector sin(phi) n and the trace 1 + 2 cos(phi);
   // c = cos(phi/2) and w = sin(phi/2) n.
   const auto Q = [&](int i, int j) { return dot(axis(0, i), axis(1, j)); };
-  const Scalar c = 0.5 * sqrt(1.0 + Q(0, 0) + Q(1, 1) + Q(2, 2));
+  const Scalar c = 0.5 * sqrt(turn_cosine(b, p));
   const symbolic::Vec3 axial(Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1));
   const symbolic::Vec3 w = axial * (0.25 / c);
   // Rodrigues: what is a in the first frame is turned back by phi/2 into the middle.
@@ -45,7 +54,8 @@ RodStrain strain_of(PotentialBuilder& b, Point p) {
           .twist = turn(2)};
 }
 
-/// PotentialBuilder::reference of all strains.
+/// PotentialBuilder::reference of all strains. Frames that turn fast are extrapolated, column by column, to
+/// what is no rotation any more and may have no strain: there it is that of the end, so that no rate is left.
 RodStrain reference_strain(PotentialBuilder& b) {
   using Vector = symbolic::Vec3;
   const auto reference = [&](auto&& part) {
@@ -53,10 +63,17 @@ RodStrain reference_strain(PotentialBuilder& b) {
   };
   const Vector bending =
       reference([](const RodStrain& s) { return Vector(s.curvature[0], s.curvature[1], s.twist); });
+  const Vector shear = reference([](const RodStrain& s) { return s.shear; });
+  const RodStrain now = strain_of(b, &PotentialBuilder::x);
+  const Scalar least =
+      min(turn_cosine(b, &PotentialBuilder::x_prev),
+          min(turn_cosine(b, &PotentialBuilder::x_beyond), turn_cosine(b, &PotentialBuilder::x_behind)));
+  const symbolic::Scalar is_known = least > kLeastTurnCosine;
+  const Vector turn = select(is_known, bending, Vector(now.curvature[0], now.curvature[1], now.twist));
   return {.stretch = reference([](const RodStrain& s) { return s.stretch; }),
-          .shear = reference([](const RodStrain& s) { return s.shear; }),
-          .curvature = {bending[0], bending[1]},
-          .twist = bending[2]};
+          .shear = select(is_known, shear, now.shear),
+          .curvature = {turn[0], turn[1]},
+          .twist = turn[2]};
 }
 
 std::vector<symbolic::Vec3> points_of(const RodStrain& strain) {

@@ -157,6 +157,8 @@ Verdict blocked(const StepEvidence& e, const std::vector<NarrowGap>& crushed) {
 }
 
 Verdict judge_prescribed(const StepEvidence& e) {
+  // Energies without a value stop anything, prescribed or not.
+  if (e.solve.status == SolveStatus::NotFinite && !find_inverted(e, true)) return {};
   const std::vector<NarrowGap> crushed = crushed_gaps(e);
   const bool presses = !crushed.empty() && !e.pushing.empty();
   if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
@@ -216,17 +218,23 @@ Verdict judge_overload(const StepEvidence& e) {
           "lower the efforts, caps and speeds that act on these bodies, or make light ones heavier", bodies};
 }
 
-/// Bodies that would change places because an actuator throws them there.
-Verdict judge_thrown(const StepEvidence& e) {
-  const double motion = e.actuator ? e.actuator->acceleration * e.time_step * e.time_step : 0.0;
-  if (!(motion > kDriven * e.motion)) return {};
+/// Bodies that would change places because an actuator throws them there: in this step, or one of them in the
+/// steps before, with a speed that it gives its body within a full step.
+Verdict judge_thrown(const StepEvidence& e, double full_step) {
+  if (!e.actuator) return {};
+  const double h = e.time_step, motion = e.actuator->acceleration * h * h;
   const BlockingPair& pair = *e.in_the_way;
+  const double speed = e.motion / h, full_speed = e.actuator->acceleration * full_step;
+  const bool meets = e.actuator->at.body == pair.a.body || e.actuator->at.body == pair.b.body;
+  const bool is_thrown = motion > kDriven * e.motion, was_thrown = meets && full_speed > kDriven * speed;
+  if (!is_thrown && !was_thrown) return {};
+  const std::string within = " within " + rough_text(is_thrown ? h : full_step, "s");
+  const std::string what = is_overwhelming(e) ? ""
+                           : is_thrown        ? ", by " + rough_text(motion, "m") + within
+                                              : ", to " + rough_text(full_speed, "m/s") + within;
   return {FailureCause::Overload,
-          actuator_text(e) +
-              (is_overwhelming(e)
-                   ? ""
-                   : ", by " + rough_text(motion, "m") + " within " + rough_text(e.time_step, "s")) +
-              ": " + place_text(pair.a) + " and " + place_text(pair.b) + " would change places",
+          actuator_text(e) + what + ": " + place_text(pair.a) + " and " + place_text(pair.b) +
+              " would change places",
           "lower the efforts, caps and speeds that act on these bodies, or make light ones heavier",
           {e.actuator->at.body, pair.a.body, pair.b.body}};
 }
@@ -420,7 +428,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
         judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (e.solve.status == SolveStatus::Detour && e.in_the_way) {
-    Verdict thrown = judge_thrown(e);
+    Verdict thrown = judge_thrown(e, settings.time.step);
     return thrown.cause != FailureCause::None ? thrown : judge_detour(e);
   }
   for (Verdict verdict : {judge_load(e), judge_overload(e), judge_earlier_attempts(e)})

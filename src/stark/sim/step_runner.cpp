@@ -392,8 +392,9 @@ Diagnosis StepRunner::diagnose() {
     evidence.joint_violation = joints_.violation_text();
     const double apart = energies_.constraints.worst(potential_.site_positions()).ratio;
     const double motion = prescribed_motion(model_.map(), motion_.target_configuration(h), step_start_);
-    const bool is_pulled =
-        motion > 0.0 && (apart < kFarApart || motion > kHardly * settings_.joints.length_tolerance);
+    // What hangs on one prescribed part alone follows it.
+    const bool is_pulled = evidence.is_between && motion > 0.0 &&
+                           (apart < kFarApart || motion > kHardly * settings_.joints.length_tolerance);
     evidence.joints_held =
         !is_pulled && joints_.violation_text(step_start_, [](int32_t) { return true; }).empty();
   }

@@ -32,6 +32,7 @@ constexpr double kModelled =
 constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
 constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
 constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
+constexpr double kStandstill = 0.01;     ///< motions over their tolerance that move next to nothing
 constexpr double kContraction = 0.5;     ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
@@ -93,10 +94,12 @@ void NewtonSolver::try_guess(Objective& objective, std::span<const double> guess
 std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   if (const auto reason = reason_to_stop(objective)) return reason;
   const bool pending = objective.has_pending_motion();
+  const SolveReport before = report_;
   if (!find_simplified_direction(objective))
     if (const auto failure = find_direction(objective)) return failure;
   report_.last_motion = objective.motion(direction_);
   report_.is_at_rounding = false;
+  progress_.stands_still = stands_still(before);
   const bool converged = !pending && has_converged(objective);
   if (!converged && report_.iterations >= settings_.max_iterations)
     return pending ? SolveStatus::Blocked : SolveStatus::MaxIterations;
@@ -365,7 +368,18 @@ double NewtonSolver::useful_tolerance() const {
 }
 
 bool NewtonSolver::has_converged(const Objective& objective) {
-  return meets_tolerances(report_) || (progress_.round_off_steps > 0 && is_at_rounding(objective));
+  const bool may_be_rounding = progress_.round_off_steps > 0 || progress_.stands_still;
+  return meets_tolerances(report_) || (may_be_rounding && is_at_rounding(objective));
+}
+
+// Energies of stiff elements at rest are rounding, and differences of them look like a way up or down. A full
+// step near the solution leaves a fraction of the forces; what one leaves as they were, where another would
+// move next to nothing, may be rounding.
+bool NewtonSolver::stands_still(const SolveReport& before) const {
+  return before.iterations > 0 && before.last_step_length == 1.0 &&
+         report_.residual >= kContraction * before.residual &&
+         report_.acceleration >= kContraction * before.acceleration &&
+         report_.last_motion < kStandstill * settings_.step_tolerance * time_step_;
 }
 
 bool NewtonSolver::meets_tolerances(const SolveReport& report, double factor) const {
@@ -456,7 +470,10 @@ bool NewtonSolver::take_unsure_step(Objective& objective) {
   --progress_.unsure_steps_left;
   const double alpha = objective.bound_step(direction_, settings_.max_rotation);
   const TrialEnergy trial = objective.try_step(direction_, alpha);
-  if (alpha < 1.0 || !trial.feasible || !(trial.difference <= kUnsureRise * trial.magnitude)) return false;
+  if (alpha < 1.0 || !trial.feasible) return false;
+  if (!(trial.difference <= kUnsureRise * trial.magnitude) &&
+      !(trial.difference <= objective.energy_rounding(hessian_)))
+    return false;
   objective.accept_trial();
   report_.last_step_length = alpha;
   report_.last_difference = trial.difference;

@@ -56,6 +56,7 @@ class NewtonSolver {
     int blocked_looks = 0;          ///< in a row at which the way was not clear
     int early_refreshes = 0;        ///< of lagged quantities, before anything has converged
     bool is_hessian_exact = false;  ///< neither projected nor shifted
+    bool stands_still = false;      ///< the last full step has reduced nothing
     double gradient_norm = 0.0;     ///< of the iteration before; 0: there was none
     double modelled_motion = 0.0;   ///< of the iteration before, if its model was right; else 0 [m]
     /// Motion [m] below which a direction of the last Hessian is good enough; 0: that Hessian is not.
@@ -90,6 +91,8 @@ class NewtonSolver {
   bool goes_around();
   /// Whether something stood in the way of the last direction that it has not pushed against yet.
   bool is_cut_short(SolveStatus searched);
+  /// Whether a full step has reduced nothing, and another would move next to nothing.
+  bool stands_still(const SolveReport& before) const;
   /// Whether nothing but rounding keeps the tolerances from being met.
   bool is_at_rounding(const Objective& objective);
 

@@ -49,6 +49,8 @@ class Objective {
                                             const BlockMatrix& hessian) const {
     return static_cast<void>(hessian), residual(gradient);
   }
+  /// Rounding of energy differences that magnitudes do not show [J], of what is stiff and at rest.
+  virtual double energy_rounding(const BlockMatrix& hessian) const { return static_cast<void>(hessian), 0.0; }
   /// Largest motion of a material point under the full increment [m].
   virtual double motion(std::span<const double> direction) const = 0;
 
