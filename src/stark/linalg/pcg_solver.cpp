@@ -47,7 +47,6 @@ bool PcgSolver::use_coarse_space(const LinearSystem& system) {
 
 void PcgSolver::iterate(std::span<const double> b, double tolerance, std::span<double> x,
                         LinearSolveReport& report) {
-  jacobi_.set_coarse_space(is_corrected_ ? &coarse_ : nullptr);
   const PcgReport result = pcg_.solve(*matrix_, b, x, tolerance, max_iterations_, pool_);
   report.iterations += result.iterations;
   report.indefinite = result.indefinite;
@@ -67,6 +66,7 @@ LinearSolveReport PcgSolver::solve_system(const LinearSystem& system, std::span<
     report.indefinite = true;
     return report;
   }
+  jacobi_.set_coarse_space(is_corrected_ ? &coarse_ : nullptr);
   matrix_->prepare(system.A, in_float ? PcgStorage::Float : PcgStorage::Double, pool_);
   iterate(system.b, tolerance, x, report);
   if (report.indefinite && in_float) {
