@@ -55,6 +55,11 @@ class Pcg {
   PcgReport solve(PreconditionedMatrix& matrix, std::span<const double> b, std::span<double> x,
                   double tolerance, int max_iterations, ThreadPool& pool);
 
+  /// The direction of the last iteration, that of negative curvature where the matrix was indefinite.
+  void get_direction(PreconditionedMatrix& matrix, std::span<double> out, ThreadPool& pool) const {
+    matrix.finish(p_.data(), out.data(), pool);
+  }
+
  private:
   AlignedVector<double> y_, r_, z_, p_, q_;
 };
