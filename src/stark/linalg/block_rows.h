@@ -53,6 +53,47 @@ simd::VDouble multiply_row(int64_t begin, int64_t end, const int32_t* column, co
   return (sum[0] + sum[1]) + sum[2];
 }
 
+/// Four numbers in single precision.
+typedef float Float4 __attribute__((vector_size(16)));
+
+inline Float4 load4(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof(v));
+  return v;
+}
+inline Float4 fma4(Float4 a, Float4 b, Float4 c) {
+#if defined(__FMA__)
+  return (Float4)_mm_fmadd_ps((__m128)a, (__m128)b, (__m128)c);
+#else
+  for (int l = 0; l < 4; ++l) c[l] = std::fma(a[l], b[l], c[l]);
+  return c;
+#endif
+}
+
+/// Sum over a row's blocks times differences of vectors, x of the column less `own` of the row. They are
+/// products in single precision: what rounds are differences, small where x is smooth and what remains of the
+/// sum is, too. A number past the end of x can be read.
+inline simd::VDouble multiply_differences(int64_t begin, int64_t end, const int32_t* column,
+                                          const float* blocks, const double* x, simd::VDouble own) {
+  Float4 sum[3] = {};
+  for (int64_t k = begin; k < end; ++k) {
+    const float* a = blocks + 9 * k;
+    const Float4 u =
+        __builtin_convertvector(simd::load(x + 3 * static_cast<int64_t>(column[k])) - own, Float4);
+    sum[0] = fma4(load4(a), __builtin_shufflevector(u, u, 0, 0, 0, 0), sum[0]);
+    sum[1] = fma4(load4(a + 3), __builtin_shufflevector(u, u, 1, 1, 1, 1), sum[1]);
+    sum[2] = fma4(load4(a + 6), __builtin_shufflevector(u, u, 2, 2, 2, 2), sum[2]);
+  }
+  return __builtin_convertvector((sum[0] + sum[1]) + sum[2], simd::VDouble);
+}
+
+/// sum += a, transposed or straight, row by row.
+inline void add_block(const double* a, bool is_transposed, double* sum) {
+  const int across = is_transposed ? 3 : 1, down = 4 - across;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) sum[3 * r + c] += a[down * r + across * c];
+}
+
 /// A transposed or straight copy of a block, row by row, as the columns that products take.
 template <typename Real>
 void copy_columns(const double* a, bool is_transposed, Real* columns) {

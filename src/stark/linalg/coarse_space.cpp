@@ -1,7 +1,6 @@
 #include <stark/linalg/coarse_space.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -12,40 +11,14 @@ namespace stark {
 namespace {
 
 constexpr int32_t kLeastCluster = 64;  // blocks
-// k clusters for n blocks with k^3 = 10 n: the dense factor, 72 k^3 flops, costs as much as a few products
-// with A. Measured: 3 to 10 are best, 30 is slower.
+// k clusters for n blocks with k^3 = 10 n: the factor, up to 72 k^3 flops, costs as much as a few products
+// with A. Measured: 3 to 10 are best, 30 is slower. The factor of many clusters is sparse, and cheaper.
 constexpr int64_t kCubeOfClustersPerBlock = 10;
+constexpr int64_t kBlocksOfCluster = 300;
 // Rigid modes of clusters on a line or a point are zero; this part of the largest diagonal entry keeps the
 // factor regular.
 constexpr double kRegularization = 1e-9;
-constexpr int64_t kClusterGrain = 1;
-
-// The columns of A that a mode (t, theta) of a node at the arm d moves: A t + A (theta x d).
-void add_columns(const double* a, const Vec3& d, double scale, double* out) {
-  for (int r = 0; r < 3; ++r) {
-    const double x = scale * a[3 * r], y = scale * a[3 * r + 1], z = scale * a[3 * r + 2];
-    double* o = out + 6 * r;
-    o[0] += x;
-    o[1] += y;
-    o[2] += z;
-    o[3] += d[1] * z - d[2] * y;
-    o[4] += d[2] * x - d[0] * z;
-    o[5] += d[0] * y - d[1] * x;
-  }
-}
-
-// Rows of P^T: forces y of a node at the arm d as force and moment, y and d x y.
-void add_rows(const double* y, const Vec3& d, double* out) {
-  for (int c = 0; c < 6; ++c) {
-    const double y0 = y[c], y1 = y[6 + c], y2 = y[12 + c];
-    out[c] += y0;
-    out[6 + c] += y1;
-    out[12 + c] += y2;
-    out[18 + c] += d[1] * y2 - d[2] * y1;
-    out[24 + c] += d[2] * y0 - d[0] * y2;
-    out[30 + c] += d[0] * y1 - d[1] * y0;
-  }
-}
+constexpr int64_t kClusterGrain = 4;
 
 int longest_direction(std::span<const int32_t> rows, std::span<const Vec3> positions) {
   Vec3 low = positions[rows.front()], high = low;
@@ -63,7 +36,7 @@ int longest_direction(std::span<const int32_t> rows, std::span<const Vec3> posit
 int32_t wanted_clusters(int64_t block_count) {
   int64_t k = 1;
   while ((k + 1) * (k + 1) * (k + 1) <= kCubeOfClustersPerBlock * block_count) ++k;
-  return static_cast<int32_t>(k);
+  return static_cast<int32_t>(std::max(k, block_count / kBlocksOfCluster));
 }
 
 int32_t find_root(std::vector<int32_t>& parent, int32_t i) {
@@ -92,26 +65,27 @@ void CoarseSpace::prepare(const BlockPattern& pattern) {
     parts_.push_back({clustered_count_, clustered_count_ + size[i]});
     clustered_count_ += size[i];
   }
-  rows_.resize(clustered_count_);
+  order_.resize(n);
+  int32_t tail = clustered_count_;
   for (int32_t i = 0; i < n; ++i) {
     const int32_t root = find_root(parent, i);
-    if (size[root] >= 2 * kLeastCluster) rows_[next[root]++] = i;
+    order_[size[root] >= 2 * kLeastCluster ? next[root]++ : tail++] = i;
   }
   cluster_.assign(n, -1);
   arm_.assign(n, Vec3{});
+  ordered_arm_.assign(clustered_count_, Vec3{});
 }
 
-void CoarseSpace::set_positions(std::span<const Vec3> positions) {
-  STARK_CHECK(positions.size() == cluster_.size());
+void CoarseSpace::bisect_parts(std::span<const Vec3> positions) {
   const int32_t largest = std::max(kLeastCluster, clustered_count_ / wanted_clusters(clustered_count_));
-  row_begin_.assign(1, 0);
+  cluster_ends_.clear();
   std::vector<Range> open(parts_.rbegin(), parts_.rend());
   while (!open.empty()) {
     const Range range = open.back();
     open.pop_back();
-    const std::span<int32_t> rows(rows_.data() + range.begin, rows_.data() + range.end);
+    const std::span<int32_t> rows(order_.data() + range.begin, order_.data() + range.end);
     if (range.end - range.begin <= largest) {
-      row_begin_.push_back(range.end);
+      cluster_ends_.push_back(range.end);
       continue;
     }
     const int axis = longest_direction(rows, positions);
@@ -123,78 +97,72 @@ void CoarseSpace::set_positions(std::span<const Vec3> positions) {
     open.push_back({middle, range.end});
     open.push_back({range.begin, middle});
   }
+}
+
+void CoarseSpace::set_positions(std::span<const Vec3> positions) {
+  STARK_CHECK(positions.size() == cluster_.size());
+  bisect_parts(positions);
   for (int32_t cluster = 0; cluster < cluster_count(); ++cluster) {
-    const auto [begin, end] = rows_of(cluster);
-    std::sort(rows_.begin() + begin, rows_.begin() + end);
+    const auto [begin, end] = range_of(cluster);
+    std::sort(order_.begin() + begin, order_.begin() + end);
     Vec3 middle{};
-    for (int32_t k = begin; k < end; ++k) middle = middle + positions[rows_[k]];
+    for (int32_t k = begin; k < end; ++k) middle = middle + positions[order_[k]];
     middle = middle * (1.0 / (end - begin));
     double radius = 0.0;
-    for (int32_t k = begin; k < end; ++k) radius = std::max(radius, norm(positions[rows_[k]] - middle));
+    for (int32_t k = begin; k < end; ++k) radius = std::max(radius, norm(positions[order_[k]] - middle));
     for (int32_t k = begin; k < end; ++k) {
-      cluster_[rows_[k]] = cluster;
-      arm_[rows_[k]] = radius > 0.0 ? (positions[rows_[k]] - middle) * (1.0 / radius) : Vec3{};
+      const int32_t i = order_[k];
+      cluster_[i] = cluster;
+      arm_[i] = radius > 0.0 ? (positions[i] - middle) * (1.0 / radius) : Vec3{};
+      ordered_arm_[k] = arm_[i];
     }
   }
-  if (coarse_.pattern.block_count != 2 * cluster_count()) make_dense_pattern();
 }
 
-void CoarseSpace::make_dense_pattern() {
-  const int32_t n = 2 * cluster_count();
-  BlockPattern& pattern = coarse_.pattern;
-  pattern.block_count = n;
-  pattern.row_start.assign(1, 0);
-  pattern.column.clear();
-  for (int32_t i = 0; i < n; ++i) {
-    for (int32_t j = i; j < n; ++j) pattern.column.push_back(j);
-    pattern.row_start.push_back(static_cast<int64_t>(pattern.column.size()));
-  }
-  cholesky_.analyze(pattern);
+// That of the projected blocks. Ordered anew whenever it changes, so that the factor depends on it alone.
+void CoarseSpace::make_pattern() {
+  std::vector<std::pair<int32_t, int32_t>> pairs;
+  for (int32_t c = 0; c < cluster_count(); ++c)
+    for (const CoarseBlock& block : projected_[c])
+      for (const auto& [i, j] : {std::pair{0, 0}, {0, 1}, {1, 0}, {1, 1}})
+        pairs.emplace_back(2 * c + i, 2 * block.cluster + j);
+  BlockPattern pattern = BlockPattern::from_pairs(2 * cluster_count(), std::move(pairs));
+  if (pattern == coarse_.pattern) return;
+  coarse_.pattern = std::move(pattern);
+  cholesky_.begin_sequence();
+  cholesky_.analyze(coarse_.pattern);
 }
 
-void CoarseSpace::project_cluster(const BlockMatrix& matrix, int32_t cluster) {
-  struct Columns {  // of one row of A, summed over a cluster
-    int32_t cluster;
-    std::array<double, 18> values;
-  };
-  std::vector<Columns> found;
-  double* out = projected_.data() + 36 * static_cast<int64_t>(cluster) * cluster_count();
-  std::fill(out, out + 36 * static_cast<int64_t>(cluster_count()), 0.0);
-  const auto [begin, end] = rows_of(cluster);
-  for (int32_t k = begin; k < end; ++k) {
-    const int32_t i = rows_[k];
-    found.clear();
-    for (int64_t slot = matrix.pattern.row_start[i]; slot < matrix.pattern.row_start[i + 1]; ++slot) {
-      const int32_t j = matrix.pattern.column[slot], other = cluster_[j];
-      if (other < 0) continue;
-      auto at =
-          std::find_if(found.begin(), found.end(), [&](const Columns& c) { return c.cluster == other; });
-      if (at == found.end()) at = found.insert(found.end(), {other, {}});
-      add_columns(matrix.values.data() + 9 * slot, arm_[j], j == i ? 0.5 : 1.0, at->values.data());
-    }
-    for (const Columns& columns : found)
-      add_rows(columns.values.data(), arm_[i], out + 36 * static_cast<int64_t>(columns.cluster));
-  }
+// P^T A P: what was projected, plus its transpose.
+void CoarseSpace::fill_matrix() {
+  coarse_.set_zero();
+  for (int32_t c = 0; c < cluster_count(); ++c)
+    for (const CoarseBlock& block : projected_[c])
+      for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j) {
+          const int32_t row = 2 * c + i, column = 2 * block.cluster + j;
+          double* low =
+              coarse_.values.data() + 9 * coarse_.pattern.slot(std::min(row, column), std::max(row, column));
+          for (int r = 0; r < 3; ++r)
+            for (int s = 0; s < 3; ++s) {
+              const double value = block(3 * i + r, 3 * j + s);
+              if (row <= column) low[3 * r + s] += value;
+              if (row >= column) low[3 * s + r] += value;
+            }
+        }
 }
 
 bool CoarseSpace::factor(const BlockMatrix& matrix, ThreadPool& pool) {
   const int64_t count = cluster_count();
-  projected_.resize(36 * count * count);
-  pool.for_each_range(count, kClusterGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t cluster = begin; cluster < end; ++cluster)
-      project_cluster(matrix, static_cast<int32_t>(cluster));
-  });
-  coarse_.set_zero();
-  // P^T A P is what was projected plus its transpose.
-  for (int64_t i = 0; i < 2 * count; ++i) {
-    double* row = coarse_.values.data() + 9 * coarse_.pattern.row_start[i];
-    for (int64_t j = i; j < 2 * count; ++j, row += 9) {
-      const double* upper = projected_.data() + 36 * ((i / 2) * count + j / 2) + 18 * (i % 2) + 3 * (j % 2);
-      const double* lower = projected_.data() + 36 * ((j / 2) * count + i / 2) + 18 * (j % 2) + 3 * (i % 2);
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) row[3 * r + c] = upper[6 * r + c] + lower[6 * c + r];
+  projected_.resize(count);
+  pool.for_each_range(count, kClusterGrain, [&](int64_t first, int64_t last) {
+    for (int64_t cluster = first; cluster < last; ++cluster) {
+      const auto [begin, end] = range_of(static_cast<int32_t>(cluster));
+      project_cluster(matrix, order().subspan(begin, end - begin), {cluster_, arm_}, projected_[cluster]);
     }
-  }
+  });
+  make_pattern();
+  fill_matrix();
   for (int64_t i = 0; i < count; ++i) {
     double* blocks[2] = {coarse_.values.data() + 9 * coarse_.pattern.row_start[2 * i],
                          coarse_.values.data() + 9 * coarse_.pattern.row_start[2 * i + 1]};
@@ -204,42 +172,39 @@ bool CoarseSpace::factor(const BlockMatrix& matrix, ThreadPool& pool) {
     for (double* block : blocks)
       for (int a = 0; a < 3; ++a) block[4 * a] += kRegularization * largest;
   }
+  right_.resize(6 * count);
+  solution_.resize(6 * count);
   return cholesky_.factor(coarse_, pool).positive_definite;
 }
 
-double CoarseSpace::correct(const double* r, double* z, ThreadPool& pool) {
-  const int64_t count = cluster_count();
-  right_.resize(6 * count);
-  solution_.resize(6 * count);
-  pool.for_each_range(count, kClusterGrain, [&](int64_t first, int64_t last) {
-    for (int64_t cluster = first; cluster < last; ++cluster) {
-      Vec3 force{}, moment{};
-      const auto [begin, end] = rows_of(static_cast<int32_t>(cluster));
-      for (int32_t k = begin; k < end; ++k) {
-        const double* y = r + 3 * static_cast<int64_t>(rows_[k]);
-        const Vec3 f{y[0], y[1], y[2]};
-        force = force + f;
-        moment = moment + cross(arm_[rows_[k]], f);
-      }
-      for (int a = 0; a < 3; ++a) {
-        right_[6 * cluster + a] = force[a];
-        right_[6 * cluster + 3 + a] = moment[a];
-      }
-    }
-  });
-  cholesky_.solve(right_.data(), solution_.data());
-  pool.for_each_range(count, kClusterGrain, [&](int64_t first, int64_t last) {
-    for (int64_t cluster = first; cluster < last; ++cluster) {
-      const double* c = solution_.data() + 6 * cluster;
-      const Vec3 shift{c[0], c[1], c[2]}, turn{c[3], c[4], c[5]};
-      const auto [begin, end] = rows_of(static_cast<int32_t>(cluster));
-      for (int32_t k = begin; k < end; ++k) {
-        const Vec3 u = shift + cross(turn, arm_[rows_[k]]);
-        for (int a = 0; a < 3; ++a) z[3 * static_cast<int64_t>(rows_[k]) + a] += u[a];
-      }
-    }
-  });
+void CoarseSpace::take_forces(int32_t cluster, const double* r) {
+  Vec3 force{}, moment{};
+  const auto [begin, end] = range_of(cluster);
+  for (int64_t k = begin; k < end; ++k) {
+    const Vec3 f{r[3 * k], r[3 * k + 1], r[3 * k + 2]};
+    force = force + f;
+    moment = moment + cross(ordered_arm_[k], f);
+  }
+  double* right = right_.data() + 6 * static_cast<int64_t>(cluster);
+  for (int a = 0; a < 3; ++a) {
+    right[a] = force[a];
+    right[3 + a] = moment[a];
+  }
+}
+
+double CoarseSpace::solve(ThreadPool& pool) {
+  cholesky_.solve(right_.data(), solution_.data(), pool);
   return std::inner_product(right_.begin(), right_.end(), solution_.begin(), 0.0);
+}
+
+void CoarseSpace::add_motion(int32_t cluster, double* z) const {
+  const double* c = solution_.data() + 6 * static_cast<int64_t>(cluster);
+  const Vec3 shift{c[0], c[1], c[2]}, turn{c[3], c[4], c[5]};
+  const auto [begin, end] = range_of(cluster);
+  for (int64_t k = begin; k < end; ++k) {
+    const Vec3 u = shift + cross(turn, ordered_arm_[k]);
+    for (int a = 0; a < 3; ++a) z[3 * k + a] += u[a];
+  }
 }
 
 }  // namespace stark

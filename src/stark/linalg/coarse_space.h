@@ -14,6 +14,7 @@
 #include <stark/base/thread_pool.h>
 #include <stark/linalg/block_matrix.h>
 #include <stark/linalg/cholesky.h>
+#include <stark/linalg/coarse_projection.h>
 
 namespace stark {
 
@@ -33,29 +34,40 @@ class CoarseSpace {
   /// P^T A P and its factor. False if it is not positive definite; then A is not, either, up to rounding.
   bool factor(const BlockMatrix& matrix, ThreadPool& pool);
 
-  /// z += P (P^T A P)^-1 P^T r. Returns the part of r^T z that was added.
-  double correct(const double* r, double* z, ThreadPool& pool);
+  int32_t cluster_count() const { return static_cast<int32_t>(cluster_ends_.size()); }
+  /// Blocks by cluster, then those without modes, [block_count].
+  std::span<const int32_t> order() const { return order_; }
+  /// Where each cluster ends in that order, [clusters].
+  std::span<const int32_t> cluster_ends() const { return cluster_ends_; }
 
-  int32_t cluster_count() const { return static_cast<int32_t>(row_begin_.size()) - 1; }
+  // z += P (P^T A P)^-1 P^T r in three steps, all vectors in that order; the first and last for each cluster.
+  void take_forces(int32_t cluster, const double* r);
+  /// Returns the part of r^T z that will be added.
+  double solve(ThreadPool& pool);
+  void add_motion(int32_t cluster, double* z) const;
 
  private:
   struct Range {
-    int32_t begin, end;  // of rows_
+    int32_t begin, end;  // of order_
   };
-  void make_dense_pattern();
-  void project_cluster(const BlockMatrix& matrix, int32_t cluster);
-  Range rows_of(int32_t cluster) const { return {row_begin_[cluster], row_begin_[cluster + 1]}; }
+  Range range_of(int32_t cluster) const {
+    return {cluster == 0 ? 0 : cluster_ends_[cluster - 1], cluster_ends_[cluster]};
+  }
+  void bisect_parts(std::span<const Vec3> positions);
+  void make_pattern();
+  void fill_matrix();
 
-  int32_t clustered_count_ = 0;      // blocks of large parts
-  std::vector<Range> parts_;         // large connected parts, ranges of rows_
-  std::vector<int32_t> rows_;        // blocks of large parts, by part, then by cluster
-  std::vector<int32_t> row_begin_;   // [clusters + 1] into rows_
-  std::vector<int32_t> cluster_;     // [block_count], -1 for blocks without modes
-  std::vector<Vec3> arm_;            // [block_count] from the middle of the cluster, in its radii [1]
-  AlignedVector<double> projected_;  // [cluster][cluster][36], P^T (D / 2 + U) P, row-major
-  BlockMatrix coarse_;               // [2 clusters] blocks: translation and rotation of each cluster
+  int32_t clustered_count_ = 0;        // blocks of large parts
+  std::vector<Range> parts_;           // large connected parts
+  std::vector<int32_t> order_;         // blocks by part, then by cluster; then those of small parts
+  std::vector<int32_t> cluster_ends_;  // [clusters]
+  std::vector<int32_t> cluster_;       // [block_count], -1 for blocks without modes
+  std::vector<Vec3> arm_;              // [block_count] from the middle of the cluster, in its radii [1]
+  std::vector<Vec3> ordered_arm_;      // the same in order_
+  std::vector<ClusterRow> projected_;  // [clusters] of P^T (D / 2 + U) P
+  BlockMatrix coarse_;                 // [2 clusters] blocks: translation and rotation of each cluster
   Cholesky<double> cholesky_;
-  std::vector<double> right_, solution_;
+  std::vector<double> right_, solution_;  // [clusters][6]
 };
 
 }  // namespace stark

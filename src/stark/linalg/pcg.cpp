@@ -39,7 +39,7 @@ PcgReport Pcg::solve(PreconditionedMatrix& matrix, std::span<const double> b, st
     ++report.iterations;
     if (!(pq > 0.0)) {
       report.indefinite = true;
-      if (report.iterations == 1) y_ = z_;
+      if (report.iterations == 1) y_ = p_;
       break;
     }
     const double alpha = rz / pq, decrease = alpha * rz;

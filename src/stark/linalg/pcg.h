@@ -26,11 +26,11 @@ class PreconditionedMatrix {
   virtual int32_t failed_block() const = 0;
 
   virtual int64_t size() const = 0;
-  /// r = b and z = M^-1 r. Returns r^T z.
+  /// r = b and z = M^-1 r, or a part of it whose rest multiply() adds. Returns r^T M^-1 r.
   virtual double start(const double* b, double* r, double* z, ThreadPool& pool) = 0;
-  /// p = z + beta p, q = A p. Returns p^T q.
+  /// p = M^-1 r + beta p, q = A p. Returns p^T q.
   virtual double multiply(const double* z, double beta, double* p, double* q, ThreadPool& pool) = 0;
-  /// y += alpha p, r -= alpha q, z = M^-1 r. Returns r^T z.
+  /// y += alpha p, r -= alpha q, z as start() leaves it. Returns r^T M^-1 r.
   virtual double update(double alpha, const double* p, const double* q, double* y, double* r, double* z,
                         ThreadPool& pool) = 0;
   /// x of y.
@@ -54,6 +54,11 @@ class Pcg {
   /// direction (b^T x > 0) unless it is the first iteration, where x is the preconditioned b.
   PcgReport solve(PreconditionedMatrix& matrix, std::span<const double> b, std::span<double> x,
                   double tolerance, int max_iterations, ThreadPool& pool);
+
+  /// The direction of the last iteration, that of negative curvature where the matrix was indefinite.
+  void get_direction(PreconditionedMatrix& matrix, std::span<double> out, ThreadPool& pool) const {
+    matrix.finish(p_.data(), out.data(), pool);
+  }
 
  private:
   AlignedVector<double> y_, r_, z_, p_, q_;

@@ -1,6 +1,7 @@
 #include <stark/linalg/pcg_solver.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include <stark/linalg/screening_length.h>
 
@@ -47,13 +48,20 @@ bool PcgSolver::use_coarse_space(const LinearSystem& system) {
 
 void PcgSolver::iterate(std::span<const double> b, double tolerance, std::span<double> x,
                         LinearSolveReport& report) {
-  jacobi_.set_coarse_space(is_corrected_ ? &coarse_ : nullptr);
   const PcgReport result = pcg_.solve(*matrix_, b, x, tolerance, max_iterations_, pool_);
   report.iterations += result.iterations;
   report.indefinite = result.indefinite;
   report.failed_block = result.failed_block;
   report.relative_residual = result.relative_residual;
   report.ok = result.converged;
+}
+
+// Whether the curvature of the last direction is negative in double.
+bool PcgSolver::is_curved_down(const BlockMatrix& matrix) {
+  std::vector<double> p(3 * static_cast<size_t>(matrix.pattern.block_count)), q(p.size());
+  pcg_.get_direction(*matrix_, p, pool_);
+  matrix.multiply(p.data(), q.data(), pool_);
+  return std::inner_product(p.begin(), p.end(), q.begin(), 0.0) <= 0.0;
 }
 
 LinearSolveReport PcgSolver::solve_system(const LinearSystem& system, std::span<double> x) {
@@ -67,9 +75,10 @@ LinearSolveReport PcgSolver::solve_system(const LinearSystem& system, std::span<
     report.indefinite = true;
     return report;
   }
+  jacobi_.set_coarse_space(is_corrected_ ? &coarse_ : nullptr);
   matrix_->prepare(system.A, in_float ? PcgStorage::Float : PcgStorage::Double, pool_);
   iterate(system.b, tolerance, x, report);
-  if (report.indefinite && in_float) {
+  if (report.indefinite && in_float && report.failed_block < 0 && !is_curved_down(system.A)) {
     matrix_->prepare(system.A, PcgStorage::Double, pool_);
     iterate(system.b, tolerance, x, report);
   }

@@ -35,6 +35,7 @@ class PcgSolver final : public LinearSolver {
 
  private:
   bool use_coarse_space(const LinearSystem& system);
+  bool is_curved_down(const BlockMatrix& matrix);
   void iterate(std::span<const double> b, double tolerance, std::span<double> x, LinearSolveReport& report);
 
   ThreadPool& pool_;

@@ -18,6 +18,10 @@ constexpr int64_t kChunkBlocks = 32;  ///< blocks of lanes in a task: 256 elemen
 constexpr int64_t kGroupBlocks =
     PotentialBatch::kGroupBlocks;  ///< blocks whose Hessians are kept in cache together
 
+/// Blocks whose gradients are kept together: a part of large batches, which then need no memory of their
+/// size.
+constexpr int64_t kWindowBlocks = 1024;
+
 /// Blocks of lanes in a coloured chunk. Large chunks reuse the rows of the matrix while they are in cache;
 /// small meshes get smaller ones, so that there are some for each thread. Depends on the mesh only.
 int64_t coloured_chunk_blocks(int64_t block_count) {
@@ -152,17 +156,21 @@ void Assembler::assemble_gradient(const Configuration& configuration, std::span<
 void Assembler::add_site_gradients(const PotentialBatch& batch, std::span<const Vec3> x,
                                    double* out_energies) {
   const int points = batch.point_count();
-  const int outputs = batch.potential().kernel().output_count(Order::Gradient);
-  buffer_.resize(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
-  pool_.for_each_range(batch.block_count(), kGroupBlocks, [&](int64_t first, int64_t last) {
-    batch.evaluate(Order::Gradient, x, first, last, buffer_.data() + first * outputs * kLanes);
-  });
-  for (int64_t e = 0; e < batch.size(); ++e) {
-    const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, 3 * points,
-                              static_cast<int>(e % kLanes));
-    const auto sites = batch.stencil(e);
-    if (out_energies) out_energies[e] = element.energy();
-    for (int p = 0; p < points; ++p) site_gradient_[sites[p]] += element.point_gradient(p);
+  const int64_t outputs = batch.potential().kernel().output_count(Order::Gradient);
+  for (int64_t begin = 0; begin < batch.block_count(); begin += kWindowBlocks) {
+    const int64_t end = std::min(begin + kWindowBlocks, batch.block_count());
+    buffer_.resize(std::max(buffer_.size(), static_cast<size_t>((end - begin) * outputs * kLanes)));
+    pool_.for_each_range(end - begin, kGroupBlocks, [&](int64_t first, int64_t last) {
+      batch.evaluate(Order::Gradient, x, begin + first, begin + last,
+                     buffer_.data() + first * outputs * kLanes);
+    });
+    for (int64_t e = begin * kLanes; e < std::min(end * kLanes, batch.size()); ++e) {
+      const ElementView element(buffer_.data() + (e / kLanes - begin) * outputs * kLanes, 3 * points,
+                                static_cast<int>(e % kLanes));
+      const auto sites = batch.stencil(e);
+      if (out_energies) out_energies[e] = element.energy();
+      for (int p = 0; p < points; ++p) site_gradient_[sites[p]] += element.point_gradient(p);
+    }
   }
 }
 
