@@ -233,8 +233,10 @@ def test_nothing_is_written_through_links_of_a_run_folder(tmp_path: Path, run: P
 def test_a_failed_run_does_not_write_its_reproducer_through_a_link(tmp_path: Path, scene: Path) -> None:
     outside = _outside(tmp_path)
     failing = tmp_path / "failing.py"
-    text = _SCENE.replace('{"time_step": 0.01}', '{"newton.max_iterations": 1, "time.min_step": 0.016}')
-    failing.write_text(text.replace("name=", "angular_velocity=(3.0, 2.0, 1.0), name="))
+    hopeless = {"newton.max_iterations": 1, "newton.acceleration_tolerance": 1e-9, "time.min_step": 0.016}
+    text = _SCENE.replace('{"time_step": 0.01}', repr(hopeless))
+    text = text.replace("add_box(0.1,", "add_box((0.1, 0.2, 0.3),")  # it tumbles
+    failing.write_text(text.replace("name=", "angular_velocity=(30.0, 20.0, 10.0), name="))
     assert main(["run", str(failing), "--out", str(tmp_path / "run"), *QUIET]) == 1
     assert (tmp_path / "run/failure/reproduce.py").exists()
     for path in (tmp_path / "run/failure").iterdir():

@@ -96,7 +96,7 @@ def test_no_function_is_open_during_a_step(name: str, monkeypatch: pytest.Monkey
 
 def _call_until_refused(call: Callable[..., Any]) -> None:
     """With arguments of all kinds that the functions of the core take, until they fit."""
-    kinds: list[Any] = [0, "x", np.zeros((1, 3)), True, a_state()]
+    kinds: list[Any] = [0, "x", np.zeros((1, 3)), True, a_state(), [0]]
     tried: list[tuple[Any, ...]] = [()]
     for _ in range(5):
         for given in tried:

@@ -68,8 +68,10 @@ TEST_CASE("a guess is where the minimisation begins if its energy is lower and n
   CHECK(norm(same_end.x - Vec3{1, 1, 0}) < 1e-9);
   CHECK(with.iterations < without.iterations);
 
-  // Uphill, in the way of something, or while prescribed parts move: as without.
+  // Uphill, against something, in the way of something, or while prescribed parts move: as without.
   CHECK(from(bad, as_it_is).second.residuals == end.residuals);
+  const auto pushed = [](Analytic& objective) { objective.contact = 1e3; };
+  CHECK(from(good, pushed).second.residuals == end.residuals);
   const auto half_way = [](Analytic& objective) { objective.bound = 0.5; };
   CHECK(from(good, half_way).second.residuals == from({}, half_way).second.residuals);
   const auto moving = [](Analytic& objective) { objective.pending = true; };

@@ -54,7 +54,7 @@ class Analytic final : public Objective {
   TrialEnergy try_step(std::span<const double> d, double alpha) override {
     trial = x + Vec3{d[0], d[1], d[2]} * alpha;
     const double before = f_(x).energy, after = f_(trial).energy;
-    return {feasible && std::isfinite(after), after - before, extra_magnitude + std::fabs(before)};
+    return {feasible && std::isfinite(after), after - before, extra_magnitude + std::fabs(before), contact};
   }
   void accept_trial() override {
     x = trial;
@@ -69,6 +69,7 @@ class Analytic final : public Objective {
 
   Vec3 x, trial;
   bool pending = false, feasible = true;
+  double contact = 0.0;  ///< of trial energies
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0, noise = 0.0;
   int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, lag_rounds = 0;
   mutable std::vector<double> residuals;

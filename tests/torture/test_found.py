@@ -153,8 +153,9 @@ def test_a_second_impact_of_a_pair_meets_a_layer() -> None:
         # Fingers of 5 mg with a motor of 40 kN: sliders that hold at the start are forced apart.
         (2, 242, "joints", "overload", "joint 'slider_2' is apart"),
         (3, 362, "joints", "overload", "joint 'cylindrical' is apart"),
-        # 600 m/s into a plate: 0.6 mm in a microsecond, as much as the solid is high.
-        (2, 481, "impacts", "detour", "lower time.min_step"),
+        # 600 m/s into a plate: 0.6 mm in a microsecond, half of the contact distance. Of 20 runs with time steps
+        # that differ by 1e-9, 15 end so, and 5 go on.
+        (2, 481, "impacts", "crushing_load", "rigid body 'rigid_2' (vertex 3) is"),
         # Jaws that close have been blocked in the longer attempts.
         (2, 534, "squeezes", "blocked_motion", "rigid body 'jaw_0'"),
         # 1000 N on 0.2 mg, and 91 N m on 7 mg: actuators make the motion that leads through other bodies.
@@ -182,8 +183,8 @@ def test_causes_that_were_wrong(seed: int, index: int, kind: str, cause: str, na
 
 
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")
-def test_the_remedy_of_a_detour_works() -> None:
-    """The scene above with the shorter steps that its message asks for."""
+def test_shorter_steps_lead_through_a_fast_impact() -> None:
+    """The scene above: what is slow beside contact does not crush."""
     from benchmarks.torture.campaign import description_of
     from benchmarks.torture.case import is_over, simulate
     from benchmarks.torture.random_kinds import KINDS
@@ -194,7 +195,7 @@ def test_the_remedy_of_a_detour_works() -> None:
         report = sim.step(max_time_step=setup.until - sim.time)
         assert not report.failed, report.message
         steps += 1
-    assert sim.time > 0.005911  # where it fails with the default, 1e-6 s
+    assert sim.time > 0.005264  # where it fails with the default, 1e-6 s
 
 
 @pytest.mark.parametrize("index", [148, 688, 736])

@@ -26,7 +26,7 @@ from stark.robots.kinematics import Placement, Values
 from stark.robots.link import RobotLink
 from stark.robots.posture import settled
 from stark.robots.report import Report
-from stark.robots.weight import CarriedWeight, Weight
+from stark.robots.weight import CarriedWeight, gravity_efforts
 from stark.rotations import as_matrix, vector
 from stark.settings import Settings
 
@@ -376,10 +376,7 @@ class Robot:
         acceleration = vector(gravity, f"robot '{self.name}': gravity")
         if q is None:
             return self._holding(acceleration)
-        frames = self.forward_kinematics(q)
-        placed = [frames[name] for name in self.description.links]
-        positions, rotations = (np.array(values) for values in zip(*placed, strict=True))
-        return Weight(self.description).efforts(positions, rotations, acceleration)
+        return gravity_efforts(self.description, self.forward_kinematics(q), acceleration)
 
     @property
     def _title(self) -> str:

@@ -63,6 +63,14 @@ class Weight:
         return np.asarray(-(self._drives @ along))
 
 
+def gravity_efforts(robot: RobotDescription, frames: Mapping[str, Placement], gravity: Floats) -> Floats:
+    """Efforts (n,) [N m, N] along q that hold the weight of all links at rest under ``gravity`` (3,)
+    [m/s^2], with the frames of links by name."""
+    placed = [frames[name] for name in robot.links]
+    positions, rotations = (np.array([frame[k] for frame in placed]) for k in range(2))
+    return Weight(robot).efforts(positions, rotations, gravity)
+
+
 class CarriedWeight:
     """The weight of a robot in a scene, of which links are parts of bodies or of the world."""
 

@@ -230,6 +230,7 @@ TrialEnergy IncrementalPotential::try_step(std::span<const double> direction, do
   trial.magnitude = fixed.magnitude;
   if (active_set_) {
     const EnergyDifference active = active_set_->energy_difference(x_trial_);
+    trial.contact = active.difference;
     trial.difference += active.difference;
     trial.magnitude += active.magnitude;
   }

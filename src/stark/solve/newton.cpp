@@ -32,8 +32,9 @@ constexpr double kModelled =
 constexpr double kFrozen = 10.0;  ///< tolerances below which friction stays as it is until all is converged
 constexpr double kNear = 5.0;     ///< motions over their tolerance from where the next may converge
 constexpr double kWorthGuessing = 10.0;  ///< motions over their tolerance from which a guess is worth it
-constexpr double kStandstill = 0.01;     ///< motions over their tolerance that move next to nothing
-constexpr double kContraction = 0.5;     ///< of directions of an older Hessian, below which they are trusted
+constexpr double kPushed = 1e-4;      ///< rise of contact energy over the gain of a guess that hits something
+constexpr double kStandstill = 0.01;  ///< motions over their tolerance that move next to nothing
+constexpr double kContraction = 0.5;  ///< of directions of an older Hessian, below which they are trusted
 constexpr double kSimplifiedTolerance = 1e-2;  ///< relative residual asked of conjugate gradients for them
 constexpr double kSmallestForcing = 1e-4, kLargestForcing = 0.05;  ///< relative residuals of linear solves
 constexpr double kNoForce = 1e-140;               ///< [N] products with forces below it underflow
@@ -88,7 +89,8 @@ void NewtonSolver::try_guess(Objective& objective, std::span<const double> guess
   }
   const PhaseTimer::Scope scope(timer_, Phase::LineSearch);
   const TrialEnergy trial = objective.try_step(direction_, 1.0);
-  if (trial.feasible && trial.difference < 0.0) objective.accept_trial();
+  const bool is_pushed = trial.contact > kPushed * -trial.difference;
+  if (trial.feasible && trial.difference < 0.0 && !is_pushed) objective.accept_trial();
 }
 
 std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {

@@ -23,6 +23,7 @@ struct TrialEnergy {
   double difference = 0.0;  ///< [J], summed element by element
   double magnitude =
       0.0;  ///< sum of the elements' magnitudes [J]: rounding of `difference` is about 1e-16 of it
+  double contact = 0.0;  ///< what contact has of the difference [J]
 };
 
 class Objective {

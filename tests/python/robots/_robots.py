@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stark.robots.description import RobotDescription
-from stark.robots.kinematics import Placement
-from stark.robots.weight import Weight
-
 Floats = NDArray[np.float64]
 ARM = Path(__file__).parents[3] / "examples/robot_arm.urdf"
 GRAVITY = np.array([0.3, -0.2, -9.81])  # in no direction that hides anything
-
-
-def gravity_efforts(robot: RobotDescription, frames: Mapping[str, Placement], gravity: Floats) -> Floats:
-    """Of frames of links by name."""
-    positions, rotations = zip(*(frames[name] for name in robot.links), strict=True)
-    return Weight(robot).efforts(np.array(positions), np.array(rotations), gravity)
 
 
 def text(values: Floats) -> str:

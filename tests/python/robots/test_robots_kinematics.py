@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robots._robots import ARM, GRAVITY, gravity_efforts, random_mjcf, random_urdf
+from robots._robots import ARM, GRAVITY, random_mjcf, random_urdf
 
 import stark.robots
 from stark.robots import kinematics
 from stark.robots.kinematics import Placement
+from stark.robots.weight import gravity_efforts
 
 TOLERANCE = 1e-9  # of lengths below 3 m and torques below 200 N m: 1e5 times what doubles round
 

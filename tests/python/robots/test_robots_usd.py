@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots._robots import GRAVITY, gravity_efforts, random_mjcf
+from robots._robots import GRAVITY, random_mjcf
 from robots._stages import body, joint, numbers, of_mujoco, shape, stage
 
 import stark
 from stark.robots import kinematics
 from stark.robots.kinematics import Placement
+from stark.robots.weight import gravity_efforts
 
 pytest.importorskip("pxr")
 

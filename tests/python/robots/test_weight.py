@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots._robots import GRAVITY, Floats, gravity_efforts, random_urdf
+from robots._robots import GRAVITY, Floats, random_urdf
 
 import stark
 from stark.robots import kinematics
 from stark.robots.kinematics import Placement
-from stark.robots.weight import Weight
+from stark.robots.weight import Weight, gravity_efforts
 
 STEP = 1e-6  # of finite differences [rad, m]
 
