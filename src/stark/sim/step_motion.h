@@ -54,8 +54,8 @@ class StepMotion : private StepPart {
   Configuration start_configuration() const;
   Configuration target_configuration(double h) const;
 
-  /// Increments of all unknowns in a step of length h in which everything goes on as it moves. [theory eq.
-  /// 22a]
+  /// Increments of all unknowns in a step of length h in which everything goes on as it moves.
+  /// [theory eq. 22a]
   std::vector<double> free_increments(double h) const;
 
   /// Sets what the velocities of a step of length h are measured from.
