@@ -153,7 +153,7 @@ def test_a_second_impact_of_a_pair_meets_a_layer() -> None:
         # Fingers of 5 mg with a motor of 40 kN: sliders that hold at the start are forced apart.
         (2, 242, "joints", "overload", "joint 'slider_2' is apart"),
         (3, 362, "joints", "overload", "joint 'cylindrical' is apart"),
-        # 600 m/s into a plate: 0.6 mm in a microsecond, half of the contact distance. Of 20 runs with time steps
+        # 600 m/s into a plate: 0.6 mm in a microsecond, half of the contact distance. Of 20 runs with steps
         # that differ by 1e-9, 15 end so, and 5 go on.
         (2, 481, "impacts", "crushing_load", "rigid body 'rigid_2' (vertex 3) is"),
         # Jaws that close have been blocked in the longer attempts.

@@ -461,11 +461,6 @@ class Actuator(Handle):
         number = number_of(f"actuator '{self.name}'", name, self._units[name], value)
         simulation._core.set_actuator_value(self._index, name, number)
 
-    def _assign(self, name: str, number: float) -> None:
-        """A value that does not follow time any more; it is known to be a number."""
-        self._core().set_actuator_value(self._index, name, number)
-        self._scene._courses.pop(("actuator", self._index, name), None)
-
     def _read(self, name: str) -> float:
         return float(self._core().actuator_value(self._index, name))
 

@@ -75,7 +75,8 @@ class Drives:
             caps = self._caps()
             numbers = np.clip(numbers, -caps, caps)
         for actuator, value in zip(self._actuators, (numbers - self._shifts).tolist(), strict=True):
-            actuator._assign("target", value)
+            actuator._core().set_actuator_value(actuator._index, "target", value)
+            self._robot._scene._courses.pop(("actuator", actuator._index, "target"), None)
 
     @property
     def feedforward(self) -> Floats:

@@ -84,14 +84,14 @@ class CarriedWeight:
     def efforts(self, core: _core.Scene | _core.Simulation, gravity: Floats) -> Floats:
         """(n,) [N m, N] that hold it where its bodies are."""
         if isinstance(core, _core.Simulation):
-            poses = core.poses(self._bodies)
+            positions, rotations = core.poses(self._bodies)
         else:
             found = [core.pose(body) for body in self._bodies]
-            poses = tuple(np.array([pose[k] for pose in found]) for k in range(2))
+            positions, rotations = (np.array([pose[k] for pose in found]) for k in range(2))
         if len(self._rows) == self._count:
-            return self._weight.efforts(*poses, gravity)
-        positions, rotations = np.zeros((self._count, 3)), np.zeros((self._count, 3, 3))
-        rotations[:] = np.eye(3)
+            return self._weight.efforts(positions, rotations, gravity)
+        all_positions, all_rotations = np.zeros((self._count, 3)), np.zeros((self._count, 3, 3))
+        all_rotations[:] = np.eye(3)
         if self._rows:
-            positions[self._rows], rotations[self._rows] = poses
-        return self._weight.efforts(positions, rotations, gravity)
+            all_positions[self._rows], all_rotations[self._rows] = positions, rotations
+        return self._weight.efforts(all_positions, all_rotations, gravity)

@@ -54,8 +54,8 @@ RodStrain strain_of(PotentialBuilder& b, Point p) {
           .twist = turn(2)};
 }
 
-/// PotentialBuilder::reference of all strains. Frames that turn fast are extrapolated, column by column, to
-/// what is no rotation any more and may have no strain: there it is that of the end, so that no rate is left.
+/// PotentialBuilder::reference of all strains. Frames that turn fast are extrapolated column by column, and
+/// are then not orthonormal: they may have no strain. The strain of the end stands for it, so the rate is 0.
 RodStrain reference_strain(PotentialBuilder& b) {
   using Vector = symbolic::Vec3;
   const auto reference = [&](auto&& part) {
