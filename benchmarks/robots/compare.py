@@ -12,7 +12,7 @@ import stark
 import stark.robots
 from stark.robots import Inertia, RobotDescription, kinematics
 from stark.robots.kinematics import WORLD, Placement
-from stark.robots.weight import gravity_efforts
+from stark.robots.weight import Weight
 
 GRAVITY = np.array([0.3, -0.2, -9.81])  # [m/s^2], in no direction that hides anything
 POSES = 20
@@ -108,7 +108,7 @@ def _with_mujoco(row: Row, robot: RobotDescription, file: Path) -> None:
             if name in frames:
                 row.put("frames", frames[name].position, data.xpos[k])
                 row.put("frames", frames[name].rotation.ravel(), data.xmat[k])
-        row.put("gravity", gravity_efforts(robot, frames, GRAVITY), drive.T @ data.qfrc_bias)
+        row.put("gravity", Weight(robot).efforts_at(frames, GRAVITY), drive.T @ data.qfrc_bias)
 
 
 def _compare_inertias_with_mujoco(row: Row, robot: RobotDescription, model: Any, names: list[str]) -> None:
@@ -154,7 +154,7 @@ def _with_pinocchio(row: Row, robot: RobotDescription, file: Path) -> None:
             row.put("frames", frame.position, place.translation)
             row.put("frames", frame.rotation, place.rotation)
         efforts = drive.T @ pinocchio.computeGeneralizedGravity(model, data, theirs)
-        row.put("gravity", gravity_efforts(robot, frames, GRAVITY), efforts)
+        row.put("gravity", Weight(robot).efforts_at(frames, GRAVITY), efforts)
 
 
 def _compare_inertias_with_pinocchio(row: Row, robot: RobotDescription, model: Any) -> None:

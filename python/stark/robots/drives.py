@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import given_flag, real_array
+from stark.courses import set_courses
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Actuator, Joint
 from stark.readings import reading
@@ -76,7 +77,7 @@ class Drives:
             numbers = np.clip(numbers, -caps, caps)
         for actuator, value in zip(self._actuators, (numbers - self._shifts).tolist(), strict=True):
             actuator._core().set_actuator_value(actuator._index, "target", value)
-            self._robot._scene._courses.pop(("actuator", actuator._index, "target"), None)
+            set_courses("actuator", actuator, {"target": value})
 
     @property
     def feedforward(self) -> Floats:

@@ -26,7 +26,7 @@ from stark.robots.kinematics import Placement, Values
 from stark.robots.link import RobotLink
 from stark.robots.posture import settled
 from stark.robots.report import Report
-from stark.robots.weight import CarriedWeight, gravity_efforts
+from stark.robots.weight import CarriedWeight
 from stark.rotations import as_matrix, vector
 from stark.settings import Settings
 
@@ -376,7 +376,7 @@ class Robot:
         acceleration = vector(gravity, f"robot '{self.name}': gravity")
         if q is None:
             return self._holding(acceleration)
-        return gravity_efforts(self.description, self.forward_kinematics(q), acceleration)
+        return self._weight.of_links.efforts_at(self.forward_kinematics(q), acceleration)
 
     @property
     def _title(self) -> str:

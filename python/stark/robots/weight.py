@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,8 @@ class Weight:
     def __init__(self, robot: RobotDescription, offsets: Mapping[str, Placement] | None = None) -> None:
         """``offsets``: of the frames of links in the frames that ``efforts`` is given; none: it is given
         theirs."""
-        place = {name: k for k, name in enumerate(robot.links)}
+        self._links = tuple(robot.links)
+        place = {name: k for k, name in enumerate(self._links)}
         at = [WORLD if offsets is None else offsets[name] for name in robot.links]
         inertias = [link.inertia for link in robot.links.values()]
         self._mass = np.array([0.0 if inertia is None else inertia.mass for inertia in inertias])
@@ -62,24 +64,28 @@ class Weight:
             along = np.where(self._slides, self._carried * (axes @ gravity), along)
         return np.asarray(-(self._drives @ along))
 
-
-def gravity_efforts(robot: RobotDescription, frames: Mapping[str, Placement], gravity: Floats) -> Floats:
-    """Efforts (n,) [N m, N] along q that hold the weight of all links at rest under ``gravity`` (3,)
-    [m/s^2], with the frames of links by name."""
-    placed = [frames[name] for name in robot.links]
-    positions, rotations = (np.array([frame[k] for frame in placed]) for k in range(2))
-    return Weight(robot).efforts(positions, rotations, gravity)
+    def efforts_at(self, frames: Mapping[str, Placement], gravity: Floats) -> Floats:
+        """The same, with frames by the names of links."""
+        placed = [frames[name] for name in self._links]
+        positions, rotations = (np.array([frame[k] for frame in placed]) for k in range(2))
+        return self.efforts(positions, rotations, gravity)
 
 
 class CarriedWeight:
     """The weight of a robot in a scene, of which links are parts of bodies or of the world."""
 
     def __init__(self, robot: RobotDescription, links: Mapping[str, RobotLink]) -> None:
+        self._robot = robot
         self._weight = Weight(robot, {name: link.offset for name, link in links.items()})
         bodies = [links[name].body for name in robot.links]
         self._bodies = [body._index for body in bodies if body is not None]
         self._rows = [k for k, body in enumerate(bodies) if body is not None]
         self._count = len(bodies)
+
+    @cached_property
+    def of_links(self) -> Weight:
+        """For frames of links, wherever they would be."""
+        return Weight(self._robot)
 
     def efforts(self, core: _core.Scene | _core.Simulation, gravity: Floats) -> Floats:
         """(n,) [N m, N] that hold it where its bodies are."""

@@ -12,7 +12,7 @@ from robots._robots import ARM, GRAVITY, random_mjcf, random_urdf
 import stark.robots
 from stark.robots import kinematics
 from stark.robots.kinematics import Placement
-from stark.robots.weight import gravity_efforts
+from stark.robots.weight import Weight
 
 TOLERANCE = 1e-9  # of lengths below 3 m and torques below 200 N m: 1e5 times what doubles round
 
@@ -68,7 +68,7 @@ def test_frames_jacobians_and_gravity_of_urdf_files_are_those_of_pinocchio(tmp_p
                 )
                 ours = kinematics.jacobian(robot, frames, name, frame.position)
                 np.testing.assert_allclose(ours, theirs @ drive, atol=TOLERANCE)
-            efforts = gravity_efforts(robot, frames, GRAVITY)
+            efforts = Weight(robot).efforts_at(frames, GRAVITY)
             theirs = drive.T @ pinocchio.computeGeneralizedGravity(model, data, other)
             np.testing.assert_allclose(efforts, theirs, atol=TOLERANCE)
 
@@ -96,7 +96,7 @@ def test_frames_and_gravity_of_mjcf_files_are_those_of_mujoco(seed: int, tmp_pat
         for name, frame in frames.items():
             np.testing.assert_allclose(frame.position, data.body(name).xpos, atol=TOLERANCE)
             np.testing.assert_allclose(frame.rotation.ravel(), data.body(name).xmat, atol=TOLERANCE)
-        efforts = gravity_efforts(robot, frames, GRAVITY)
+        efforts = Weight(robot).efforts_at(frames, GRAVITY)
         np.testing.assert_allclose(efforts, drive.T @ data.qfrc_bias, atol=TOLERANCE)
 
 

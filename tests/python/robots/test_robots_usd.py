@@ -13,7 +13,7 @@ from robots._stages import body, joint, numbers, of_mujoco, shape, stage
 import stark
 from stark.robots import kinematics
 from stark.robots.kinematics import Placement
-from stark.robots.weight import gravity_efforts
+from stark.robots.weight import Weight
 
 pytest.importorskip("pxr")
 
@@ -59,7 +59,7 @@ def test_robots_are_those_of_mujoco(
             frame = frames[model.body(k).name]
             np.testing.assert_allclose(frame.position, data.xpos[k], atol=SINGLE)
             np.testing.assert_allclose(frame.rotation.ravel(), data.xmat[k], atol=SINGLE)
-        efforts = gravity_efforts(robot, frames, GRAVITY)
+        efforts = Weight(robot).efforts_at(frames, GRAVITY)
         theirs = [signs[name] * data.qfrc_bias[k] for name, k in zip(robot.coordinates, columns, strict=True)]
         np.testing.assert_allclose(efforts, theirs, atol=100 * SINGLE)
 

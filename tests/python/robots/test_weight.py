@@ -11,7 +11,7 @@ from robots._robots import GRAVITY, Floats, random_urdf
 import stark
 from stark.robots import kinematics
 from stark.robots.kinematics import Placement
-from stark.robots.weight import Weight, gravity_efforts
+from stark.robots.weight import Weight
 
 STEP = 1e-6  # of finite differences [rad, m]
 
@@ -32,7 +32,7 @@ def test_efforts_are_slopes_of_the_potential_energy(seed: int, tmp_path: Path) -
         )
 
     slopes = [(energy(q + STEP * e) - energy(q - STEP * e)) / (2.0 * STEP) for e in np.eye(len(q))]
-    efforts = gravity_efforts(robot, kinematics.placements(robot, q), GRAVITY)
+    efforts = Weight(robot).efforts_at(kinematics.placements(robot, q), GRAVITY)
     np.testing.assert_allclose(efforts, slopes, atol=1e-7 * np.abs(slopes).max())
 
 
@@ -49,4 +49,4 @@ def test_frames_that_move_with_links_do_as_well(tmp_path: Path) -> None:
     turned = {name: frames[name].rotation @ offsets[name].rotation.T for name in robot.links}
     positions = [frames[name].position - turned[name] @ offsets[name].position for name in robot.links]
     efforts = Weight(robot, offsets).efforts(np.array(positions), np.array(list(turned.values())), GRAVITY)
-    np.testing.assert_allclose(efforts, gravity_efforts(robot, frames, GRAVITY), atol=1e-12)
+    np.testing.assert_allclose(efforts, Weight(robot).efforts_at(frames, GRAVITY), atol=1e-12)
