@@ -29,7 +29,7 @@ SCENES = {"solids": "soft_box_drop_40", "cloth": "cloth_sphere_576"}
 #: Cells along a side: 1e4 to 1e6 unknowns.
 SIZES = {"solids": (11, 17, 25, 40, 54), "cloth": (57, 100, 182, 316, 576)}
 BARS = {"solids": 1.15, "cloth": 1.3}  # of the slope of time per Newton iteration against unknowns
-MEMORY_BAR = 2500.0  # bytes for an unknown
+MEMORY_BAR = 2500.0  # bytes for an unknown of solids; sparse factors of cloth need more
 PHASES = ("assemble", "linear_solve", "broad_phase", "active_set", "step_bound", "line_search", "friction")
 
 

@@ -56,11 +56,11 @@ def _verdict(kind: str, rows: list[dict[str, Any]]) -> str:
     most = max(row["bytes"] / row["dofs"] for row in rows[-2:])
     cost = "met" if found <= bar else "not met"
     memory = "met" if most <= MEMORY_BAR else "not met"
+    bar_of_memory = f"; the bar of {1e-3 * MEMORY_BAR:.1f} kB is **{memory}**" if kind == "solids" else ""
     return (
         f"From {rows[0]['dofs']:,} to {rows[-1]['dofs']:,} unknowns the time of an iteration grows with the "
         f"power {found:.2f}. The bar of {bar} is **{cost}**. The two largest need up to {1e-3 * most:.2f} kB "
-        f"for an unknown; the bar of {1e-3 * MEMORY_BAR:.1f} kB is **{memory}**. "
-        f"{_bound(rows)}{_missing(rows)}\n"
+        f"for an unknown{bar_of_memory}. {_bound(rows)}{_missing(rows)}\n"
     )
 
 

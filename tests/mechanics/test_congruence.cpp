@@ -69,7 +69,7 @@ TEST_CASE("mapped elements are J^T g and J^T H J, also when sites share bodies a
     for (int p = 0; p < points; ++p) {
       for (int k = 0; k < jacobians[p].term_count; ++k) {
         const JacobianTerm& term = jacobians[p].terms[k];
-        const Mat3 block = (term.is_identity ? Mat3::identity() : term.J) * term.weight;
+        const Mat3 block = jacobians[p].matrix(term);
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c) J[(3 * p + r) * n + 3 * term.block + c] += block(r, c);
       }
@@ -85,7 +85,8 @@ TEST_CASE("mapped elements are J^T g and J^T H J, also when sites share bodies a
     hessian.pattern = BlockPattern::from_pairs(blocks, all_pairs);
     hessian.set_zero();
     SitePairs pairs;
-    add_mapped_element(element.view(), sites, jacobians, {}, gradient, hessian, body_moment, pairs);
+    add_mapped_gradients(element.view(), jacobians, {}, gradient, body_moment);
+    add_mapped_hessian(element.view(), sites, jacobians, hessian, pairs);
     pairs.scatter(scene.map, scene.configuration, hessian);
     const std::vector<double> dense = to_dense(hessian);
     double worst = 0.0;

@@ -17,7 +17,7 @@ std::vector<double> dense_jacobian(const MixedScene& scene, int32_t site) {
   const SiteJacobian jacobian = scene.map.jacobian(site, scene.configuration);
   for (int k = 0; k < jacobian.term_count; ++k) {
     const JacobianTerm& term = jacobian.terms[k];
-    const Mat3 block = (term.is_identity ? Mat3::identity() : term.J) * term.weight;
+    const Mat3 block = jacobian.matrix(term);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) J[r * n + 3 * term.block + c] += block(r, c);
   }

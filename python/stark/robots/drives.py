@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
@@ -51,11 +52,13 @@ class Drives:
         self.rows: list[int] = rows
         """Where the joints are in q."""
         self._follower: GravityFollower | None = None
+        coordinates = robot.description.coordinates
+        self._joints = tuple(coordinates[row] for row in rows)
 
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints."""
-        return tuple(self._robot.description.coordinates[row] for row in self.rows)
+        return self._joints
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:
@@ -75,9 +78,11 @@ class Drives:
         if self.kind == "efforts":
             caps = self._caps()
             numbers = np.clip(numbers, -caps, caps)
-        for actuator, value in zip(self._actuators, (numbers - self._shifts).tolist(), strict=True):
-            actuator._core().set_actuator_value(actuator._index, "target", value)
-            set_courses("actuator", actuator, {"target": value})
+        numbers -= self._shifts
+        set_values(self._actuators[0]._core(), self._actuators, "target", numbers)
+        if self._robot._scene._courses:
+            for actuator, value in zip(self._actuators, numbers.tolist(), strict=True):
+                set_courses("actuator", actuator, {"target": value})
 
     @property
     def feedforward(self) -> Floats:
@@ -176,6 +181,7 @@ class GravityFollower:
 
     def __init__(self, robot: DrivenRobot, rows: list[int], actuators: list[Actuator]) -> None:
         self._robot, self._rows, self._actuators = robot, rows, actuators
+        self._gravity: tuple[weakref.ref[SimulationLink], Floats] | None = None  # of the last simulation
 
     @property
     def title(self) -> str:
@@ -185,14 +191,24 @@ class GravityFollower:
         """Of the coming step, from where the robot is at its start."""
         if self._actuators[-1]._index >= simulation._core.actuator_count:
             return
-        gravity = np.array(simulation.settings.gravity)
-        efforts = self._robot._bound_to(simulation)._holding(gravity)[self._rows]
-        for actuator, effort in zip(self._actuators, efforts.tolist(), strict=True):
-            simulation._core.set_actuator_value(actuator._index, "feedforward", effort)
+        efforts = self._robot._bound_to(simulation)._holding(self._gravity_of(simulation))[self._rows]
+        set_values(simulation._core, self._actuators, "feedforward", efforts)
 
     def jump(self) -> str:
         """They move nothing to a place."""
         return ""
+
+    def _gravity_of(self, simulation: SimulationLink) -> Floats:
+        """[m/s^2]; settings of a simulation stay as they are."""
+        if self._gravity is None or self._gravity[0]() is not simulation:
+            self._gravity = weakref.ref(simulation), np.array(simulation.settings.gravity)
+        return self._gravity[1]
+
+
+def set_values(core: Any, actuators: list[Actuator], name: str, values: Floats) -> None:
+    """Of actuators of one scene or simulation."""
+    for actuator, value in zip(actuators, values.tolist(), strict=True):
+        core.set_actuator_value(actuator._index, name, value)
 
 
 def add_drives(
@@ -242,7 +258,7 @@ def spread(values: ArrayLike, count: int, what: str, names: Any) -> Floats:
         )
     if not np.isfinite(numbers).all():
         raise InvalidArgument(f"{what} = {numbers.tolist()}: must be finite; check where it is computed")
-    return np.broadcast_to(numbers, (count,)).copy()
+    return numbers if numbers.ndim else np.full(count, float(numbers))
 
 
 def _caps_of(robot: DrivenRobot, names: list[str], owner: str) -> Floats:

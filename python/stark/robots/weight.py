@@ -15,6 +15,8 @@ from stark.robots.link import RobotLink
 
 Floats = NDArray[np.float64]
 
+_SUM = np.ones(3)  # v @ _SUM: sums of rows
+
 
 class Weight:
     """Of the links of a robot: each joint carries what hangs on it, by the moment about its axis."""
@@ -26,43 +28,48 @@ class Weight:
         place = {name: k for k, name in enumerate(self._links)}
         at = [WORLD if offsets is None else offsets[name] for name in robot.links]
         inertias = [link.inertia for link in robot.links.values()]
-        self._mass = np.array([0.0 if inertia is None else inertia.mass for inertia in inertias])
+        mass = np.array([0.0 if inertia is None else inertia.mass for inertia in inertias])
         centers = [np.zeros(3) if inertia is None else inertia.center for inertia in inertias]
         centers = [frame.at(c, np.eye(3)).position for frame, c in zip(at, centers, strict=True)]
-        # By link, as columns: first moment, axis and a point of the axis of the joint that carries it.
-        self._columns = np.zeros((len(at), 3, 3))
-        self._columns[:, :, 0] = self._mass[:, None] * np.array(centers).reshape(-1, 3)
-        joints = [joint for joint in robot.outwards if joint.is_moving]
-        self._child = np.array([place[joint.child] for joint in joints], int)
-        for k, joint in zip(self._child, joints, strict=True):
-            self._columns[k, :, 1] = at[k].rotation @ joint.axis
-            self._columns[k, :, 2] = at[k].at(joint.anchor, np.eye(3)).position
-        self._slides = np.array([joint.kind == "prismatic" for joint in joints], bool)
         hanging = np.eye(len(place))  # rows: a link and all that hangs on it
         for joint in reversed(robot.outwards):
             hanging[place[joint.parent]] += hanging[place[joint.child]]
-        self._hanging = hanging[self._child]
-        self._carried = self._hanging @ self._mass
+        carried = hanging @ mass
+        # By link, as columns: first moment, axis and a point of the axis of the joint that carries it.
+        self._columns = np.zeros((len(at), 3, 3))
+        self._columns[:, :, 0] = mass[:, None] * np.array(centers).reshape(-1, 3)
         rows = {name: k for k, name in enumerate(robot.coordinates)}
-        self._drives = np.zeros((len(rows), len(joints)))
-        for k, joint in enumerate(joints):
+        self._holds = np.zeros((len(rows), len(at)))  # efforts along q from those along the axes of links
+        turns, self._slid = np.zeros(len(at)), np.zeros(len(at))
+        for joint in robot.outwards:
+            if not joint.is_moving:
+                continue
+            k = place[joint.child]
+            self._columns[k, :, 1] = at[k].rotation @ joint.axis
+            self._columns[k, :, 2] = at[k].at(joint.anchor, np.eye(3)).position
+            if joint.kind == "prismatic":
+                self._slid[k] = carried[k]
+            else:
+                turns[k] = 1.0
             driver, ratio, _ = robot.drive_of(joint)
-            self._drives[rows[driver], k] += ratio
+            self._holds[rows[driver], k] -= ratio
+        self._has_slides = bool(self._slid.any())
+        # Moments of what hangs on a link about its axis, from frames, first moments and points of axes.
+        by_axis = np.diag(carried)
+        self._moments = turns[:, None] * np.hstack((hanging * mass - by_axis, hanging, -by_axis))
 
     def efforts(self, positions: Floats, rotations: Floats, gravity: Floats) -> Floats:
         """(n,) [N m, N] along q that hold all links at rest under ``gravity`` (3,) [m/s^2], with frames at
         ``positions`` (k, 3) [m] and ``rotations`` (k, 3, 3), in the order of ``robot.links``."""
         columns = rotations @ self._columns
-        moments = self._mass[:, None] * positions + columns[:, :, 0]
-        axes = columns[self._child, :, 1]
-        origins = (positions + columns[:, :, 2])[self._child]
-        arms = self._hanging @ moments - self._carried[:, None] * origins
-        x, y, z = gravity
-        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])  # a @ across: a x gravity
-        along = ((arms @ across) * axes).sum(axis=1)
-        if self._slides.any():
-            along = np.where(self._slides, self._carried * (axes @ gravity), along)
-        return np.asarray(-(self._drives @ along))
+        axes = columns[:, :, 1]
+        moments = self._moments @ np.concatenate((positions, columns[:, :, 0], columns[:, :, 2]))
+        x, y, z = gravity.tolist()
+        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])  # m @ across: m x gravity
+        along = ((moments @ across) * axes) @ _SUM
+        if self._has_slides:
+            along += self._slid * (axes @ gravity)
+        return np.asarray(self._holds @ along)
 
     def efforts_at(self, frames: Mapping[str, Placement], gravity: Floats) -> Floats:
         """The same, with frames by the names of links."""

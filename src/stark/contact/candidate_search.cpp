@@ -6,6 +6,7 @@
 
 #include <stark/collision/broad_phase.h>
 #include <stark/collision/distant_pairs.h>
+#include <stark/contact/site_margins.h>
 
 namespace stark {
 
@@ -24,15 +25,6 @@ constexpr double kEdgesBear = 2.0;
 constexpr double kRounding = 1e-9;  ///< of distances, relative
 constexpr int64_t kPairsPerTask = 2048;
 
-std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
-  std::vector<int32_t> sites(mesh.points);
-  for (const Index2& edge : mesh.edges) sites.insert(sites.end(), edge.begin(), edge.end());
-  for (const Index3& triangle : mesh.triangles) sites.insert(sites.end(), triangle.begin(), triangle.end());
-  std::sort(sites.begin(), sites.end());
-  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-  return sites;
-}
-
 struct Candidates {
   CandidateList list;
   CandidateList distant;  ///< pairs of edges that cannot act or meet within the margins
@@ -45,10 +37,10 @@ struct CandidateSearch::Implementation {
   ThreadPool& pool;
   PhaseTimer& timer;
   BroadPhase broad_phase{};
-  std::vector<int32_t> sites{};  ///< of the surfaces, sorted
-  std::vector<double> reach{};   ///< by group [m]: distance and margin
-  std::vector<double> margin{};  ///< by site [m]
+  std::vector<double> reach{};  ///< by group [m]: distance and margin
+  SiteMargins margins{};
   Candidates current{}, trial{};
+  Candidates* at_trial = nullptr;  ///< the one that the last trial point was given, while it is there
   std::shared_ptr<const EdgeRanges> edge_ranges{};
   std::vector<double> separation{};  ///< by group [m]
   CandidateList on_way{}, found{}, found_distant{};
@@ -78,10 +70,9 @@ CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<
                                  ThreadPool& pool, PhaseTimer& timer)
     : implementation_(new Implementation{pool, timer}) {
   Implementation& self = *implementation_;
-  self.sites = find_surface_sites(mesh);
-  self.margin.assign(mesh.vertex_group.size(), 0.0);
-  for (const int32_t site : self.sites)
-    self.margin[site] = kMarginFactor * group_distance[mesh.vertex_group[site]];
+  std::vector<double> margin(group_distance.begin(), group_distance.end());
+  for (double& m : margin) m *= kMarginFactor;
+  self.margins = SiteMargins(mesh, margin);
   self.reach.assign(group_distance.begin(), group_distance.end());
   for (double& r : self.reach) r *= 1.0 + kMarginFactor;
   self.broad_phase.reset(std::move(mesh), std::move(filter));
@@ -97,6 +88,7 @@ const ContactCounters& CandidateSearch::counters() const { return implementation
 void CandidateSearch::set_filter(PairFilter filter) {
   implementation_->broad_phase.set_filter(std::move(filter));
   implementation_->current = implementation_->trial = {};
+  implementation_->at_trial = nullptr;
 }
 
 void CandidateSearch::set_edges(std::shared_ptr<const EdgeRanges> ranges,
@@ -108,34 +100,26 @@ void CandidateSearch::set_edges(std::shared_ptr<const EdgeRanges> ranges,
 const CandidateList& CandidateSearch::distant_edges() const { return implementation_->current.distant; }
 
 bool CandidateSearch::Implementation::covers(const Candidates& candidates, std::span<const Vec3> x) const {
-  if (candidates.x.empty()) return false;
-  return std::ranges::all_of(sites, [&](int32_t site) {
-    return squared_norm(x[site] - candidates.x[site]) <= margin[site] * margin[site];
-  });
+  return !candidates.x.empty() && margins.cover(candidates.x, x);
 }
 
 int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std::span<const Vec3> x,
                                               std::vector<uint8_t>& out) const {
-  const auto count = static_cast<int64_t>(sites.size());
-  out.assign(x.size(), candidates.x.empty() ? 1 : 0);
-  if (candidates.x.empty()) return count;
-  int64_t marked = 0;
-  for (const int32_t site : sites) {
-    const double part = kNearlyUsedUp * margin[site];
-    out[site] = !(squared_norm(x[site] - candidates.x[site]) <= part * part);
-    marked += out[site];
+  if (candidates.x.empty()) {
+    out.assign(x.size(), 1);
+    return margins.site_count();
   }
-  return marked;
+  return margins.mark_beyond(kNearlyUsedUp, candidates.x, x, out);
 }
 
 bool CandidateSearch::Implementation::is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const {
   using Row = PairRow<PairKind::EdgeEdge>;
   const PrimitivePair groups = Row::groups(mesh(), edges);
-  const double margins = margin[mesh().edges[edges.first][0]] + margin[mesh().edges[edges.second][0]];
-  const double distance = margins / kMarginFactor;
+  const double both = margins(mesh().edges[edges.first][0]) + margins(mesh().edges[edges.second][0]);
+  const double distance = both / kMarginFactor;
   const double kept = separation[groups.first] + separation[groups.second];
   const double acts = std::max((*edge_ranges)(edges.first, edges.second) * distance, kEdgesBear * kept);
-  const double least = (acts + margins) * (1.0 + kRounding);
+  const double least = (acts + both) * (1.0 + kRounding);
   return Row::squared_distance(Row::positions(mesh(), edges, x)) > least * least;
 }
 
@@ -200,15 +184,24 @@ const CandidateList& CandidateSearch::at(std::span<const Vec3> x) {
     // The accepted trial point left a list behind.
     if (!self.covers(self.trial, x)) self.renew_nearer(x, self.trial);
     std::swap(self.current, self.trial);
+    self.at_trial = nullptr;
   }
   return self.current.list;
 }
 
 const CandidateList& CandidateSearch::at_trial(std::span<const Vec3> x) {
   Implementation& self = *implementation_;
-  if (self.covers(self.current, x)) return self.current.list;
-  if (!self.covers(self.trial, x)) self.renew_nearer(x, self.trial);
-  return self.trial.list;
+  self.at_trial = self.covers(self.current, x) ? &self.current : &self.trial;
+  if (self.at_trial == &self.trial && !self.covers(self.trial, x)) self.renew_nearer(x, self.trial);
+  return self.at_trial->list;
+}
+
+const CandidateList& CandidateSearch::at_accepted_trial(std::span<const Vec3> x) {
+  Implementation& self = *implementation_;
+  if (self.at_trial == nullptr) return at(x);
+  if (self.at_trial == &self.trial) std::swap(self.current, self.trial);
+  self.at_trial = nullptr;
+  return self.current.list;
 }
 
 const CandidateList& CandidateSearch::on_way(std::span<const Vec3> x0, std::span<const Vec3> x1,
@@ -217,15 +210,8 @@ const CandidateList& CandidateSearch::on_way(std::span<const Vec3> x0, std::span
   const Candidates& current = self.current;
   if (self.covers(current, x1) && self.covers(current, x0)) return current.list;
   const PhaseTimer::Scope scope(self.timer, Phase::BroadPhase);
-  self.moved.assign(x0.size(), 0);
-  for (const int32_t site : self.sites) {
-    const auto is_within = [&](const Vec3& at) {
-      return squared_norm(at - current.x[site]) <= self.margin[site] * self.margin[site];
-    };
-    // Balls are convex: what starts and ends within its margin is there all the way.
-    self.moved[site] = current.x.empty() || !is_within(x0[site]) || !is_within(x1[site]);
-    self.counters.sites += self.moved[site];
-  }
+  self.counters.sites += current.x.empty() ? self.mark(current, x0, self.moved)
+                                           : self.margins.mark_leaving(current.x, x0, x1, self.moved);
   self.broad_phase.find_swept(x0, x1, group_separation, self.pool, self.found, self.moved);
   self.merge(current.list, self.found, self.moved, self.on_way);
   ++self.counters.swept_builds;

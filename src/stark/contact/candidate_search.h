@@ -41,6 +41,8 @@ class CandidateSearch {
   const CandidateList& distant_edges() const;
   /// The same as at(); its list stays, and that of a trial point is at hand where at() asks for it next.
   const CandidateList& at_trial(std::span<const Vec3> x);
+  /// The same as at() where x is the point of the last at_trial().
+  const CandidateList& at_accepted_trial(std::span<const Vec3> x);
   /// All pairs that come within the sum of their groups' separations [m] on the straight way from x0 to x1,
   /// no more than their contact distances, and others.
   const CandidateList& on_way(std::span<const Vec3> x0, std::span<const Vec3> x1,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -27,6 +28,11 @@ constexpr double kFacing = 1e-3;
 
 /// Part of their gap that pairs of bodies keep in a step that starts below their least distance.
 constexpr double kKeptGap = 0.5;
+
+/// Bit for bit.
+bool are_same(std::span<const Vec3> a, std::span<const Vec3> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
 
 Separations::Pair pair_of(int64_t code, double separation) {
   const auto [a, b] = groups_of_code(code);
@@ -235,26 +241,27 @@ void ContactPipeline::fill(const std::vector<Contact>& near, std::span<const Vec
 }
 
 void ContactPipeline::update(std::span<const Vec3> x) {
-  const bool is_here = std::ranges::equal(x, x_active_);
+  const bool is_here = are_same(x, x_active_);
   if (is_active_ && is_here) return;
-  const CandidateList& candidates = search_.at(x);
-  x_active_.assign(x.begin(), x.end());
-  is_active_ = true;
-  if (is_trial_ && std::ranges::equal(x, x_trial_)) {
+  if (is_trial_ && are_same(x, x_trial_)) {
+    search_.at_accepted_trial(x);
     active_.swap(trial_);
     near_active_.swap(near_trial_);
+    x_active_.swap(x_trial_);
   } else {
+    const CandidateList& candidates = search_.at(x);
     if (!is_near_ || !is_here) find_contacts(geometry_, candidates, x, pool_, near_active_);
     fill(near_active_, x, active_);
+    x_active_.assign(x.begin(), x.end());
   }
-  is_near_ = true;
+  is_active_ = is_near_ = true;
   is_trial_ = false;
   friction_.remember(x);
   restitution_.remember(x);
 }
 
 void ContactPipeline::settle(std::span<const Vec3> x) {
-  if (!std::ranges::equal(x, x_active_)) update(x);
+  if (!are_same(x, x_active_)) update(x);
 }
 
 std::vector<const PotentialBatch*> ContactPipeline::batches(Curvature curvature) {

@@ -159,13 +159,12 @@ void Assembler::add_site_gradients(const PotentialBatch& batch, std::span<const 
   const int64_t outputs = batch.potential().kernel().output_count(Order::Gradient);
   for (int64_t begin = 0; begin < batch.block_count(); begin += kWindowBlocks) {
     const int64_t end = std::min(begin + kWindowBlocks, batch.block_count());
-    buffer_.resize(std::max(buffer_.size(), static_cast<size_t>((end - begin) * outputs * kLanes)));
+    double* const lanes = buffer_.reserve((end - begin) * outputs * kLanes);
     pool_.for_each_range(end - begin, kGroupBlocks, [&](int64_t first, int64_t last) {
-      batch.evaluate(Order::Gradient, x, begin + first, begin + last,
-                     buffer_.data() + first * outputs * kLanes);
+      batch.evaluate(Order::Gradient, x, begin + first, begin + last, lanes + first * outputs * kLanes);
     });
     for (int64_t e = begin * kLanes; e < std::min(end * kLanes, batch.size()); ++e) {
-      const ElementView element(buffer_.data() + (e / kLanes - begin) * outputs * kLanes, 3 * points,
+      const ElementView element(lanes + (e / kLanes - begin) * outputs * kLanes, 3 * points,
                                 static_cast<int>(e % kLanes));
       const auto sites = batch.stencil(e);
       if (out_energies) out_energies[e] = element.energy();
@@ -188,17 +187,17 @@ void Assembler::assemble_chunk(StaticPlan& plan, const Chunk& chunk, std::span<c
   const PotentialBatch& batch = *plan.batch;
   const int points = batch.point_count(), pairs = points * (points + 1) / 2;
   const int outputs = batch.potential().kernel().output_count(Order::Hessian);
-  thread_local AlignedVector<double> out;
-  out.resize(static_cast<size_t>(kGroupBlocks) * outputs * kLanes);
+  thread_local ScratchBuffer<double> buffer;
+  double* const out = buffer.reserve(kGroupBlocks * outputs * kLanes);
   const int64_t last_block = (chunk.last + kLanes - 1) / kLanes;
   for (int64_t group = chunk.first / kLanes; group < last_block; group += kGroupBlocks) {
     const int64_t group_end = std::min(group + kGroupBlocks, last_block);
-    const auto active = batch.evaluate_active(Order::Hessian, x, group, group_end, out.data());
-    if (options.project) projected_count_ += project_blocks(batch.potential(), active.count, out.data());
+    const auto active = batch.evaluate_active(Order::Hessian, x, group, group_end, out);
+    if (options.project) projected_count_ += project_blocks(batch.potential(), active.count, out);
     std::fill(plan.energies.begin() + group * kLanes, plan.energies.begin() + group_end * kLanes, 0.0);
     for (int k = 0; k < active.count; ++k) {
       const int64_t block = active.blocks[k];
-      const double* lanes = out.data() + k * outputs * kLanes;
+      const double* lanes = out + k * outputs * kLanes;
       const int64_t first = block * kLanes, count = lanes_used(batch, block);
       std::copy_n(lanes, count, plan.energies.data() + first);
       scatter_gradients(lanes + kLanes, points, count, plan.blocks.data() + first * points,
@@ -231,35 +230,68 @@ void Assembler::add_pending(const StaticPlan& plan, int64_t block, const double*
 void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
                                 std::span<const Vec3> x, const AssemblyOptions& options,
                                 std::span<double> gradient, BlockMatrix& hessian, double* out_energies) {
-  const int points = batch.point_count(), n = 3 * points;
+  const int points = batch.point_count();
   const int outputs = batch.potential().kernel().output_count(Order::Hessian);
-  buffer_.resize(static_cast<size_t>(batch.block_count()) * outputs * kLanes);
+  double* const lanes = buffer_.reserve(batch.block_count() * outputs * kLanes);
   pool_.for_each_range(batch.block_count(), kGroupBlocks, [&](int64_t first, int64_t last) {
-    double* out = buffer_.data() + first * outputs * kLanes;
+    double* out = lanes + first * outputs * kLanes;
     batch.evaluate(Order::Hessian, x, first, last, out);
     if (options.project) projected_count_ += project_blocks(batch.potential(), last - first, out);
   });
-  jacobians_.resize(points);
-  blocks_.resize(points);
-  std::vector<Vec3> extra(options.pending.empty() ? 0 : points);
-  for (int64_t e = 0; e < batch.size(); ++e) {
-    const ElementView element(buffer_.data() + (e / kLanes) * outputs * kLanes, n,
-                              static_cast<int>(e % kLanes));
-    const auto sites = batch.stencil(e);
-    if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra);
-    if (out_energies) out_energies[e] = element.energy();
-    bool only_points = true;
-    for (int p = 0; p < points; ++p) {
-      const bool is_prescribed = map_.is_prescribed(sites[p]);
-      blocks_[p] = is_prescribed || !map_.is_point(sites[p]) ? kNoBlock : map_.point_block(sites[p]);
-      only_points = only_points && (is_prescribed || map_.is_point(sites[p]));
-    }
-    if (only_points) {
-      add_point_element(element, blocks_, extra, gradient, hessian);
+  for (int64_t block = 0; block < batch.block_count(); ++block) {
+    const double* out = lanes + block * outputs * kLanes;
+    for (int64_t l = 0; out_energies && l < lanes_used(batch, block); ++l)
+      out_energies[block * kLanes + l] = ElementView(out, 3 * points, static_cast<int>(l)).energy();
+    add_mapped_block(batch, block, out, configuration, options, gradient, hessian);
+  }
+}
+
+bool Assembler::find_point_blocks(std::span<const int32_t> sites) {
+  bool only_points = true;
+  blocks_.resize(sites.size());
+  for (size_t p = 0; p < sites.size(); ++p) {
+    const bool is_prescribed = map_.is_prescribed(sites[p]);
+    blocks_[p] = is_prescribed || !map_.is_point(sites[p]) ? kNoBlock : map_.point_block(sites[p]);
+    only_points = only_points && (is_prescribed || map_.is_point(sites[p]));
+  }
+  return only_points;
+}
+
+void Assembler::add_mapped_block(const PotentialBatch& batch, int64_t block, const double* out,
+                                 const Configuration& configuration, const AssemblyOptions& options,
+                                 std::span<double> gradient, BlockMatrix& hessian) {
+  const int points = batch.point_count(), n = 3 * points;
+  std::array<int, kLanes> mapped{};  // lanes of elements with other sites than points
+  int mapped_count = 0;
+  jacobians_.resize(static_cast<size_t>(kLanes) * points);
+  const auto jacobians_of = [&](int lane) {
+    return std::span(jacobians_).subspan(static_cast<size_t>(lane) * points, points);
+  };
+  extra_.resize(options.pending.empty() ? 0 : points);
+  for (int lane = 0; lane < lanes_used(batch, block); ++lane) {
+    const ElementView element(out, n, lane);
+    const auto sites = batch.stencil(block * kLanes + lane);
+    if (!options.pending.empty()) pending_gradient(element, sites, map_, options.pending, extra_);
+    if (find_point_blocks(sites)) {
+      std::ranges::fill(jacobians_of(lane), SiteJacobian{});
+      add_point_element(element, blocks_, extra_, gradient, hessian);
       continue;
     }
-    for (int p = 0; p < points; ++p) jacobians_[p] = map_.jacobian(sites[p], configuration);
-    add_mapped_element(element, sites, jacobians_, extra, gradient, hessian, body_moment_, site_pairs_);
+    mapped[mapped_count++] = lane;
+    for (int p = 0; p < points; ++p) jacobians_of(lane)[p] = map_.jacobian(sites[p], configuration);
+    add_mapped_gradients(element, jacobians_of(lane), extra_, gradient, body_moment_);
+  }
+  if (mapped_count == 0) return;
+  const int last = mapped[mapped_count - 1] + 1;
+  const bool fits = congruence_.begin(jacobians_, points, last);
+  if (fits) congruence_.multiply(out + (1 + n) * kLanes);
+  for (int k = 0; k < mapped_count; ++k) {
+    const int lane = mapped[k];
+    if (fits)
+      congruence_.scatter(lane, hessian, options.pairs);
+    else
+      add_mapped_hessian(ElementView(out, n, lane), batch.stencil(block * kLanes + lane), jacobians_of(lane),
+                         hessian, site_pairs_);
   }
 }
 
@@ -281,9 +313,9 @@ EnergyDifference Assembler::static_energy_difference(std::span<const Vec3> x) {
     const int64_t blocks = plan.batch->block_count();
     partial.assign((blocks + kChunkBlocks - 1) / kChunkBlocks, {});
     pool_.for_each_range(blocks, kChunkBlocks, [&](int64_t first, int64_t last) {
-      thread_local AlignedVector<double> energies;
-      energies.resize((last - first) * kLanes);
-      plan.batch->evaluate(Order::Energy, x, first, last, energies.data());
+      thread_local ScratchBuffer<double> buffer;
+      double* const energies = buffer.reserve((last - first) * kLanes);
+      plan.batch->evaluate(Order::Energy, x, first, last, energies);
       EnergyDifference& sum = partial[first / kChunkBlocks];
       const int64_t begin = first * kLanes, end = std::min(last * kLanes, plan.batch->size());
       for (int64_t e = begin; e < end; ++e) {

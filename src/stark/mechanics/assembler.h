@@ -18,6 +18,7 @@
 #include <stark/mechanics/embedded_assembly.h>
 #include <stark/mechanics/energy_difference.h>
 #include <stark/mechanics/kinematic_map.h>
+#include <stark/mechanics/lane_congruence.h>
 #include <stark/mechanics/potential_batch.h>
 #include <stark/mechanics/quadrature_plan.h>
 
@@ -80,6 +81,12 @@ class Assembler {
   void assemble_mapped(const PotentialBatch& batch, const Configuration& configuration,
                        std::span<const Vec3> x, const AssemblyOptions& options, std::span<double> gradient,
                        BlockMatrix& hessian, double* out_energies);
+  /// Blocks of sites that are points, kNoBlock for prescribed sites; false if there are others.
+  bool find_point_blocks(std::span<const int32_t> sites);
+  /// Adds the elements of a block of lanes: `out` are the outputs of the kernel.
+  void add_mapped_block(const PotentialBatch& batch, int64_t block, const double* out,
+                        const Configuration& configuration, const AssemblyOptions& options,
+                        std::span<double> gradient, BlockMatrix& hessian);
   void add_site_gradients(const PotentialBatch& batch, std::span<const Vec3> x, double* out_energies);
   void add_rigid_curvature(const AssemblyOptions& options, BlockMatrix& hessian) const;
 
@@ -91,9 +98,11 @@ class Assembler {
   BlockPattern static_pattern_, pattern_;
   std::vector<std::pair<int32_t, int32_t>> dynamic_pairs_;  ///< that pattern_ was merged with
   std::vector<int64_t> slot_of_static_;  ///< slot in pattern_ of each slot of static_pattern_
-  AlignedVector<double> buffer_;
-  std::vector<SiteJacobian> jacobians_;  ///< of one element
-  std::vector<int32_t> blocks_;
+  ScratchBuffer<double> buffer_;
+  LaneCongruence congruence_;
+  std::vector<SiteJacobian> jacobians_;    ///< of a block of lanes, [lane][point]
+  std::vector<int32_t> blocks_;            ///< of one element
+  std::vector<Vec3> extra_;                ///< of one element: gradient of pending motion
   AlignedVector<double> padded_gradient_;  ///< [block][4] of plain static batches
   std::vector<Vec3> site_gradient_;        ///< [N] by site
   SitePairs site_pairs_;                   ///< of embedded sites, to be scattered at the end

@@ -1,15 +1,15 @@
 #include <stark/mechanics/congruence.h>
 
-#include <stark/base/error.h>
-
 namespace stark {
 
 namespace {
 
-Mat3 transposed_product(const JacobianTerm& a, const Mat3& H, const JacobianTerm& b) {
+/// J^T H J of a term of each of two sites.
+Mat3 transposed_product(const SiteJacobian& p, const JacobianTerm& a, const Mat3& H, const SiteJacobian& q,
+                        const JacobianTerm& b) {
   Mat3 block = H;
-  if (!a.is_identity) block = transpose(a.J) * block;
-  if (!b.is_identity) block = block * b.J;
+  if (a.is_rotation) block = skew(p.lever) * block;
+  if (b.is_rotation) block = block * skew(-q.lever);
   const double weight = a.weight * b.weight;
   return weight == 1.0 ? block : block * weight;
 }
@@ -49,7 +49,7 @@ void add_point_element(const ElementView& element, std::span<const int32_t> bloc
 void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<double> gradient) {
   for (int k = 0; k < jacobian.term_count; ++k) {
     const JacobianTerm& term = jacobian.terms[k];
-    const Vec3 f = (term.is_identity ? g : transpose(term.J) * g) * term.weight;
+    const Vec3 f = jacobian.pull_back(term, g);
     for (int c = 0; c < 3; ++c) gradient[3 * term.block + c] += f[c];
   }
   for (size_t k = 0; k < jacobian.support_blocks.size(); ++k) {
@@ -59,18 +59,25 @@ void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<
   }
 }
 
-void add_mapped_element(const ElementView& element, std::span<const int32_t> sites,
-                        std::span<const SiteJacobian> jacobians, std::span<const Vec3> extra_gradient,
-                        std::span<double> gradient, BlockMatrix& hessian, std::span<Mat3> body_moment,
-                        SitePairs& pairs) {
+void add_mapped_gradients(const ElementView& element, std::span<const SiteJacobian> jacobians,
+                          std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                          std::span<Mat3> body_moment) {
+  for (size_t p = 0; p < jacobians.size(); ++p) {
+    const SiteJacobian& site = jacobians[p];
+    if (site.is_zero()) continue;
+    Vec3 g = element.point_gradient(static_cast<int>(p));
+    if (site.body >= 0) body_moment[site.body] += outer(g, site.lever);
+    if (!extra_gradient.empty()) g += extra_gradient[p];
+    add_mapped_gradient(site, g, gradient);
+  }
+}
+
+void add_mapped_hessian(const ElementView& element, std::span<const int32_t> sites,
+                        std::span<const SiteJacobian> jacobians, BlockMatrix& hessian, SitePairs& pairs) {
   const int points = static_cast<int>(jacobians.size());
   for (int p = 0; p < points; ++p) {
     const SiteJacobian& site = jacobians[p];
     if (site.is_zero()) continue;
-    Vec3 g = element.point_gradient(p);
-    if (site.body >= 0) body_moment[site.body] += outer(g, site.lever);
-    if (!extra_gradient.empty()) g += extra_gradient[p];
-    add_mapped_gradient(site, g, gradient);
     for (int q = 0; q < points; ++q) {
       const SiteJacobian& other = jacobians[q];
       if (other.is_zero()) continue;
@@ -83,9 +90,8 @@ void add_mapped_element(const ElementView& element, std::span<const int32_t> sit
         for (int l = 0; l < other.term_count; ++l) {
           const JacobianTerm &a = site.terms[k], &b = other.terms[l];
           if (a.block > b.block) continue;  // the transposed pair adds it
-          const int64_t slot = hessian.pattern.slot(a.block, b.block);
-          const Mat3 block = transposed_product(a, H, b);
-          double* values = hessian.values.data() + 9 * slot;
+          const Mat3 block = transposed_product(site, a, H, other, b);
+          double* values = hessian.values.data() + 9 * hessian.pattern.slot(a.block, b.block);
           for (int c = 0; c < 9; ++c) values[c] += block.m[c];
         }
     }

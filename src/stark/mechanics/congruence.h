@@ -17,7 +17,7 @@ void pending_gradient(const ElementView& element, std::span<const int32_t> sites
                       std::span<const Vec3> pending, std::span<Vec3> out);
 
 /// Adds an element whose sites are points or prescribed: the map is the identity on `blocks`, kNoBlock for
-/// prescribed sites. Same result as add_mapped_element, without Jacobians.
+/// prescribed sites. Same result as the functions below, without Jacobians.
 void add_point_element(const ElementView& element, std::span<const int32_t> blocks,
                        std::span<const Vec3> extra_gradient, std::span<double> gradient,
                        BlockMatrix& hessian);
@@ -25,11 +25,15 @@ void add_point_element(const ElementView& element, std::span<const int32_t> bloc
 /// Adds J^T g of a site.
 void add_mapped_gradient(const SiteJacobian& jacobian, const Vec3& g, std::span<double> gradient);
 
-/// Adds the mapped element. extra_gradient is added to the point gradients for the gradient only (empty:
-/// none). Hessian blocks of embedded sites go to `pairs`, which has to be scattered after the last element.
-void add_mapped_element(const ElementView& element, std::span<const int32_t> sites,
-                        std::span<const SiteJacobian> jacobians, std::span<const Vec3> extra_gradient,
-                        std::span<double> gradient, BlockMatrix& hessian, std::span<Mat3> body_moment,
-                        SitePairs& pairs);
+/// Adds J^T g of an element and its part of the moment sums. extra_gradient is added to the point gradients
+/// for the gradient only (empty: none).
+void add_mapped_gradients(const ElementView& element, std::span<const SiteJacobian> jacobians,
+                          std::span<const Vec3> extra_gradient, std::span<double> gradient,
+                          std::span<Mat3> body_moment);
+
+/// Adds J^T H J of an element. Blocks of embedded sites go to `pairs`, which has to be scattered after the
+/// last element. Where all sites are of bodies or points, LaneCongruence is faster.
+void add_mapped_hessian(const ElementView& element, std::span<const int32_t> sites,
+                        std::span<const SiteJacobian> jacobians, BlockMatrix& hessian, SitePairs& pairs);
 
 }  // namespace stark

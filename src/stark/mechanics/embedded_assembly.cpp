@@ -7,11 +7,11 @@ namespace stark {
 
 namespace {
 
-/// How one block moves a site: by weight * (J or the identity).
+/// How one block moves a site: by weight * I, or by -[r]x of its lever.
 struct Term {
   int32_t block;
   double weight;
-  const Mat3* J;  ///< nullptr: identity
+  const Vec3* lever;  ///< nullptr: moved along
 };
 
 void append_terms(const SiteJacobian& jacobian, std::vector<Term>& out) {
@@ -21,7 +21,7 @@ void append_terms(const SiteJacobian& jacobian, std::vector<Term>& out) {
       out.push_back({jacobian.support_blocks[k], jacobian.support_weights[k], nullptr});
   for (int k = 0; k < jacobian.term_count; ++k) {
     const JacobianTerm& term = jacobian.terms[k];
-    out.push_back({term.block, term.weight, term.is_identity ? nullptr : &term.J});
+    out.push_back({term.block, term.weight, term.is_rotation ? &jacobian.lever : nullptr});
   }
 }
 
@@ -58,8 +58,8 @@ void SitePairs::scatter(const KinematicMap& map, const Configuration& configurat
       for (const Term& b : of_q) {
         if (pair.p == pair.q && a.block > b.block) continue;  // the transposed pair adds it
         Mat3 H = pair.H;
-        if (a.J) H = transpose(*a.J) * H;
-        if (b.J) H = H * *b.J;
+        if (a.lever) H = skew(*a.lever) * H;
+        if (b.lever) H = H * skew(-*b.lever);
         add_block(hessian, a, H, b);
         // A diagonal block has both orders of two different sites.
         if (pair.p != pair.q && a.block == b.block) add_block(hessian, a, transpose(H), b);

@@ -64,6 +64,7 @@ IncrementalPotential::IncrementalPotential(const KinematicMap& map, Assembler& a
 void IncrementalPotential::begin(const Configuration& start, const Configuration& target) {
   start_ = start;
   iterate_ = start;
+  trial_alpha_.reset();
   settled_.reset();
   target_ = target;
   map_.positions(start, x_);
@@ -166,6 +167,10 @@ double IncrementalPotential::motion(std::span<const double> direction) const {
 }
 
 void IncrementalPotential::set_trial(std::span<const double> direction, double alpha) {
+  // The point whose way was bounded is the first that is tried.
+  if (trial_alpha_ == alpha && std::ranges::equal(direction, trial_direction_)) return;
+  trial_alpha_ = alpha;
+  trial_direction_.assign(direction.begin(), direction.end());
   map_.retract(iterate_, direction, alpha, trial_);
   trial_progress_ = alpha >= 1.0 ? 1.0 : progress_ + alpha * (1.0 - progress_);
   for (const int32_t p : prescribed_points_)
@@ -241,6 +246,7 @@ TrialEnergy IncrementalPotential::try_step(std::span<const double> direction, do
 void IncrementalPotential::accept_trial() {
   std::swap(iterate_, trial_);
   std::swap(x_, x_trial_);
+  trial_alpha_.reset();
   progress_ = trial_progress_;
   if (progress_ >= 1.0) {
     // Prescribed parts have arrived: from here on the configuration holds their exact target.
@@ -272,6 +278,7 @@ void IncrementalPotential::refresh_early() {
 bool IncrementalPotential::restore_settled() {
   if (!settled_) return false;
   iterate_ = *settled_;
+  trial_alpha_.reset();
   settled_.reset();
   map_.positions(iterate_, x_);
   place_prescribed(1.0, x_);

@@ -82,7 +82,9 @@ class IncrementalPotential final : public Objective {
   Configuration start_, iterate_, trial_, target_;
   std::optional<Configuration> settled_;  ///< converged but for lagged quantities of the active set
   std::vector<Vec3> x_, x_trial_;         ///< by site [m]
-  std::vector<Vec3> x_start_;             ///< of the minimisation, where motion is limited
+  std::optional<double> trial_alpha_;     ///< that trial_ and x_trial_ are at, while they are
+  std::vector<double> trial_direction_;
+  std::vector<Vec3> x_start_;  ///< of the minimisation, where motion is limited
   double motion_limit_ = std::numeric_limits<double>::infinity();
   std::vector<Vec3> prescribed_start_, prescribed_target_, pending_;
   std::vector<int32_t> prescribed_sites_, prescribed_points_, embedded_sites_;

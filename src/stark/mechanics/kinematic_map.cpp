@@ -94,16 +94,14 @@ SiteJacobian KinematicMap::jacobian(int32_t i, const Configuration& configuratio
   SiteJacobian jacobian;
   const auto add = [&](int32_t block, double weight) {
     if (block != kNoBlock && weight != 0.0)
-      jacobian.terms[jacobian.term_count++] = {
-          .block = block, .is_identity = true, .weight = weight, .J = {}};
+      jacobian.terms[jacobian.term_count++] = {.block = block, .weight = weight};
   };
   const auto add_rotation = [&] {
     const int32_t block = layout_.rotation_block[site.index];
     if (block == kNoBlock || is_centre(site)) return;
     jacobian.body = site.index;
     jacobian.lever = configuration.body_rotation[site.index] * site.local;
-    jacobian.terms[jacobian.term_count++] = {
-        .block = block, .is_identity = false, .weight = 1.0, .J = skew(-jacobian.lever)};
+    jacobian.terms[jacobian.term_count++] = {.block = block, .is_rotation = true};
   };
   switch (site.kind) {
     case SiteKind::Point:

@@ -26,9 +26,8 @@ struct Configuration {
 /// One term of a site's Jacobian: the site moves by J * (unknown of `block`).
 struct JacobianTerm {
   int32_t block = kNoBlock;
-  bool is_identity = true;  ///< J = weight * I
+  bool is_rotation = false;  ///< J = -[r]x of the lever of the site; otherwise J = weight * I
   double weight = 1.0;
-  Mat3 J{};  ///< used when not is_identity
 };
 
 /// Points and weights that a site follows.
@@ -55,6 +54,15 @@ struct SiteJacobian {
 
   bool is_embedded() const { return !support_blocks.empty(); }
   bool is_zero() const { return term_count == 0 && !is_embedded(); }
+
+  /// J of a term.
+  Mat3 matrix(const JacobianTerm& term) const {
+    return term.is_rotation ? skew(-lever) : Mat3::identity() * term.weight;
+  }
+  /// J^T f of a term.
+  Vec3 pull_back(const JacobianTerm& term, const Vec3& f) const {
+    return term.is_rotation ? cross(lever, f) : f * term.weight;
+  }
 };
 
 class KinematicMap {

@@ -138,13 +138,13 @@ void PotentialBatch::gather(std::span<const Vec3> x, int64_t first, int64_t last
 
 void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, int64_t first, int64_t last,
                               double* out) const {
-  thread_local AlignedVector<double> unknowns;
-  unknowns.resize(static_cast<size_t>(kGroupBlocks) * 3 * point_count() * kLanes);
+  thread_local ScratchBuffer<double> buffer;
+  double* const unknowns = buffer.reserve(kGroupBlocks * 3 * point_count() * kLanes);
   const int outputs = potential_->kernel().output_count(order);
   for (int64_t group = first; group < last; group += kGroupBlocks) {
     const int64_t group_end = std::min(group + kGroupBlocks, last);
-    gather(x, group, group_end, unknowns.data());
-    evaluate_lanes(order, unknowns.data(), group, group_end, out + (group - first) * outputs * kLanes);
+    gather(x, group, group_end, unknowns);
+    evaluate_lanes(order, unknowns, group, group_end, out + (group - first) * outputs * kLanes);
   }
 }
 
@@ -157,14 +157,14 @@ PotentialBatch::ActiveBlocks PotentialBatch::evaluate_active(symbolic::Order ord
     for (int64_t block = first; block < last; ++block) active.blocks[active.count++] = block;
     return active;
   }
-  thread_local AlignedVector<double> unknowns, energies;
+  thread_local ScratchBuffer<double> of_unknowns, of_energies;
   const int64_t width = static_cast<int64_t>(3) * point_count() * kLanes;
-  unknowns.resize(static_cast<size_t>(kGroupBlocks * width));
-  energies.resize(static_cast<size_t>(kGroupBlocks) * kLanes);
-  gather(x, first, last, unknowns.data());
-  evaluate_lanes(symbolic::Order::Energy, unknowns.data(), first, last, energies.data());
+  double* const unknowns = of_unknowns.reserve(kGroupBlocks * width);
+  double* const energies = of_energies.reserve(kGroupBlocks * kLanes);
+  gather(x, first, last, unknowns);
+  evaluate_lanes(symbolic::Order::Energy, unknowns, first, last, energies);
   const auto acts = [&](int64_t block) {  // energies that are not numbers count
-    const double* lanes = energies.data() + (block - first) * kLanes;
+    const double* lanes = energies + (block - first) * kLanes;
     return !std::all_of(lanes, lanes + kLanes, [](double energy) { return energy == 0.0; });
   };
   const int outputs = potential_->kernel().output_count(order);
@@ -172,7 +172,7 @@ PotentialBatch::ActiveBlocks PotentialBatch::evaluate_active(symbolic::Order ord
     int64_t end = run;
     for (; end < last && acts(end); ++end) active.blocks[active.count++] = end;
     if (end > run)
-      evaluate_lanes(order, unknowns.data() + (run - first) * width, run, end,
+      evaluate_lanes(order, unknowns + (run - first) * width, run, end,
                      out + (active.count - (end - run)) * outputs * kLanes);
     run = end + 1;
   }

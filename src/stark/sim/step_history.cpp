@@ -155,8 +155,7 @@ std::vector<Vec3> StepMotion::impulses_of(std::span<const PotentialBatch* const>
     for (int t = 0; t < jacobian.term_count; ++t) {
       const JacobianTerm& term = jacobian.terms[t];
       if (term.block == kNoBlock) continue;
-      const Vec3 force = term.is_identity ? gradient[i] * term.weight : transpose(term.J) * gradient[i];
-      impulses[term.block] += force * factor;
+      impulses[term.block] += jacobian.pull_back(term, gradient[i]) * factor;
     }
     for (size_t k = 0; k < jacobian.support_blocks.size(); ++k)
       if (const int32_t block = jacobian.support_blocks[k]; block != kNoBlock)
