@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -24,6 +25,22 @@ def test_dir_has_every_name() -> None:
     assert {"energy", "joint", "scenes", "recording", "Vec3", "sqrt", "Checkpoint"} <= set(names)
     for name in names:
         assert getattr(stark, name) is not None or name.startswith("__")
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda scene, joint: scene.add_box(), r"Scene\.add_box\(\) missing .* 'size'"),
+        (lambda scene, joint: scene.add_cloth(), r"Scene\.add_cloth\(\) missing .* 'mesh'"),
+        (lambda scene, joint: joint.add_motor(cap=1.0), r"Joint\.add_motor\(\) missing .* 'delta'"),
+        (lambda scene, joint: stark.Simulation(scene).run(untl=1.0), r"Simulation\.run\(\) got .* 'untl'"),
+    ],
+)
+def test_errors_on_arguments_name_what_users_called(call: Any, named: str) -> None:
+    scene = stark.Scene()
+    joint = scene.add_hinge(None, scene.add_box(0.1, mass=1.0), anchor=(0, 0, 0), axis="z")
+    with pytest.raises(TypeError, match=f"^{named}"):
+        call(scene, joint)
 
 
 @pytest.mark.parametrize(
