@@ -234,3 +234,32 @@ def test_what_is_wrong_with_a_file_is_named(part: str, message: str, tmp_path: P
     with pytest.raises(stark.InvalidArgument, match=r"soft\.usda': deformable 'a'") as error:
         added(tmp_path, part)
     assert message in str(error.value)
+
+
+def test_a_floating_base_takes_its_rods_along(tmp_path: Path) -> None:
+    """A rod that has bent is placed with its frames: in the eyes of the base all is as before, stresses too."""
+    file = written(
+        tmp_path, body("hub", shape("Cube", "double size = 0.05"), mass=0.5),
+        material("cord", "float physics:youngsModulus = 1e6\nfloat physics:density = 1000"),
+        hair("hair", f"{bound('cord')}\n{thick(4e-3)}", place=(0.03, 0, 0)), held("hair", "hub", [0, 1]),
+    )  # fmt: skip
+    scene = stark.Scene()
+    robot = scene.add_robot(file, base="floating")
+    rod = robot.flexes["hair"]
+    sim = stark.Simulation(scene, time_step=0.005, gravity=(0, 0, 0))
+    rod.velocities = np.outer(np.linspace(0.0, 1.0, 7) ** 2, (0.0, 0.0, 2.0))
+    sim.run_until(0.05)
+    assert np.ptp(rod.positions[:, 2]) > 0.02
+
+    def seen() -> list[np.ndarray]:
+        origin, axes = robot.pose
+        local = (rod.positions - origin) @ axes, rod.velocities @ axes, axes.T @ rod.frames
+        return [*local, axes.T @ robot.velocity, axes.T @ robot.angular_velocity]
+
+    before = seen()
+    turn = stark.rotation(axis=(1.0, 2.0, -1.0), angle=2.0)
+    robot.pose = (0.3, -0.2, 2.0), turn
+    for now, then in zip(seen(), before, strict=True):
+        np.testing.assert_allclose(now, then, atol=1e-12)
+    np.testing.assert_allclose(robot.pose[1], turn, atol=1e-12)
+    assert sim.step().energy["placed"] == pytest.approx(0.0, abs=1e-12)  # [J], of 1e-4 stored
