@@ -194,7 +194,7 @@ def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
     robot = added(
         tmp_path, material("slack", slack), hair("rope", bound("slack")),
         hair("curl", f"{thick(1e-3)}\nfloat[] widths = [1, 2]", kind="cubic", place=(0, 0.1, 0)),
-        hair("ring", 'uniform token wrap = "periodic"'),
+        hair("ring", 'uniform token wrap = "periodic"\nbool physics:bodyEnabled = false', place=(0, 0.3, 0)),
         f'def Xform "ghost" (prepend apiSchemas = [{own}]) {{\n{inner}}}\n',
     )  # fmt: skip
     assert list(robot.flexes) == ["rope", "curl", "ghost"]
@@ -204,7 +204,7 @@ def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
     text = str(robot.report)
     for line in (
         "deformable 'curl': linear curves through its points; the file has cubic ones",
-        "deformable 'ring': wrap is periodic",
+        "deformable 'ring': bodyEnabled is false",
         "deformable 'rope': diameter 0.001 m",
         "deformable 'rope': youngsModulus 1e+06",
         "deformable 'rope': density 1000 kg/m^3",
@@ -219,6 +219,7 @@ def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
     [
         (hair("a", counts="[6]"), "curveVertexCounts: 6 points: must be 7"),
         (hair("a", counts="[6, 1]"), "curveVertexCounts: must be at least 2 points"),
+        (hair("a", 'uniform token wrap = "periodic"'), "wrap is periodic: must be nonperiodic, as"),
         (hair("a", counts="[]"), "curveVertexCounts: must be at least 2 points"),
         (hair("a", "float[] widths = [-1]"), "widths: -1 m: must be positive"),
         (hair("a", thick(0)), "thicknesses: 0 m: must be positive"),
@@ -237,7 +238,7 @@ def test_what_is_wrong_with_a_file_is_named(part: str, message: str, tmp_path: P
 
 
 def test_a_floating_base_takes_its_rods_along(tmp_path: Path) -> None:
-    """A rod that has bent is placed with its frames: in the eyes of the base all is as before, stresses too."""
+    """A rod that has bent is placed with its frames: the base sees all as before, stresses too."""
     file = written(
         tmp_path, body("hub", shape("Cube", "double size = 0.05"), mass=0.5),
         material("cord", "float physics:youngsModulus = 1e6\nfloat physics:density = 1000"),
