@@ -263,7 +263,7 @@ TEST_CASE("bodies of all kinds are placed as one; what is pinned or clamped rest
       scene.add_cloth({.name = "cloth", .mesh = make_grid(0.2, 0.2, 2, 2), .position = {0, 1, 0}});
   scene.pin(cloth, std::vector<int32_t>{0});
   const BodyId wall = scene.add_rigid(
-      {.name = "wall", .mesh = make_box({0.1, 0.1, 0.1}), .position = {0, 0, 5}, .motion = Motion::Fixed});
+      {.name = "wall", .mesh = make_box({0.1, 0.1, 0.1}), .motion = Motion::Fixed, .position = {0, 0, 5}});
   Settings settings = with(Integrator::ImplicitEuler, 0.01);
   settings.gravity = {};
   Simulation sim(scene, settings);
