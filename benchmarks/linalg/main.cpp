@@ -15,6 +15,7 @@
 #include <stark/base/psd.h>
 #include <stark/linalg/automatic_solver.h>
 #include <stark/linalg/cholesky.h>
+#include <stark/linalg/jacobi_matrix.h>
 #include <stark/linalg/pcg.h>
 
 #include "linalg/systems.h"
@@ -98,11 +99,12 @@ void run_system(const char* name, int32_t blocks, const test::Pairs& pairs, Thre
   run_factor<float>("float ", matrix, b, pool);
   for (PcgStorage storage : {PcgStorage::Double, PcgStorage::Float}) {
     Pcg pcg;
+    JacobiMatrix jacobi;
     std::vector<double> x(b.size());
-    pcg.prepare(matrix, pool, storage);
-    const double prepare = best_ms(3, [&] { pcg.prepare(matrix, pool, storage); });
+    jacobi.prepare(matrix, storage, pool);
+    const double prepare = best_ms(3, [&] { jacobi.prepare(matrix, storage, pool); });
     PcgReport report;
-    const double time = best_ms(3, [&] { report = pcg.solve(b, x, 1e-30, 50, pool); });
+    const double time = best_ms(3, [&] { report = pcg.solve(jacobi, b, x, 1e-30, 50, pool); });
     std::printf("  pcg %s storage: prepare %.2f, iteration %.3f\n",
                 storage == PcgStorage::Double ? "double" : "float", prepare, time / report.iterations);
   }

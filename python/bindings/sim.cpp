@@ -252,6 +252,9 @@ void bind_placing(nb::class_<Simulation>& c) {
            "position"_a, "rotation"_a)
       .def("push", with_arrays<&Simulation::push, "velocity", "angular_velocity">, "body"_a, "velocity"_a,
            "angular_velocity"_a)
+      .def("place_together",
+           with_arrays<&Simulation::place_together, "bodies: numbers", "rotation: a 3x3 matrix", "shift">,
+           "bodies"_a, "rotation"_a, "shift"_a)
       .def("place_vertices",
            with_arrays<&Simulation::place_vertices, "positions: an (n, 3) array of positions">, "body"_a,
            "positions"_a)

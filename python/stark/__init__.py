@@ -31,10 +31,12 @@ from stark._core import (  # noqa: E402
     TraceError,
     __version__,
 )
+from stark.attributes import name_methods as _name_methods  # noqa: E402
 from stark.bodies import Body, Cloth, Fibres, Layer, RigidBody, Rod, Skin, Solid  # noqa: E402
 from stark.bodies.friction import Anisotropic  # noqa: E402
 from stark.bodies.sensors import ClosestPoints, Contacts, FreePath, Imu  # noqa: E402
 from stark.errors import StarkWarning  # noqa: E402
+from stark.joints.handle import Joint as _Joint  # noqa: E402
 from stark.materials import RodMaterial, ShellMaterial, SolidMaterial  # noqa: E402
 from stark.mesh import SolidMesh, TetMesh, TriangleMesh  # noqa: E402
 from stark.on_demand import attach  # noqa: E402
@@ -57,6 +59,10 @@ for _exception in (
     StarkWarning,
 ):
     _exception.__module__ = "stark"
+
+# Errors of Python on arguments name the class that users know.
+for _class in (Scene, Simulation, _Joint):
+    _name_methods(_class)
 
 # What a scene does not need is imported when it is first used. __init__.pyi has all names with their types.
 _MODULES = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -91,6 +92,14 @@ def given_choice(value: Any, known: tuple[str, ...], what: str) -> str:
     if not isinstance(value, str) or value not in known:
         raise InvalidArgument(f"{what} = {value!r}: must be {' or '.join(map(repr, known))}")
     return value
+
+
+def nearest_hint(name: str, known: Iterable[str]) -> str:
+    """' (did you mean ...?)' for a name that is not known, or nothing: as the core says it."""
+    import difflib  # not at start-up
+
+    near = difflib.get_close_matches(name, list(known), n=1)
+    return f" (did you mean '{near[0]}'?)" if near else ""
 
 
 class NotCopyable(InvalidArgument, TypeError):  # noqa: N818 (says what it is)

@@ -4,6 +4,7 @@ nothing reads, and errors say what was probably meant."""
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 
@@ -58,3 +59,13 @@ class AnsweredAttributes(KnownAttributes):
             if name.startswith("_") or _declares(type(self), name):  # a property that raised: its own error
                 return object.__getattribute__(self, name)
             raise attribute_error(self._unknown_attribute(name), name)
+
+
+def name_methods(cls: type) -> None:
+    """Lets methods from the parts of a class, the bases that no other class has, bear its name: Python's
+    errors on arguments then say Scene.add_box(), as users call it."""
+    for part in cls.__mro__[1:-1]:
+        if len(part.__subclasses__()) == 1:
+            for name, member in vars(part).items():
+                if isinstance(member, FunctionType):
+                    member.__qualname__ = f"{cls.__qualname__}.{name}"

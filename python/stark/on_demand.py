@@ -22,7 +22,8 @@ def attach(
         if name in modules:
             return importlib.import_module(f"{package}.{name}")
         if name not in module_of:
-            near = _deeper(name, package, known()) or _nearest(name, package, known())
+            inside = {n for n in known() if n in modules or f"{package}.{n}" in sys.modules}
+            near = _deeper(name, package, inside) or _nearest(name, package, known())
             message = f"module '{package}' has no attribute {name!r}{near}"
             raise AttributeError(message, name=name, obj=None)  # without an object Python adds no hint
         value = getattr(importlib.import_module(module_of[name]), name)
@@ -32,20 +33,42 @@ def attach(
     return get, lambda: sorted(known())
 
 
-def _deeper(name: str, package: str, names: set[str]) -> str:
+def _deeper(name: str, package: str, modules: set[str]) -> str:
     """'; did you mean ...?' for a name that a module of the package has, or nothing."""
     if name.startswith("_"):
         return ""
-    loaded = vars(sys.modules[package])
-    modules = sorted(n for n in names if importlib.util.find_spec(f"{package}.{n}"))
-    for module in sorted(modules, key=lambda n: n not in loaded):
-        try:
-            has = vars(importlib.import_module(f"{package}.{module}"))
-        except ImportError:  # of an optional package
-            continue
-        if name in has.get("__all__", has) and not isinstance(has.get(name), ModuleType):
+    for module in sorted(modules, key=lambda n: (f"{package}.{n}" not in sys.modules, n)):
+        if _has(f"{package}.{module}", name):
             return f"; did you mean {package}.{module}.{name}?"
     return ""
+
+
+def _has(module: str, name: str) -> bool:
+    """Whether a module has a public name. One that is not loaded is read, not imported: a misspelt name
+    must not take the second that all modules take."""
+    if module in sys.modules:
+        has = vars(sys.modules[module])
+        return name in has.get("__all__", has) and not isinstance(has.get(name), ModuleType)
+    spec = importlib.util.find_spec(module)
+    source = getattr(spec.loader, "get_source", lambda _: None)(module) if spec else None
+    return source is not None and name in source and name in _names_in(source)
+
+
+def _names_in(source: str) -> set[str]:
+    """What ``__all__`` lists in the text of a module, or what its statements define."""
+    import ast  # not at start-up
+
+    defined: set[str] = set()
+    for statement in ast.parse(source).body:
+        if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+            defined.add(statement.name)
+        elif isinstance(statement, (ast.Assign, ast.AnnAssign)) and statement.value is not None:
+            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+            named = {target.id for target in targets if isinstance(target, ast.Name)}
+            if "__all__" in named:
+                return set(ast.literal_eval(statement.value))
+            defined |= named
+    return defined
 
 
 def _nearest(name: str, package: str, names: set[str]) -> str:

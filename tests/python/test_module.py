@@ -10,11 +10,13 @@ import sys
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import stark
 from stark import _MODULES, _PLACES
+from stark.on_demand import _names_in
 
 
 def test_dir_has_every_name() -> None:
@@ -24,6 +26,22 @@ def test_dir_has_every_name() -> None:
     assert {"energy", "joint", "scenes", "recording", "Vec3", "sqrt", "Checkpoint"} <= set(names)
     for name in names:
         assert getattr(stark, name) is not None or name.startswith("__")
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda scene, joint: scene.add_box(), r"Scene\.add_box\(\) missing .* 'size'"),
+        (lambda scene, joint: scene.add_cloth(), r"Scene\.add_cloth\(\) missing .* 'mesh'"),
+        (lambda scene, joint: joint.add_motor(cap=1.0), r"Joint\.add_motor\(\) missing .* 'delta'"),
+        (lambda scene, joint: stark.Simulation(scene).run(untl=1.0), r"Simulation\.run\(\) got .* 'untl'"),
+    ],
+)
+def test_errors_on_arguments_name_what_users_called(call: Any, named: str) -> None:
+    scene = stark.Scene()
+    joint = scene.add_hinge(None, scene.add_box(0.1, mass=1.0), anchor=(0, 0, 0), axis="z")
+    with pytest.raises(TypeError, match=f"^{named}"):
+        call(scene, joint)
 
 
 @pytest.mark.parametrize(
@@ -46,6 +64,34 @@ def test_an_unknown_name_is_answered_with_the_nearest(wrong: str, right: str) ->
 def test_a_name_of_a_module_is_answered_with_its_place(place: str) -> None:
     with pytest.raises(AttributeError, match=rf"did you mean stark\.{place}\?"):
         getattr(stark, place.split(".")[1])
+
+
+def test_an_unknown_name_imports_no_module_of_the_package() -> None:
+    """Nor do names that are found in a module that is not loaded, which all public modules let be found."""
+    script = """
+import sys, stark
+before = set(sys.modules)
+for wrong in ("Cloht", "qqqqqqqqq", "Recorder", "Camera"):
+    try:
+        getattr(stark, wrong)
+    except AttributeError as error:
+        print(error)
+print(sorted(m for m in set(sys.modules) - before if m.startswith(("stark", "numpy"))))
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    *answers, imported = run.stdout.splitlines()
+    assert imported == "[]"
+    assert [answer.partition("; did you mean ")[2] for answer in answers] == [
+        *("stark.Cloth?", "", "stark.recording.Recorder?", "stark.render.Camera?")
+    ]
+
+
+@pytest.mark.parametrize("module", _MODULES)
+def test_names_of_modules_are_read_as_they_are(module: str) -> None:
+    owner = importlib.import_module(f"stark.{module}")
+    names = _names_in(inspect.getsource(owner))
+    own = {n for n, v in vars(owner).items() if getattr(v, "__module__", "") == owner.__name__}
+    assert names == set(owner.__all__) if hasattr(owner, "__all__") else names >= own
 
 
 def test_python_adds_no_hint_of_its_own() -> None:

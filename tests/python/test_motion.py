@@ -228,14 +228,22 @@ def test_a_motion_that_starts_elsewhere_warns_before_the_first_step() -> None:
     turned.follow(rotation=lambda t: stark.rotation(axis="z", angle=t))
     sheet = scene.add_cloth(stark.mesh.grid(0.1, 0.1, 2), name="sheet", position=(3.0, 0.0, 0.0), pins=[0, 2])
     sheet.follow(motion.linear([0.0, 1.0], [[(0.0, 0.0, 0.0)], [(0.0, 0.0, 1.0)]]), vertices=[2])
+    rod = scene.add_rod(
+        stark.mesh.polyline((0.0, 8.0, 0.0), (0.3, 8.0, 0.0), segments=3),
+        stark.RodMaterial(radius=2e-3, youngs_modulus=1e7),
+        name="wire",
+        clamps=[0],
+    )
+    rod.follow(rotation=lambda t: stark.rotation(axis="x", angle=0.4 + t))  # meant as its turn in the world
     same = scene.add_box(0.1, name="same", motion="scripted", position=(0.0, 5.0, 0.0))
     same.follow(position=lambda t: (0.0, 5.0, t), rotation=lambda t: stark.rotation(axis="z", angle=t))
     sim = stark.Simulation(scene)
     with pytest.warns(stark.StarkWarning) as seen:
         sim.step()
     texts = sorted(str(warning.message) for warning in seen)
-    assert len(texts) == 3
+    assert len(texts) == 4
     assert texts[0].startswith("'far': at 0 s its motion is 1 m from it, and the first step takes it there")
     assert texts[1].startswith("'sheet': at 0 s its motion is 3.05 m from it")
     assert texts[2].startswith("'turned': at 0 s its motion is turned by 0.5 rad from it")
+    assert texts[3].startswith("'wire': at 0 s its motion has turned its pins by 0.4 rad")
     assert not sim.step().failed

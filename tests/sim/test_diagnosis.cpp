@@ -172,6 +172,25 @@ TEST_CASE("what crushes is measured and comes before numbers that look as if in 
   CHECK(diagnosis.remedy.find("extent of the mesh = 4e-05 m") != std::string::npos);
 }
 
+TEST_CASE("impacts at hundreds of metres a second are advised shorter steps; who released bodies is named") {
+  StepEvidence evidence = plain();
+  evidence.gaps = {{{"rigid body 'bullet'"}, {"rigid body 'plate'"}, 1e-6, 1e-3}};
+  evidence.fastest = {"rigid body 'bullet'"};
+  evidence.time_step = 1e-6;
+  evidence.motion = 5e-5;
+  const Diagnosis slow = judged(evidence);
+  CHECK(slow.cause == FailureCause::CrushingLoad);
+  CHECK(slow.remedy.find("min_step") == std::string::npos);
+  CHECK_FALSE(names(slow, "released"));
+  evidence.motion = 6e-4;
+  evidence.released_by = "joint 'holder'";
+  const Diagnosis fast = judged(evidence);
+  CHECK(fast.cause == FailureCause::CrushingLoad);
+  CHECK(fast.remedy.find("or lower time.min_step = 1e-06 s, in which rigid body 'bullet' moves by 6e-04 m at "
+                         "600 m/s") != std::string::npos);
+  CHECK(names(fast, "joint 'holder' was released, so they touch"));
+}
+
 TEST_CASE("what prescribed motion has blocked in longer attempts is blocked motion") {
   StepEvidence evidence = plain();
   evidence.gaps = {{sheet({0}), sheet({6}), 1e-5, 9e-5}};

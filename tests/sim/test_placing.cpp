@@ -252,3 +252,37 @@ TEST_CASE("coordinates of loops and of released joints are refused") {
   CHECK_THROWS_AS(sim.place_joint(first, both), InvalidArgument);
   CHECK_FALSE(sim.state() == before);
 }
+
+TEST_CASE("bodies of all kinds are placed as one; what is pinned or clamped rests where it comes to") {
+  Scene scene;
+  const RodMaterial wire{.density = 1000, .youngs_modulus = 1e6, .radius = 0.002};
+  const std::vector<Vec3> nodes{{0, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}};
+  const BodyId rod = scene.add_rod({.name = "rod", .mesh = {nodes}, .material = wire});
+  scene.clamp(rod, std::vector<int32_t>{0});
+  const BodyId cloth =
+      scene.add_cloth({.name = "cloth", .mesh = make_grid(0.2, 0.2, 2, 2), .position = {0, 1, 0}});
+  scene.pin(cloth, std::vector<int32_t>{0});
+  const BodyId wall = scene.add_rigid(
+      {.name = "wall", .mesh = make_box({0.1, 0.1, 0.1}), .motion = Motion::Fixed, .position = {0, 0, 5}});
+  Settings settings = with(Integrator::ImplicitEuler, 0.01);
+  settings.gravity = {};
+  Simulation sim(scene, settings);
+  const Mat3 turn = exp_rotation({0.3, -1.0, 0.7});
+  const Vec3 shift{0.5, 1.0, -2.0};
+  const auto moved = [&](std::vector<Vec3> x) {
+    for (Vec3& p : x) p = turn * p + shift;
+    return x;
+  };
+  const auto goal_rod = moved(sim.positions(rod)), goal_cloth = moved(sim.positions(cloth));
+  const std::vector<int32_t> both{rod.index, cloth.index};
+  sim.place_together(both, turn, shift);
+  advance(sim, 3);
+  for (size_t k = 0; k < goal_rod.size(); ++k) CHECK(norm(sim.positions(rod)[k] - goal_rod[k]) < 1e-9);
+  for (size_t k = 0; k < goal_cloth.size(); ++k) CHECK(norm(sim.positions(cloth)[k] - goal_cloth[k]) < 1e-9);
+  const State before = sim.state();
+  const std::vector<int32_t> held{rod.index, wall.index};
+  CHECK_THROWS_WITH_AS(sim.place_together(held, turn, shift), doctest::Contains("'wall' is fixed"),
+                       InvalidArgument);
+  CHECK_THROWS_AS(sim.place_together(both, Mat3{}, shift), InvalidArgument);
+  CHECK(sim.state() == before);
+}

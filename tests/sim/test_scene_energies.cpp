@@ -63,6 +63,33 @@ TEST_CASE("a rigid body on a spring follows implicit Euler's own solution") {
   CHECK(x == Approx(-0.5209).epsilon(1e-3));  // V02 of the validation catalogue
 }
 
+TEST_CASE("a model traces a formula once, whatever the integrator") {
+  for (const bool has_measure : {false, true}) {
+    int count = 0;
+    PotentialDefinition definition =
+        define_potential("counted", 1, "spring or damper", [&](PotentialBuilder& b) {
+          ++count;
+          const auto r = has_measure ? symbolic::norm(b.x(0)) - symbolic::norm(b.x_prev(0)) : b.x(0)[0];
+          return 0.5 * b.parameter("stiffness", "N/m", "stiffness") * r * r;
+        });
+    definition.translation_invariant = false;
+    Scene scene;
+    const BodyId box = scene.add_rigid(unit_box());
+    scene.add_energy({.potential = definition,
+                      .points = {body_points(box, {{0, 0, 0}})},
+                      .values = {{"stiffness", {{100.0}}}}});
+    std::vector<int> traces;
+    for (const Integrator integrator : {Integrator::ImplicitEuler, Integrator::Bdf2}) {
+      Settings settings = free_flight(0.01);
+      settings.time.integrator = integrator;
+      count = 0;
+      const Simulation simulation(scene, settings);
+      traces.push_back(count);
+    }
+    CHECK(traces[0] == traces[1]);
+  }
+}
+
 TEST_CASE("one element between every two kinds of points, and their forces balance") {
   Scene scene;
   const BodyId cloth = scene.add_cloth({.mesh = make_grid(0.2, 0.2, 2, 2), .material = materials::cotton()});

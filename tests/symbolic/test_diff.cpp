@@ -171,6 +171,47 @@ TEST_CASE("untaken branches leak no NaN into derivatives") {
   }
 }
 
+TEST_CASE("powers of zero have the derivatives that exist") {
+  // By the base: a, a (a - 1); by the exponent none, as x^a log x vanishes with x. Also one-sided
+  // differences.
+  struct At {
+    double a, value, dx, dxx;
+  };
+  for (const At at :
+       {At{0, 1, 0, 0}, {1, 0, 1, 0}, {1.5, 0, 0, INFINITY}, {2, 0, 0, 2}, {2.5, 0, 0, 0}, {3, 0, 0, 0}}) {
+    CAPTURE(at.a);
+    Graph graph;
+    const Scalar x = graph.input(InputKind::Unknown), a = graph.input(InputKind::Unknown);
+    const Scalar p = graph.input(InputKind::Element);
+    const std::vector<double> exponent{at.a}, zero{0.0, at.a};
+    for (const Algorithm algorithm : kAll) {
+      Derivatives d;
+      if (!hessian(graph, pow(x, a).id(), graph.stages(), algorithm, d)) continue;
+      CAPTURE(to_string(algorithm));
+      const auto out = concatenated(d, graph, {zero, exponent});
+      CHECK(out[0] == at.value);
+      CHECK(out[1] == at.dx);
+      CHECK(out[3] == at.dxx);
+      if (at.a > 0.0) CHECK(out[2] == 0.0);
+      if (at.a > 1.0) CHECK(out[4] == 0.0);
+      if (at.a > 0.0) CHECK(out[5] == 0.0);
+    }
+    Derivatives d;
+    REQUIRE(hessian(graph, pow(x, p).id(), graph.stages(), Algorithm::EdgePushing, d));
+    const auto values = [&](const Scalar& of, double base) {
+      const std::vector<double> unknowns{base, at.a};
+      return evaluate(of, {unknowns, exponent});
+    };
+    const Scalar slope(&graph, d.gradient[0]), curvature(&graph, d.hessian[0]);
+    CHECK(values(slope, 0.0) == at.dx);
+    CHECK(values(curvature, 0.0) == at.dxx);
+    const double h = 1e-6, first = (values(pow(x, p), h) - at.value) / h;
+    CHECK(std::fabs(first - at.dx) <= 1.001 * std::sqrt(h));  // x^(a - 1) there, at most h^0.5
+    const double second = (values(slope, h) - values(slope, 0.0)) / h;
+    if (std::isfinite(at.dxx)) CHECK(std::fabs(second - at.dxx) <= 4.0 * std::sqrt(h));
+  }
+}
+
 TEST_CASE("held values are constants to every algorithm") {
   Graph graph;
   const Scalar x = graph.input(InputKind::Unknown), y = graph.input(InputKind::Unknown);

@@ -48,6 +48,27 @@ TEST_CASE("outputs are energy, gradient and upper triangle, lane by lane") {
   }
 }
 
+TEST_CASE("powers of zero have the same bits on every back end") {
+  Graph graph;
+  const Scalar x = graph.input(InputKind::Unknown), a = graph.input(InputKind::Unknown);
+  const Scalar p = graph.input(InputKind::Element);
+  Samples s;
+  for (const double exponent : {0.0, 1.0, 1.5, 2.0, 2.5, 3.0})
+    for (const double base : {0.0, -0.0, 1e-300, 0.7}) {
+      s.unknowns.push_back({base, exponent});
+      s.elements.push_back({exponent});
+    }
+  const auto out = run(compile(pow(x, a) + pow(x, p), Backend::Interpreter), Order::Hessian, s);
+  const auto same = run(compile(pow(x, a) + pow(x, p), Backend::Automatic), Order::Hessian, s);
+  for (size_t k = 0; k < out.size(); ++k) {
+    CAPTURE(s.unknowns[k][1]);
+    for (size_t i = 0; i < out[k].size(); ++i) CHECK(same_bits(out[k][i], same[k][i]));
+    CHECK(std::isfinite(out[k][1]));
+    if (s.unknowns[k][0] == 0.0 && s.unknowns[k][1] >= 1.0)
+      CHECK(out[k][1] == (s.unknowns[k][1] == 1.0 ? 2.0 : 0.0));
+  }
+}
+
 TEST_CASE("constants and linear energies") {
   Graph graph;
   const Scalar x = graph.input(InputKind::Unknown), p = graph.input(InputKind::Uniform);

@@ -7,7 +7,7 @@ from typing import Any
 
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
-from stark.arguments import given_flag, given_name
+from stark.arguments import given_flag, given_name, nearest_hint
 from stark.courses import set_courses, starts
 from stark.handle import SceneLink
 from stark.joints.handle import Actuator, Joint, number_of
@@ -26,6 +26,7 @@ def add_actuator(
     formula = kind if isinstance(kind, ActuatorFormula) else built_in(_text(kind))
     owner = f"actuator '{name or formula.name}'"
     targets = [_target(scene, owner, entry) for entry in _entries(owner, on)]
+    _check_names(owner, formula, values)
     index = scene._core.add_actuator(
         {
             "name": given_name(name),
@@ -38,6 +39,19 @@ def add_actuator(
     actuator = Actuator(scene, index, formula, tuple(_located(*target) for target in targets))
     set_courses("actuator", actuator, values)
     return actuator
+
+
+def _check_names(owner: str, formula: ActuatorFormula, values: Mapping[str, Any]) -> None:
+    """Before the values: a misspelt option, which need not be a number, is called unknown."""
+    units = [""] * formula.coordinate_count
+    known = [parameter["name"] for parameter in formula.core.parameters(units)]
+    for name in values:
+        if name not in known:
+            hint = nearest_hint(name, [*known, "name", "enabled", "coordinate"])
+            takes = f"takes {', '.join(known)}" if known else "takes no values"
+            raise InvalidArgument(
+                f"{owner}: unknown value '{name}'{hint}: an actuator of the kind '{formula.name}' {takes}"
+            )
 
 
 def _entries(owner: str, on: Any) -> list[Any]:

@@ -70,13 +70,13 @@ class PoseFollower:
         (start, turned), (position, rotation) = self.body._scene._core.pose(self.body._index), self.first
         if (text := _distance_text(self.body, float(np.linalg.norm(position - start)))) != "":
             return text + "; positions are those of the body in the world"
-        angle = float(np.arccos(np.clip((np.trace(rotation @ turned.T) - 1.0) / 2.0, -1.0, 1.0)))
+        angle = _angle_of(rotation @ turned.T)
         if angle <= _ELSEWHERE:
             return ""
         return (
             f"'{self.body.name}': at 0 s its motion is turned by {angle:.3g} rad from it, and the first step "
             f"turns it there: add the body with rotation= as the motion starts, or let the motion start as "
-            f"it is turned; rotations are those of the body in the world"
+            f"it is turned; rotations are those of the body in the world, not changes as those of pins"
         )
 
 
@@ -116,6 +116,13 @@ class PinFollower:
         if self.first is None:
             return ""
         start = self.body._scene._core.initial_positions(self.body._index)[self.body.pins[self.rows]]
+        angle = _angle_of(self.turn(0.0))
+        if angle > _ELSEWHERE:  # clamped nodes turn even where no pin moves
+            return (
+                f"'{self.body.name}': at 0 s its motion has turned its pins by {angle:.3g} rad, and the "
+                f"first step turns them there: let rotation= start without a turn, by lambda t: motion(t) @ "
+                f"motion(0.0).T; rotations of pins are changes since time 0, not those of the body"
+            )
         apart = np.linalg.norm(self.first - start, axis=1)
         return _distance_text(self.body, float(apart.max(initial=0.0)))
 
@@ -145,6 +152,11 @@ class PinFollower:
         start = self.body._scene._core.initial_frames(index).reshape(-1, 3, 3)[clamped]
         frames[turning] = self.turn(time) @ start[turning]
         core.set_clamp_targets(index, np.ascontiguousarray(frames.reshape(-1, 9)), duration)
+
+
+def _angle_of(rotation: Floats) -> float:
+    """[rad]"""
+    return float(np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)))
 
 
 def _distance_text(body: BodyHandle | PinnedBody, distance: float) -> str:

@@ -83,7 +83,9 @@ class RigidBody(InertialSensors, Body, MovingSurface):
 
     def follow(self, position: Any = None, rotation: Any = None) -> None:
         """Moves a scripted body on motions (stark.motion, or functions of the time [s]) from the next step:
-        ``position`` (3,) [m], ``rotation`` (matrix or quaternion); what is left out stays as at time 0.
+        ``position`` (3,) [m], ``rotation`` (matrix or quaternion), both of the body in the world, not changes
+        since time 0 as those of pins: ``lambda t: turn(t) @ start`` turns a body on from the rotation
+        ``start`` that it was added with. What is left out stays as at time 0.
         Without arguments nothing is followed any more. Values are those of the end of each step, whatever its
         length; a step that the solver halves goes halfway on the straight line."""
         follow_pose(self, position, rotation)

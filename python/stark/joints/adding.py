@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_flag, given_name, real_number
+from stark.arguments import given_flag, given_name, nearest_hint, real_number
 from stark.bodies import Body
 from stark.body_kinds import has_frames, has_pose
 from stark.formulas.parameters import Parameter, check_range, numbers_of
@@ -21,6 +21,7 @@ from stark.rotations import as_matrix, direction, vector
 from stark.selections import FrameHandle, rigid_frame, world_frame
 
 Floats = NDArray[np.float64]
+_OPTIONS = ("anchor", "axis", "rotation", "name", "contact", "enabled", "break_force", "break_torque")
 
 
 def add_joint(
@@ -43,6 +44,7 @@ def add_joint(
     formula = kind if isinstance(kind, JointFormula) else built_in(_text(kind))
     owner = f"joint '{name or formula.name}'"
     contact, enabled = given_flag(contact, f"{owner}: contact"), given_flag(enabled, f"{owner}: enabled")
+    numbers = _values(owner, formula, values)  # before the frames: an anchor may be misspelt
     place = None
     if anchor is not None or axis is not None or rotation is not None:
         place = _placement(owner, anchor, axis, rotation)
@@ -52,7 +54,7 @@ def add_joint(
     given = {
         "a": frames[0],
         "b": frames[1],
-        "values": _values(owner, formula, values),
+        "values": numbers,
         "break_force": _limit(owner, "break_force", break_force, "N"),
         "break_torque": _limit(owner, "break_torque", break_torque, "N m"),
     }
@@ -244,8 +246,9 @@ def _values(owner: str, formula: JointFormula, given: Mapping[str, Any]) -> dict
     for name in given:
         if name not in known:
             takes = f"takes {', '.join(known)}" if known else "takes no values"
+            hint = nearest_hint(name, [*known, *_OPTIONS])
             raise InvalidArgument(
-                f"{owner}: unknown value '{name}': a joint of the kind '{formula.name}' {takes}"
+                f"{owner}: unknown value '{name}'{hint}: a joint of the kind '{formula.name}' {takes}"
             )
     values = {}
     for parameter in formula.parameters:

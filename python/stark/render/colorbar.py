@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .colormaps import Colormap
 from .lettering import strokes
@@ -15,18 +16,32 @@ from .overlay import PAPER, Overlay, rectangle
 _PREFIXES = {-4: "p", -3: "n", -2: "u", -1: "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T"}
 #: Units that get a prefix.
 _PREFIXED = ("Pa", "N", "m/s")
-_TICKS = 5
+#: At most so many parts between numbers, so at least two.
+_PARTS = 5
+
+
+def ticks(limits: tuple[float, float]) -> NDArray[np.float64]:
+    """Round numbers between the limits, which may be the first and the last of them: the multiples of 1, 2 or
+    5 times a power of ten, whichever gives the most of them in at most five parts."""
+    low, high = limits
+    least = high / _PARTS - low / _PARTS
+    if least <= 1e-14 * max(map(abs, limits)):  # no number of double precision is between
+        return np.array(limits)
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= least * (1 - 1e-9))
+    first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
+    return np.clip(np.arange(first, last + 1) * step, low, high)
 
 
 def numbers(limits: tuple[float, float], unit: str) -> tuple[list[str], str]:
-    """Texts of evenly spaced numbers from the lower limit to the upper one, and the unit with the prefix that
-    they are in: (0, 2500) Pa are 0, 0.625, 1.25, 1.88, 2.5 kPa."""
+    """Texts of the ticks, and the unit with the prefix that they are in: (0, 2100) Pa are 0, 0.5, 1, 1.5,
+    2 kPa."""
     largest, power = max(map(abs, limits)), 0
     if unit in _PREFIXED and largest > 0.0:
         power = min(max(math.floor(math.log10(largest * (1 + 1e-12)) / 3.0), -4), 0 if unit == "m/s" else 4)
-    values = np.linspace(*limits, _TICKS) / 1000.0**power
-    digits = 3
-    while digits < 9 and len({f"{value:.{digits}g}" for value in values}) < _TICKS:
+    values, digits = ticks(limits) / 1000.0**power, 3
+    close = 0.01 * np.diff(values).min()
+    while digits < 15 and any(abs(float(f"{value:.{digits}g}") - value) > close for value in values):
         digits += 1
     return [_short(float(value), digits) for value in values], f"{_PREFIXES[power]}{unit}"
 
@@ -39,7 +54,7 @@ def title(label: str, unit: str) -> str:
 def draw_colorbar(
     overlay: Overlay, colormap: Colormap, limits: tuple[float, float], label: str, unit: str
 ) -> None:
-    """At the right border of the picture: the colours, numbers with the limits at the ends, a title."""
+    """At the right border of the picture: the colours, round numbers, a title."""
     width, height = overlay.size
     size = max(6.0, 0.017 * height)  # of capitals
     texts, shown = numbers(limits, unit)
@@ -54,7 +69,8 @@ def draw_colorbar(
     overlay.image((left, top), _ramp(colormap, bar, tall))
     frame = np.array([(0, 0), (bar, 0), (bar, tall), (0, tall), (0, 0)]) + np.array([left, top])
     overlay.lines([frame], 1.0)
-    for text, share in zip(texts, np.linspace(0.0, 1.0, _TICKS), strict=True):
+    shares = (ticks(limits) - limits[0]) / (limits[1] - limits[0])
+    for text, share in zip(texts, shares, strict=True):
         y = top + tall * (1.0 - float(share))
         overlay.lines([np.array([(left + bar, y), (left + bar + 0.4 * size, y)])], 1.0)
         overlay.text((left + bar + 0.9 * size, y + 0.5 * size), text, size)

@@ -54,16 +54,7 @@ def place_base(robot: BasedRobot, value: tuple[ArrayLike, ArrayLike]) -> None:
     turn = goal.rotation @ present.rotation.T
     shift = goal.position - turn @ present.position
     bodies, flexes = _carried(robot, root)
-    with placing(core):
-        for body in bodies:
-            position, rotation = body.pose
-            velocity, angular_velocity = body.velocity, body.angular_velocity
-            body.pose = turn @ position + shift, turn @ rotation
-            body.velocity, body.angular_velocity = turn @ velocity, turn @ angular_velocity
-        for flex in flexes:
-            velocities = flex.velocities
-            flex.positions = flex.positions @ turn.T + shift
-            flex.velocities = velocities @ turn.T
+    core.place_together([body._index for body in (*bodies, *flexes)], turn, shift)
 
 
 def base_velocity(robot: BasedRobot) -> tuple[Floats, Floats]:

@@ -56,10 +56,12 @@ class _Reader:
         carriers = self._carriers(number)
         free = np.isin(carriers, self.own)
         if size == 2:
-            self.report.add("dropped", title, "a line: add a rod with scene.add_rod")
+            text = "a line, for which a file has no stiffness of bending: add a rod with scene.add_rod"
+            self.report.add("dropped", title, text, warn=True)
             return None
         if not free.any():
-            self.report.add("dropped", title, "no vertex of it moves by itself: add its shape to the scene")
+            text = "no vertex of it moves by itself: add its shape to the scene"
+            self.report.add("dropped", title, text, warn=True)
             return None
         link = min(
             {int(model.body_parentid[body]) for body in carriers[free]} | set(carriers[~free].tolist())

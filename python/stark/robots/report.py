@@ -27,12 +27,16 @@ class Report:
     source: str
     """The file, or the name of the description."""
     findings: list[Finding] = field(default_factory=list)
+    warnings: list[Finding] = field(default_factory=list)
+    """Those of which adding the robot warns, too: bodies that the scene lacks."""
 
-    def add(self, kind: str, part: str, text: str) -> None:
+    def add(self, kind: str, part: str, text: str, *, warn: bool = False) -> None:
         """Adds a finding, once."""
         finding = Finding(kind, part, text)
         if finding not in self.findings:
             self.findings.append(finding)
+            if warn:
+                self.warnings.append(finding)
 
     def of(self, kind: str) -> tuple[Finding, ...]:
         """Findings of one kind, in the order in which they were made."""
@@ -60,7 +64,7 @@ class Report:
 
     def copy(self) -> Report:
         """A report with the same findings, to which others may be added."""
-        return Report(self.source, list(self.findings))
+        return Report(self.source, list(self.findings), list(self.warnings))
 
     def __str__(self) -> str:
         lines = [f"robot from {self.source}"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
 from stark.arguments import given_choice, given_flag, given_name
+from stark.errors import StarkWarning
 from stark.handle import SceneLink
 from stark.named import NamedTuple
 from stark.rotations import Vec3Like, as_matrix, vector
@@ -95,6 +97,8 @@ class SceneRobots(SceneLink):
         with self._whole_or_not():
             built = build(self, description, options)
             self._robots.append(built)
+        for finding in built.report.warnings:
+            warnings.warn(f"{built.report.source}: {finding}", StarkWarning, stacklevel=2)
         return built
 
     @property

@@ -93,8 +93,11 @@ class _Reader:
             self.report.add("dropped", title, "bodyEnabled is false")
             return []
         if kind == "BasisCurves" and str(value_of(geometry, "wrap", "")) == "periodic":
-            self.report.add("dropped", title, "wrap is periodic: rods have two ends; make it nonperiodic")
-            return []
+            self._refuse(
+                title,
+                "wrap is periodic: must be nonperiodic, as rods have two ends; make it so, or leave "
+                "the curve out by physics:bodyEnabled = false",
+            )
         if value_of(prim, "physics:kinematicEnabled", False):
             self.report.add("dropped", title, "kinematicEnabled: it moves as the others do")
         self.report.add("kept", title, f"as of {PROPOSAL}")

@@ -142,12 +142,14 @@ class ContactSet {
   void evaluate_forces(std::span<const Vec3> x, std::vector<Vec3>& out) const;
 
  private:
-  ThreadPool& pool_;
-  std::vector<PotentialBatch> batches_;  ///< by StencilKind
-  struct Fields {                        // of a batch, by number
+  /// Numbers of the fields of a batch; without a threshold -1.
+  struct Fields {
     int stiffness, distance, least_distance, parallel_threshold;
   };
-  std::vector<Fields> fields_;                    ///< [kind]; without a threshold -1
+
+  ThreadPool& pool_;
+  std::vector<PotentialBatch> batches_;           ///< by StencilKind
+  std::vector<Fields> fields_;                    ///< [kind]
   std::vector<std::vector<int64_t>> contact_of_;  ///< [kind][element] -> index into contacts_
   std::vector<Contact> contacts_;
   std::vector<double> energies_;

@@ -23,6 +23,8 @@ constexpr double kOverlap = 0.1;
 /// Distance over contact distance below which a load is no ordinary one: contact that it lasts on carries the
 /// largest pressure at a tenth (theory, eq. 18a).
 constexpr double kCrushed = 0.01;
+/// Motion within the shortest step over the contact distance from which shorter steps may resolve an impact.
+constexpr double kCrossed = 0.1;
 /// Motion in a quasistatic step over the size of the scene from which nothing holds the bodies.
 constexpr double kRunaway = 10.0;
 /// Ratio of stiffnesses at which the softest is rounding of the stiffest.
@@ -123,15 +125,21 @@ std::vector<std::string> bodies_of(const std::vector<NarrowGap>& gaps) {
   return bodies;
 }
 
-Verdict judge_load(const StepEvidence& e) {
+Verdict judge_load(const StepEvidence& e, const Settings& settings) {
   const std::vector<NarrowGap> gaps = crushed_gaps(e);
   if (gaps.empty()) return {};
-  return {FailureCause::CrushingLoad,
-          "forces press bodies together harder than contact can carry: " + gap_text(gaps.front()) + "; " +
-              force_text(e),
-          "lower the forces, caps of actuators and speeds that press these bodies together, or give them a "
-          "higher contact_stiffness",
-          bodies_of(gaps)};
+  std::string finding =
+      "forces press bodies together harder than contact can carry: " + gap_text(gaps.front()) + "; " +
+      force_text(e);
+  if (!e.released_by.empty()) finding += "; " + e.released_by + " was released, so they touch";
+  std::string remedy =
+      "lower the forces, caps of actuators and speeds that press these bodies together, or give them a "
+      "higher contact_stiffness";
+  const double speed = e.motion / e.time_step, least = settings.time.min_step;
+  if (speed * least > kCrossed * gaps.front().contact_distance)
+    remedy += ", or lower time.min_step = " + quantity_text(least, "s") + ", in which " + e.fastest.body +
+              " moves by " + rough_text(speed * least, "m") + " at " + rough_text(speed, "m/s");
+  return {FailureCause::CrushingLoad, std::move(finding), std::move(remedy), bodies_of(gaps)};
 }
 
 /// What prescribed parts press on.
@@ -156,14 +164,14 @@ Verdict blocked(const StepEvidence& e, const std::vector<NarrowGap>& crushed) {
       bodies};
 }
 
-Verdict judge_prescribed(const StepEvidence& e) {
+Verdict judge_prescribed(const StepEvidence& e, const Settings& settings) {
   // Energies without a value stop anything, prescribed or not.
   if (e.solve.status == SolveStatus::NotFinite && !find_inverted(e, true)) return {};
   const std::vector<NarrowGap> crushed = crushed_gaps(e);
   const bool presses = !crushed.empty() && !e.pushing.empty();
   if (e.solve.status != SolveStatus::Blocked && e.prescribed_arrived && !presses) return {};
   // What touches one prescribed part only could go along with it: it is too heavy, or comes too fast.
-  if (!e.is_between && !crushed.empty()) return judge_load(e);
+  if (!e.is_between && !crushed.empty()) return judge_load(e, settings);
   return blocked(e, crushed);
 }
 
@@ -413,7 +421,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
                   force_text(e),
               "raise newton.max_seconds, make the scene smaller, or lower time.step"};
     case SolveStatus::ConstraintViolated: {
-      for (Verdict verdict : {judge_load(e), judge_overload(e)})
+      for (Verdict verdict : {judge_load(e, settings), judge_overload(e)})
         if (verdict.cause != FailureCause::None) return verdict;
       const size_t end = e.joint_violation.find("; ");
       return {FailureCause::ContradictingJoints, e.joint_violation.substr(0, end),
@@ -424,14 +432,14 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
       break;
   }
   for (Verdict verdict :
-       {judge_prescribed(e), judge_not_finite(e), judge_steep_energy(e), judge_tolerance(e, settings.newton),
-        judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
+       {judge_prescribed(e, settings), judge_not_finite(e), judge_steep_energy(e),
+        judge_tolerance(e, settings.newton), judge_equilibrium(e, settings), judge_pins(e), judge_overlap(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (e.solve.status == SolveStatus::Detour && e.in_the_way) {
     Verdict thrown = judge_thrown(e, settings.time.step);
     return thrown.cause != FailureCause::None ? thrown : judge_detour(e);
   }
-  for (Verdict verdict : {judge_load(e), judge_overload(e), judge_earlier_attempts(e)})
+  for (Verdict verdict : {judge_load(e, settings), judge_overload(e), judge_earlier_attempts(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (!e.unit_suspicions.empty())
     return {FailureCause::UnitMistake, suspicion_text(e),

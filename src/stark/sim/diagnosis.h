@@ -164,6 +164,7 @@ struct StepEvidence {
   double motion = 0.0, scene_size = 0.0;  ///< [m] largest motion in the step; diagonal of all bodies
   BodyVertices fastest;                   ///< what moved so far
   std::string joint_violation;
+  std::string released_by;   ///< the joint or attachment that has released the bodies of the narrowest gap
   bool joints_held = false;  ///< all did where the step started, and what is prescribed has hardly moved
   std::vector<std::string> unit_suspicions;
   std::vector<Attempt> attempts;

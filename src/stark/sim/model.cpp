@@ -48,15 +48,13 @@ void Model::Builder::build() {
 
 std::shared_ptr<const Potential> Model::Builder::compile(const PotentialDefinition& definition,
                                                          const std::set<std::string>& per_element) const {
-  if (has_history(settings.time.integrator)) {
-    PotentialBuilder builder(definition.point_count, per_element);
-    const symbolic::Scalar written = definition.energy(builder);
-    const symbolic::Scalar energy = with_references(builder, written);
-    if (!is_same(energy, written))
-      return std::make_shared<Potential>(definition.name, builder, energy, backend(),
-                                         definition.translation_invariant);
-  }
-  return std::make_shared<Potential>(definition, backend(), per_element);
+  if (!has_history(settings.time.integrator))
+    return std::make_shared<Potential>(definition, backend(), per_element);
+  PotentialDefinition referenced = definition;
+  referenced.energy = [&](PotentialBuilder& builder) {
+    return with_references(builder, definition.energy(builder));
+  };
+  return std::make_shared<Potential>(referenced, backend(), per_element);
 }
 
 PotentialBatch& Model::Builder::add_batch(const PotentialDefinition& definition,

@@ -6,6 +6,7 @@
 #include <stark/geometry/topology.h>
 #include <stark/mechanics/plate_element.h>
 #include <stark/mechanics/rest_state.h>
+#include <stark/models/shells/plate_angles.h>
 #include <stark/sim/material_fields.h>
 #include <stark/sim/model_builder.h>
 
@@ -62,7 +63,7 @@ void set_natural_curvature(PotentialBatch& batch, int64_t e, const PlateElement&
                            std::span<const double> values) {
   batch.set(rest_state::kNaturalCurvature, e, values.subspan(9 * element.triangle, 9));
   for (int h = 0; h < element.hinge_count; ++h)
-    batch.set("angle_of_curvature" + std::to_string(h), e, element.angle_of_curvature[h]);
+    batch.set(models::kAngleOfCurvature + std::to_string(h), e, element.angle_of_curvature[h]);
 }
 
 }  // namespace

@@ -143,6 +143,27 @@ void Placing::put_points(int32_t body, std::span<const Vec3> positions) {
   moved_.insert(body);
 }
 
+void Placing::put_together(const std::set<int32_t>& bodies, const Mat3& rotation, const Vec3& shift) {
+  const Transform transform{.rotation = rotation, .shift = shift};
+  move(bodies, transform);
+  turn_velocities(bodies, transform, world_frame({}));
+  const DofLayout& layout = model_.map().layout();
+  for (const int32_t body : bodies) {
+    const ModelBody& b = model_.bodies()[body];
+    const auto [first, count] = rigid_range(body);
+    for (int32_t i = first; i < first + count; ++i) {
+      if (layout.body_block[i] == kNoBlock) state_.script_position[i] = state_.body_position[i];
+      if (layout.rotation_block[i] == kNoBlock) state_.script_rotation[i] = state_.body_rotation[i];
+    }
+    for (int32_t p = b.first_site; count == 0 && p < b.first_site + b.site_count; ++p) {
+      if (layout.point_block[p] != kNoBlock) continue;
+      state_.pin_target[p] = state_.point_position[p];
+      state_.point_velocity[p] = {};
+    }
+  }
+  follow();
+}
+
 void Placing::follow() {
   for (std::vector<Vec3>* values : {&state_.point_position, &state_.point_velocity, &state_.pin_target})
     model_.map().follow(*values);

@@ -49,6 +49,9 @@ class Placing : private StepPart {
   void put_rigid(int32_t body, const Vec3& centre, const Mat3& rotation);
   /// Embedded vertices follow the others, whatever is given for them.
   void put_points(int32_t body, std::span<const Vec3> positions);
+  /// Moves bodies of all kinds as one, p -> rotation p + shift, frames of rods and fibres included.
+  /// Velocities turn along; what is pinned rests where it comes to.
+  void put_together(const std::set<int32_t>& bodies, const Mat3& rotation, const Vec3& shift);
   /// Velocity of the centre of mass [m/s], angular velocity [rad/s].
   void push_rigid(int32_t body, const Vec3& velocity, const Vec3& angular_velocity);
   void push_points(int32_t body, std::span<const Vec3> velocities);

@@ -12,6 +12,7 @@
 #include <stark/collision/intersection.h>
 #include <stark/geometry/intersection.h>
 #include <stark/geometry/topology.h>
+#include <stark/sim/body_checks.h>
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/release_watch.h>
 
@@ -193,11 +194,22 @@ std::string ReleaseWatch::overlap_text() const {
     text += (text.empty() ? "'" : ", '") + scene_.name(BodyId{a}) + "' and '" + scene_.name(BodyId{b}) + "'";
   }
   if (pairs.size() > kNamed) text += " and " + std::to_string(pairs.size() - kNamed) + " more pairs";
-  return text + " overlap or touch where " + releaser_text() + " released them";
+  return text + " overlap or touch where " + releaser_text(exclusions_[watch_.overlapping.front()]) +
+         " released them";
 }
 
-std::string ReleaseWatch::releaser_text() const {
-  const Exclusion& first = exclusions_[watch_.overlapping.front()];
+std::string ReleaseWatch::releaser_of(const std::string& a, const std::string& b) const {
+  const auto named = [&](int32_t body) {
+    return owner_text(scene_.kind(BodyId{body}), scene_.name(BodyId{body}));
+  };
+  for (const int64_t k : exclusions_.released(state_)) {
+    const std::string body = named(exclusions_[k].body), other = named(exclusions_[k].other);
+    if ((body == a && other == b) || (body == b && other == a)) return releaser_text(exclusions_[k]);
+  }
+  return "";
+}
+
+std::string ReleaseWatch::releaser_text(const Exclusion& first) const {
   if (!first.joints.empty()) return "joint '" + scene_.joints()[first.joints.front()].name + "'";
   const auto after =
       std::ranges::upper_bound(model_.attachments(), first.pairs.front(), {}, &ModelAttachment::first_pair);

@@ -32,6 +32,8 @@ class ReleaseWatch : private StepPart {
   bool has_overlap() const { return !watch_.overlapping.empty(); }
   /// "'cloth' and 'box' overlap or touch where attachment 'glue' released them".
   std::string overlap_text() const;
+  /// "joint 'hinge'": what has released two bodies, named as owner_text() does; empty where nothing has.
+  std::string releaser_of(const std::string& a, const std::string& b) const;
 
  private:
   /// Those of the released exclusions whose sides overlap or touch with sites at x.
@@ -39,7 +41,7 @@ class ReleaseWatch : private StepPart {
   bool is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) const;
   /// Gives bodies that come into contact now the gap that they have for a contact distance, until they part.
   void soften_new_contact(const CloseBodies& before, std::span<const Vec3> x);
-  std::string releaser_text() const;
+  std::string releaser_text(const Exclusion& first) const;
 
   struct Watch {
     std::vector<int64_t> regained{};     ///< exclusions that are over

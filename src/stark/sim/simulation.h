@@ -73,6 +73,8 @@ class Simulation {
   void place(BodyId body, const Vec3& position, const Mat3& rotation);
   /// Velocity [m/s] of the centre of mass of a rigid body, angular velocity [rad/s].
   void push(BodyId body, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Dynamic bodies of any kind, by number, moved as one: p -> rotation p + shift [m]; velocities turn along.
+  void place_together(std::span<const int32_t> bodies, const Mat3& rotation, const Vec3& shift);
   /// Positions [m] or velocities [m/s] of all vertices of a deformable body, in the order of its mesh. Pinned
   /// vertices rest where they are placed, and take no velocities.
   void place_vertices(BodyId body, std::span<const Vec3> positions);

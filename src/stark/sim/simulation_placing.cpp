@@ -73,6 +73,15 @@ void Simulation::push(BodyId body, const Vec3& velocity, const Vec3& angular_vel
   place_with([&](Placing& placing) { placing.push_rigid(body.index, velocity, angular_velocity); });
 }
 
+void Simulation::place_together(std::span<const int32_t> bodies, const Mat3& rotation, const Vec3& shift) {
+  for (const int32_t body : bodies) require_free(BodyId{body}, "pose");
+  check_rotation("bodies placed together", rotation);
+  check_finite("bodies placed together", "shift", shift, "m");
+  place_with([&](Placing& placing) {
+    placing.put_together({bodies.begin(), bodies.end()}, orthonormalized(rotation), shift);
+  });
+}
+
 void Simulation::place_vertices(BodyId body, std::span<const Vec3> positions) {
   const std::string owner = "body '" + scene_.name(body) + "'";
   if (is_rigid(scene_.kind(body)))

@@ -20,6 +20,8 @@ double unwrap(double raw, double previous) {
   return raw + kTurn * std::round((previous - raw) / kTurn);
 }
 
+const char* unit_of(ResidualUnit unit) { return unit == ResidualUnit::Length ? "m" : "rad"; }
+
 /// Residual over its tolerance between steps: rounding of what moves as one.
 constexpr double kRounding = 1.001;
 
@@ -34,7 +36,7 @@ ConstraintTolerance joint_tolerance(const JointSettings& settings) {
 }
 
 std::string residual_text(double residual, ResidualUnit unit) {
-  return quantity_text(residual, unit == ResidualUnit::Length ? "m" : "rad");
+  return quantity_text(residual, unit_of(unit));
 }
 
 SideStiffness StepJoints::stiffness_of(const JointSide& side, std::span<const Mat3> diagonal) const {
@@ -154,7 +156,7 @@ void StepJoints::set_attachment_status(const ModelAttachment& attachment, int64_
 
 std::string StepJoints::text_of(const ConstraintSet::Violation& worst) const {
   const auto joints = static_cast<int32_t>(scene_.joints().size());
-  const std::string off = residual_text(worst.residual, worst.unit);
+  const std::string off = rough_text(worst.residual, unit_of(worst.unit));
   if (is_of_attachments(worst.joint)) {
     const auto after =
         std::ranges::upper_bound(model_.attachments(), worst.joint, {}, &ModelAttachment::first_constraint);

@@ -388,6 +388,8 @@ Diagnosis StepRunner::diagnose() {
   evidence.solve = report_.solve;
   evidence.time_step = h;
   evidence.attempts = attempts_;
+  for (const auto* gaps : {&evidence.start_gaps, &evidence.gaps})
+    if (!gaps->empty()) evidence.released_by = watch_.releaser_of(gaps->front().a.body, gaps->front().b.body);
   if (report_.solve.status == SolveStatus::ConstraintViolated) {
     evidence.joint_violation = joints_.violation_text();
     const double apart = energies_.constraints.worst(potential_.site_positions()).ratio;

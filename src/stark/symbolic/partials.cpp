@@ -89,6 +89,35 @@ void unary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
   }
 }
 
+// Of a^b. At a = 0 some factors are infinite where others are 0, and the derivative is 0: those by a where
+// the exponent is 0 or 1, and those by b of powers that vanish. Exponents that are constants of the formula
+// are neither 0 nor 1, so they need no choice.
+void power_partials(Graph& g, NodeId id, NodeId a, NodeId b, bool second, Raw& r) {
+  const NodeId zero = g.constant(0.0), one = g.constant(1.0);
+  const NodeId b1 = g.sub(b, one), power1 = g.binary(Op::Pow, a, b1);
+  const auto power2 = [&] { return g.binary(Op::Pow, a, g.sub(b, g.constant(2.0))); };
+  if (g.is_constant(b)) {
+    r.d[0] = g.mul(b, power1);
+    if (second) r.dd[0][0] = g.mul(g.mul(b, b1), power2());
+    return;
+  }
+  const auto less = [&](NodeId x, NodeId y) { return g.binary(Op::Less, x, y); };
+  const auto unless_zero = [&](NodeId factor, NodeId power) {
+    const NodeId is_not_zero = g.binary(Op::Or, less(factor, zero), less(zero, factor));
+    return g.select(g.binary(Op::Or, less(zero, a), is_not_zero), g.mul(factor, power), factor);
+  };
+  const auto unless_gone = [&](NodeId power, NodeId factor) {
+    return g.select(less(zero, power), g.mul(power, factor), power);
+  };
+  const NodeId log_a = g.unary(Op::Log, a);
+  r.d[0] = unless_zero(b, power1);
+  r.d[1] = unless_gone(id, log_a);
+  if (!second) return;
+  r.dd[0][0] = unless_zero(g.mul(b, b1), power2());
+  r.dd[0][1] = unless_gone(power1, g.add(one, g.mul(b, log_a)));
+  r.dd[1][1] = unless_gone(id, g.mul(log_a, log_a));
+}
+
 void binary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
   const NodeId a = n.operands[0], b = n.operands[1], one = g.constant(1.0);
   switch (n.op) {
@@ -115,19 +144,9 @@ void binary_partials(Graph& g, NodeId id, const Node& n, bool second, Raw& r) {
       }
       break;
     }
-    case Op::Pow: {
-      const NodeId b1 = g.sub(b, one), power1 = g.binary(Op::Pow, a, b1);
-      r.d[0] = g.mul(b, power1);
-      if (second) r.dd[0][0] = g.mul(g.mul(b, b1), g.binary(Op::Pow, a, g.sub(b, g.constant(2.0))));
-      if (g.is_constant(b)) break;
-      const NodeId log_a = g.unary(Op::Log, a);
-      r.d[1] = g.mul(id, log_a);
-      if (second) {
-        r.dd[0][1] = g.mul(power1, g.add(one, g.mul(b, log_a)));
-        r.dd[1][1] = g.mul(id, g.mul(log_a, log_a));
-      }
+    case Op::Pow:
+      power_partials(g, id, a, b, second, r);
       break;
-    }
     case Op::Atan2: {  // a is y, b is x
       const NodeId inverse = reciprocal(g, g.add(g.mul(a, a), g.mul(b, b)));
       const NodeId u = g.mul(b, inverse), v = g.mul(a, inverse);

@@ -189,6 +189,7 @@ def test_friction_and_armature_and_coordinates_of_a_cylindrical_joint() -> None:
         (lambda s, j: j.add_actuator("servo"), "unknown actuator 'servo'"),
         (lambda s, j: j.add_actuator(3), "name of a built-in actuator"),
         (lambda s, j: j.add_effort(coordinate="angel"), "did you mean 'angle'"),
+        (lambda s, j: j.add_effort(1.0, nme="x"), r"unknown value 'nme' \(did you mean 'name'\?\).*target"),
         (lambda s, j: j.add_limit(), "neither lower nor upper"),
         (lambda s, j: j.add_limit(1.0, -1.0), "lower must be below upper"),
         (lambda s, j: s.add_hinge(None, s.bodies[0], anchor=(0, 0, 0), limits=(1, 0)), "lower < upper"),

@@ -115,6 +115,7 @@ def test_states_rewind_bitwise_with_joints() -> None:
         (lambda s, b, c: s.add_joint(3, None, b, anchor=(0, 0, 0)), "name of a built-in joint"),
         (lambda s, b, c: s.add_joint("distance", None, b, anchor=(0, 0, 0)), "'length' .m. has no value"),
         (lambda s, b, c: s.add_joint("ball", None, b, anchor=(0, 0, 0), length=2), "unknown value 'length'"),
+        (lambda s, b, c: s.add_joint("ball", None, b, anchr=(0, 0, 0)), "did you mean 'anchor'"),
         (lambda s, b, c: s.add_ball(None, b, anchor=(0, np.nan, 0)), "anchor"),
         (lambda s, b, c: s.add_universal(None, b, anchor=(0, 0, 0), axis_a=(1, 0, 0)), "give both"),
         (

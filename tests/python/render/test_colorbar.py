@@ -1,4 +1,4 @@
-"""The scale beside a picture: its numbers are the limits, its colours those of the map."""
+"""The scale beside a picture: its numbers are round, its colours those of the map."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from fake_simulation import FakeSimulation
 
 from stark.render import render
-from stark.render.colorbar import draw_colorbar, limits_of, numbers, title
+from stark.render.colorbar import draw_colorbar, limits_of, numbers, ticks, title
 from stark.render.colormaps import Colormap
 from stark.render.overlay import Overlay
 
@@ -15,30 +15,42 @@ from stark.render.overlay import Overlay
 @pytest.mark.parametrize(
     ("limits", "unit", "texts", "shown"),
     [
-        ((0.0, 2500.0), "Pa", ["0", "0.625", "1.25", "1.88", "2.5"], "kPa"),
-        ((0.0, 1.0), "N", ["0", "0.25", "0.5", "0.75", "1"], "N"),
+        ((0.0, 2500.0), "Pa", ["0", "0.5", "1", "1.5", "2", "2.5"], "kPa"),
+        ((0.0, 1.0), "N", ["0", "0.2", "0.4", "0.6", "0.8", "1"], "N"),
         ((-4e-7, 4e-7), "N", ["-400", "-200", "0", "200", "400"], "nN"),
         ((0.0, 4e9), "Pa", ["0", "1", "2", "3", "4"], "GPa"),
         ((0.0, 0.02), "m/s", ["0", "5", "10", "15", "20"], "mm/s"),
         ((0.0, 8000.0), "m/s", ["0", "2e3", "4e3", "6e3", "8e3"], "m/s"),
-        ((0.0, 0.1), "", ["0", "0.025", "0.05", "0.075", "0.1"], ""),
+        ((0.0, 0.1), "", ["0", "0.02", "0.04", "0.06", "0.08", "0.1"], ""),
         ((293.0, 293.4), "K", ["293", "293.1", "293.2", "293.3", "293.4"], "K"),
-        ((0.0, 1000.0), "Pa", ["0", "0.25", "0.5", "0.75", "1"], "kPa"),
+        ((0.0, 1000.0), "Pa", ["0", "0.2", "0.4", "0.6", "0.8", "1"], "kPa"),
+        ((0.0, 1873.21), "Pa", ["0", "0.5", "1", "1.5"], "kPa"),
+        ((1003.7, 1021.3), "", ["1005", "1010", "1015", "1020"], ""),
     ],
 )
 def test_numbers(limits, unit: str, texts, shown: str) -> None:
     assert numbers(limits, unit) == (texts, shown)
 
 
-def test_numbers_at_the_ends_are_the_limits() -> None:
+def test_numbers_are_round_and_between_the_limits() -> None:
     random = np.random.default_rng(7)
     for _ in range(200):
         limits = tuple(sorted(random.normal(size=2) * 10.0 ** random.integers(-9, 12)))
         texts, shown = numbers(limits, "Pa")
         power = "pnum kMGT".index(shown.removesuffix("Pa") or " ") - 4
-        read = [float(text) * 1000.0**power for text in texts]
-        assert read == pytest.approx(np.linspace(*limits, 5), abs=5.1e-3 * max(map(abs, limits)))
-        assert len(set(texts)) == 5
+        read = np.array([float(text) * 1000.0**power for text in texts])
+        assert read == pytest.approx(ticks(limits), rel=1e-12, abs=1e-12 * max(map(abs, limits)))
+        assert 2 <= len(read) <= 6 and limits[0] <= read.min() and read.max() <= limits[1]
+        step = (read[-1] - read[0]) / (len(read) - 1)
+        assert np.diff(read) == pytest.approx(step, rel=1e-6)
+        assert f"{step:.3e}"[0] in "125" and f"{step:.3e}"[1:5] == ".000"
+        assert read / step == pytest.approx(np.round(read / step), abs=1e-6)
+        assert max(read[0] - limits[0], limits[1] - read[-1]) < step
+
+
+@pytest.mark.parametrize("limits", [(1.0, np.nextafter(1.0, 2.0)), (0.0, 5e-324), (-1.7e308, 1.7e308)])
+def test_limits_at_the_edge_of_double_precision_have_numbers(limits) -> None:
+    assert len(numbers(limits, "")[0]) >= 2
 
 
 def test_titles() -> None:

@@ -70,12 +70,19 @@ def test_shapes_and_masses_are_those_of_the_file(tmp_path: Path) -> None:
     assert jelly.poissons_ratio == 0.49
     text = str(robot.report)
     for line in (
-        "flex 'rope': a line: add a rod with scene.add_rod",
+        "flex 'rope': a line, for which a file has no stiffness of bending: add a rod with scene.add_rod",
         "flex 'flag': 4 vertices are fixed to 'arm'",
         "flex 'jelly': Poisson's ratio 0.49 instead of 0.495",
         "flex 'jelly': all its vertices move",
     ):
         assert line in text
+
+
+def test_a_line_that_is_left_out_is_warned_of(tmp_path: Path) -> None:
+    with pytest.warns(stark.StarkWarning, match="soft.xml': flex 'rope': a line.*scene.add_rod") as caught:
+        robot = stark.Scene().add_robot(written(tmp_path))
+    assert [warning.filename for warning in caught] == [__file__]
+    assert "rope" not in robot.flexes
 
 
 def test_what_a_link_holds_goes_with_it(tmp_path: Path) -> None:

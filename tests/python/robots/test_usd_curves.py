@@ -194,7 +194,7 @@ def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
     robot = added(
         tmp_path, material("slack", slack), hair("rope", bound("slack")),
         hair("curl", f"{thick(1e-3)}\nfloat[] widths = [1, 2]", kind="cubic", place=(0, 0.1, 0)),
-        hair("ring", 'uniform token wrap = "periodic"'),
+        hair("ring", 'uniform token wrap = "periodic"\nbool physics:bodyEnabled = false', place=(0, 0.3, 0)),
         f'def Xform "ghost" (prepend apiSchemas = [{own}]) {{\n{inner}}}\n',
     )  # fmt: skip
     assert list(robot.flexes) == ["rope", "curl", "ghost"]
@@ -204,7 +204,7 @@ def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
     text = str(robot.report)
     for line in (
         "deformable 'curl': linear curves through its points; the file has cubic ones",
-        "deformable 'ring': wrap is periodic",
+        "deformable 'ring': bodyEnabled is false",
         "deformable 'rope': diameter 0.001 m",
         "deformable 'rope': youngsModulus 1e+06",
         "deformable 'rope': density 1000 kg/m^3",
@@ -219,6 +219,7 @@ def test_what_a_file_leaves_open_is_reported(tmp_path: Path) -> None:
     [
         (hair("a", counts="[6]"), "curveVertexCounts: 6 points: must be 7"),
         (hair("a", counts="[6, 1]"), "curveVertexCounts: must be at least 2 points"),
+        (hair("a", 'uniform token wrap = "periodic"'), "wrap is periodic: must be nonperiodic, as"),
         (hair("a", counts="[]"), "curveVertexCounts: must be at least 2 points"),
         (hair("a", "float[] widths = [-1]"), "widths: -1 m: must be positive"),
         (hair("a", thick(0)), "thicknesses: 0 m: must be positive"),
@@ -234,3 +235,32 @@ def test_what_is_wrong_with_a_file_is_named(part: str, message: str, tmp_path: P
     with pytest.raises(stark.InvalidArgument, match=r"soft\.usda': deformable 'a'") as error:
         added(tmp_path, part)
     assert message in str(error.value)
+
+
+def test_a_floating_base_takes_its_rods_along(tmp_path: Path) -> None:
+    """A rod that has bent is placed with its frames: the base sees all as before, stresses too."""
+    file = written(
+        tmp_path, body("hub", shape("Cube", "double size = 0.05"), mass=0.5),
+        material("cord", "float physics:youngsModulus = 1e6\nfloat physics:density = 1000"),
+        hair("hair", f"{bound('cord')}\n{thick(4e-3)}", place=(0.03, 0, 0)), held("hair", "hub", [0, 1]),
+    )  # fmt: skip
+    scene = stark.Scene()
+    robot = scene.add_robot(file, base="floating")
+    rod = robot.flexes["hair"]
+    sim = stark.Simulation(scene, time_step=0.005, gravity=(0, 0, 0))
+    rod.velocities = np.outer(np.linspace(0.0, 1.0, 7) ** 2, (0.0, 0.0, 2.0))
+    sim.run_until(0.05)
+    assert np.ptp(rod.positions[:, 2]) > 0.02
+
+    def seen() -> list[np.ndarray]:
+        origin, axes = robot.pose
+        local = (rod.positions - origin) @ axes, rod.velocities @ axes, axes.T @ rod.frames
+        return [*local, axes.T @ robot.velocity, axes.T @ robot.angular_velocity]
+
+    before = seen()
+    turn = stark.rotation(axis=(1.0, 2.0, -1.0), angle=2.0)
+    robot.pose = (0.3, -0.2, 2.0), turn
+    for now, then in zip(seen(), before, strict=True):
+        np.testing.assert_allclose(now, then, atol=1e-12)
+    np.testing.assert_allclose(robot.pose[1], turn, atol=1e-12)
+    assert sim.step().energy["placed"] == pytest.approx(0.0, abs=1e-12)  # [J], of 1e-4 stored
