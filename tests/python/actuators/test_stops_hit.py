@@ -56,7 +56,7 @@ def test_a_swing_on_a_taut_rope_keeps_its_order() -> None:
 
 
 def test_a_step_with_an_impact_depends_on_its_state_only() -> None:
-    sim, hinge = door(time_step=0.01)
+    sim, _ = door(time_step=0.01)
     sim.run_until(0.18)
     start = sim.state
     sim.run_until(0.25)
