@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Generic, NoReturn, Protocol, SupportsIndex, TypeVar
 
 from stark._core import InvalidArgument
@@ -18,6 +18,7 @@ class Named(Protocol):
 
 
 Part = TypeVar("Part", bound=Named)
+Value = TypeVar("Value")
 
 
 class NamedList(list[Part], Generic[Part]):
@@ -34,7 +35,12 @@ class NamedList(list[Part], Generic[Part]):
     def __getitem__(self, at: slice) -> list[Part]: ...
 
     def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
-        return _named(self, at, self._kind) if isinstance(at, str) else super().__getitem__(at)
+        if isinstance(at, str):
+            return _named(self, at, self._kind)
+        try:
+            return super().__getitem__(at)
+        except IndexError:
+            raise IndexError(_no_number(at, len(self), self._kind)) from None
 
     def __contains__(self, part: object) -> bool:
         return (
@@ -59,12 +65,35 @@ class NamedTuple(tuple[Part, ...], Generic[Part]):
     def __getitem__(self, at: slice) -> tuple[Part, ...]: ...
 
     def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
-        return _named(self, at, self._kind) if isinstance(at, str) else super().__getitem__(at)
+        if isinstance(at, str):
+            return _named(self, at, self._kind)
+        try:
+            return super().__getitem__(at)
+        except IndexError:
+            raise IndexError(_no_number(at, len(self), self._kind)) from None
 
     def __contains__(self, part: object) -> bool:
         return (
             any(known.name == part for known in self) if isinstance(part, str) else super().__contains__(part)
         )
+
+
+class NamedDict(dict[str, Value]):
+    """Parts by name, which says what there is where a name is unknown."""
+
+    def __init__(self, kind: str, parts: Mapping[str, Value]) -> None:
+        super().__init__(parts)
+        self._kind = kind
+
+    def __missing__(self, name: object) -> NoReturn:
+        if not isinstance(name, str):
+            raise InvalidArgument(f"{self._kind} {name!r}: must be a name, not a number: one of {list(self)}")
+        _refuse(name, list(self), self._kind)
+
+
+def _no_number(at: object, count: int, kind: str) -> str:
+    there = f"in [-{count}, {count})" if count else "of one that there is: there are none"
+    return f"{kind} number {at}: must be {there}"
 
 
 def _named(parts: Iterable[Part], name: str, kind: str) -> Part:

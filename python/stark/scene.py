@@ -45,6 +45,10 @@ class Scene(
     """Bodies, their materials, pins, friction. Lengths in metres, z is up unless gravity says otherwise."""
 
     name: str
+    _given_by: ClassVar[Mapping[str, str]] = {
+        "friction": "scene.friction[a, b] = 0.5, or scene.default_friction = 0.5 for all bodies",
+        "restitution": "scene.restitution[a, b] = 0.5",
+    }
     _elsewhere: ClassVar[Mapping[str, str]] = {
         "set_friction": "scene.friction[a, b] = 0.5, or friction=0.5 where a body is added",
         "add_ground": "scene.add_floor()",

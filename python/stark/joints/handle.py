@@ -101,20 +101,20 @@ class JointActuators(Handle):
         return self.add_actuator("effort", target=target, **options)
 
     def add_spring(
-        self, stiffness: float, *, damping: float = 0.0, rest: float = 0.0, **options: Any
+        self, stiffness: float, damping: float = 0.0, rest: float = 0.0, **options: Any
     ) -> Actuator:
         """Linear spring with linear damper; ``rest``: the coordinate where the spring rests [rad, m]."""
         return self.add_actuator("spring_damper", stiffness=stiffness, damping=damping, rest=rest, **options)
 
     def add_friction(
-        self, cap: float, *, stick_rate: float = 1e-3, viscous: float = 0.0, **options: Any
+        self, cap: float, stick_rate: float = 1e-3, viscous: float = 0.0, **options: Any
     ) -> Actuator:
         """Dry friction of at most ``cap`` [N m, N], which it reaches at ``stick_rate`` [rad/s, m/s] (a joint
         that sticks creeps slower than that), and viscous friction [N m s/rad, N s/m]."""
         return self.add_actuator("joint_friction", cap=cap, stick_rate=stick_rate, viscous=viscous, **options)
 
     def add_brake(
-        self, cap: TimeValue, *, give: float = 1e-4, engaged: TimeValue = 1.0, **options: Any
+        self, cap: TimeValue, give: float = 1e-4, engaged: TimeValue = 1.0, **options: Any
     ) -> Actuator:
         """Holds the coordinate where it is when the brake is engaged, without creep, with at most ``cap``
         [N m, N]; slips beyond. ``give`` [rad, m]: how far it gives way at ``cap``, which comes back.

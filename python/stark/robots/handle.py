@@ -16,6 +16,7 @@ from stark.arguments import added_later, needs_simulation
 from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
+from stark.named import NamedDict
 from stark.readings import reading
 from stark.robots import kinematics
 from stark.robots.base import base_velocity, place_base, placing, push_base
@@ -85,7 +86,7 @@ class Robot:
     def links(self) -> Mapping[str, RobotLink]:
         """All links by name: frames, bodies, meshes."""
         if self._of is None:
-            return MappingProxyType(dict(self._links))
+            return MappingProxyType(NamedDict("link", self._links))
         of = self._of
         bound = {
             name: link if link.body is None else replace(link, body=link.body._bound_to(of))
@@ -105,9 +106,11 @@ class Robot:
     def joints(self) -> Mapping[str, Joint]:
         """Joints of the scene by the names of the file; those that merged links have none."""
         if self._of is None:
-            return MappingProxyType(dict(self._joints))
+            return MappingProxyType(NamedDict("joint", self._joints))
         of = self._of
-        return MappingProxyType({name: joint._bound_to(of) for name, joint in self._joints.items()})
+        return MappingProxyType(
+            NamedDict("joint", {name: joint._bound_to(of) for name, joint in self._joints.items()})
+        )
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:

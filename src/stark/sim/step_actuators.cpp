@@ -8,6 +8,9 @@ namespace stark {
 
 namespace {
 
+/// Way beyond a stop, over the tolerance of joints, from which it is hit: what rests there moves by less.
+constexpr double kArrival = 5.0;
+
 /// Element fields of a group of actuators, looked up once.
 struct ActuatorFields {
   explicit ActuatorFields(const ConstraintGroup& group) {
@@ -73,6 +76,35 @@ void StepJoints::begin_actuators(double h) {
         set(group.batch, fields.memories[m], e, state_.actuator_memory[actuator.memory + m]);
     }
   }
+}
+
+bool StepJoints::hits_stop(double h) const {
+  if (!has_history(settings_.time.integrator)) return false;
+  const MotionReference& r = motion_.reference();
+  const ConstraintTolerance tolerance = joint_tolerance(settings_.joints);
+  std::vector<double> on;
+  std::vector<Vec3> other;  // where the sites were a step ago, or where they go
+  for (const ConstraintGroup& group : energies_.constraints.groups()) {
+    if (!has_stops(group)) continue;
+    if (on.empty()) {
+      on = acting();
+      other = r.before.empty() ? motion_.free_sites(h) : r.before;
+    }
+    const std::vector<double> now = group.batch.evaluate(group.joint->values(), step_start_),
+                              then = group.batch.evaluate(group.joint->values(), other);
+    const size_t outputs = now.size() / group.batch.size(), rows = group.joint->units().size();
+    for (size_t k = 0; k < outputs * group.joints.size(); ++k) {
+      const size_t row = k % outputs;
+      if (row >= rows || group.joint->one_sided()[row] == 0 || on[group.joints[k / outputs]] == 0.0) continue;
+      const double least = kArrival * tolerance.of(group.joint->units()[row]);
+      // Differences of the last step, not velocities: on a taut rope those have an error of second order that
+      // leads through the stop in every step. Without a last step only a stop that is open may be hit.
+      const bool is_hit = r.before.empty() ? now[k] < -least && then[k] > least
+                                           : now[k] + (now[k] - then[k]) * (h / r.since_before) > least;
+      if (is_hit) return true;
+    }
+  }
+  return false;
 }
 
 void StepJoints::commit_actuators(std::span<const Vec3> x) {

@@ -36,11 +36,12 @@ std::vector<Vec3> StepMotion::free_motion(double h) const {
   return x;
 }
 
-TimeStencil StepMotion::choose_stencil(double h) {
+TimeStencil StepMotion::choose_stencil(double h, bool hits_stop) {
   const double h_before = state_.previous_time_step;
   const bool goes_on =
       has_history(settings_.time.integrator) && h_before > 0.0 && h <= kLargestBdf2Ratio * h_before;
   if (!goes_on) return implicit_euler(h);
+  if (hits_stop) return bdf2_impact(h, h_before);
   if (!contact_) return bdf2(h, h_before);
   const bool gives_back = std::ranges::any_of(state_.restitution_due, [](double due) { return due != 0.0; });
   if (gives_back) return bdf2_impact(h, h_before);
@@ -50,10 +51,11 @@ TimeStencil StepMotion::choose_stencil(double h) {
   return is_resolved ? bdf2(h, h_before) : bdf2_unresolved(h, h_before);
 }
 
-void StepMotion::begin(double h) {
+void StepMotion::begin(double h, bool hits_stop) {
   const State& s = state_;
   MotionReference& r = reference_;
-  const TimeStencil stencil = r.stencil = choose_stencil(h);
+  const TimeStencil stencil = r.stencil = choose_stencil(h, hits_stop);
+  r.hits_stop = hits_stop;
   const bool has_history = stencil.history != 0.0;
   const auto set = [&](const auto& x, const auto& v, const auto& A, const auto& p, const auto& Q, auto& place,
                        auto& velocity) {
@@ -165,12 +167,21 @@ std::vector<Vec3> StepMotion::impulses_of(std::span<const PotentialBatch* const>
 }
 
 StepMotion::Impulses StepMotion::contact_impulses() {
-  Impulses impulses{std::vector<Vec3>(model_.map().layout().block_count), {}};
-  if (!contact_) return impulses;
-  contact_->settle(potential_.site_positions());
-  impulses.contact = impulses_of(contact_->batches(Curvature::Exact));
-  impulses.restitution = impulses_of(contact_->restitution_batches());
-  for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];
+  Impulses impulses{std::vector<Vec3>(model_.map().layout().block_count), {}, {}};
+  if (contact_) {
+    contact_->settle(potential_.site_positions());
+    impulses.contact = impulses_of(contact_->batches(Curvature::Exact));
+    impulses.restitution = impulses_of(contact_->restitution_batches());
+    for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];
+  }
+  if (reference_.hits_stop) {
+    // Whatever is held gives way to the impact, too: a door that hits its stop pulls at its hinges.
+    std::vector<const PotentialBatch*> held;
+    for (const ConstraintGroup& group : energies_.constraints.groups())
+      if (!group.joint->units().empty()) held.push_back(&group.batch);
+    impulses.hit = impulses_of(held);
+    for (size_t b = 0; b < impulses.hit.size(); ++b) impulses.contact[b] += impulses.hit[b];
+  }
   return impulses;
 }
 
@@ -194,6 +205,10 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
   State& s = state_;
   const DofLayout& layout = model_.map().layout();
   const TimeStencil& stencil = reference_.stencil;
+  // A step that resolves contact takes p up again: of what a stop has given, what lasts.
+  const auto drop_impact = [&](Vec3& increment, int32_t block, double part, double mass) {
+    if (block != kNoBlock && !impulses.hit.empty()) increment -= impulses.hit[block] * ((1.0 - part) / mass);
+  };
   for (size_t p = 0; p < s.point_position.size(); ++p) {
     const Vec3 change = s.point_velocity[p] - before.point_velocity[p];
     const int32_t block = layout.point_block[p];
@@ -208,6 +223,7 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
     const Vec3 A = s.point_increment[p] = change - by_contact;
     const double part = smooth_part(stencil, dot(A, by_contact), squared_norm(by_contact));
     s.point_lag[p] = next_lag(stencil, s.point_lag[p], A, by_contact, part);
+    drop_impact(s.point_contact_increment[p], block, part, model_.point_masses()[p]);
   }
   for (size_t b = 0; b < s.body_position.size(); ++b) {
     const RigidMass& mass = model_.rigid_masses()[b];
@@ -229,6 +245,8 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
     s.body_lag[b] = moves ? next_lag(stencil, s.body_lag[b], A, p, part) : Vec3{};
     s.body_spin_lag[b] = turns ? next_lag(stencil, s.body_spin_lag[b], A_spin, p_spin, part) : Vec3{};
     if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = p + back;
+    drop_impact(s.body_contact_increment[b], layout.body_block[b], part, mass.mass);
+    drop_impact(s.body_spin_contact_increment[b], layout.rotation_block[b], part, 1.0);
   }
 }
 

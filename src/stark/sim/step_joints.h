@@ -35,6 +35,9 @@ class StepJoints : private StepPart {
   void release();
   /// Writes the inputs of actuators for a step of length h from what motion is measured from.
   void begin_actuators(double h);
+  /// Whether what moves arrives at a stop in a step of length h with a history. Call it after
+  /// begin_actuators(h). [theory eq. 26]
+  bool hits_stop(double h) const;
   /// Multipliers, coordinates, rates, efforts and memories at the end of a step; breaks joints and
   /// attachments.
   void commit();

@@ -2,6 +2,7 @@
 // free, and what the state has of it afterwards (step phases 1, 2 and 6). [theory eq. 9a, 9b, 26, 26a, 26c]
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,12 +13,18 @@
 
 namespace stark {
 
+/// Whether constraints of a group are kept at or below zero: stops, slack ropes.
+inline bool has_stops(const ConstraintGroup& group) {
+  return std::ranges::any_of(group.joint->one_sided(), [](char one_sided) { return one_sided != 0; });
+}
+
 /// What the velocities of a step are measured from.
 struct MotionReference {
   TimeStencil stencil;
+  bool hits_stop = false;  ///< what is held gets an impact in the step, as by contact
   Configuration place;
   std::vector<Vec3> point_velocity, body_velocity;  ///< v_bar [m/s]
-  std::vector<Vec3> contact_velocity;               ///< by body: what contact has added [m/s]
+  std::vector<Vec3> contact_velocity;               ///< by body: what contact and impacts have added [m/s]
   std::vector<Mat3> body_rotation_rate;             ///< [1/s]
   std::vector<Mat3> free_rotation;                  ///< where the inertia of free bodies brings them
   std::vector<Vec3> angular_momentum;               ///< theirs without what acts in the step [kg m^2/s]
@@ -58,8 +65,9 @@ class StepMotion : private StepPart {
   /// [theory eq. 22a]
   std::vector<double> free_increments(double h) const;
 
-  /// Sets what the velocities of a step of length h are measured from.
-  void begin(double h);
+  /// Sets what the velocities of a step of length h are measured from; `hits_stop`: what moves arrives at a
+  /// stop of a coordinate in it.
+  void begin(double h, bool hits_stop = false);
   const MotionReference& reference() const { return reference_; }
   /// Puts back what begin() has set before.
   void set_reference(MotionReference reference) { reference_ = std::move(reference); }
@@ -105,6 +113,8 @@ class StepMotion : private StepPart {
   Vec3 turning_velocity(int32_t b, const Vec3& local) const;
   /// By site [m/s].
   std::vector<Vec3> site_velocities() const;
+  /// Where sites get with the velocities of the state in a time h [m].
+  std::vector<Vec3> free_sites(double h) const;
 
  private:
   /// Whether internal variables of the batch flow by halves of the step.
@@ -113,7 +123,7 @@ class StepMotion : private StepPart {
     return !reference_.half_way.empty() && potential_of(batch).flows_at_a_rate();
   }
   /// What the step of length h that starts from the state has of the integrator.
-  TimeStencil choose_stencil(double h);
+  TimeStencil choose_stencil(double h, bool hits_stop);
   /// Sites after a step of length h in which nothing pushes [m].
   std::vector<Vec3> free_motion(double h) const;
   /// Rotations and angular momenta of free bodies at the end of a step of length h if nothing acted in it.
@@ -125,7 +135,8 @@ class StepMotion : private StepPart {
   void commit_rotation(int32_t b, const Vec3& torque, double h);
   /// Impulses on the free blocks in the step that ends now [N s, N m s].
   struct Impulses {
-    std::vector<Vec3> contact;      ///< with friction
+    std::vector<Vec3> contact;      ///< with friction, and with `hit`
+    std::vector<Vec3> hit;          ///< of all that is held in a step that hits a stop; else empty
     std::vector<Vec3> restitution;  ///< empty without contact
   };
   Impulses contact_impulses();

@@ -295,27 +295,30 @@ void StepRunner::fail() {
   finish_report(StepStatus::Failed);
 }
 
+void StepRunner::predict(double h, const Configuration& start, bool hits_stop) {
+  const PhaseTimer::Scope scope(timer_, Phase::Predict);
+  potential_.begin(start, motion_.target_configuration(h));
+  step_start_.assign(potential_.site_positions().begin(), potential_.site_positions().end());
+  motion_.begin(h, hits_stop);
+  set_internal(energies_, state_.internal_variable);
+  motion_.begin_flow(h);
+  // Joints are measured against the inertia of the full time step: one cut short would stiffen them under
+  // what already rests on them and throw it off. Quasistatic steps have no other measure of rigid bodies.
+  const double full = motion_.reference().stencil.scale * settings_.time.step / h;
+  if (energies_.constraints.joint_count() > 0)
+    motion_.predict(h, full, full);
+  else
+    motion_.predict(h);
+  energies_before_ = ledger_.stored_energies(step_start_);
+  coordinates_before_ = state_.joint_coordinate;
+  joints_.begin_actuators(h);
+}
+
 bool StepRunner::attempt(double h, SolveReport& total) {
   const Configuration start = motion_.start_configuration();
   const bool has_joints = energies_.constraints.joint_count() > 0;
-  {
-    const PhaseTimer::Scope scope(timer_, Phase::Predict);
-    potential_.begin(start, motion_.target_configuration(h));
-    step_start_.assign(potential_.site_positions().begin(), potential_.site_positions().end());
-    motion_.begin(h);
-    set_internal(energies_, state_.internal_variable);
-    motion_.begin_flow(h);
-    // Joints are measured against the inertia of the full time step: one cut short would stiffen them under
-    // what already rests on them and throw it off. Quasistatic steps have no other measure of rigid bodies.
-    const double full = motion_.reference().stencil.scale * settings_.time.step / h;
-    if (has_joints)
-      motion_.predict(h, full, full);
-    else
-      motion_.predict(h);
-    energies_before_ = ledger_.stored_energies(step_start_);
-    coordinates_before_ = state_.joint_coordinate;
-    joints_.begin_actuators(h);
-  }
+  predict(h, start, false);
+  if (has_joints && joints_.hits_stop(h)) predict(h, start, true);
   if (has_joints) {
     joints_.begin(natural_stiffness(start));
     const PhaseTimer::Scope scope(timer_, Phase::Predict);

@@ -41,6 +41,8 @@ class StepRunner : private StepPart {
  private:
   void begin();
   bool attempt(double h, SolveReport& total);
+  /// Sets what the step of length h from `start` is measured from, and the inputs of all energies.
+  void predict(double h, const Configuration& start, bool hits_stop);
   /// Length of the attempt that follows one of length h that failed, if any; else ends the step.
   std::optional<double> next_attempt(double h);
   void set_deadline();
