@@ -97,6 +97,10 @@ class NamedReadings(dict[str, Value], Generic[Value]):
             f"{owner._title}: {what} is a copy, and writing into it would change nothing: write {remedy}"
         )
 
+    def __missing__(self, name: object) -> NoReturn:
+        owner, what, _ = self._of
+        raise KeyError(f"{owner._title}: {what} has no {name!r}: there is {', '.join(self) or 'nothing'}")
+
     def __reduce_ex__(self, protocol: SupportsIndex) -> Any:
         return dict, (dict(self),)
 

@@ -68,6 +68,14 @@ def test_other_readings_cannot_be_written_into(sim: stark.Simulation) -> None:
         motor.parameters["target"] = 3.0
 
 
+def test_names_that_are_not_there(sim: stark.Simulation) -> None:
+    with pytest.raises(KeyError, match=r"joint 'elbow': rates has no 'angel': there is angle"):
+        sim.joints[0].rates["angel"]
+    with pytest.raises(KeyError, match=r"actuator 'motor': parameters has no 'goal': there is target, "):
+        sim.actuators[0].parameters["goal"]
+    assert sim.joints[0].rates.get("angel") is None
+
+
 def test_what_the_message_says_works(sim: stark.Simulation) -> None:
     x = sim["crate"]
     remedy = r"write new = x\.velocity\.copy\(\); new\[2\] = \.\.\.; x\.velocity = new"

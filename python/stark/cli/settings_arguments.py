@@ -20,13 +20,19 @@ def add_setting_arguments(parser: argparse.ArgumentParser) -> None:
 
 def parse_settings(args: argparse.Namespace) -> dict[str, Any]:
     """The settings of ``--set`` and ``--threads`` by dotted name, each checked by the settings themselves."""
+    from .._core import InvalidSetting
     from ..settings import Settings
 
     settings = Settings()
     values: dict[str, Any] = {}
     for text in args.set:
-        settings.set_text(text)
         name = text.partition("=")[0].strip()
+        try:
+            settings.set_text(text)
+        except InvalidSetting as error:
+            if not str(error).startswith("unknown setting"):
+                raise
+            raise InvalidSetting(f"{error}; options of the scene file are given by --option") from None
         values[name] = settings[name]
     if args.threads is not None:
         values["threads"] = args.threads

@@ -19,6 +19,7 @@ from stark.render import read_png
         (("run", "missing.py"), "scene file 'missing.py' does not exist"),
         (("run", "hello_cloth", "--set", "newton.max_iteration=3"), "newton.max_iterations"),
         (("run", "hello_cloth", "--set", "newton.max_iterations=0"), "newton.max_iterations"),
+        (("run", "hello_cloth", "--set", "mu=0.2"), "options of the scene file are given by --option"),
         (("run", "hello_cloth", "--set", "nonsense"), "must have the form name=value"),
         (("run", "hello_cloth", "--until", "-3"), "until = -3.0 s; must be positive"),
         (("run", "hello_cloth", "--until", "nan"), "must be positive"),
