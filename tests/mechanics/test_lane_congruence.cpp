@@ -52,8 +52,7 @@ BlockMatrix one_by_one(const MixedScene& scene, const RandomBlock& block) {
   SitePairs none;
   for (int lane = 0; lane < block.lanes; ++lane) {
     const size_t first = static_cast<size_t>(lane) * block.points;
-    add_mapped_hessian({block.out.data(), block.n, lane},
-                       std::span(block.sites).subspan(first, block.points),
+    add_mapped_hessian({block.out.data(), block.n, lane}, std::span(block.sites).subspan(first, block.points),
                        std::span(block.jacobians).subspan(first, block.points), matrix, none);
   }
   return matrix;

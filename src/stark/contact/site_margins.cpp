@@ -19,7 +19,7 @@ std::vector<int32_t> find_surface_sites(const SurfaceMesh& mesh) {
   return sites;
 }
 
-/// Not within, and also what is no number.
+/// Also where a position is NaN.
 bool is_beyond(const Vec3& a, const Vec3& b, double squared) { return !(squared_norm(a - b) <= squared); }
 
 }  // namespace
