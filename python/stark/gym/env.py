@@ -56,12 +56,9 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.render_mode = render_mode
         self._picture = {"size": size, "quality": "draft", **(picture or {})}
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / self.task.control_step))}  # type: ignore[misc]
-        built, own = self.task.build()
-        self.sim: Simulation = Simulation(built, **{"threads": 1, **own, **(settings or {})})
-        self._settle()
-        self._state = self.sim.state
-        self._values = [live.present() for live in self.sim._live_values]
-        self._begin = self.sim.time
+        self._settings = {"threads": 1}, dict(settings or {})  # under those of the task, and over them
+        self.task.randomise(np.random.default_rng(0))
+        self._build()
         self._count: int | None = None  # control steps since the start; None: no episode
 
     # --- the interface of Gymnasium ---
@@ -70,11 +67,15 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[Any], dict[str, Any]]:
         """Starts an episode; the same ``seed`` gives the same one, whatever was before. Costs less than a
-        step, as nothing is built again."""
+        step, as nothing is built again; a task with ``randomise`` gets another ``sim``."""
         super().reset(seed=seed)
-        self.sim.reset(self._state)
-        for live, values in zip(self.sim._live_values, self._values, strict=True):
-            live.assign(values)
+        if self.task.is_randomised:
+            self.task.randomise(self.np_random)
+            self._build()
+        else:
+            self.sim.reset(self._state)
+            for live, values in zip(self.sim._live_values, self._values, strict=True):
+                live.assign(values)
         self.task.start(self.sim, self.np_random)
         self._count = 0
         return self._observation(), self.task.info(self.sim)
@@ -110,6 +111,16 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         return np.asarray(self.sim.picture(**self._picture), dtype=np.uint8)
 
     # --- details ---
+
+    def _build(self) -> None:
+        """A simulation of the scene of the task, settled."""
+        built, own = self.task.build()
+        under, over = self._settings
+        self.sim: Simulation = Simulation(built, **{**under, **own, **over})
+        self._settle()
+        self._state = self.sim.state
+        self._values = [live.present() for live in self.sim._live_values]
+        self._begin = self.sim.time
 
     def _settle(self) -> None:
         end = self.sim.time + self.task.settle

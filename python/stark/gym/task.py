@@ -41,9 +41,19 @@ class Task:
     settle: float = 0.0
     """Simulated once, before the first episode [s]: every episode starts from there."""
 
+    def randomise(self, random: np.random.Generator) -> None:
+        """Draws what ``build`` then makes the scene of: friction, masses, materials, shapes. A task that has
+        this function is built anew, and settles anew, for each episode; others are built once, which is much
+        faster."""
+
     def build(self) -> tuple[Any, dict[str, Any]]:
-        """The scene and settings of the simulation; called once."""
+        """The scene and settings of the simulation; called once, or after each ``randomise``."""
         raise NotImplementedError
+
+    @property
+    def is_randomised(self) -> bool:
+        """Whether the scene is another one in each episode."""
+        return type(self).randomise is not Task.randomise
 
     def start(self, sim: Any, random: np.random.Generator) -> None:
         """Makes the start of an episode another one: places bodies, draws targets. ``sim`` is at the
@@ -73,7 +83,8 @@ class Task:
 
 class FileTask(Task):
     """The task of a scene file: its functions ``spaces()``, ``start(sim, random)``, ``act(sim, action)``,
-    ``observe(sim)``, ``reward(sim, action)``, ``done(sim)``, and ``control_step`` [s]."""
+    ``observe(sim)``, ``reward(sim, action)``, ``done(sim)``, ``randomise(random)``, and ``control_step`` [s].
+    """
 
     def __init__(self, file: SceneFile) -> None:
         self._file = file
@@ -92,6 +103,13 @@ class FileTask(Task):
         self.control_step: float = getattr(file.module, "control_step", Task.control_step)
         self.settle: float = getattr(file.module, "settle", Task.settle)
         self.until: float = Task.until if file.until is None else file.until
+
+    def randomise(self, random: np.random.Generator) -> None:
+        self._optional("randomise", None, random)
+
+    @property
+    def is_randomised(self) -> bool:
+        return hasattr(self._file.module, "randomise")
 
     def build(self) -> tuple[Any, dict[str, Any]]:
         return self._file.build()
@@ -151,6 +169,11 @@ def task_of(scene: str | PathLike[str] | Task, options: Mapping[str, Any] | None
         return FileTask(file)
     if not isinstance(task, Task):
         raise TaskError(f"SceneEnv: task = {task!r}: must be a stark.gym.Task")
+    if task.is_randomised:
+        raise TaskError(
+            f"task '{task.name}': has randomise(), but the scene is that of '{file.name}': must build its "
+            f"own scene of what it draws; or give the scene file a function randomise(random)"
+        )
     return SceneTask(task, file)
 
 
