@@ -17,6 +17,9 @@ namespace {
 /// does not resolve how contact grows and fades.
 constexpr double kLargestResolved = 0.1;
 
+/// Of the kind bdf2_impact(): velocities of the end of the step are its mean ones.
+bool is_impact(const TimeStencil& stencil) { return stencil.history > 0.0 && stencil.ahead == 0.0; }
+
 }  // namespace
 
 std::vector<Vec3> StepMotion::free_motion(double h) const {
@@ -55,7 +58,6 @@ void StepMotion::begin(double h, bool hits_stop) {
   const State& s = state_;
   MotionReference& r = reference_;
   const TimeStencil stencil = r.stencil = choose_stencil(h, hits_stop);
-  r.hits_stop = hits_stop;
   const bool has_history = stencil.history != 0.0;
   const auto set = [&](const auto& x, const auto& v, const auto& A, const auto& p, const auto& Q, auto& place,
                        auto& velocity) {
@@ -174,8 +176,8 @@ StepMotion::Impulses StepMotion::contact_impulses() {
     impulses.restitution = impulses_of(contact_->restitution_batches());
     for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];
   }
-  if (reference_.hits_stop) {
-    // Whatever is held gives way to the impact, too: a door that hits its stop pulls at its hinges.
+  if (is_impact(reference_.stencil)) {
+    // Whatever is held gives way to the impact, too: a door that hits its stop or a wall pulls at its hinges.
     std::vector<const PotentialBatch*> held;
     for (const ConstraintGroup& group : energies_.constraints.groups())
       if (!group.joint->units().empty()) held.push_back(&group.batch);

@@ -21,7 +21,6 @@ inline bool has_stops(const ConstraintGroup& group) {
 /// What the velocities of a step are measured from.
 struct MotionReference {
   TimeStencil stencil;
-  bool hits_stop = false;  ///< what is held gets an impact in the step, as by contact
   Configuration place;
   std::vector<Vec3> point_velocity, body_velocity;  ///< v_bar [m/s]
   std::vector<Vec3> contact_velocity;               ///< by body: what contact and impacts have added [m/s]
@@ -136,7 +135,7 @@ class StepMotion : private StepPart {
   /// Impulses on the free blocks in the step that ends now [N s, N m s].
   struct Impulses {
     std::vector<Vec3> contact;      ///< with friction, and with `hit`
-    std::vector<Vec3> hit;          ///< of all that is held in a step that hits a stop; else empty
+    std::vector<Vec3> hit;          ///< of all that is held in a step with an impact; else empty
     std::vector<Vec3> restitution;  ///< empty without contact
   };
   Impulses contact_impulses();
