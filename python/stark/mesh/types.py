@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
@@ -46,6 +45,8 @@ class MeshBase:
         def __getattr__(self, name: str) -> Any:
             if name.startswith("_") or hasattr(type(self), name):  # a property that raised: its own error
                 return object.__getattribute__(self, name)
+            import difflib  # not at start-up
+
             known = [other for other in {*dir(type(self)), *self.__dict__} if not other.startswith("_")]
             meant = _ELSEWHERE.get(name) or next(
                 iter(difflib.get_close_matches(name, sorted(known), n=1)), ""
