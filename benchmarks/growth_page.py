@@ -110,7 +110,7 @@ def matrix_bytes(row: dict[str, Any]) -> float:
 
 def _peak(rows: list[dict[str, Any]], peaks: dict[str, float]) -> str:
     text = (
-        f"One core of this machine reached {1e-9 * peaks['flops']:.0f} billion operations a second in a "
+        f"{_vectors()}One core of this machine reached {1e-9 * peaks['flops']:.0f} billion operations a second in a "
         f"product of dense matrices in single precision and {1e-9 * peaks['bytes']:.1f} GB/s in a sum of "
         "long arrays, measured by NumPy while the machine was busy. The rate of the factorisation is printed "
         "by `bench_linalg`.\n"
@@ -132,6 +132,15 @@ def _peak(rows: list[dict[str, Any]], peaks: dict[str, float]) -> str:
             f"| {taken / least:.1f} |\n"
         )
     return text
+
+
+def _vectors() -> str:
+    """A sentence on the widest vectors of the processor, where Linux says it."""
+    try:
+        has_wide = " avx512f " in Path("/proc/cpuinfo").read_text()
+    except OSError:
+        return ""
+    return f"The processor has vectors of {512 if has_wide else 256} bits. "
 
 
 def plot(rows: list[dict[str, Any]], path: Path) -> None:
