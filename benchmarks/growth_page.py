@@ -111,9 +111,9 @@ def matrix_bytes(row: dict[str, Any]) -> float:
 def _peak(rows: list[dict[str, Any]], peaks: dict[str, float]) -> str:
     text = (
         f"{_vectors()}One core of this machine reached {1e-9 * peaks['flops']:.0f} billion operations a "
-        f"second in a product of dense matrices in single precision and {1e-9 * peaks['bytes']:.1f} GB/s in a sum of "
-        "long arrays, measured by NumPy while the machine was busy. The rate of the factorisation is printed "
-        "by `bench_linalg`.\n"
+        "second in a product of dense matrices in single precision and "
+        f"{1e-9 * peaks['bytes']:.1f} GB/s in a sum of long arrays, measured by NumPy while the machine was "
+        "busy. The rate of the factorisation is printed by `bench_linalg`.\n"
     )
     iterative = [row for row in rows if row["linear_iterations"] > 20 * row["newton_iterations"]]
     if not iterative:
