@@ -88,7 +88,7 @@ bool StepJoints::hits_stop(double h) const {
     if (!has_stops(group)) continue;
     if (on.empty()) {
       on = acting();
-      other = r.before.empty() ? motion_.free_sites(h) : r.before;
+      other = r.before.empty() ? motion_.free_motion(h) : r.before;
     }
     const std::vector<double> now = group.batch.evaluate(group.joint->values(), step_start_),
                               then = group.batch.evaluate(group.joint->values(), other);

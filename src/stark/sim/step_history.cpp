@@ -58,6 +58,7 @@ void StepMotion::begin(double h, bool hits_stop) {
   const State& s = state_;
   MotionReference& r = reference_;
   const TimeStencil stencil = r.stencil = choose_stencil(h, hits_stop);
+  r.has_impact = hits_stop || is_impact(stencil);
   const bool has_history = stencil.history != 0.0;
   const auto set = [&](const auto& x, const auto& v, const auto& A, const auto& p, const auto& Q, auto& place,
                        auto& velocity) {
@@ -176,7 +177,7 @@ StepMotion::Impulses StepMotion::contact_impulses() {
     impulses.restitution = impulses_of(contact_->restitution_batches());
     for (size_t b = 0; b < impulses.contact.size(); ++b) impulses.contact[b] -= impulses.restitution[b];
   }
-  if (is_impact(reference_.stencil)) {
+  if (reference_.has_impact) {
     // Whatever is held gives way to the impact, too: a door that hits its stop or a wall pulls at its hinges.
     std::vector<const PotentialBatch*> held;
     for (const ConstraintGroup& group : energies_.constraints.groups())
@@ -207,7 +208,7 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
   State& s = state_;
   const DofLayout& layout = model_.map().layout();
   const TimeStencil& stencil = reference_.stencil;
-  // A step that resolves contact takes p up again: of what a stop has given, what lasts.
+  // A step that resolves contact takes p up again: of what joints have given in an impact, what lasts.
   const auto drop_impact = [&](Vec3& increment, int32_t block, double part, double mass) {
     if (block != kNoBlock && !impulses.hit.empty()) increment -= impulses.hit[block] * ((1.0 - part) / mass);
   };

@@ -49,12 +49,6 @@ void StepMotion::commit(double h) {
     state_.pin_remaining = arrived(state_.pin_remaining) ? 0.0 : state_.pin_remaining - h;
 }
 
-std::vector<Vec3> StepMotion::free_sites(double h) const {
-  std::vector<Vec3> x = site_velocities();
-  for (size_t i = 0; i < x.size(); ++i) x[i] = step_start_[i] + x[i] * h;
-  return x;
-}
-
 std::vector<Vec3> StepMotion::site_velocities() const {
   const KinematicMap& map = model_.map();
   std::vector<Vec3> v(map.site_count());

@@ -21,6 +21,7 @@ inline bool has_stops(const ConstraintGroup& group) {
 /// What the velocities of a step are measured from.
 struct MotionReference {
   TimeStencil stencil;
+  bool has_impact = false;  ///< a stop is hit, or free motion leads through something; also without a history
   Configuration place;
   std::vector<Vec3> point_velocity, body_velocity;  ///< v_bar [m/s]
   std::vector<Vec3> contact_velocity;               ///< by body: what contact and impacts have added [m/s]
@@ -112,8 +113,8 @@ class StepMotion : private StepPart {
   Vec3 turning_velocity(int32_t b, const Vec3& local) const;
   /// By site [m/s].
   std::vector<Vec3> site_velocities() const;
-  /// Where sites get with the velocities of the state in a time h [m].
-  std::vector<Vec3> free_sites(double h) const;
+  /// Sites after a step of length h in which nothing pushes [m].
+  std::vector<Vec3> free_motion(double h) const;
 
  private:
   /// Whether internal variables of the batch flow by halves of the step.
@@ -123,8 +124,6 @@ class StepMotion : private StepPart {
   }
   /// What the step of length h that starts from the state has of the integrator.
   TimeStencil choose_stencil(double h, bool hits_stop);
-  /// Sites after a step of length h in which nothing pushes [m].
-  std::vector<Vec3> free_motion(double h) const;
   /// Rotations and angular momenta of free bodies at the end of a step of length h if nothing acted in it.
   void set_free_rotations(double h);
   /// Angular impulse of a step over its scale [N m] on each body with a free rotation; call it before
