@@ -102,6 +102,18 @@ def nearest_hint(name: str, known: Iterable[str]) -> str:
     return f" (did you mean '{near[0]}'?)" if near else ""
 
 
+def refuse_unknown_values(
+    owner: str, given: Iterable[str], known: list[str], options: Iterable[str], kind: str
+) -> None:
+    """InvalidArgument for a name that is none of the ``known`` values of a part; ``options`` are what its
+    function takes beside them, which the name may have meant."""
+    takes = f"takes {', '.join(known)}" if known else "takes no values"
+    for name in given:
+        if name not in known:
+            hint = nearest_hint(name, [*known, *options])
+            raise InvalidArgument(f"{owner}: unknown value '{name}'{hint}: {kind} {takes}")
+
+
 class NotCopyable(InvalidArgument, TypeError):  # noqa: N818 (says what it is)
     """What holds handles of the core was copied or pickled. Also a TypeError, as Python has it."""
 

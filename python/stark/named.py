@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Generic, NoReturn, Protocol, SupportsIndex, TypeVar
 
 from stark._core import InvalidArgument
+from stark.arguments import nearest_hint
 from stark.overloads import overload
 
 
@@ -35,12 +36,7 @@ class NamedList(list[Part], Generic[Part]):
     def __getitem__(self, at: slice) -> list[Part]: ...
 
     def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
-        if isinstance(at, str):
-            return _named(self, at, self._kind)
-        try:
-            return super().__getitem__(at)
-        except IndexError:
-            raise IndexError(_no_number(at, len(self), self._kind)) from None
+        return _part_at(self, at, super().__getitem__)
 
     def __contains__(self, part: object) -> bool:
         return (
@@ -65,12 +61,7 @@ class NamedTuple(tuple[Part, ...], Generic[Part]):
     def __getitem__(self, at: slice) -> tuple[Part, ...]: ...
 
     def __getitem__(self, at: SupportsIndex | slice | str) -> Any:
-        if isinstance(at, str):
-            return _named(self, at, self._kind)
-        try:
-            return super().__getitem__(at)
-        except IndexError:
-            raise IndexError(_no_number(at, len(self), self._kind)) from None
+        return _part_at(self, at, super().__getitem__)
 
     def __contains__(self, part: object) -> bool:
         return (
@@ -91,9 +82,16 @@ class NamedDict(dict[str, Value]):
         _refuse(name, list(self), self._kind)
 
 
-def _no_number(at: object, count: int, kind: str) -> str:
-    there = f"in [-{count}, {count})" if count else "of one that there is: there are none"
-    return f"{kind} number {at}: must be {there}"
+def _part_at(parts: Any, at: SupportsIndex | slice | str, numbered: Callable[[Any], Any]) -> Any:
+    """By name, or by number as a list or a tuple has it."""
+    if isinstance(at, str):
+        return _named(parts, at, parts._kind)
+    try:
+        return numbered(at)
+    except IndexError:
+        count = len(parts)
+        there = f"in [-{count}, {count})" if count else "of one that there is: there are none"
+        raise IndexError(f"{parts._kind} number {at}: must be {there}") from None
 
 
 def _named(parts: Iterable[Part], name: str, kind: str) -> Part:
@@ -104,10 +102,8 @@ def _named(parts: Iterable[Part], name: str, kind: str) -> Part:
 
 
 def _refuse(name: str, known: list[str], kind: str) -> NoReturn:
-    import difflib  # not at start-up
-
-    near = difflib.get_close_matches(name, known, n=1)
-    hint = f" (did you mean '{near[0]}'?)" if near else ""
     some = ", ".join(f"'{one}'" for one in known[:8]) + (", ..." if len(known) > 8 else "")
     there = f"there {'is' if len(known) == 1 else 'are'} {len(known)}: {some}" if known else "there are none"
-    raise InvalidArgument(f"unknown {kind} '{name}'{hint}: must be the name of one; {there}")
+    raise InvalidArgument(
+        f"unknown {kind} '{name}'{nearest_hint(name, known)}: must be the name of one; {there}"
+    )

@@ -7,7 +7,7 @@ from typing import Any
 
 from stark._core import InvalidArgument
 from stark.actuators.definition import ActuatorFormula, built_in
-from stark.arguments import given_flag, given_name, nearest_hint
+from stark.arguments import given_flag, given_name, refuse_unknown_values
 from stark.courses import set_courses, starts
 from stark.handle import SceneLink
 from stark.joints.handle import Actuator, Joint, number_of
@@ -45,13 +45,8 @@ def _check_names(owner: str, formula: ActuatorFormula, values: Mapping[str, Any]
     """Before the values: a misspelt option, which need not be a number, is called unknown."""
     units = [""] * formula.coordinate_count
     known = [parameter["name"] for parameter in formula.core.parameters(units)]
-    for name in values:
-        if name not in known:
-            hint = nearest_hint(name, [*known, "name", "enabled", "coordinate"])
-            takes = f"takes {', '.join(known)}" if known else "takes no values"
-            raise InvalidArgument(
-                f"{owner}: unknown value '{name}'{hint}: an actuator of the kind '{formula.name}' {takes}"
-            )
+    kind = f"an actuator of the kind '{formula.name}'"
+    refuse_unknown_values(owner, values, known, ("name", "enabled", "coordinate"), kind)
 
 
 def _entries(owner: str, on: Any) -> list[Any]:

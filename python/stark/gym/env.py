@@ -56,7 +56,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self.render_mode = render_mode
         self._picture = {"size": size, "quality": "draft", **(picture or {})}
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / self.task.control_step))}  # type: ignore[misc]
-        self._settings = {"threads": 1}, dict(settings or {})  # under those of the task, and over them
+        self._settings = dict(settings or {})
         self.task.randomise(np.random.default_rng(0))
         self._build()
         self._count: int | None = None  # control steps since the start; None: no episode
@@ -115,8 +115,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     def _build(self) -> None:
         """A simulation of the scene of the task, settled."""
         built, own = self.task.build()
-        under, over = self._settings
-        self.sim: Simulation = Simulation(built, **{**under, **own, **over})
+        self.sim: Simulation = Simulation(built, **{"threads": 1, **own, **self._settings})
         self._settle()
         self._state = self.sim.state
         self._values = [live.present() for live in self.sim._live_values]

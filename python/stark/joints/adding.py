@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import given_flag, given_name, nearest_hint, real_number
+from stark.arguments import given_flag, given_name, real_number, refuse_unknown_values
 from stark.bodies import Body
 from stark.body_kinds import has_frames, has_pose
 from stark.formulas.parameters import Parameter, check_range, numbers_of
@@ -243,13 +243,7 @@ def _described(carrier: str, position: Floats, rotation: Floats, body: Any = Non
 
 def _values(owner: str, formula: JointFormula, given: Mapping[str, Any]) -> dict[str, tuple[Floats, bool]]:
     known = [parameter.name for parameter in formula.parameters]
-    for name in given:
-        if name not in known:
-            takes = f"takes {', '.join(known)}" if known else "takes no values"
-            hint = nearest_hint(name, [*known, *_OPTIONS])
-            raise InvalidArgument(
-                f"{owner}: unknown value '{name}'{hint}: a joint of the kind '{formula.name}' {takes}"
-            )
+    refuse_unknown_values(owner, given, known, _OPTIONS, f"a joint of the kind '{formula.name}'")
     values = {}
     for parameter in formula.parameters:
         value = given.get(parameter.name, parameter.declaration.default)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Self, TypeAlias
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import given_path
+from stark.arguments import given_path, nearest_hint
 from stark.array_file import write_atomically
-from stark.attributes import attribute_error
+from stark.attributes import AnsweredAttributes
 from stark.mesh.arguments import Indices, Points, corners_of, indices_of, numbers_of, points_of
 from stark.rotations import as_matrix, vector
 
@@ -22,37 +23,27 @@ def edge_counts(triangles: Indices) -> NDArray[np.int64]:
     return np.unique(edges, axis=0, return_counts=True)[1]
 
 
-#: What meshes of others call it, and what it is called here.
-_ELSEWHERE = {
-    "faces": "triangles, of solids surface_triangles",
-    "tetrahedra": "tets",
-    "cells": "tets, of hexahedra elements",
-    "points": "vertices",
-    "edges": "triangles, whose sides they are",
-    "is_watertight": "is_closed",
-    "translate": "mesh.translated((x, y, z)), which makes a new mesh",
-    "rotate": "mesh.rotated(stark.rotation(axis=, angle=)), which makes a new mesh",
-    "scale": "mesh.scaled(factor), which makes a new mesh",
-    "apply_transform": "mesh.rotated and mesh.translated, which make a new mesh",
-}
-
-
-class MeshBase:
+class MeshBase(AnsweredAttributes):
     vertices: Points
+    #: What meshes of others call it, and what it is called here.
+    _elsewhere: ClassVar[Mapping[str, str]] = {
+        "faces": "triangles, of solids surface_triangles",
+        "tetrahedra": "tets",
+        "cells": "tets, of hexahedra elements",
+        "points": "vertices",
+        "edges": "triangles, whose sides they are",
+        "is_watertight": "is_closed",
+        "translate": "mesh.translated((x, y, z)), which makes a new mesh",
+        "rotate": "mesh.rotated(stark.rotation(axis=, angle=)), which makes a new mesh",
+        "scale": "mesh.scaled(factor), which makes a new mesh",
+        "apply_transform": "mesh.rotated and mesh.translated, which make a new mesh",
+    }
 
-    if not TYPE_CHECKING:  # checkers would take every name for known
-
-        def __getattr__(self, name: str) -> Any:
-            if name.startswith("_") or hasattr(type(self), name):  # a property that raised: its own error
-                return object.__getattribute__(self, name)
-            import difflib  # not at start-up
-
-            known = [other for other in {*dir(type(self)), *self.__dict__} if not other.startswith("_")]
-            meant = _ELSEWHERE.get(name) or next(
-                iter(difflib.get_close_matches(name, sorted(known), n=1)), ""
-            )
-            hint = f": write {meant}" if meant else ""
-            raise attribute_error(f"{type(self).__name__} has no attribute '{name}'{hint}", name)
+    def _unknown_attribute(self, name: str) -> str:
+        known = [other for other in {*dir(type(self)), *self.__dict__} if not other.startswith("_")]
+        elsewhere = self._elsewhere.get(name)
+        hint = f": write {elsewhere}" if elsewhere else nearest_hint(name, sorted(known))
+        return f"{type(self).__name__} has no attribute '{name}'{hint}"
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable: make a new one instead of setting {name}")
