@@ -101,6 +101,18 @@ TEST_CASE("its limits are e times the impulse and e^2 times the energy of the ap
   CHECK(norm(gradient[0] + gradient[1] + gradient[2]) == doctest::Approx(0.5 * 0.5 * 1.0 / (kStep * 0.5)));
 }
 
+TEST_CASE("what comes up since the approach is left to contact") {
+  RestitutionSet set = make_set(0.5);
+  const std::vector<Vec3> x = sites();
+  std::vector<Vec3> v(x.size());
+  for (int i = 0; i < 3; ++i) v[i].z = -10.0;  // five times the speed of the impact
+  set.begin_step(ended({0, 0, 1}, {}), x, motion(x, v));
+  std::vector<Vec3> gradient(x.size());
+  for (const PotentialBatch* batch : set.batches()) add_site_gradient(*batch, x, 1.0, gradient);
+  // Up to a twentieth of V counts, with the mass of the approach: 1 kg (0.5 * 2 + 0.1) m/s / h.
+  CHECK(norm(gradient[0] + gradient[1] + gradient[2]) == doctest::Approx(1.1 / kStep));
+}
+
 TEST_CASE("an impact is an approach with a force, a load that lasts is none") {
   const Vec3 gravity{0, 0, -10};
   RestitutionSet set = make_set(0.5, gravity);

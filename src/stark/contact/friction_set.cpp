@@ -267,8 +267,8 @@ Vec3 FrictionSet::deflection(const Pair& pair, std::span<const Vec3> x) const {
   return u - pair.normal * dot(pair.normal, u);
 }
 
-double FrictionSet::residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                             const FrictionTable& coefficient) const {
+LimitComparison FrictionSet::residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                                      const FrictionTable& coefficient) const {
   std::vector<FrictionLimit> now;
   for (size_t c = 0; c < contacts.size(); ++c) {
     if (!(norm(forces[c]) > 0.0)) continue;
@@ -278,7 +278,7 @@ double FrictionSet::residual(const std::vector<Contact>& contacts, std::span<con
     now.push_back({contacts[c].key, contacts[c].group_a, contacts[c].group_b, normalized(forces[c]),
                    (slides ? mu.sliding : mu.sticking) * norm(forces[c])});
   }
-  return LimitComparison(limits(pairs_), now).total().largest_change;
+  return {limits(pairs_), now};
 }
 
 std::vector<FrictionLimit> FrictionSet::limits(const std::vector<Pair>& pairs) {

@@ -80,9 +80,9 @@ class FrictionSet {
   /// Freezes friction as it was kept.
   void restore();
 
-  /// Largest difference between a frozen limit and the one by these contacts and forces [N].
-  double residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
-                  const FrictionTable& coefficient) const;
+  /// Frozen limits and those by these contacts and forces.
+  LimitComparison residual(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
+                           const FrictionTable& coefficient) const;
 
   /// What to remember of a step that ended at x.
   FrictionMemory end_step(std::span<const Vec3> x) const;

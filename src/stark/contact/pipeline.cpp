@@ -154,8 +154,10 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
   RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, motion);
-  friction_residual_ =
+  const LimitComparison limits =
       friction_.residual(contacts(), pushing_forces(contacts(), std::move(all)), friction_coefficient_);
+  friction_residual_ = limits.total();
+  friction_is_settled_ = limits.is_settled();
   ContactMemory memory{friction_.end_step(x), std::move(load)};
   memory.close = parted(x);
   memory.restitution = std::move(restitution);

@@ -53,8 +53,10 @@ void RestitutionSet::begin_step(RestitutionMemory memory, std::span<const Vec3> 
                         memory.load[k],  memory.stiffness[k], memory.due[k],
                         memory.rate[k],  memory.normal[k],    memory.moment[k]};
     if (memory.due[k] == 0.0) continue;
+    impacts_[bodies].mass = memory.impulse[k] / (memory.speed[k] + memory.rate[k]);
     impacts_[bodies].rate = along(bodies, impacts_[bodies], motion.turned, motion.velocities);
-    for (const int64_t group : {bodies >> 32, bodies & 0xffffffff})
+    const auto [a, b] = groups_of_code(bodies);
+    for (const int32_t group : {a, b})
       for (const int32_t site : table_.frame[group]) stencils.push_back(site);
   }
   PotentialBatch& batch = batch_.front();
@@ -70,7 +72,7 @@ void RestitutionSet::begin_step(RestitutionMemory memory, std::span<const Vec3> 
 void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& impact) {
   const double e = table_.coefficient.at(bodies), V = impact.speed, u0 = impact.rate;
   const double h = motion_.step, sigma = motion_.duration, a = fall(bodies, impact.normal);
-  const double mass = impact.impulse / (V + u0);
+  const double mass = impact.mass;
   // u^2/2 + a (way(u) - delay u h/2) = e^2 V^2/2 with way(u) = d + sigma u: the speed with which the bodies
   // would have left where the approach ended.
   const double d = along(bodies, impact, motion_.turned, motion_.lead);
@@ -79,7 +81,8 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
   // What the layer has given back by itself before the end of the step is part of what is due.
   const double back = 0.5 * mass * std::max(0.0, u0) * u0;
   const double energy = std::max(0.0, e * e * (impact.work + back) - back);
-  const double by_impulse = mass * std::max(0.0, e * V - u0) / h;
+  // What comes up since, as a body whose script turns it round, is for contact to stop.
+  const double by_impulse = mass * std::max(0.0, e * V - std::max(u0, -kLittleLeft * V)) / h;
   const double mean = 0.5 * (u0 + target);
   const double by_energy = mean > 0.0 ? energy / (h * mean) : by_impulse;
   const double w = motion_.weight;
@@ -88,11 +91,11 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
   batch.set("gain", element, w * kGain * mass / h);
   batch.set("push", element, w * std::min(by_impulse, by_energy));
   batch.set("pull", element, w * impact.impulse / h);
+  const auto [first, second] = groups_of_code(bodies);
   double side = 1.0;
   int i = 0;
-  for (const int64_t group : {bodies >> 32, bodies & 0xffffffff}) {
-    for (const Vec3& share :
-         shares(static_cast<int32_t>(group), impact.normal, impact.moment, motion_.turned)) {
+  for (const int32_t group : {first, second}) {
+    for (const Vec3& share : shares(group, impact.normal, impact.moment, motion_.turned)) {
       const Vec3 g = share * side;
       const int field = batch.field_index("share" + std::to_string(i++));
       batch.set(field, element, {&g.x, 3});
@@ -106,9 +109,8 @@ void RestitutionSet::set_element(int64_t element, int64_t bodies, const Impact& 
 void RestitutionSet::bound_pull(int64_t element, const Impact& impact, double stored) {
   PotentialBatch& batch = batch_.front();
   const double target = batch.get(batch.field_index("target"), element);
-  const double mass = impact.impulse / (impact.speed + impact.rate);
-  const double by_layer = std::sqrt(2.0 * std::max(0.0, stored) / mass);
-  const double most = kMostPull * mass * (std::max(0.0, impact.rate - target) + by_layer) / motion_.step;
+  const double by_layer = std::sqrt(2.0 * std::max(0.0, stored) / impact.mass);
+  const double most = kMostPull * impact.mass * (std::max(0.0, impact.rate - target) + by_layer) / motion_.step;
   const double pull = batch.get(batch.field_index("pull"), element);
   batch.set("pull", element, std::min(pull, motion_.weight * most));
 }
@@ -240,9 +242,10 @@ std::array<Vec3, 3> RestitutionSet::shares(int32_t group, const Vec3& normal, co
 
 double RestitutionSet::along(int64_t bodies, const Impact& impact, std::span<const Vec3> x,
                              std::span<const Vec3> vectors) const {
+  const auto [first, second] = groups_of_code(bodies);
   double sum = 0.0, side = 1.0;
-  for (const int64_t group : {bodies >> 32, bodies & 0xffffffff}) {
-    const auto g = shares(static_cast<int32_t>(group), impact.normal, impact.moment, x);
+  for (const int32_t group : {first, second}) {
+    const auto g = shares(group, impact.normal, impact.moment, x);
     for (int k = 0; k < 3; ++k) sum += side * dot(g[k], vectors[table_.frame[group][k]]);
     side = -1.0;
   }
@@ -250,7 +253,8 @@ double RestitutionSet::along(int64_t bodies, const Impact& impact, std::span<con
 }
 
 double RestitutionSet::fall(int64_t bodies, const Vec3& normal) const {
-  return std::max(0.0, dot(normal, table_.gravity[bodies & 0xffffffff] - table_.gravity[bodies >> 32]));
+  const auto [first, second] = groups_of_code(bodies);
+  return std::max(0.0, dot(normal, table_.gravity[second] - table_.gravity[first]));
 }
 
 std::map<int64_t, RestitutionSet::Sum> RestitutionSet::sums(const std::vector<Contact>& contacts,

@@ -108,6 +108,7 @@ class RestitutionSet {
   struct Impact {
     double speed = 0.0, impulse = 0.0, work = 0.0, load = 0.0, stiffness = 1.0, due = 0.0, rate = 0.0;
     Vec3 normal, moment;
+    double mass = 0.0;  ///< that the approach has brought to rest: its impulse over its change of speed [kg]
   };
   /// Contact between two bodies at the end of a step.
   struct Sum {

@@ -278,6 +278,19 @@ void StepRunner::report_nearness() {
                  "for an impact; raise contact_stiffness, or lower time.step");
 }
 
+void StepRunner::report_friction() {
+  const LimitChange left = contact_->friction_residual();
+  report_.friction_residual = left.largest_change;
+  // With a single update friction lags by choice.
+  const int updates = settings_.contact.friction_updates;
+  if (contact_->friction_is_settled() || updates == 1 || report_.solve.is_settled) return;
+  add_caveat(Caveat::OldFriction,
+             "limits of friction still changed by " + rough_text(left.largest_change, "N") +
+                 ", the largest being " + rough_text(left.largest_limit, "N") +
+                 ", when contact.friction_updates = " + std::to_string(updates) +
+                 " were over; raise it, or lower time.step");
+}
+
 void StepRunner::fail() {
   report_.diagnosis = diagnose();
   // That iterations ran out is what this verdict says itself, and what is pressed by its own weight or speed
@@ -452,8 +465,7 @@ void StepRunner::finish_report(StepStatus status) {
   if (report_.failed()) step_start_.clear();  // sensors have nothing to tell of it
   if (!report_.failed()) {
     report_.min_distance = std::numeric_limits<double>::infinity();
-    if (contact_) report_nearness();
-    report_.friction_residual = contact_ ? contact_->friction_residual() : 0.0;
+    if (contact_) report_nearness(), report_friction();
     report_.contact_count = contact_ ? static_cast<int64_t>(contact_->contacts().size()) : 0;
     report_.momentum = ledger_.momentum();
   }

@@ -54,6 +54,8 @@ class StepRunner : private StepPart {
   void add_caveat(Caveat caveat, const std::string& text);
   /// Measures how near surfaces are, and says it where that is less than settings ask for.
   void report_nearness();
+  /// The same of the limits of friction.
+  void report_friction();
   void commit(double h);
   void commit_contact(double h);
   void fail();

@@ -220,3 +220,26 @@ def test_forces_that_are_shown_are_those_that_act_in_a_corner() -> None:
         before = box.mass * box.velocity
         given = max(given, report.energy["restitution"])
     assert given > 0.01
+
+
+@pytest.mark.parametrize("later", [-30.0, 2.5, 3.0, 30.0])
+def test_forces_that_are_shown_are_those_that_act_where_the_wall_turns_round(later: float) -> None:
+    """The mass of an impact was taken from the speed of the next step: a wall that came nearer then by more
+    than the speed of the impact made it negative, and the forces that were shown were not those that acted."""
+    scene = stark.Scene()
+    scene.default_friction = 0.0
+    wall = scene.add_box((0.2, 1.0, 1.0), motion="scripted", position=(-0.16, 0.0, 0.0))
+    box = scene.add_box(0.1, mass=0.1, velocity=(-2.0, 0.0, 0.0))
+    scene.restitution[wall, box] = 0.6
+    sim = stark.Simulation(scene, time_step=1e-4, contact_distance=3e-3, gravity=(0.0, 0.0, 0.0))
+    before, has_hit = box.mass * box.velocity, False
+    for _ in range(100):
+        turns = not has_hit and bool(sim.state.arrays()["restitution_due"].any())
+        wall.velocity = (later if turns else 0.0, 0.0, 0.0)
+        has_hit = has_hit or turns
+        report = sim.step()
+        assert not report.failed, report.message
+        acting = (box.mass * box.velocity - before) / report.time_step
+        assert box.contact_force == pytest.approx(acting, abs=1e-3)
+        before = box.mass * box.velocity
+    assert has_hit
