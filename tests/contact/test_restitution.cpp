@@ -149,4 +149,17 @@ TEST_CASE("an impact is an approach with a force, a load that lasts is none") {
     // What is left carries the weight: 10 m/s^2 times 1 N s over 3 m/s, of 100 N.
     CHECK(over.stiffness[0] == doctest::Approx(10.0 * (1.0 / 3.0) / 100.0));
   }
+  SUBCASE("driven on by another body") {
+    for (int i = 0; i < 3; ++i) v[i] = {0, 0, -3};
+    set.begin_step({}, x, motion(x, v));
+    const RestitutionMemory memory = set.end_step({contact}, force, x, {v, v, still});
+    std::vector<Vec3> faster = v;
+    for (int i = 0; i < 3; ++i) faster[i] = {0, 0, -50};
+    set.begin_step(memory, x, motion(x, faster));
+    const RestitutionMemory driven = set.end_step({contact}, force, x, {faster, v, still});
+    CHECK(driven.speed[0] == doctest::Approx(50.0));
+    CHECK(driven.impulse[0] == doctest::Approx(200 * kStep));
+    set.begin_step(driven, x, motion(x, v));
+    CHECK(set.end_step({contact}, force, x, {v, v, still}).speed[0] == doctest::Approx(50.0));
+  }
 }

@@ -21,10 +21,12 @@ TEST_CASE("rounding of forces grows with stiffness and with the distance from th
   REQUIRE(noise.size() == 2);
   CHECK(noise[0] == doctest::Approx(3.0 * eps * norm_of_block));
   CHECK(noise[1] == doctest::Approx(3.0 * eps * norm_of_block));
-  // Of energies at rest it does not depend on where that is.
-  CHECK(energy_rounding(hessian, x, points) == doctest::Approx(5.0 * eps * norm_of_block));
+  // Of energies: by the size of the element, and by how far it is from the origin.
+  const double size = std::sqrt(5.0);
+  CHECK(energy_rounding(hessian, x, points) == doctest::Approx(size * (size + 2.0) * eps * norm_of_block));
   const std::vector<Vec3> far{{101, 0, 0}, {100, 2, 0}};
-  CHECK(energy_rounding(hessian, far, points) == doctest::Approx(5.0 * eps * norm_of_block));
+  CHECK(energy_rounding(hessian, far, points) ==
+        doctest::Approx(size * (size + 101.0) * eps * norm_of_block));
   // Rotations are known to eps, wherever the body is.
   const DofLayout body = DofLayout::build(std::vector<bool>{}, {false});
   CHECK(force_rounding(hessian, x, body)[0] == doctest::Approx(2.0 * eps * norm_of_block));

@@ -357,6 +357,27 @@ TEST_CASE("steps that a matrix makes too short are lengthened, as far as the ene
   CHECK(Solver(few).minimize(bounded).last_step_length == 0.5);
 }
 
+TEST_CASE("the last step does not leave more force than the tolerances allow") {
+  // Beside the top of a hill, with a projected matrix that has a hundredth of its curvature.
+  const auto hill = [](const Vec3& x) {
+    return Analytic::Value{0.5 * (x.y * x.y + x.z * x.z - x.x * x.x), {-x.x, x.y, x.z},
+                           Mat3::diagonal({-1.0, 1.0, 1.0}), Mat3::diagonal({0.01, 1.0, 1.0})};
+  };
+  const Vec3 start{5e-10, 0, 0};
+  Analytic objective(hill, start);
+  const SolveReport report = Solver(tight()).minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.residual == doctest::Approx(5e-10));
+  CHECK(objective.taken_back == 1);
+  CHECK(objective.x == start);
+  // Where it leaves less, it stands, and the report is about its end.
+  Analytic harmless(hill, {1e-14, 0, 0});
+  const double left = Solver(tight()).minimize(harmless).residual;
+  CHECK(left > 1e-12);  // a hundred times the start, and more: such steps are lengthened
+  CHECK(left < 1e-9);
+  CHECK(harmless.taken_back == 0);
+}
+
 TEST_CASE("a full step that fits its model is not lengthened") {
   Analytic objective(cosh_sum, {2.0, -1.5, 1.0});
   Solver solver(tight());

@@ -147,3 +147,23 @@ TEST_CASE("forces whose products underflow are none") {
   CHECK(report.iterations == 0);
   CHECK(report.residual == doctest::Approx(1e-158));
 }
+
+TEST_CASE("half of a step that raises the energy by more than the whole one shows rounding") {
+  // Energies that are known to 2e-9 J, by the last bits of positions: less than a thousandth of the first
+  // step changes none of those.
+  const double start = 1e-5, bit = 0.8e-8;
+  const auto rough = [&](const Vec3& x) {
+    Analytic::Value value{0.5 * dot(x, x), x, Mat3::identity(), Mat3::identity()};
+    const double cell = std::floor((x.x - start) / bit + 0.5);
+    if (cell != 0.0) value.energy += 1e-9 * (1.0 + 0.5 * std::sin(cell));
+    return value;
+  };
+  Analytic objective(rough, {start, 0.0, 0.0}), blind(rough, objective.x);
+  objective.noise = 2e-9;
+  Solver solver(tight()), other(tight());
+  const SolveReport report = solver.minimize(objective);
+  CHECK(report.status == SolveStatus::Converged);
+  CHECK(report.iterations < 4);
+  const SolveReport longer = other.minimize(blind);
+  CHECK((longer.status != SolveStatus::Converged || longer.iterations > report.iterations));
+}

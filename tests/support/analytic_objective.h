@@ -57,9 +57,15 @@ class Analytic final : public Objective {
     return {feasible && std::isfinite(after), after - before, extra_magnitude + std::fabs(before), contact};
   }
   void accept_trial() override {
+    last = x;
     x = trial;
     ++accepted;
     if (bound == 1.0) pending = false;
+  }
+  bool take_back() override {
+    x = last;
+    ++taken_back;
+    return true;
   }
   void refresh_early() override { ++refreshed_early; }
   double refresh_lagged(int round) override {
@@ -67,11 +73,12 @@ class Analytic final : public Objective {
     return round < lag_rounds ? lag_change : 0.0;
   }
 
-  Vec3 x, trial;
+  Vec3 x, trial, last;
   bool pending = false, feasible = true;
   double contact = 0.0;  ///< of trial energies
   double bound = 1.0, extra_magnitude = 0.0, lag_change = 0.0, rounding = 0.0, noise = 0.0;
   int linearizations = 0, gradients = 0, accepted = 0, refreshed = 0, refreshed_early = 0, lag_rounds = 0;
+  int taken_back = 0;
   mutable std::vector<double> residuals;
 
  private:

@@ -295,17 +295,16 @@ RestitutionSet::Impact RestitutionSet::next(int64_t bodies, Impact impact, Sum s
   // Else what pushes slowly would close the gap before the layer carries it.
   if (u1 < 0.0 && sum.force > kPressed * impact.load)
     impact.stiffness = std::min(1.0, kStiffer * impact.stiffness);
-  if (impact.speed == 0.0) {
-    const bool approaches = sum.force > 0.0 && u0 < 0.0;
-    const double V2 = approaches ? u0 * u0 - motion_.delay * a * h * u0 : 0.0;
-    if (!approaches || !(V2 + 2.0 * a * std::max(0.0, -sum.way) > 4.0 * a * a * h * h)) {
-      impact.load += (sum.force - impact.load) * follow;
-      return impact;
-    }
-    impact.speed = std::sqrt(V2);
+  const bool approaches = sum.force > 0.0 && u0 < 0.0;
+  const double by_rate = approaches ? u0 * u0 - motion_.delay * a * h * u0 : 0.0;
+  const double by_fall = 2.0 * a * std::max(0.0, -sum.way);
+  if (impact.speed == 0.0 && (!approaches || !(by_rate + by_fall > 4.0 * a * a * h * h))) {
+    impact.load += (sum.force - impact.load) * follow;
+    return impact;
   }
   const double force = std::max(0.0, sum.force - impact.load);
-  impact.speed = std::sqrt(impact.speed * impact.speed + 2.0 * a * std::max(0.0, -sum.way));
+  // What another body drives on meanwhile comes faster than it began.
+  impact.speed = std::sqrt(std::max(impact.speed * impact.speed, by_rate) + by_fall);
   impact.impulse += force * h;
   impact.work -= force * h * 0.5 * (u0 + u1);
   impact.rate = u1;

@@ -1,5 +1,6 @@
 #include <stark/mechanics/force_rounding.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -47,7 +48,9 @@ double energy_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_p
     for (int64_t slot = pattern.row_start[i]; slot < pattern.row_start[i + 1]; ++slot) {
       const int32_t j = pattern.column[slot];
       if (j == i || !is_point[i] || !is_point[j]) continue;
-      noise += norm_of_block(hessian, slot) * squared_norm(block_positions[i] - block_positions[j]);
+      const double size = norm(block_positions[i] - block_positions[j]);
+      const double known = std::max(norm(block_positions[i]), norm(block_positions[j]));
+      noise += norm_of_block(hessian, slot) * size * (size + known);
     }
   return kEpsilon * noise;
 }

@@ -258,6 +258,14 @@ void IncrementalPotential::accept_trial() {
   }
 }
 
+bool IncrementalPotential::take_back() {
+  std::swap(iterate_, trial_);
+  std::swap(x_, x_trial_);
+  trial_alpha_.reset();
+  if (active_set_) active_set_->update(x_);
+  return true;
+}
+
 double IncrementalPotential::refresh_lagged(int round) {
   const PhaseTimer::Scope scope(timer_, Phase::Friction);
   const double violation = constraints_ ? constraints_->update(x_) : 0.0;

@@ -60,6 +60,7 @@ class IncrementalPotential final : public Objective {
   double bound_step(std::span<const double> direction, double max_rotation, double longest = 1.0) override;
   TrialEnergy try_step(std::span<const double> direction, double alpha) override;
   void accept_trial() override;
+  bool take_back() override;
   double refresh_lagged(int round) override;
   void refresh_early() override;
   bool restore_settled() override;

@@ -35,7 +35,13 @@ constexpr double kRoundingRange = 100.0;
 constexpr double kStandstill = 0.01;
 /// Largest coordinate over the size of the scene from which the place of the scene makes the rounding.
 constexpr double kFar = 1e3;
+/// Size of an element over its size at rest below which it is pressed flat.
+constexpr double kFlat = 1e-3;
 constexpr size_t kNamedVertices = 4;
+
+constexpr const char* kLeaveRoom =
+    "end the prescribed motion before the obstacle, leave room for what is in between and for the contact "
+    "distances, move the obstacle, or drive the body by an actuator with a force that has a cap";
 
 struct Verdict {
   FailureCause cause = FailureCause::None;
@@ -157,11 +163,19 @@ Verdict blocked(const StepEvidence& e, const std::vector<NarrowGap>& crushed) {
     bodies.insert(bodies.end(), {gap.a.body, gap.b.body});
   }
   for (const std::string& body : bodies_of(crushed)) bodies.push_back(body);
-  return {
-      FailureCause::BlockedMotion, what,
-      "end the prescribed motion before the obstacle, leave room for what is in between and for the "
-      "contact distances, move the obstacle, or drive the body by an actuator with a force that has a cap",
-      bodies};
+  return {FailureCause::BlockedMotion, what, kLeaveRoom, bodies};
+}
+
+/// What prescribed parts have pressed until it has no volume left.
+Verdict judge_flattened(const StepEvidence& e) {
+  if (!is_stuck(e.solve.status) || !e.is_between || e.pushing.empty()) return {};
+  const auto flat =
+      std::ranges::find_if(e.elements, [](const StrainedElement& element) { return element.size < kFlat; });
+  if (flat == e.elements.end()) return {};
+  std::vector<std::string> bodies = e.pushing;
+  bodies.push_back(flat->at.body);
+  return {FailureCause::BlockedMotion,
+          listed(e.pushing) + " cannot get where prescribed: " + element_text(*flat), kLeaveRoom, bodies};
 }
 
 Verdict judge_prescribed(const StepEvidence& e, const Settings& settings) {
@@ -439,7 +453,8 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
     Verdict thrown = judge_thrown(e, settings.time.step);
     return thrown.cause != FailureCause::None ? thrown : judge_detour(e);
   }
-  for (Verdict verdict : {judge_load(e, settings), judge_overload(e), judge_earlier_attempts(e)})
+  for (Verdict verdict : {judge_load(e, settings), judge_overload(e), judge_earlier_attempts(e),
+                          judge_flattened(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (!e.unit_suspicions.empty())
     return {FailureCause::UnitMistake, suspicion_text(e),

@@ -113,6 +113,7 @@ std::optional<SolveStatus> NewtonSolver::iterate(Objective& objective) {
   const bool is_last = converged && !is_cut_short(searched);
   if (!is_last) ++report_.iterations;
   if (searched == SolveStatus::RoundOff) ++progress_.round_off_steps;
+  if (is_last && !progress_.is_hessian_exact) look_back(objective);
   if (is_last) return refresh_lagged(objective, SolveStatus::Converged);
   if (searched == SolveStatus::RoundOff && progress_.round_off_steps >= kRoundOffIterations)
     return refresh_lagged(objective, SolveStatus::RoundOff);
@@ -159,6 +160,14 @@ bool NewtonSolver::is_cut_short(SolveStatus searched) {
   return searched == SolveStatus::Converged && missing > kUnmoved * time_step_ &&
          report_.last_step_length >= kTinyStep && report_.iterations < settings_.max_iterations &&
          progress_.cut_short++ < kCutShortLimit;
+}
+
+// A projected matrix knows nothing of a way down between two ways up, and steps along it may add to forces.
+void NewtonSolver::look_back(Objective& objective) {
+  const SolveReport found = report_;
+  objective.evaluate_gradient(gradient_);
+  read_gradient(objective);
+  if (meets_tolerances(found) && !meets_tolerances(report_) && objective.take_back()) report_ = found;
 }
 
 // Lagged quantities of the start of the step are far off, and what is minimised with them is far from what
@@ -417,6 +426,7 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
   const double decrease = slope();
   report_.last_bound = alpha;
   report_.last_slope = decrease;
+  double longer = 0.0;  // what the trial before has raised the energy by
   for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
     if (is_interrupted_meanwhile()) return SolveStatus::Interrupted;
     const TrialEnergy trial = objective.try_step(direction_, alpha);
@@ -437,7 +447,11 @@ SolveStatus NewtonSolver::line_search(Objective& objective) {
     // rounding of stiff elements, more than their magnitude shows. The gradient, exact still, decides.
     const bool is_rounding =
         k == kRoundingProbe && trial.feasible && trial.difference > -decrease && -decrease >= noise;
-    if (is_rounding && take_unsure_step(objective)) return SolveStatus::Converged;
+    // So they are where half of a step raises it by no less than the whole one, by as little as rounding may.
+    const bool is_uneven = !pending && trial.feasible && longer > 0.0 && trial.difference >= longer &&
+                           trial.difference <= objective.energy_rounding(hessian_);
+    longer = trial.difference;
+    if ((is_rounding || is_uneven) && take_unsure_step(objective)) return SolveStatus::Converged;
   }
   report_.last_step_length = 0.0;
   return SolveStatus::LineSearchFailed;

@@ -91,6 +91,8 @@ class NewtonSolver {
   bool goes_around();
   /// Whether something stood in the way of the last direction that it has not pushed against yet.
   bool is_cut_short(SolveStatus searched);
+  /// Takes the last step back if forces at its end miss the tolerances that they met before it.
+  void look_back(Objective& objective);
   /// Whether a full step has reduced nothing, and another would move next to nothing.
   bool stands_still(const SolveReport& before) const;
   /// Whether nothing but rounding keeps the tolerances from being met.

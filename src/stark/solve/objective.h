@@ -63,6 +63,8 @@ class Objective {
   virtual TrialEnergy try_step(std::span<const double> direction, double alpha) = 0;
   /// The trial point becomes the iterate.
   virtual void accept_trial() = 0;
+  /// Takes the last accept_trial() back. Returns false where an objective cannot.
+  virtual bool take_back() { return false; }
 
   /// Called between iterations once the residual is small: brings lagged quantities (friction, multipliers of
   /// joints) up to date. `round` counts the calls of this minimisation. Returns the change of force it caused
