@@ -10,11 +10,21 @@ namespace {
 constexpr Vec3 kUp{0, 0, 1}, kDown{0, 0, -1};
 
 FrictionLimit of_point(int32_t triangle, double limit, const Vec3& normal = kUp, int32_t group_b = 1) {
-  return {{PairKind::PointTriangle, 3, triangle}, 0, group_b, normal, limit};
+  const Contact contact{.key = {PairKind::PointTriangle, 3, triangle}, .group_a = 0, .group_b = group_b};
+  return limit_of(contact, normal, limit);
 }
 
-FrictionLimit of_edges(int32_t second, double limit) {
-  return {{PairKind::EdgeEdge, 2, second}, 0, 1, kUp, limit};
+/// Edge 2, of the points 10 and 11, with another, at a part of each.
+FrictionLimit of_edges(int32_t second, double limit, double at_first = 0.5, double at_second = 0.5,
+                       const Vec3& normal = kUp) {
+  const Contact contact{.key = {PairKind::EdgeEdge, 2, second},
+                        .point_count = 4,
+                        .side_a_count = 2,
+                        .group_a = 0,
+                        .group_b = 1,
+                        .sites = {10, 11, 20 + second, 21 + second},
+                        .weights = {1.0 - at_first, at_first, at_second - 1.0, -at_second}};
+  return limit_of(contact, normal, limit);
 }
 
 }  // namespace
@@ -28,6 +38,32 @@ TEST_CASE("a contact that a valley splits has the limit that it had") {
   CHECK(LimitComparison({of_point(7, 5.0)}, {of_point(8, 5.0)}).is_settled());
   CHECK_FALSE(LimitComparison({of_point(7, 5.0)}, {of_point(8, 5.0, kUp, 2)}).is_settled());
   CHECK_FALSE(LimitComparison({of_edges(7, 5.0)}, {of_edges(8, 5.0)}).is_settled());
+}
+
+TEST_CASE("a contact at the end of an edge is one of the point there") {
+  // Edges 7 and 8 share the point 28, where edge 2 crosses them.
+  CHECK(LimitComparison({of_edges(7, 5.0, 0.4, 0.9999)}, {of_edges(8, 5.0, 0.4, 1e-6)}).is_settled());
+  CHECK(LimitComparison({of_edges(7, 5.0, 0.4, 1.0)}, {of_edges(7, 2.0, 0.4, 1.0), of_edges(8, 3.0, 0.4, 0.0)})
+            .is_settled());
+  CHECK_FALSE(LimitComparison({of_edges(7, 5.0, 0.4, 0.98)}, {of_edges(8, 5.0, 0.4, 0.02)}).is_settled());
+  // Seen from the point, whichever side of the contact it is on: above are 5 N, below 2 N.
+  const Contact point{.key = {PairKind::PointTriangle, 28, 3}, .group_a = 1, .group_b = 0};
+  CHECK(LimitComparison({limit_of(point, kDown, 5.0), limit_of(point, kUp, 2.0)},
+                        {of_edges(7, 5.0, 0.4, 1.0), of_edges(8, 2.0, 0.4, 0.0, kDown)})
+            .is_settled());
+  // Where both end, contacts of either point are there: 5 N before, 2 + 3 N after.
+  CHECK(LimitComparison({of_edges(7, 5.0, 1.0, 1.0)},
+                        {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 3.0)})
+            .is_settled());
+  CHECK(damped_limits({of_edges(7, 5.0, 1.0, 1.0)}, {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 2.0)}) ==
+        std::vector<double>{2.0 * 4.5 / 4.0, 2.0 * 4.5 / 4.0});
+}
+
+TEST_CASE("places meet in the middle, however their contacts share them") {
+  // 3 + 2 N after 5 N go on as they are, 4 N after 6 N as 5 N, and what is new stays.
+  const std::vector<FrictionLimit> before{of_point(7, 5.0), of_edges(7, 6.0)};
+  const std::vector<FrictionLimit> now{of_point(7, 3.0), of_point(8, 2.0), of_edges(7, 4.0), of_edges(8, 1.0)};
+  CHECK(damped_limits(before, now) == std::vector<double>{3.0, 2.0, 5.0, 1.0});
 }
 
 TEST_CASE("the layers on both sides of a point are two places") {

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <optional>
+#include <span>
 #include <tuple>
 
 namespace stark {
@@ -16,21 +19,8 @@ constexpr double kLimitTolerance = 1e-3;
 /// beside it. Bodies that hardly graze each other are left out: part of the largest limit of all.
 constexpr double kPairTolerance = 1e-2, kGrazing = 1e-6;
 
-/// What contacts of one place have in common: the point and the bodies, or the pair of primitives.
-struct Place {
-  bool is_of_point = false;
-  PairKey key;
-  int64_t bodies = 0;
-  auto operator<=>(const Place&) const = default;
-};
-
-Place place_of(const FrictionLimit& limit) {
-  const PairKey& key = limit.key;
-  const bool of_point =
-      key.kind == PairKind::PointTriangle || key.kind == PairKind::PointEdge || key.kind == PairKey::kOther;
-  const int64_t bodies = group_code(limit.group_a, limit.group_b);
-  return of_point ? Place{true, {PairKey::kOther, key.first, 0}, bodies} : Place{false, key, bodies};
-}
+/// Part of an edge within which a contact is at its end.
+constexpr double kEnd = 1e-2;
 
 /// One side of a place.
 struct Sum {
@@ -38,46 +28,129 @@ struct Sum {
 };
 
 struct Entry {
-  Place place;
+  FrictionPlace place;
   bool is_now = false;
   const FrictionLimit* limit;
 };
 
+using Sides = std::array<Sum, 2>;
+using VisitPlace = std::function<void(std::span<const Entry>, const Sides&)>;
+
+int side_of(const Entry& entry, const Entry& first) {
+  return dot(entry.limit->normal, first.limit->normal) >= 0.0 ? 0 : 1;
+}
+
+/// By place, those before the refresh first, in the order of the lists.
+std::vector<Entry> sorted_entries(const std::vector<FrictionLimit>& before,
+                                  const std::vector<FrictionLimit>& now) {
+  std::vector<Entry> entries;
+  entries.reserve(before.size() + now.size());
+  for (const FrictionLimit& limit : before) entries.push_back({limit.place, false, &limit});
+  for (const FrictionLimit& limit : now) entries.push_back({limit.place, true, &limit});
+  // Without the memory that stable sorts take.
+  const auto by_place = [](const Entry& e) { return std::tuple(e.place, e.is_now, e.limit); };
+  std::ranges::sort(entries, {}, by_place);
+  // Places with two names get the lower one of both.
+  std::map<FrictionPlace, FrictionPlace> lower;
+  const auto lowest = [&](FrictionPlace place) {
+    for (auto found = lower.find(place); found != lower.end(); found = lower.find(place)) place = found->second;
+    return place;
+  };
+  for (const Entry& entry : entries) {
+    if (!entry.limit->other) continue;
+    const FrictionPlace a = lowest(entry.place), b = lowest(*entry.limit->other);
+    if (a != b) lower.emplace(std::max(a, b), std::min(a, b));
+  }
+  if (lower.empty()) return entries;
+  for (Entry& entry : entries) entry.place = lowest(entry.place);
+  std::ranges::sort(entries, {}, by_place);
+  return entries;
+}
+
+/// Visits places with their entries and their sums.
+void for_each_place(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now,
+                    const VisitPlace& visit) {
+  const std::vector<Entry> entries = sorted_entries(before, now);
+  for (size_t i = 0, end = 0; i < entries.size(); i = end) {
+    Sides sides;
+    for (end = i; end < entries.size() && entries[end].place == entries[i].place; ++end) {
+      Sum& sum = sides[side_of(entries[end], entries[i])];
+      (entries[end].is_now ? sum.now : sum.before) += entries[end].limit->limit;
+    }
+    visit({entries.data() + i, end - i}, sides);
+  }
+}
+
+/// The only point of a side that a contact is at, from its first to its last point.
+std::optional<int32_t> only_point(const Contact& contact, int first, int last) {
+  std::optional<int32_t> point;
+  for (int p = first; p < last; ++p) {
+    if (std::fabs(contact.weights[p]) <= kEnd) continue;
+    if (point) return {};
+    point = contact.sites[p];
+  }
+  return point;
+}
+
 }  // namespace
+
+FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit) {
+  const PairKey& key = contact.key;
+  const int64_t bodies = group_code(contact.group_a, contact.group_b);
+  const auto of_point = [&](int32_t point) {
+    return FrictionPlace{true, {PairKey::kOther, point, 0}, bodies};
+  };
+  const bool of_edges = key.kind == PairKind::EdgeEdge, of_points = key.kind == PairKind::PointPoint;
+  auto a = only_point(contact, 0, contact.side_a_count);
+  auto b = only_point(contact, contact.side_a_count, contact.point_count);
+  if (!of_edges && !of_points) a = key.first;
+  const bool is_of_one = contact.group_a == contact.group_b;
+  const double side = is_of_one ? (a || !b ? 1.0 : -1.0) : side_of_first(contact, bodies);
+  FrictionLimit result{{false, key, bodies}, {}, normal * side, limit};
+  if (!a && !b) return result;
+  result.place = of_point(a ? *a : *b);
+  if (a && b && *a != *b) result.other = of_point(*b);
+  return result;
+}
+
+std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
+                                  const std::vector<FrictionLimit>& now) {
+  std::vector<double> damped;
+  damped.reserve(now.size());
+  for (const FrictionLimit& limit : now) damped.push_back(limit.limit);
+  for_each_place(before, now, [&](std::span<const Entry> entries, const Sides& sides) {
+    for (const Entry& entry : entries) {
+      const Sum& sum = sides[side_of(entry, entries.front())];
+      if (!entry.is_now || !(sum.before > 0.0) || !(sum.now > 0.0)) continue;
+      damped[static_cast<size_t>(entry.limit - now.data())] *= 0.5 * (sum.before + sum.now) / sum.now;
+    }
+  });
+  return damped;
+}
 
 LimitComparison::LimitComparison(const std::vector<FrictionLimit>& before,
                                  const std::vector<FrictionLimit>& now) {
-  std::vector<Entry> entries;
-  entries.reserve(before.size() + now.size());
-  for (const FrictionLimit& limit : before) entries.push_back({place_of(limit), false, &limit});
-  for (const FrictionLimit& limit : now) entries.push_back({place_of(limit), true, &limit});
-  // In the order of the lists at each place, without the memory that stable sorts take.
-  std::ranges::sort(entries, {}, [](const Entry& e) { return std::tuple(e.place, e.is_now, e.limit); });
-  std::map<int64_t, OfBodies> of_bodies;
-  for (size_t i = 0, end = 0; i < entries.size(); i = end) {
-    std::array<Sum, 2> sides;
-    for (end = i; end < entries.size() && entries[end].place == entries[i].place; ++end) {
-      const FrictionLimit& limit = *entries[end].limit;
-      Sum& sum = sides[dot(limit.normal, entries[i].limit->normal) >= 0.0 ? 0 : 1];
-      (entries[end].is_now ? sum.now : sum.before) += limit.limit;
-    }
-    OfBodies& pair = of_bodies[entries[i].place.bodies];
+  std::map<int64_t, LimitChange> of_bodies;
+  for_each_place(before, now, [&](std::span<const Entry> entries, const Sides& sides) {
+    LimitChange& pair = of_bodies[entries.front().place.bodies];
     for (const Sum& sum : sides) {
       const double change = std::fabs(sum.now - sum.before);
-      pair.change = std::max(pair.change, change);
-      pair.limit = std::max({pair.limit, sum.before, sum.now});
+      pair.largest_change = std::max(pair.largest_change, change);
+      pair.largest_limit = std::max({pair.largest_limit, sum.before, sum.now});
       total_.largest_change = std::max(total_.largest_change, change);
       total_.largest_limit = std::max(total_.largest_limit, sum.now);
     }
-  }
+  });
   for (const auto& [bodies, pair] : of_bodies) bodies_.push_back(pair);
 }
 
-bool LimitComparison::is_settled() const {
-  if (!(total_.largest_change <= kLimitTolerance * total_.largest_limit)) return false;
-  return std::ranges::all_of(bodies_, [&](const OfBodies& pair) {
-    return pair.limit <= kGrazing * total_.largest_limit || pair.change <= kPairTolerance * pair.limit;
-  });
+std::optional<LimitChange> LimitComparison::unsettled() const {
+  if (!(total_.largest_change <= kLimitTolerance * total_.largest_limit)) return total_;
+  for (const LimitChange& pair : bodies_)
+    if (pair.largest_limit > kGrazing * total_.largest_limit &&
+        pair.largest_change > kPairTolerance * pair.largest_limit)
+      return pair;
+  return {};
 }
 
 }  // namespace stark

@@ -2,42 +2,57 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <stark/contact/contact_set.h>
 
 namespace stark {
 
+/// Where friction of contacts acts: a pair of edges, or a point that touches a body. A point has one contact
+/// with each side of a valley, one that an edge crosses at its end may be of either edge there, and one of two
+/// points is of both: contacts of a place share its limit, which goes from one to the other while friction
+/// stays what it is.
+struct FrictionPlace {
+  bool is_of_point = false;
+  PairKey key;
+  int64_t bodies = 0;  ///< group_code()
+  auto operator<=>(const FrictionPlace&) const = default;
+};
 /// Limit of friction of a contact.
 struct FrictionLimit {
-  PairKey key;
-  int32_t group_a = 0, group_b = 0;
-  Vec3 normal;         ///< unit, to side A
-  double limit = 0.0;  ///< mu lambda [N]
+  FrictionPlace place;
+  std::optional<FrictionPlace> other;  ///< another name of the place, of two points
+  Vec3 normal;                         ///< unit, to the first of two bodies; of one body: to the side of the point
+  double limit = 0.0;                  ///< mu lambda [N]
 };
+/// normal: unit, to side A.
+FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit);
 
 /// Largest change of a limit and largest limit after it [N].
 struct LimitChange {
   double largest_change = 0.0, largest_limit = 0.0;
 };
 
-/// Limits before and after a refresh, compared place by place. A place is a pair of edges, or one side of a
-/// point that touches a body there: above a valley the contact of a point splits into one for each side of
-/// the valley, which share the limit, and joins again, while the friction stays what it is.
+/// Limits after a refresh of which each place has the mean of what it had before and has now, in the order of
+/// `now`. Places that are new keep theirs.
+std::vector<double> damped_limits(const std::vector<FrictionLimit>& before,
+                                  const std::vector<FrictionLimit>& now);
+
+/// Limits before and after a refresh, compared place by place, and side by side of each place.
 class LimitComparison {
  public:
   LimitComparison(const std::vector<FrictionLimit>& before, const std::vector<FrictionLimit>& now);
 
   LimitChange total() const { return total_; }
   /// Whether limits have settled, of all and between each two bodies.
-  bool is_settled() const;
+  bool is_settled() const { return !unsettled(); }
+  /// Those of all, or between two bodies, that have not.
+  std::optional<LimitChange> unsettled() const;
 
  private:
-  struct OfBodies {
-    double change = 0.0, limit = 0.0;  ///< largest; limits before the refresh and after it [N]
-  };
   LimitChange total_;
-  std::vector<OfBodies> bodies_;
+  std::vector<LimitChange> bodies_;  ///< between each two; limits before the refresh, too
 };
 
 }  // namespace stark

@@ -213,11 +213,11 @@ void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Ve
   sort_by_point_count();
 }
 
-// Limits that go back and forth between two solutions meet in the middle. Pairs that one of them lacks are
+// Limits that go back and forth between two solutions meet in the middle. Places that one of them lacks are
 // left out: what is left of their limits would fade over more refreshes than there are.
 void FrictionSet::damp(std::vector<Pair>& next) const {
-  for (Pair& pair : next)
-    if (const Pair* before = find(pair.contact.key)) pair.limit = 0.5 * (before->limit + pair.limit);
+  const std::vector<double> damped = damped_limits(limits(pairs_), limits(next));
+  for (size_t k = 0; k < next.size(); ++k) next[k].limit = damped[k];
 }
 
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
@@ -275,8 +275,8 @@ LimitComparison FrictionSet::residual(const std::vector<Contact>& contacts, std:
     const FrictionCoefficient mu = coefficient(contacts[c].group_a, contacts[c].group_b);
     const Pair* frozen = find(contacts[c].key);
     const bool slides = frozen != nullptr && frozen->slides;
-    now.push_back({contacts[c].key, contacts[c].group_a, contacts[c].group_b, normalized(forces[c]),
-                   (slides ? mu.sliding : mu.sticking) * norm(forces[c])});
+    const double limit = (slides ? mu.sliding : mu.sticking) * norm(forces[c]);
+    now.push_back(limit_of(contacts[c], normalized(forces[c]), limit));
   }
   return {limits(pairs_), now};
 }
@@ -285,7 +285,7 @@ std::vector<FrictionLimit> FrictionSet::limits(const std::vector<Pair>& pairs) {
   std::vector<FrictionLimit> limits;
   limits.reserve(pairs.size());
   for (const Pair& pair : pairs)
-    limits.push_back({pair.contact.key, pair.contact.group_a, pair.contact.group_b, pair.normal, pair.limit});
+    limits.push_back(limit_of(pair.contact, pair.normal, pair.limit));
   return limits;
 }
 

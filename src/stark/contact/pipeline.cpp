@@ -156,8 +156,8 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration
   RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, motion);
   const LimitComparison limits =
       friction_.residual(contacts(), pushing_forces(contacts(), std::move(all)), friction_coefficient_);
-  friction_residual_ = limits.total();
-  friction_is_settled_ = limits.is_settled();
+  friction_residual_ = limits.total().largest_change;
+  unsettled_friction_ = limits.unsettled();
   ContactMemory memory{friction_.end_step(x), std::move(load)};
   memory.close = parted(x);
   memory.restitution = std::move(restitution);

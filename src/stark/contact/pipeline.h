@@ -104,10 +104,10 @@ class ContactPipeline final : public ActiveSet {
   /// Factors of the barriers for another attempt at a step, after one that failed at x.
   LoadMemory raised_load(std::span<const Vec3> x, std::span<const Vec3> start, const LoadMemory& before);
   /// Largest difference between a friction limit that the step was solved with and mu times the normal force
-  /// at its end, and the largest limit at its end [N].
-  LimitChange friction_residual() const { return friction_residual_; }
-  /// Whether limits had settled before contact.friction_updates were over.
-  bool friction_is_settled() const { return friction_is_settled_; }
+  /// at its end [N].
+  double friction_residual() const { return friction_residual_; }
+  /// Limits, of all or between two bodies, that had not settled when contact.friction_updates were over.
+  std::optional<LimitChange> unsettled_friction() const { return unsettled_friction_; }
 
   void update(std::span<const Vec3> x) override;
   /// The same, where the last update() was not at x.
@@ -209,8 +209,8 @@ class ContactPipeline final : public ActiveSet {
   /// Nothing but x decides what the next one gives; of is_near_ nothing but x and the names.
   bool is_active_ = false, is_trial_ = false, is_near_ = false;
   double duration_ = 0.0, weight_ = 1.0;
-  LimitChange friction_residual_;
-  bool friction_is_settled_ = true;
+  double friction_residual_ = 0.0;
+  std::optional<LimitChange> unsettled_friction_;
 };
 
 }  // namespace stark

@@ -279,14 +279,14 @@ void StepRunner::report_nearness() {
 }
 
 void StepRunner::report_friction() {
-  const LimitChange left = contact_->friction_residual();
-  report_.friction_residual = left.largest_change;
+  report_.friction_residual = contact_->friction_residual();
   // With a single update friction lags by choice.
   const int updates = settings_.contact.friction_updates;
-  if (contact_->friction_is_settled() || updates == 1 || report_.solve.is_settled) return;
+  const std::optional<LimitChange> left = contact_->unsettled_friction();
+  if (!left || updates == 1 || report_.solve.is_settled) return;
   add_caveat(Caveat::OldFriction,
-             "limits of friction still changed by " + rough_text(left.largest_change, "N") +
-                 ", the largest being " + rough_text(left.largest_limit, "N") +
+             "limits of friction still changed by " + rough_text(left->largest_change, "N") +
+                 ", the largest there being " + rough_text(left->largest_limit, "N") +
                  ", when contact.friction_updates = " + std::to_string(updates) +
                  " were over; raise it, or lower time.step");
 }
