@@ -43,8 +43,9 @@ TEST_CASE("a contact that a valley splits has the limit that it had") {
 TEST_CASE("a contact at the end of an edge is one of the point there") {
   // Edges 7 and 8 share the point 28, where edge 2 crosses them.
   CHECK(LimitComparison({of_edges(7, 5.0, 0.4, 0.9999)}, {of_edges(8, 5.0, 0.4, 1e-6)}).is_settled());
-  CHECK(LimitComparison({of_edges(7, 5.0, 0.4, 1.0)}, {of_edges(7, 2.0, 0.4, 1.0), of_edges(8, 3.0, 0.4, 0.0)})
-            .is_settled());
+  CHECK(
+      LimitComparison({of_edges(7, 5.0, 0.4, 1.0)}, {of_edges(7, 2.0, 0.4, 1.0), of_edges(8, 3.0, 0.4, 0.0)})
+          .is_settled());
   CHECK_FALSE(LimitComparison({of_edges(7, 5.0, 0.4, 0.98)}, {of_edges(8, 5.0, 0.4, 0.02)}).is_settled());
   // Seen from the point, whichever side of the contact it is on: above are 5 N, below 2 N.
   const Contact point{.key = {PairKind::PointTriangle, 28, 3}, .group_a = 1, .group_b = 0};
@@ -52,17 +53,19 @@ TEST_CASE("a contact at the end of an edge is one of the point there") {
                         {of_edges(7, 5.0, 0.4, 1.0), of_edges(8, 2.0, 0.4, 0.0, kDown)})
             .is_settled());
   // Where both end, contacts of either point are there: 5 N before, 2 + 3 N after.
-  CHECK(LimitComparison({of_edges(7, 5.0, 1.0, 1.0)},
-                        {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 3.0)})
-            .is_settled());
-  CHECK(damped_limits({of_edges(7, 5.0, 1.0, 1.0)}, {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 2.0)}) ==
+  CHECK(
+      LimitComparison({of_edges(7, 5.0, 1.0, 1.0)}, {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 3.0)})
+          .is_settled());
+  CHECK(damped_limits({of_edges(7, 5.0, 1.0, 1.0)},
+                      {of_edges(9, 2.0, 1.0, 0.3), limit_of(point, kDown, 2.0)}) ==
         std::vector<double>{2.0 * 4.5 / 4.0, 2.0 * 4.5 / 4.0});
 }
 
 TEST_CASE("places meet in the middle, however their contacts share them") {
   // 3 + 2 N after 5 N go on as they are, 4 N after 6 N as 5 N, and what is new stays.
   const std::vector<FrictionLimit> before{of_point(7, 5.0), of_edges(7, 6.0)};
-  const std::vector<FrictionLimit> now{of_point(7, 3.0), of_point(8, 2.0), of_edges(7, 4.0), of_edges(8, 1.0)};
+  const std::vector<FrictionLimit> now{of_point(7, 3.0), of_point(8, 2.0), of_edges(7, 4.0),
+                                       of_edges(8, 1.0)};
   CHECK(damped_limits(before, now) == std::vector<double>{3.0, 2.0, 5.0, 1.0});
 }
 

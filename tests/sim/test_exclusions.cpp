@@ -147,6 +147,23 @@ TEST_CASE("contact that comes back within its distance does not throw bodies apa
   CHECK(norm(sim.linear_velocity(sim.scene().find("arm"))) < 1e-6);
 }
 
+TEST_CASE("contact that comes back nearer than the bodies have been is not thrown apart either") {
+  Settings settings = without_gravity();
+  settings.contact.distance = 0.005;
+  Scene scene = hinged_boxes({0, 0, 0.101});
+  Simulation sim(scene, settings);
+  State state = sim.state();
+  // A pair that has started within its contact distance before, at its very end.
+  state.contact_close_bodies = {group_code(0, 1)};
+  state.contact_close_distance = {0.00999};
+  state.joint_enabled = {0.0};
+  sim.set_state(state);
+  for (int n = 0; n < 10; ++n) REQUIRE_FALSE(sim.step().failed());
+  CHECK(sim.state().contact_regained == std::vector<int64_t>{0});
+  CHECK(sim.state().contact_close_bodies.size() == 1);
+  CHECK(norm(sim.linear_velocity(sim.scene().find("arm"))) < 1e-6);
+}
+
 TEST_CASE("which exclusions are over is a part of the state") {
   const Scene scene = hinged_boxes({0, 0, 0.13}, 1, false);
   Simulation sim(scene);

@@ -360,8 +360,10 @@ TEST_CASE("steps that a matrix makes too short are lengthened, as far as the ene
 TEST_CASE("the last step does not leave more force than the tolerances allow") {
   // Beside the top of a hill, with a projected matrix that has a hundredth of its curvature.
   const auto hill = [](const Vec3& x) {
-    return Analytic::Value{0.5 * (x.y * x.y + x.z * x.z - x.x * x.x), {-x.x, x.y, x.z},
-                           Mat3::diagonal({-1.0, 1.0, 1.0}), Mat3::diagonal({0.01, 1.0, 1.0})};
+    return Analytic::Value{0.5 * (x.y * x.y + x.z * x.z - x.x * x.x),
+                           {-x.x, x.y, x.z},
+                           Mat3::diagonal({-1.0, 1.0, 1.0}),
+                           Mat3::diagonal({0.01, 1.0, 1.0})};
   };
   const Vec3 start{5e-10, 0, 0};
   Analytic objective(hill, start);

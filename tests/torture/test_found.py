@@ -175,8 +175,8 @@ def test_a_second_impact_of_a_pair_meets_a_layer() -> None:
 )
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")
 def test_causes_that_were_wrong(seed: int, index: int, kind: str, cause: str, named: str) -> None:
-    """They were unknown (twice), contradicting_joints (three times), unit_mistake, iteration_budget (three times),
-    detour (three times) and blocked_motion."""
+    """They were unknown (twice), contradicting_joints (three times), unit_mistake, iteration_budget (three
+    times), detour (three times) and blocked_motion."""
     pytest.importorskip("ipctk")
     from benchmarks.torture.campaign import run_one
 
@@ -343,11 +343,14 @@ def test_damped_rods_whose_frames_turn_fast_have_strains() -> None:
         (16, 151, "impacts"),
         # The box that a ball had hit came towards it in the next step.
         (22, 1245, "containers"),
+        # Bodies that glue released touched elsewhere, at the end of their contact distance; where contact
+        # came back 4 mm apart, it stored 19 J at once.
+        (22, 7094, "joints"),
     ],
 )
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")
-def test_small_bodies_keep_their_momentum_and_go_on(seed: int, index: int, kind: str) -> None:
-    """They ended in `unit_mistake`, or contact forces that were reported did not fit the motion."""
+def test_momentum_and_energy_are_kept_and_steps_go_on(seed: int, index: int, kind: str) -> None:
+    """They ended in `unit_mistake`, or forces or energies that were reported did not fit the motion."""
     pytest.importorskip("ipctk")
     from benchmarks.torture.campaign import run_one
 

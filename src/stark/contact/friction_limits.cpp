@@ -53,7 +53,8 @@ std::vector<Entry> sorted_entries(const std::vector<FrictionLimit>& before,
   // Places with two names get the lower one of both.
   std::map<FrictionPlace, FrictionPlace> lower;
   const auto lowest = [&](FrictionPlace place) {
-    for (auto found = lower.find(place); found != lower.end(); found = lower.find(place)) place = found->second;
+    for (auto found = lower.find(place); found != lower.end(); found = lower.find(place))
+      place = found->second;
     return place;
   };
   for (const Entry& entry : entries) {

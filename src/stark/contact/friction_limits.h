@@ -10,9 +10,9 @@
 namespace stark {
 
 /// Where friction of contacts acts: a pair of edges, or a point that touches a body. A point has one contact
-/// with each side of a valley, one that an edge crosses at its end may be of either edge there, and one of two
-/// points is of both: contacts of a place share its limit, which goes from one to the other while friction
-/// stays what it is.
+/// with each side of a valley, one that an edge crosses at its end may be of either edge there, and one of
+/// two points is of both: contacts of a place share its limit, which goes from one to the other while
+/// friction stays what it is.
 struct FrictionPlace {
   bool is_of_point = false;
   PairKey key;
@@ -23,8 +23,8 @@ struct FrictionPlace {
 struct FrictionLimit {
   FrictionPlace place;
   std::optional<FrictionPlace> other;  ///< another name of the place, of two points
-  Vec3 normal;                         ///< unit, to the first of two bodies; of one body: to the side of the point
-  double limit = 0.0;                  ///< mu lambda [N]
+  Vec3 normal;         ///< unit, to the first of two bodies; of one body: to the side of the point
+  double limit = 0.0;  ///< mu lambda [N]
 };
 /// normal: unit, to side A.
 FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit);

@@ -284,8 +284,7 @@ LimitComparison FrictionSet::residual(const std::vector<Contact>& contacts, std:
 std::vector<FrictionLimit> FrictionSet::limits(const std::vector<Pair>& pairs) {
   std::vector<FrictionLimit> limits;
   limits.reserve(pairs.size());
-  for (const Pair& pair : pairs)
-    limits.push_back(limit_of(pair.contact, pair.normal, pair.limit));
+  for (const Pair& pair : pairs) limits.push_back(limit_of(pair.contact, pair.normal, pair.limit));
   return limits;
 }
 

@@ -110,7 +110,8 @@ void RestitutionSet::bound_pull(int64_t element, const Impact& impact, double st
   PotentialBatch& batch = batch_.front();
   const double target = batch.get(batch.field_index("target"), element);
   const double by_layer = std::sqrt(2.0 * std::max(0.0, stored) / impact.mass);
-  const double most = kMostPull * impact.mass * (std::max(0.0, impact.rate - target) + by_layer) / motion_.step;
+  const double most =
+      kMostPull * impact.mass * (std::max(0.0, impact.rate - target) + by_layer) / motion_.step;
   const double pull = batch.get(batch.field_index("pull"), element);
   batch.set("pull", element, std::min(pull, motion_.weight * most));
 }

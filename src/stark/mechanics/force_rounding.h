@@ -16,10 +16,10 @@ namespace stark {
 std::vector<double> force_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
                                    const DofLayout& layout);
 
-/// Rounding of the energy of elements. At rest energies vanish and their terms do not, which are the stiffness
-/// times the square of the size; strained by as much as they are large, they are as uncertain as their
-/// positions, which are known to eps |x|: sum over pairs of points of
-/// eps |H_ij| |x_i - x_j| (|x_i - x_j| + max(|x_i|, |x_j|)) [J].
+/// Rounding of the energy of elements. At rest energies vanish and their terms do not, which are the
+/// stiffness times the square of the size; strained by as much as they are large, they are as uncertain as
+/// their positions, which are known to eps |x|: sum over pairs of points of eps |H_ij| |x_i - x_j| (|x_i -
+/// x_j| + max(|x_i|, |x_j|)) [J].
 double energy_rounding(const BlockMatrix& hessian, std::span<const Vec3> block_positions,
                        const DofLayout& layout);
 

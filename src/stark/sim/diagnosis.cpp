@@ -453,8 +453,8 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
     Verdict thrown = judge_thrown(e, settings.time.step);
     return thrown.cause != FailureCause::None ? thrown : judge_detour(e);
   }
-  for (Verdict verdict : {judge_load(e, settings), judge_overload(e), judge_earlier_attempts(e),
-                          judge_flattened(e)})
+  for (Verdict verdict :
+       {judge_load(e, settings), judge_overload(e), judge_earlier_attempts(e), judge_flattened(e)})
     if (verdict.cause != FailureCause::None) return verdict;
   if (!e.unit_suspicions.empty())
     return {FailureCause::UnitMistake, suspicion_text(e),

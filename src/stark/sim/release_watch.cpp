@@ -20,6 +20,9 @@ namespace stark {
 
 namespace {
 
+/// Gap over contact distance below which bodies push each other by more than nothing.
+constexpr double kPushing = 0.99;
+
 using Numbers = std::vector<int64_t>;
 
 Numbers without(const Numbers& all, const Numbers& some) {
@@ -88,6 +91,20 @@ class ByPlace {
   std::map<Place, int64_t> places_;
 };
 
+/// Pairs of bodies, by group_code(), that push each other.
+std::set<int64_t> find_pushing(const std::vector<Contact>& contacts, const CloseBodies& close) {
+  std::set<int64_t> pushing;
+  for (const Contact& contact : contacts) {
+    const int64_t code = group_code(contact.group_a, contact.group_b);
+    const auto found = std::ranges::lower_bound(close.bodies, code);
+    const bool is_close = found != close.bodies.end() && *found == code;
+    const double distance =
+        is_close ? close.distance[found - close.bodies.begin()] : contact.contact_distance;
+    if (contact.distance < kPushing * distance) pushing.insert(code);
+  }
+  return pushing;
+}
+
 }  // namespace
 
 bool is_touching(const Contact& contact, std::span<const Vec3> x) {
@@ -124,12 +141,12 @@ void ReleaseWatch::begin_step() {
   const PhaseTimer::Scope scope(timer_, Phase::BroadPhase);
   const std::vector<Vec3> x = model_.site_positions(state_);
   set_regained(watch_.regained);
-  const CloseBodies before = contact_->find_close_bodies(x);
+  const std::set<int64_t> pushing = find_pushing(contact_->find_contacts_at(x), watch_.close);
   const Numbers apart = without(watch_.overlapping, find_overlapping(watch_.overlapping, x));
   watch_.overlapping = without(watch_.overlapping, apart);
   watch_.regained = together(watch_.regained, apart);
   set_regained(watch_.regained);
-  if (!apart.empty()) soften_new_contact(before, x);
+  if (!apart.empty()) soften_new_contact(pushing, x);
   if (!watch_.overlapping.empty() && settings_.contact.released_overlap == ReleasedOverlap::Refuse)
     throw InitialIntersection(overlap_text() +
                               "; move them apart before they are released, or set "
@@ -169,16 +186,19 @@ bool ReleaseWatch::is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) 
   return locate_point(x[site], of_other, other.triangles) == PointLocation::Inside;
 }
 
-void ReleaseWatch::soften_new_contact(const CloseBodies& before, std::span<const Vec3> x) {
-  // As at time 0: what is within its contact distance is not thrown apart. Bodies that have been in contact
+void ReleaseWatch::soften_new_contact(const std::set<int64_t>& pushing, std::span<const Vec3> x) {
+  // As at time 0: what is within its contact distance is not thrown apart. Bodies that push each other
   // elsewhere keep their contact distance, or would fall by what it lost.
   const CloseBodies now = contact_->find_close_bodies(x);
   for (size_t k = 0; k < now.bodies.size(); ++k) {
-    if (std::ranges::binary_search(before.bodies, now.bodies[k])) continue;
-    const auto at =
-        std::ranges::lower_bound(watch_.close.bodies, now.bodies[k]) - watch_.close.bodies.begin();
-    watch_.close.bodies.insert(watch_.close.bodies.begin() + at, now.bodies[k]);
-    watch_.close.distance.insert(watch_.close.distance.begin() + at, now.distance[k]);
+    if (pushing.contains(now.bodies[k])) continue;
+    const auto found = std::ranges::lower_bound(watch_.close.bodies, now.bodies[k]);
+    const auto at = found - watch_.close.bodies.begin();
+    if (found == watch_.close.bodies.end() || *found != now.bodies[k]) {
+      watch_.close.bodies.insert(found, now.bodies[k]);
+      watch_.close.distance.insert(watch_.close.distance.begin() + at, 0.0);
+    }
+    watch_.close.distance[at] = now.distance[k];
   }
 }
 

@@ -1,6 +1,7 @@
 // Contact of what joints and attachments have released comes back once it is apart (step phase 0).
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ class ReleaseWatch : private StepPart {
   std::vector<int64_t> find_overlapping(const std::vector<int64_t>& released, std::span<const Vec3> x);
   bool is_vertex_inside(int64_t exclusion, std::span<const Vec3> x) const;
   /// Gives bodies that come into contact now the gap that they have for a contact distance, until they part.
-  void soften_new_contact(const CloseBodies& before, std::span<const Vec3> x);
+  void soften_new_contact(const std::set<int64_t>& pushing, std::span<const Vec3> x);
   std::string releaser_text(const Exclusion& first) const;
 
   struct Watch {

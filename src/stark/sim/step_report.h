@@ -24,8 +24,8 @@ struct EnumNames<StepStatus> {
 
 /// What is not quite as asked of a step that was accepted all the same.
 enum class Caveat : uint8_t {
-  RoundOff,     ///< the tolerances are not met: energies could not be told apart any more
-  OldFriction,  ///< limits of friction, or forces of joints, are a refresh behind (see failures.md)
+  RoundOff,            ///< the tolerances are not met: energies could not be told apart any more
+  OldFriction,         ///< limits of friction, or forces of joints, are a refresh behind (see failures.md)
   PrescribedOverlap,   ///< scripted bodies go into or through others that are scripted or fixed
   ReleasedOverlap,     ///< bodies that a joint or an attachment has released overlap, without contact so far
   BelowLeastDistance,  ///< surfaces are nearer than contact.min_separation_factor asks

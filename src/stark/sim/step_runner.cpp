@@ -284,11 +284,11 @@ void StepRunner::report_friction() {
   const int updates = settings_.contact.friction_updates;
   const std::optional<LimitChange> left = contact_->unsettled_friction();
   if (!left || updates == 1 || report_.solve.is_settled) return;
-  add_caveat(Caveat::OldFriction,
-             "limits of friction still changed by " + rough_text(left->largest_change, "N") +
-                 ", the largest there being " + rough_text(left->largest_limit, "N") +
-                 ", when contact.friction_updates = " + std::to_string(updates) +
-                 " were over; raise it, or lower time.step");
+  add_caveat(Caveat::OldFriction, "limits of friction still changed by " +
+                                      rough_text(left->largest_change, "N") + ", the largest there being " +
+                                      rough_text(left->largest_limit, "N") +
+                                      ", when contact.friction_updates = " + std::to_string(updates) +
+                                      " were over; raise it, or lower time.step");
 }
 
 void StepRunner::fail() {

@@ -225,7 +225,7 @@ def test_forces_that_are_shown_are_those_that_act_in_a_corner() -> None:
 @pytest.mark.parametrize("later", [-30.0, 2.5, 3.0, 30.0])
 def test_forces_that_are_shown_are_those_that_act_where_the_wall_turns_round(later: float) -> None:
     """The mass of an impact was taken from the speed of the next step: a wall that came nearer then by more
-    than the speed of the impact made it negative, and the forces that were shown were not those that acted."""
+    than the speed of the impact made it negative, and forces that were shown were not those that acted."""
     scene = stark.Scene()
     scene.default_friction = 0.0
     wall = scene.add_box((0.2, 1.0, 1.0), motion="scripted", position=(-0.16, 0.0, 0.0))
