@@ -204,7 +204,9 @@ def test_tolerances_below_round_off() -> None:
     diagnosis = failed(far_beam(1e4), "tolerance_below_round_off")
     assert diagnosis.acceleration_rounding > 1e-12
     assert "newton.acceleration_tolerance = 1e-12 m/s^2" in diagnosis.finding
-    assert diagnosis.remedy == ("move the scene to the origin: its coordinates of 10000 m round by 2.22e-12 m")
+    assert diagnosis.remedy == (
+        "move the scene to the origin: its coordinates of 10000 m round by 2.22e-12 m"
+    )
 
 
 @pytest.mark.parametrize(("place", "distance"), [(0.05, 1e-15), (1e7, 1e-6)])
