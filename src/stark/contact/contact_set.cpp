@@ -206,12 +206,25 @@ int64_t group_code(int32_t group_a, int32_t group_b) {
   return (static_cast<int64_t>(a) << 32) | b;
 }
 
-double ContactGeometry::distance(int32_t group_a, int32_t group_b) const {
-  if (!close.bodies.empty()) {
-    const int64_t code = group_code(group_a, group_b);
-    const auto found = std::ranges::lower_bound(close.bodies, code);
-    if (found != close.bodies.end() && *found == code) return close.distance[found - close.bodies.begin()];
+std::optional<double> CloseBodies::of(int64_t code) const {
+  const auto found = std::ranges::lower_bound(bodies, code);
+  if (found == bodies.end() || *found != code) return {};
+  return distance[found - bodies.begin()];
+}
+
+void CloseBodies::set(int64_t code, double value) {
+  const auto found = std::ranges::lower_bound(bodies, code);
+  const auto at = found - bodies.begin();
+  if (found == bodies.end() || *found != code) {
+    bodies.insert(found, code);
+    distance.insert(distance.begin() + at, value);
   }
+  distance[at] = value;
+}
+
+double ContactGeometry::distance(int32_t group_a, int32_t group_b) const {
+  if (!close.bodies.empty())
+    if (const auto given = close.of(group_code(group_a, group_b))) return *given;
   return group_distance[group_a] + group_distance[group_b];
 }
 

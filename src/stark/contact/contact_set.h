@@ -5,6 +5,7 @@
 #include <array>
 #include <compare>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -83,6 +84,11 @@ inline double side_of_first(const Contact& contact, int64_t code) {
 struct CloseBodies {
   std::vector<int64_t> bodies;     ///< group_code()
   std::vector<double> distance{};  ///< [m]
+
+  /// Distance of a pair, if it has one [m].
+  std::optional<double> of(int64_t code) const;
+  /// Gives a pair a distance, or another one [m].
+  void set(int64_t code, double value);
 };
 
 /// What classification needs to know about the surfaces.

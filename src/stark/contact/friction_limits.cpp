@@ -98,16 +98,14 @@ std::optional<int32_t> only_point(const Contact& contact, int first, int last) {
 FrictionLimit limit_of(const Contact& contact, const Vec3& normal, double limit) {
   const PairKey& key = contact.key;
   const int64_t bodies = group_code(contact.group_a, contact.group_b);
-  const auto of_point = [&](int32_t point) {
-    return FrictionPlace{true, {PairKey::kOther, point, 0}, bodies};
-  };
+  const auto of_point = [&](int32_t point) { return FrictionPlace{{PairKey::kOther, point, 0}, bodies}; };
   const bool of_edges = key.kind == PairKind::EdgeEdge, of_points = key.kind == PairKind::PointPoint;
   auto a = only_point(contact, 0, contact.side_a_count);
   auto b = only_point(contact, contact.side_a_count, contact.point_count);
   if (!of_edges && !of_points) a = key.first;
   const bool is_of_one = contact.group_a == contact.group_b;
   const double side = is_of_one ? (a || !b ? 1.0 : -1.0) : side_of_first(contact, bodies);
-  FrictionLimit result{{false, key, bodies}, {}, normal * side, limit};
+  FrictionLimit result{{key, bodies}, {}, normal * side, limit};
   if (!a && !b) return result;
   result.place = of_point(a ? *a : *b);
   if (a && b && *a != *b) result.other = of_point(*b);

@@ -14,8 +14,7 @@ namespace stark {
 /// two points is of both: contacts of a place share its limit, which goes from one to the other while
 /// friction stays what it is.
 struct FrictionPlace {
-  bool is_of_point = false;
-  PairKey key;
+  PairKey key;         ///< of a point: PairKey::kOther and the point
   int64_t bodies = 0;  ///< group_code()
   auto operator<=>(const FrictionPlace&) const = default;
 };

@@ -213,17 +213,11 @@ void FrictionSet::renew(const std::vector<Contact>& contacts, std::span<const Ve
   sort_by_point_count();
 }
 
-// Limits that go back and forth between two solutions meet in the middle. Places that one of them lacks are
-// left out: what is left of their limits would fade over more refreshes than there are.
-void FrictionSet::damp(std::vector<Pair>& next) const {
-  const std::vector<double> damped = damped_limits(limits(pairs_), limits(next));
-  for (size_t k = 0; k < next.size(); ++k) next[k].limit = damped[k];
-}
-
 double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const Vec3> forces,
                           const FrictionTable& coefficient, std::span<const Vec3> x) {
   std::vector<Pair> next = make_pairs(contacts, forces, coefficient, x);
-  const LimitComparison comparison(limits(pairs_), limits(next));
+  const std::vector<FrictionLimit> before = limits(pairs_), now = limits(next);
+  const LimitComparison comparison(before, now);
   if (resets_ == 0) {
     touching_.clear();
     for (const Pair& pair : next) touching_.insert(bodies_of(pair));
@@ -234,7 +228,12 @@ double FrictionSet::reset(const std::vector<Contact>& contacts, std::span<const 
     next_start_ = std::move(next);
     return 0.0;
   }
-  if (resets_ > kPlainResets) damp(next);
+  if (resets_ > kPlainResets) {
+    // Limits that go back and forth between two solutions meet in the middle. Places that one of them lacks
+    // are left out: what is left of their limits would fade over more refreshes than there are.
+    const std::vector<double> damped = damped_limits(before, now);
+    for (size_t k = 0; k < next.size(); ++k) next[k].limit = damped[k];
+  }
   previous_ = std::exchange(pairs_, std::move(next));
   next_start_.reset();
   sort_by_point_count();

@@ -146,8 +146,6 @@ class FrictionSet {
   /// same point on a triangle beside, where the point has slid across an edge or a valley has split its
   /// contact.
   int64_t find_bristles(const Contact& contact, std::span<const Vec3> x) const;
-  /// Takes the mean of the limits that are frozen and those of the next pairs.
-  void damp(std::vector<Pair>& next) const;
   void set_axes(const FrictionCoefficient& mu, std::span<const Vec3> x, Pair& pair) const;
   /// Length of a deflection in the metric of the pair: sliding begins at the stick displacement [m].
   static double measure(const Pair& pair, const Vec3& deflection);

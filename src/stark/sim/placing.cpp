@@ -223,13 +223,11 @@ void Placing::drop_contact_memory(const std::set<int32_t>& moved) {
   // As at the start: what is within its contact distance is not thrown apart.
   const CloseBodies now = contact_->find_close_bodies(model_.site_positions(s));
   const std::vector<bool> is_new = involved(now.bodies, moved);
-  for (size_t k = 0; k < now.bodies.size(); ++k) {
-    if (!is_new[k]) continue;
-    const auto at =
-        std::ranges::lower_bound(s.contact_close_bodies, now.bodies[k]) - s.contact_close_bodies.begin();
-    s.contact_close_bodies.insert(s.contact_close_bodies.begin() + at, now.bodies[k]);
-    s.contact_close_distance.insert(s.contact_close_distance.begin() + at, now.distance[k]);
-  }
+  CloseBodies close{std::move(s.contact_close_bodies), std::move(s.contact_close_distance)};
+  for (size_t k = 0; k < now.bodies.size(); ++k)
+    if (is_new[k]) close.set(now.bodies[k], now.distance[k]);
+  s.contact_close_bodies = std::move(close.bodies);
+  s.contact_close_distance = std::move(close.distance);
 }
 
 void Placing::restart_history(int32_t body) {

@@ -96,11 +96,7 @@ std::set<int64_t> find_pushing(const std::vector<Contact>& contacts, const Close
   std::set<int64_t> pushing;
   for (const Contact& contact : contacts) {
     const int64_t code = group_code(contact.group_a, contact.group_b);
-    const auto found = std::ranges::lower_bound(close.bodies, code);
-    const bool is_close = found != close.bodies.end() && *found == code;
-    const double distance =
-        is_close ? close.distance[found - close.bodies.begin()] : contact.contact_distance;
-    if (contact.distance < kPushing * distance) pushing.insert(code);
+    if (contact.distance < kPushing * close.of(code).value_or(contact.contact_distance)) pushing.insert(code);
   }
   return pushing;
 }
@@ -190,16 +186,8 @@ void ReleaseWatch::soften_new_contact(const std::set<int64_t>& pushing, std::spa
   // As at time 0: what is within its contact distance is not thrown apart. Bodies that push each other
   // elsewhere keep their contact distance, or would fall by what it lost.
   const CloseBodies now = contact_->find_close_bodies(x);
-  for (size_t k = 0; k < now.bodies.size(); ++k) {
-    if (pushing.contains(now.bodies[k])) continue;
-    const auto found = std::ranges::lower_bound(watch_.close.bodies, now.bodies[k]);
-    const auto at = found - watch_.close.bodies.begin();
-    if (found == watch_.close.bodies.end() || *found != now.bodies[k]) {
-      watch_.close.bodies.insert(found, now.bodies[k]);
-      watch_.close.distance.insert(watch_.close.distance.begin() + at, 0.0);
-    }
-    watch_.close.distance[at] = now.distance[k];
-  }
+  for (size_t k = 0; k < now.bodies.size(); ++k)
+    if (!pushing.contains(now.bodies[k])) watch_.close.set(now.bodies[k], now.distance[k]);
 }
 
 std::string ReleaseWatch::overlap_text() const {
