@@ -273,6 +273,11 @@ TEST_CASE("points of all kinds meet edges without triangles, except those of the
   // 5 from the edges at 7 and 7 from the one at 5; those at 6 share a vertex with it or end at 7.
   for (const Index2& pair : {Index2{5, 5}, Index2{5, 6}, Index2{7, 4}}) expected.erase(pair);
   CHECK(pairs == expected);
+  // So is the edge at 7 from the first of its rod, but not from the other rod.
+  std::set<Index2> edges;
+  for (const PrimitivePair& pair : list[PairKind::EdgeEdge]) edges.insert({pair.first, pair.second});
+  CHECK_FALSE(edges.contains({4, 6}));
+  CHECK(edges.contains({3, 6}));
 }
 
 TEST_CASE("a list built with a motion budget stays complete while vertices move within it, and not beyond") {

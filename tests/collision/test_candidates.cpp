@@ -41,7 +41,7 @@ TEST_CASE("pair filter: vertices are kept from a group with all that they are pa
   CHECK_THROWS_AS(filter.exclude(0, 3), InvalidArgument);
 }
 
-TEST_CASE("neighbours along a rod: a point is kept from the edges that end at them") {
+TEST_CASE("neighbours along a rod: points and edges are kept from the edges that end at them") {
   PairFilter filter(1);
   CHECK_FALSE(filter.are_neighbours(4, {5, 6}));
   filter.set_neighbours(4, 6);
@@ -52,6 +52,9 @@ TEST_CASE("neighbours along a rod: a point is kept from the edges that end at th
   CHECK(filter.are_neighbours(6, {3, 4}));
   CHECK_FALSE(filter.are_neighbours(4, {7, 8}));
   CHECK_FALSE(filter.are_neighbours(1000, {6, 7}));
+  CHECK(filter.are_neighbours(Index2{3, 4}, Index2{6, 7}));
+  CHECK(filter.are_neighbours(Index2{6, 7}, Index2{3, 4}));
+  CHECK_FALSE(filter.are_neighbours(Index2{3, 4}, Index2{7, 8}));
   CHECK_THROWS_AS(filter.set_neighbours(-1, 0), InvalidArgument);
 }
 

@@ -48,6 +48,14 @@ def second_moments(body: Any) -> Floats | None:
     return masses[:, None] * squares
 
 
+def edge_lengths(body: Any) -> Floats | None:
+    """Of the edges of a rod at rest (k,) [m]."""
+    if not has_frames(body):
+        return None
+    ends = np.asarray(body.mesh.vertices)[body.mesh.edges]
+    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+
+
 def _of_layers(vertices: Floats, layers: Any) -> Floats:
     """Masses that skins and fibres add to the vertices (n,) [kg]."""
     total = np.zeros(len(vertices))

@@ -42,7 +42,7 @@ from . import chain
 from .chain import RowChain
 from .format import STATES, STATES_VERSION, RecordingError
 from .formulas import described_formula
-from .masses import point_masses, second_moments
+from .masses import edge_lengths, point_masses, second_moments
 
 
 def describe(sim: Any) -> dict[str, Any]:
@@ -338,7 +338,11 @@ def _mesh(sim: Any) -> dict[str, np.ndarray]:
         if (shown := getattr(body, "shown", None)) is not None:
             arrays[f"shown_{i:04d}"] = shown.vertices
             arrays[f"shown_triangles_{i:04d}"] = shown.triangles.astype(np.int32)
-        for name, values in (("masses", point_masses(body)), ("second_moments", second_moments(body))):
+        for name, values in (
+            ("masses", point_masses(body)),
+            ("second_moments", second_moments(body)),
+            ("edge_lengths", edge_lengths(body)),
+        ):
             if values is not None:
                 arrays[f"{name}_{i:04d}"] = values
     return arrays

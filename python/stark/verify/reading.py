@@ -39,6 +39,7 @@ class Body:
     clamped: Integers
     masses: Floats | None  # (n,) [kg]
     second_moments: Floats | None  # of rods (n, 2) [kg m^2]
+    edge_lengths: Floats | None  # of rods at rest (k,) [m]; None if it is not recorded
     inertia: dict[str, Any] | None  # of rigid bodies
     shown: Floats | None = None  # of rigid bodies that show another mesh (n, 3), in their frame [m]
     shown_triangles: Integers | None = None
@@ -407,9 +408,20 @@ def _body(entry: dict[str, Any], i: int, arrays: dict[str, np.ndarray]) -> Body:
         np.array(entry["clamped"], dtype=np.int32),
         masses,
         moments,
+        _edge_lengths(name, edges, arrays.get(f"edge_lengths_{i:04d}")),
         entry.get("inertia"),
         *_shown(name, i, arrays),
     )
+
+
+def _edge_lengths(name: str, edges: Integers, lengths: Floats | None) -> Floats | None:
+    """Of a rod, whose edges lead from each of its nodes to the next."""
+    if lengths is None:
+        return None
+    is_chain = bool((edges == np.arange(len(edges))[:, None] + [0, 1]).all())
+    fits = lengths.shape == (len(edges),) and bool((lengths > 0.0).all())
+    need(is_chain and fits, f"body '{name}': edge_lengths of the wrong shape or value")
+    return lengths
 
 
 def _shown(name: str, i: int, arrays: dict[str, np.ndarray]) -> tuple[Floats | None, Integers | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,6 +50,12 @@ class Surface:
         )
         #: Contact distance of each body [m]; two act on each other within the sum of theirs.
         self.distance: NDArray[Any] = np.array([body.contact_distance for body in self.bodies])
+        #: Where the points of rods are along them at rest [m].
+        self.along: Floats = np.zeros(int(self.starts[-1]))
+        for body, start in self._placed():
+            if body.edge_lengths is not None:
+                places = np.cumsum([0.0, *body.edge_lengths])
+                self.along[start : start + len(places)] = places
         #: Bodies that are not excluded for good.
         self.can_touch: NDArray[Any] = np.ones((len(self.bodies),) * 2, dtype=bool)
         for a, b in run.scene["pairs_without_contact"]:
@@ -126,12 +133,21 @@ class Surface:
         for column_a in first.T:
             for column_b in second.T:
                 shared |= column_a == column_b
+        if a.shape[1] == b.shape[1] == 2:
+            shared |= self._are_near_along(first, second)
         first, second = first[~shared], second[~shared]
         bodies = np.column_stack([self.body_of[first[:, 0]], self.body_of[second[:, 0]]])
         if self.kept is not None:
             out = self.kept[first, bodies[:, 1:]].any(axis=1) | self.kept[second, bodies[:, :1]].any(axis=1)
             first, second, bodies = first[~out], second[~out], bodies[~out]
         return PairList(np.concatenate([first, second], axis=1), bodies, a.shape[1])
+
+    def _are_near_along(self, first: Integers, second: Integers) -> NDArray[np.bool_]:
+        """Pairs of edges of one rod that no contact keeps apart."""
+        rods = self.body_of[first[:, 0]]
+        apart = np.abs(self.along[first[:, :, None]] - self.along[second[:, None, :]]).min(axis=(1, 2))
+        near = np.array([length_without_contact(body) for body in self.bodies])
+        return (rods == self.body_of[second[:, 0]]) & (apart < near[rods])
 
     # --- names ---
 
@@ -143,6 +159,17 @@ class Surface:
             "bodies": [self.bodies[a].name, self.bodies[b].name],
             "vertices": [(first - self.starts[a]).tolist(), (second - self.starts[b]).tolist()],
         }
+
+
+def length_without_contact(body: Body) -> float:
+    """Along a rod: half a turn of its tightest bend, at its contact distance (docs/rods.md) [m]."""
+    return 0.0 if body.edge_lengths is None else math.pi * body.contact_distance
+
+
+def leaves_out_parts(body: Body) -> bool:
+    """Whether edges of a rod that do not meet are that near along it."""
+    lengths = body.edge_lengths
+    return lengths is not None and len(lengths) > 2 and lengths[1:-1].min() < length_without_contact(body)
 
 
 def _edges(body: Body) -> Integers:

@@ -138,6 +138,16 @@ void remove_excluded(const SurfaceMesh& mesh, const PairFilter& filter, Candidat
   });
 }
 
+/// Drops the pairs of a rod that are near along it.
+void remove_neighbours(const SurfaceMesh& mesh, const PairFilter& filter, CandidateList& list) {
+  std::erase_if(list[PairKind::PointEdge], [&](const PrimitivePair& pair) {
+    return filter.are_neighbours(pair.first, mesh.edges[pair.second]);
+  });
+  std::erase_if(list[PairKind::EdgeEdge], [&](const PrimitivePair& pair) {
+    return filter.are_neighbours(mesh.edges[pair.first], mesh.edges[pair.second]);
+  });
+}
+
 /// Drops the pairs of which no vertex has moved: cells at the border of what has.
 void remove_still(const SurfaceMesh& mesh, std::span<const uint8_t> moved, CandidateList& list) {
   for_each_pair_kind([&](auto tag) {
@@ -240,10 +250,7 @@ void BroadPhase::Implementation::collect(ThreadPool& pool, CandidateList& out) {
     merge_lists(1, 0);
   }
   if (filter.has_exclusions()) remove_excluded(mesh, filter, out);
-  if (filter.has_neighbours())
-    std::erase_if(out[PairKind::PointEdge], [&](const PrimitivePair& pair) {
-      return filter.are_neighbours(pair.first, mesh.edges[pair.second]);
-    });
+  if (filter.has_neighbours()) remove_neighbours(mesh, filter, out);
 }
 
 }  // namespace stark

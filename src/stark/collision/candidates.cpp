@@ -67,6 +67,10 @@ bool PairFilter::are_neighbours(int32_t point, const Index2& edge) const {
   return std::any_of(list.begin(), list.end(), [&](int32_t v) { return v == edge[0] || v == edge[1]; });
 }
 
+bool PairFilter::are_neighbours(const Index2& edge_a, const Index2& edge_b) const {
+  return are_neighbours(edge_a[0], edge_b) || are_neighbours(edge_a[1], edge_b);
+}
+
 bool PairFilter::excluded(std::span<const int32_t> vertices_a, int32_t group_a,
                           std::span<const int32_t> vertices_b, int32_t group_b) const {
   const auto some = [&](std::span<const int32_t> vertices, int32_t group) {

@@ -43,11 +43,12 @@ class PairFilter {
   bool excluded(std::span<const int32_t> vertices_a, int32_t group_a, std::span<const int32_t> vertices_b,
                 int32_t group_b) const;
 
-  /// Keeps a point from the edges without triangles that end at another: parts of a rod that are so near
-  /// along it that they are within the contact distance whatever its shape.
+  /// Keeps a point, and the edges without triangles that end at it, from those that end at another: parts of
+  /// a rod that are so near along it that they are within the contact distance whatever its shape.
   void set_neighbours(int32_t vertex_a, int32_t vertex_b);
   bool has_neighbours() const { return !neighbours_.empty(); }
   bool are_neighbours(int32_t point, const Index2& edge) const;
+  bool are_neighbours(const Index2& edge_a, const Index2& edge_b) const;
 
  private:
   static size_t index(int32_t a, int32_t b) {

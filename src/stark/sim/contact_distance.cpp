@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
-#include <stark/geometry/polyline.h>
 #include <stark/sim/body_checks.h>
 #include <stark/sim/validation.h>
 
@@ -33,18 +32,6 @@ double automatic_distance(const Scene& scene, BodyId body, const Settings& setti
   return std::clamp(by_height, kSmallestForHeight * by_size, by_size);
 }
 
-void warn_about_short_edges(const Scene& scene, BodyId body, double distance,
-                            std::vector<std::string>& warnings) {
-  const std::vector<double> lengths = polyline_lengths(scene.rest_vertices(body));
-  const double shortest = *std::min_element(lengths.begin(), lengths.end());
-  if (2.0 * distance <= shortest || lengths.size() < 3) return;
-  warnings.push_back(
-      owner_text(scene.kind(body), scene.name(body)) +
-      ": contact_distance = " + quantity_text(distance, "m") + " is more than half of its shortest edge, " +
-      quantity_text(rough_below(shortest), "m") + ", so the rod touches itself at rest; use at most " +
-      quantity_text(rough_below(0.5 * shortest), "m") + ", longer edges, or self_contact = false");
-}
-
 }  // namespace
 
 double contact_distance(const Scene& scene, BodyId body, const Settings& settings) {
@@ -72,11 +59,8 @@ std::vector<std::string> check_contact_distances(const Scene& scene, const Setti
   for (int32_t i = 0; i < scene.body_count(); ++i) {
     const BodyId body{i};
     if (!can_touch_itself(scene, body, settings)) continue;
+    if (has_nodes(scene.kind(body))) continue;  // what is near along a rod does not touch
     const double distance = contact_distance(scene, body, settings);
-    if (has_nodes(scene.kind(body))) {
-      warn_about_short_edges(scene, body, distance, warnings);
-      continue;
-    }
     const SmallestHeight smallest = smallest_height(scene, body);
     if (2.0 * distance <= smallest.height) continue;
     const bool is_automatic = !scene.contact_distance(body) && !(settings.contact.distance > 0.0);

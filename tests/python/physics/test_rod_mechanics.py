@@ -294,3 +294,44 @@ def test_a_box_hangs_from_a_rod_at_position_and_orientation() -> None:
     offset = box.position - rod.positions[-1]
     assert np.linalg.norm(offset) == pytest.approx(0.05, abs=1e-6)
     assert joint.reaction.force == pytest.approx([0.0, 0.0, 0.02 * 9.81], abs=2e-3)
+
+
+@pytest.mark.parametrize("segments", [20, 44, 120])
+def test_a_rod_with_segments_shorter_than_its_diameter_does_not_touch_itself(segments: int) -> None:
+    """Of 2, 0.9 and 0.3 diameters: bent far, but nowhere as tightly as it is thick."""
+    rubber = stark.RodMaterial(density=1100.0, youngs_modulus=2e6, radius=0.005)
+
+    def tip(self_contact: bool) -> np.ndarray:
+        scene = stark.Scene()
+        path = stark.mesh.polyline((0, 0, 0), (0.4, 0, 0), segments)
+        rod = scene.add_rod(path, rubber, clamps=[0], self_contact=self_contact)
+        load = 2.0 * rubber.section["bending_stiffness_1"] / 0.4**2
+        scene.add_force(rod.vertices[[segments]], (0.0, 0.0, load))
+        sim = stark.Simulation(scene, {"time.integrator": "quasistatic"}, gravity=(0.0, 0.0, 0.0))
+        assert not sim.step().failed
+        return rod.positions[-1]
+
+    np.testing.assert_allclose(tip(True), tip(False), rtol=0.0, atol=1e-12)
+
+
+def test_a_thick_rope_hangs_and_its_knot_holds() -> None:
+    """A trefoil in a rod whose segments are shorter than its thickness, pulled until it is stretched: it
+    opens nowhere, though nearby parts do not touch."""
+    s = np.linspace(-2.25, 2.25, 4001)
+    knot = 0.02 * np.stack([s**3 - 3 * s, s**4 - 4 * s**2, (s**5 - 10 * s) / 5], 1)
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knot, axis=0), axis=1))])
+    at = np.linspace(0.0, length[-1], 134)
+    path = np.stack([np.interp(at, length, knot[:, k]) for k in range(3)], 1)
+    rubber = stark.RodMaterial(
+        density=1100.0, youngs_modulus=2e6, radius=0.005, mass_damping=5.0, strain_damping=0.002
+    )
+    scene = stark.Scene()
+    rod = scene.add_rod(path, rubber, rest_shape="straight", pins=[0, 133])
+    sim = stark.Simulation(scene, time_step=0.01, gravity=(0.0, 0.0, 0.0))
+    along = (path[-1] - path[0]) / np.linalg.norm(path[-1] - path[0])
+    for report in sim.run(until=1.2):
+        pulled = 0.175 * min(report.time + 0.01, 1.2) * along
+        rod.pin_targets = np.stack([path[0] - pulled, path[-1] + pulled])
+    stretch = np.linalg.norm(np.diff(rod.positions, axis=0), axis=1).sum() / length[-1]
+    straight = np.linalg.norm(rod.positions[-1] - rod.positions[0]) / length[-1]
+    assert stretch > 1.03 > 1.0 > straight  # untied, it would be as long as its ends are apart, 0.945

@@ -134,3 +134,16 @@ def test_passing_through_between_states_is_not_certified(
     assert claim.where is not None
     assert (claim.where["state"], set(claim.where["bodies"])) == (8, bodies)
     assert certificate.exit_code == 1  # the reported energies tell that it was not so
+
+
+def test_a_rope_thicker_than_its_segments_are_long_is_certified(tmp_path: Path) -> None:
+    """A loop of it bends and lands on the floor; what is near along it is left out, and said to be."""
+    rope = stark.RodMaterial(density=1000.0, youngs_modulus=1e6, radius=0.01)
+    angle = np.linspace(0.0, 1.8 * np.pi, 100)
+    path = 0.1 * np.column_stack([np.cos(angle), np.sin(angle), 0.15 + 0.02 * angle])
+    scene = stark.Scene("rope")
+    scene.add_floor()
+    scene.add_rod(path, rope)
+    certificate = verify(record(tmp_path / "run", scene, 12, time_step=0.01))
+    assert certificate.verdict == "certified"
+    assert certificate.limits == ("parts of 'rod' within 0.0314 m along it are not looked at",)
