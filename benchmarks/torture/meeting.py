@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stark
+from stark.recording.masses import edge_lengths
 from stark.recording.states import describe
 from stark.verify.geometry import GeometryCheck
 from stark.verify.reading import Body, Run, State
@@ -38,6 +39,7 @@ def described(sim: stark.Simulation) -> Run:
                 clamped=np.zeros(0, dtype=np.int64),
                 masses=None,
                 second_moments=None,
+                edge_lengths=edge_lengths(body),
                 inertia=inertia,
             )
         )

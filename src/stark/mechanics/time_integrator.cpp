@@ -14,18 +14,20 @@ TimeStencil bdf2(double h, double h_before) {
           .ahead = h - s,
           .lag = h - s,
           .renewal = (h - s) / h,
+          .lasting = 1.0,
           .has_smooth_contact = true};
 }
 
-TimeStencil bdf2_unresolved(double h, double h_before) {
+TimeStencil bdf2_unresolved(double h, double h_before, double lasting) {
   TimeStencil stencil = bdf2(h, h_before);
-  stencil.contact_weight = h / stencil.scale;
+  stencil.lasting = lasting;
+  stencil.contact_weight = lasting + (1.0 - lasting) * h / stencil.scale;
   stencil.has_smooth_contact = false;
   return stencil;
 }
 
-TimeStencil bdf2_impact(double h, double h_before) {
-  TimeStencil stencil = bdf2_unresolved(h, h_before);
+TimeStencil bdf2_impact(double h, double h_before, double lasting) {
+  TimeStencil stencil = bdf2_unresolved(h, h_before, lasting);
   stencil.duration = h;
   stencil.ahead = 0.0;
   stencil.lag = h * (h / h_before);

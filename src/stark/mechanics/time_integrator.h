@@ -2,8 +2,9 @@
 // phase 2). All of them are minimisations of the same potential (theory eq. 1, 2), with
 //     x_bar = x + b v - l Q,   v_new = (x_new - x_bar) / sigma,   x_hat = x_bar + sigma (v + c A),
 // where A is the increment of the velocity in the last step, and Q is what the velocity at its end was ahead
-// of the mean one. Where steps resolve contact, all forces push with s. Where they do not, A leaves contact
-// out, which pushes with the whole step h: an impact has no history that would throw bodies apart again.
+// of the mean one. Where steps resolve contact, all forces push with s. Where they do not, A leaves out what
+// contact did suddenly, which pushes with the whole step h: an impact has no history that would throw bodies
+// apart again.
 // Damping measures displacements from x_bar over the time sigma, so that it sees exactly the velocity.
 #pragma once
 
@@ -31,7 +32,8 @@ struct TimeStencil {
   double ahead = 0.0;           ///< b [s]
   double lag = 0.0;             ///< l [s]
   double renewal = 0.5;         ///< of Q by increments: b/h of BDF2, 1/3 for equal steps
-  double contact_weight = 1.0;  ///< h/s where A leaves contact out
+  double contact_weight = 1.0;  ///< h/s where A leaves contact out altogether
+  double lasting = 0.0;         ///< share of the increment by contact that A takes in
   bool has_smooth_contact = false;
 
   /// x_bar and v_bar; x and v in every bit when the history has no say.
@@ -43,13 +45,13 @@ struct TimeStencil {
   template <typename T>
   T velocity(const T& v, const T& A, const T& p) const {
     if (history == 0.0) return v;
-    return v + (has_smooth_contact ? A + p : A) * history;
+    return v + (A + p * lasting) * history;
   }
   /// What contact has made of a velocity: of its forces in this step, and of the last increment where that
   /// is part of v_bar.
   template <typename T>
   T by_contact(const T& p, const T& now) const {
-    return has_smooth_contact ? p * history + now : now;
+    return p * (lasting * history) + now;
   }
 };
 
@@ -60,12 +62,12 @@ TimeStencil implicit_euler(double h);
 /// and c = w^2/(1 + 2 w); 2h/3 and 1/3 for equal steps. [Hairer, Norsett, Wanner 1993, sec. III.5]
 TimeStencil bdf2(double h, double h_before);
 
-/// The same where contact comes and goes within steps, all at once.
-TimeStencil bdf2_unresolved(double h, double h_before);
+/// The same where contact comes and goes within steps, all at once, but for the share that lasts.
+TimeStencil bdf2_unresolved(double h, double h_before, double lasting = 0.0);
 
 /// That with sigma = h: of order 2 in smooth motion, and what is stopped by an impact within the step
 /// has no velocity left at its end, where x_bar of bdf2 is ahead by h/3 of it.
-TimeStencil bdf2_impact(double h, double h_before);
+TimeStencil bdf2_impact(double h, double h_before, double lasting = 0.0);
 
 /// Steps that grow faster than this start again with implicit Euler: zero-stability of BDF2 ends at 2.41.
 inline constexpr double kLargestBdf2Ratio = 2.0;

@@ -20,6 +20,37 @@ constexpr double kLargestResolved = 0.1;
 /// Of the kind bdf2_impact(): velocities of the end of the step are its mean ones.
 bool is_impact(const TimeStencil& stencil) { return stencil.history > 0.0 && stencil.ahead == 0.0; }
 
+/// What contact did to a body in the last step, and what is left of it beside all else: contact that is
+/// balanced lasts. Elements balance even an impact where it acts, so the body as a whole must be, too.
+class Balance {
+ public:
+  void add(double mass, const Vec3& A, const Vec3& p) {
+    left_over_ += (A + p) * mass;
+    contact_ += p * mass;
+    sum_ += mass * norm(p);
+    add_products(mass * dot(A + p, p), mass * squared_norm(p));
+  }
+  /// Of kinetic energy: of what is left over with contact, and of contact with itself [J].
+  void add_products(double left_over, double contact) {
+    left_over_product_ += left_over;
+    contact_product_ += contact;
+  }
+  bool touches() const { return contact_product_ > 0.0; }
+  double part() const {
+    const double net = squared_norm(contact_);
+    const double whole = net > kPushed * kPushed * sum_ * sum_ ? dot(left_over_, contact_) / net : 0.0;
+    const double sudden = std::max(whole, left_over_product_ / contact_product_);
+    return std::clamp(1.0 - kSudden * sudden, 0.0, 1.0);
+  }
+
+ private:
+  static constexpr double kPushed = 0.1;  ///< share of the forces on a body that its parts do not cancel
+  static constexpr double kSudden = 2.0;  ///< joints carry their part of an impact, too
+  Vec3 left_over_, contact_;              ///< momenta [kg m/s]
+  double sum_ = 0.0;                      ///< [kg m/s]
+  double left_over_product_ = 0.0, contact_product_ = 0.0;
+};
+
 }  // namespace
 
 std::vector<Vec3> StepMotion::free_motion(double h) const {
@@ -49,9 +80,35 @@ TimeStencil StepMotion::choose_stencil(double h, bool hits_stop) {
   const bool gives_back = std::ranges::any_of(state_.restitution_due, [](double due) { return due != 0.0; });
   if (gives_back) return bdf2_impact(h, h_before);
   const std::vector<Vec3> x = free_motion(h);
-  if (contact_->max_step(step_start_, x) < 1.0) return bdf2_impact(h, h_before);
+  if (contact_->max_step(step_start_, x) < 1.0) return bdf2_impact(h, h_before, lasting_contact());
   const bool is_resolved = contact_->largest_approach(step_start_, x) <= kLargestResolved;
-  return is_resolved ? bdf2(h, h_before) : bdf2_unresolved(h, h_before);
+  return is_resolved ? bdf2(h, h_before) : bdf2_unresolved(h, h_before, lasting_contact());
+}
+
+double StepMotion::lasting_contact() const {
+  const State& s = state_;
+  const DofLayout& layout = model_.map().layout();
+  double least = 1.0;
+  bool touches = false;
+  for (const ModelBody& body : model_.bodies()) {
+    Balance balance;
+    for (int32_t b = body.rigid_index; b < body.rigid_index + body.rigid_count(); ++b) {
+      const RigidMass& mass = model_.rigid_masses()[b];
+      if (layout.body_block[b] != kNoBlock)
+        balance.add(mass.mass, s.body_increment[b], s.body_contact_increment[b]);
+      if (layout.rotation_block[b] == kNoBlock) continue;
+      const Vec3& p = s.body_spin_contact_increment[b];
+      const Vec3 turn = velocity_of_momentum(s.body_rotation[b], mass.moments, p);
+      balance.add_products(dot(s.body_spin_increment[b] + p, turn), dot(p, turn));
+    }
+    for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
+      if (model_.map().is_point(i) && layout.point_block[i] != kNoBlock)
+        balance.add(model_.point_masses()[i], s.point_increment[i], s.point_contact_increment[i]);
+    if (!balance.touches()) continue;
+    touches = true;
+    least = std::min(least, balance.part());
+  }
+  return touches ? least : 0.0;
 }
 
 void StepMotion::begin(double h, bool hits_stop) {
@@ -231,6 +288,7 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
   for (size_t b = 0; b < s.body_position.size(); ++b) {
     const RigidMass& mass = model_.rigid_masses()[b];
     const bool moves = layout.body_block[b] != kNoBlock, turns = layout.rotation_block[b] != kNoBlock;
+    const Vec3 before_p = s.body_contact_increment[b];
     const Vec3 p = s.body_contact_increment[b] = stencil.by_contact(
         s.body_contact_increment[b], moves ? impulses.contact[layout.body_block[b]] / mass.mass : Vec3{});
     const Vec3 p_spin = s.body_spin_contact_increment[b] = stencil.by_contact(
@@ -247,7 +305,8 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
                                     mass.mass * squared_norm(p) + dot(p_spin, turn));
     s.body_lag[b] = moves ? next_lag(stencil, s.body_lag[b], A, p, part) : Vec3{};
     s.body_spin_lag[b] = turns ? next_lag(stencil, s.body_spin_lag[b], A_spin, p_spin, part) : Vec3{};
-    if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = p + back;
+    if (!stencil.has_smooth_contact)
+      reference_.contact_velocity[b] = p - before_p * (stencil.lasting * stencil.history) + back;
     drop_impact(s.body_contact_increment[b], layout.body_block[b], part, mass.mass);
     drop_impact(s.body_spin_contact_increment[b], layout.rotation_block[b], part, 1.0);
   }
