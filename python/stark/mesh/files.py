@@ -16,6 +16,7 @@ import numpy as np
 from stark._core import InvalidMesh
 from stark.arguments import given_path
 from stark.files import read_bytes
+from stark.mesh.polygons import triangulated
 from stark.mesh.repair import merged, oriented
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
 
@@ -26,19 +27,22 @@ _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 def load(path: str | os.PathLike[str]) -> Mesh:
     """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
     are read by ``meshio``, all other formats by ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates
-    are taken as metres: use ``.scaled`` if they are not."""
+    are taken as metres: use ``.scaled`` if they are not.
+
+    Polygons of OBJ and PLY become triangles that cover them and nothing else; those that no fan of triangles
+    covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves."""
     file = given_path(path, "mesh.load: path")
     try:
         data = read_bytes(file)
     except OSError as error:
         raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
-    readers: dict[str, Callable[[bytes], Mesh]] = {
+    readers: dict[str, Callable[[bytes, Path], Mesh]] = {
         ".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".npz": _read_npz
     }  # fmt: skip
     suffix = file.suffix.lower()
     if suffix in readers:
         try:
-            mesh = readers[suffix](data)
+            mesh = readers[suffix](data, file)
         except InvalidMesh as error:
             raise InvalidMesh(f"'{file}': {error}") from None
         except _damage() as error:
@@ -60,13 +64,11 @@ def _damage() -> tuple[type[Exception], ...]:
     return (*lies, zipfile.BadZipFile, zlib.error)
 
 
-def _fan(polygon: list[int]) -> list[tuple[int, int, int]]:
-    return [(polygon[0], polygon[i], polygon[i + 1]) for i in range(1, len(polygon) - 1)]
-
-
-def _read_obj(data: bytes) -> TriangleMesh:
+def _read_obj(data: bytes, file: Path) -> TriangleMesh:
     vertices: list[tuple[float, ...]] = []
-    triangles: list[tuple[int, int, int]] = []
+    corners: list[int] = []
+    counts: list[int] = []
+    lines: list[int] = []  # of the faces
     for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
         words = line.split()
         if not words:
@@ -83,8 +85,12 @@ def _read_obj(data: bytes) -> TriangleMesh:
                 raise InvalidMesh(
                     f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'"
                 )
-            triangles.extend(_fan(polygon))
-    return TriangleMesh(np.array(vertices).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3))
+            corners.extend(polygon)
+            counts.append(len(polygon))
+            lines.append(number)
+    points = np.array(vertices).reshape(-1, 3)
+    triangles = triangulated(points, counts, corners, lambda k: f"'{file}': line {lines[k]}: face {k}")
+    return TriangleMesh(points, triangles)
 
 
 _PLY_TYPES = {
@@ -95,7 +101,7 @@ _PLY_TYPES = {
 }  # fmt: skip
 
 
-def _read_ply(data: bytes) -> TriangleMesh:
+def _read_ply(data: bytes, file: Path) -> TriangleMesh:
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
         raise InvalidMesh("the file does not start with a PLY header")
@@ -122,7 +128,8 @@ def _read_ply(data: bytes) -> TriangleMesh:
         else _PlyBinary(body, ">" if layout == "binary_big_endian" else "<")
     )
     vertices: Any = np.empty((0, 3))
-    triangles: list[tuple[int, int, int]] = []
+    corners: list[int] = []
+    counts: list[int] = []
     for name, count, properties in elements:
         if not any(length for _, _, length in properties):
             table = reader.table(count, properties)
@@ -136,8 +143,9 @@ def _read_ply(data: bytes) -> TriangleMesh:
                     raise InvalidMesh(f"a list of {entries} entries: must have at least none")
                 values = reader.values(kind, entries)
                 if name == "face" and property_name in ("vertex_indices", "vertex_index"):
-                    triangles.extend(_fan([int(v) for v in values]))
-    return TriangleMesh(vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3))
+                    corners.extend(int(v) for v in values)
+                    counts.append(entries)
+    return TriangleMesh(vertices, triangulated(vertices, counts, corners, lambda k: f"'{file}': face {k}"))
 
 
 class _PlyText:
@@ -176,7 +184,7 @@ class _PlyBinary:
         return result
 
 
-def _read_stl(data: bytes) -> TriangleMesh:
+def _read_stl(data: bytes, _: Path) -> TriangleMesh:
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     if len(data) == 84 + 50 * count:
         record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -193,7 +201,7 @@ def _read_stl(data: bytes) -> TriangleMesh:
 _EMBEDDED = ("vertices", "elements", "triangles", "cells", "filling")
 
 
-def _read_npz(data: bytes) -> Mesh:
+def _read_npz(data: bytes, _: Path) -> Mesh:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         _require_sizes(arrays)
         if "tets" in arrays:
