@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from stark._core import InvalidMesh
-from stark.arguments import given_path
+from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
 from stark.mesh.polygons import triangulated
 from stark.mesh.repair import merged, oriented
@@ -24,14 +24,18 @@ _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
 
 
-def load(path: str | os.PathLike[str]) -> Mesh:
+def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
     """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
     are read by ``meshio``, all other formats by ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates
     are taken as metres: use ``.scaled`` if they are not.
 
     Polygons of OBJ and PLY become triangles that cover them and nothing else; those that no fan of triangles
-    covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves."""
-    file = given_path(path, "mesh.load: path")
+    covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves.
+
+    Programs write a vertex once for each normal or texture coordinate that it has there. Of surfaces that are
+    open as written, vertices at exactly the same place become one, unused ones and collapsed triangles go;
+    ``merge=False`` keeps them, for slits. Closed surfaces, NPZ, MSH and VTK stay as they are."""
+    file, is_merged = given_path(path, "mesh.load: path"), given_flag(merge, "mesh.load: merge")
     try:
         data = read_bytes(file)
     except OSError as error:
@@ -53,7 +57,20 @@ def load(path: str | os.PathLike[str]) -> Mesh:
         mesh = _load_by_trimesh(file)
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
         raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
+    if is_merged and suffix != ".npz" and isinstance(mesh, TriangleMesh):
+        return _whole(mesh)
     return mesh
+
+
+def _whole(surface: TriangleMesh) -> TriangleMesh:
+    """With vertices at the same place as one, where the surface is open and has such."""
+    triangles = surface.triangles
+    if not (0 <= triangles.min() <= triangles.max() < len(surface.vertices)) or surface.is_closed:
+        return surface
+    if len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
+        return surface
+    whole = merged(surface)
+    return whole if len(whole.triangles) else surface
 
 
 def _damage() -> tuple[type[Exception], ...]:
