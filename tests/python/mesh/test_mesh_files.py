@@ -34,6 +34,13 @@ def test_obj(tmp_path: Path) -> None:
     assert loaded.vertices[1].tolist() == [1, 0, 0] and len(loaded.vertices) == 5
 
 
+def test_lines_of_obj_files_that_go_on_in_the_next_one(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(
+        "v 0 0 \\\n 0\nv 1 0 0\nv 0 1 0\n# a comment\nf 1 2 \\\n3\nf 3 2 \\\n\\\n1"
+    )
+    assert mesh.load(tmp_path / "a.obj").triangles.tolist() == [[0, 1, 2], [2, 1, 0]]
+
+
 def ply(layout: str) -> bytes:
     header = (
         f"ply\nformat {layout} 1.0\ncomment x\nelement vertex 4\nproperty double x\n"
@@ -103,6 +110,27 @@ def test_saved_meshes_come_back_bit_by_bit(tmp_path: Path, original: mesh.Mesh) 
         ("a.ply", ply("ascii")[:-9], "ends too early"),
         ("a.npz", b"PK", "not a valid NPZ file"),
         ("a.stl", b"\0" * 90, "not a valid STL file|0 triangles"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nf 1 \\\n2\nf 1 2 x\n", "line 3: a face needs three"),
+        ("a.obj", b"v 0 0 0\nf 1 1 x\n", "not a valid OBJ file: line 2: invalid literal"),
+        (
+            "a.stl",
+            b"\0" * 80 + b"\x64\0\0\0" + b"\0" * 503,
+            "declares 100 triangles, but it holds 10 and 3 bytes",
+        ),
+        ("a.stl", b"\0" * 80 + b"\2\0\0\0" + b"\0" * 150, "declares 2 triangles, but it holds 3: must agree"),
+        (
+            "a.stl",
+            b"solid" + b"\0" * 75 + b"\2\0\0\0" + b"\0" * 9,
+            "declares 2 triangles, but it holds 0 and 9",
+        ),
+        ("a.stl", b"\0" * 84, "0 triangles: must have at least one"),
+        ("a.stl", b"\xe7", "1 bytes: must be text that starts with 'solid', or the 84 bytes"),
+        (
+            "a.stl",
+            b"solid \xe4\nfacet\n vertex 0 0\n",
+            "line 3: a vertex needs three numbers, got 'vertex 0 0'",
+        ),
+        ("a.stl", b"solid\n vertex 0 0 0\n", "1 corners do not make whole triangles: the file was cut off"),
     ],
 )
 def test_broken_files_are_refused_by_name(tmp_path: Path, name: str, data: bytes, part: str) -> None:
