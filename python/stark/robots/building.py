@@ -242,20 +242,21 @@ class _Builder:
 
     def _mesh(self, group: Group, inertia: Inertia | None) -> tuple[TriangleMesh | None, bool]:
         """The surface of a body, and whether it touches others."""
-        choices: list[tuple[str, bool]] = [(self.options.shapes, self.options.contact)]
-        choices.append(("collision" if self.options.shapes == "visual" else "visual", False))
-        if not self.options.contact:
-            choices = [("visual", False), ("collision", False)]
-        for shapes, touches in choices:
-            parts: list[TriangleMesh] = []
-            for name, frame in group.frames.items():
-                start = sum(len(part.vertices) for part in parts)
-                parts += [self._part(shape, name, frame) for shape in _shapes(self.robot.links[name], shapes)]
-                self.vertices[name] = start, sum(len(part.vertices) for part in parts)
+        options = self.options
+        other = "collision" if options.shapes == "visual" else "visual"
+        for shapes, touches in ((options.shapes, options.contact), (other, False)):
+            try:
+                parts = self._parts(group, shapes)
+            except InvalidArgument as error:
+                if options.contact or shapes == "visual":
+                    raise
+                # What touches nothing needs no collision shapes: they are only cheaper.
+                self.report.add("dropped", f"link '{group.root}'", f"collision shapes: {error}")
+                continue
             if parts:
-                if self.options.contact and not touches:
+                if options.contact and not touches:
                     self.report.add(
-                        "assumed", f"link '{group.root}'", f"no {self.options.shapes} shape: touches nothing"
+                        "assumed", f"link '{group.root}'", f"no {options.shapes} shape: touches nothing"
                     )
                 return joined(parts), touches
         if inertia is None:
@@ -267,9 +268,18 @@ class _Builder:
         )
         return _box_of(inertia), False
 
+    def _parts(self, group: Group, shapes: str) -> list[TriangleMesh]:
+        """Surfaces of the links of a body; which vertices of all are those of a link is noted."""
+        parts: list[TriangleMesh] = []
+        for name, frame in group.frames.items():
+            start = sum(len(part.vertices) for part in parts)
+            parts += [self._part(shape, name, frame) for shape in _shapes(self.robot.links[name], shapes)]
+            self.vertices[name] = start, sum(len(part.vertices) for part in parts)
+        return parts
+
     def _shown(self, group: Group, mesh: TriangleMesh) -> TriangleMesh | None:
         """What pictures show instead of the surface of a body, where that is another one."""
-        which = self.options.shown
+        which = self.options.shown or (None if self.options.contact else "visual")
         links = [] if which is None else [(name, self.robot.links[name]) for name in group.frames]
         parts = [
             self._part(shape, name, group.frames[name])
