@@ -44,8 +44,8 @@ def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
     are read by ``meshio``, all other formats by ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates
     are taken as metres: use ``.scaled`` if they are not.
 
-    Polygons of OBJ and PLY become triangles that cover them and nothing else; those that no fan of triangles
-    covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves.
+    Polygons of OBJ, PLY and DAE become triangles that cover them and nothing else; those that no fan of
+    triangles covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves.
 
     Programs write a vertex once for each normal or texture coordinate that it has there. Of surfaces that are
     open as written, vertices at exactly the same place become one, unused ones and collapsed triangles go;
@@ -315,6 +315,16 @@ def _is_of_meshio(file: Path) -> bool:
     return file.suffix.lower() in meshio.extension_to_filetypes
 
 
+def _loaded_by_trimesh(trimesh: Any, file: Path) -> Any:
+    if file.suffix.lower() != ".dae":
+        return trimesh.load(file, force="mesh")
+    from stark.mesh.collada import with_triangles
+
+    data = io.BytesIO(with_triangles(file.read_bytes(), file))
+    resolver = trimesh.resolvers.FilePathResolver(file)
+    return trimesh.load(data, file_type="dae", force="mesh", resolver=resolver)
+
+
 def _load_by_trimesh(file: Path) -> Mesh:
     try:
         import trimesh
@@ -330,7 +340,7 @@ def _load_by_trimesh(file: Path) -> Mesh:
             f".stl, .npz, {', '.join(known)}, {', '.join(sorted(_VOLUME_FORMATS))}, or another one of meshio"
         )
     try:
-        loaded: Any = trimesh.load(file, force="mesh")
+        loaded: Any = _loaded_by_trimesh(trimesh, file)
     except ImportError as error:
         raise ImportError(f"'{file}': {error}: pip install 'stark-sim[mesh]'") from error
     except Exception as error:  # readers of many formats raise what they like
