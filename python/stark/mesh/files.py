@@ -7,38 +7,61 @@ import io
 import math
 import os
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stark._core import InvalidMesh
-from stark.arguments import given_path
+from stark.arguments import given_flag, given_path
 from stark.files import read_bytes
+from stark.mesh.polygons import triangulated
 from stark.mesh.repair import merged, oriented
 from stark.mesh.types import EmbeddedMesh, Mesh, SolidMesh, TetMesh, TriangleMesh
 
 _LARGEST_ARRAY = 1 << 32  # bytes, after decompression
 _VOLUME_FORMATS = {".msh", ".vtk", ".vtu", ".mesh", ".xdmf"}
+#: Those that trimesh reads itself; it leaves others to meshio.
+_TRIMESH_FORMATS = {
+    ".3dxml",
+    ".3mf",
+    ".ctm",
+    ".dae",
+    ".glb",
+    ".gltf",
+    ".off",
+    ".step",
+    ".stp",
+    ".xaml",
+    ".zae",
+}
 
 
-def load(path: str | os.PathLike[str]) -> Mesh:
+def load(path: str | os.PathLike[str], *, merge: bool = True) -> Mesh:
     """Reads a mesh file. OBJ, PLY and STL surfaces and saved meshes (NPZ) need nothing; MSH and VTK volumes
     are read by ``meshio``, all other formats by ``trimesh`` (``pip install stark-sim[mesh]``). Coordinates
-    are taken as metres: use ``.scaled`` if they are not."""
-    file = given_path(path, "mesh.load: path")
+    are taken as metres: use ``.scaled`` if they are not.
+
+    Polygons of OBJ, PLY and DAE become triangles that cover them and nothing else; those that no fan of
+    triangles covers need ``manifold3d``, of the same extra. Warns of polygons that cross themselves.
+
+    Programs write a vertex once for each normal or texture coordinate that it has there. Of surfaces that are
+    open as written, vertices at exactly the same place become one, unused ones and collapsed triangles go;
+    ``merge=False`` keeps them, for slits. Closed surfaces, NPZ, MSH and VTK stay as they are."""
+    file, is_merged = given_path(path, "mesh.load: path"), given_flag(merge, "mesh.load: merge")
     try:
         data = read_bytes(file)
     except OSError as error:
         raise InvalidMesh(f"'{file}': {error.strerror or error}: must be a readable mesh file") from None
-    readers: dict[str, Callable[[bytes], Mesh]] = {
+    readers: dict[str, Callable[[bytes, Path], Mesh]] = {
         ".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".npz": _read_npz
     }  # fmt: skip
     suffix = file.suffix.lower()
     if suffix in readers:
         try:
-            mesh = readers[suffix](data)
+            mesh = readers[suffix](data, file)
         except InvalidMesh as error:
             raise InvalidMesh(f"'{file}': {error}") from None
         except _damage() as error:
@@ -49,7 +72,20 @@ def load(path: str | os.PathLike[str]) -> Mesh:
         mesh = _load_by_trimesh(file)
     if isinstance(mesh, TriangleMesh) and len(mesh.triangles) == 0:
         raise InvalidMesh(f"'{file}' has 0 triangles: must have at least one")
+    if is_merged and suffix != ".npz" and isinstance(mesh, TriangleMesh):
+        return _whole(mesh)
     return mesh
+
+
+def _whole(surface: TriangleMesh) -> TriangleMesh:
+    """With vertices at the same place as one, where the surface is open and has such."""
+    triangles = surface.triangles
+    if not (0 <= triangles.min() <= triangles.max() < len(surface.vertices)) or surface.is_closed:
+        return surface
+    if len(np.unique(surface.vertices, axis=0)) == len(surface.vertices):
+        return surface
+    whole = merged(surface)
+    return whole if len(whole.triangles) else surface
 
 
 def _damage() -> tuple[type[Exception], ...]:
@@ -60,31 +96,50 @@ def _damage() -> tuple[type[Exception], ...]:
     return (*lies, zipfile.BadZipFile, zlib.error)
 
 
-def _fan(polygon: list[int]) -> list[tuple[int, int, int]]:
-    return [(polygon[0], polygon[i], polygon[i + 1]) for i in range(1, len(polygon) - 1)]
-
-
-def _read_obj(data: bytes) -> TriangleMesh:
-    vertices: list[tuple[float, ...]] = []
-    triangles: list[tuple[int, int, int]] = []
+def _obj_lines(data: bytes) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers; those that end in a backslash go on in the next one."""
+    start, text = 0, ""
     for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
-        words = line.split()
-        if not words:
+        start, text = start or number, text + line
+        if text.endswith("\\"):
+            text = text[:-1] + " "
             continue
-        if words[0] == "v":
-            if len(words) < 4:
-                raise InvalidMesh(f"line {number}: a vertex needs three numbers, got '{line.strip()}'")
-            vertices.append(tuple(float(w) for w in words[1:4]))
-        elif words[0] == "f":
-            # v, v/vt, v//vn or v/vt/vn; negative indices count back from the last vertex so far.
-            indices = [int(w.partition("/")[0]) for w in words[1:]]
-            polygon = [i - 1 if i > 0 else len(vertices) + i for i in indices]
-            if len(polygon) < 3 or 0 in indices:
-                raise InvalidMesh(
-                    f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'"
-                )
-            triangles.extend(_fan(polygon))
-    return TriangleMesh(np.array(vertices).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3))
+        yield start, text
+        start, text = 0, ""
+    if text:
+        yield start, text
+
+
+def _obj_polygon(words: list[str], vertex_count: int, number: int, line: str) -> list[int]:
+    """Vertices of a face: v, v/vt, v//vn or v/vt/vn; negative numbers count back from the last vertex."""
+    try:
+        indices = [int(word.partition("/")[0]) for word in words[1:]]
+    except ValueError as error:
+        raise ValueError(f"line {number}: {error}") from None
+    if len(indices) < 3 or 0 in indices:
+        raise InvalidMesh(
+            f"line {number}: a face needs three vertices, numbered from 1, got '{line.strip()}'"
+        )
+    return [i - 1 if i > 0 else vertex_count + i for i in indices]
+
+
+def _read_obj(data: bytes, file: Path) -> TriangleMesh:
+    vertices: list[list[float]] = []
+    corners: list[int] = []
+    counts: list[int] = []
+    lines: list[int] = []  # of the faces
+    for number, line in _obj_lines(data):
+        words = line.split()
+        if words[:1] == ["v"]:
+            vertices.append(_vertex(words, number, line))
+        elif words[:1] == ["f"]:
+            polygon = _obj_polygon(words, len(vertices), number, line)
+            corners.extend(polygon)
+            counts.append(len(polygon))
+            lines.append(number)
+    points = np.array(vertices).reshape(-1, 3)
+    triangles = triangulated(points, counts, corners, lambda k: f"'{file}': line {lines[k]}: face {k}")
+    return TriangleMesh(points, triangles)
 
 
 _PLY_TYPES = {
@@ -95,7 +150,7 @@ _PLY_TYPES = {
 }  # fmt: skip
 
 
-def _read_ply(data: bytes) -> TriangleMesh:
+def _read_ply(data: bytes, file: Path) -> TriangleMesh:
     end = data.find(b"end_header")
     if not data.startswith(b"ply") or end < 0:
         raise InvalidMesh("the file does not start with a PLY header")
@@ -122,7 +177,8 @@ def _read_ply(data: bytes) -> TriangleMesh:
         else _PlyBinary(body, ">" if layout == "binary_big_endian" else "<")
     )
     vertices: Any = np.empty((0, 3))
-    triangles: list[tuple[int, int, int]] = []
+    corners: list[int] = []
+    counts: list[int] = []
     for name, count, properties in elements:
         if not any(length for _, _, length in properties):
             table = reader.table(count, properties)
@@ -136,8 +192,9 @@ def _read_ply(data: bytes) -> TriangleMesh:
                     raise InvalidMesh(f"a list of {entries} entries: must have at least none")
                 values = reader.values(kind, entries)
                 if name == "face" and property_name in ("vertex_indices", "vertex_index"):
-                    triangles.extend(_fan([int(v) for v in values]))
-    return TriangleMesh(vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3))
+                    corners.extend(int(v) for v in values)
+                    counts.append(entries)
+    return TriangleMesh(vertices, triangulated(vertices, counts, corners, lambda k: f"'{file}': face {k}"))
 
 
 class _PlyText:
@@ -176,24 +233,58 @@ class _PlyBinary:
         return result
 
 
-def _read_stl(data: bytes) -> TriangleMesh:
-    count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
-    if len(data) == 84 + 50 * count:
-        record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-        corners = np.frombuffer(data, dtype=record, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
-    else:
-        words = [line.split() for line in data.decode("ascii").splitlines()]
-        corners = np.array([[float(x) for x in w[1:4]] for w in words if w[:1] == ["vertex"]]).reshape(-1, 3)
-    if len(corners) % 3:
-        raise InvalidMesh(f"{len(corners)} corners do not make whole triangles")
+def _read_stl(data: bytes, _: Path) -> TriangleMesh:
+    is_text = data.lstrip()[:5].lower() == b"solid" and b"\0" not in data
+    corners = _text_stl(data) if is_text else _binary_stl(data)
     # STL repeats every vertex for each of its triangles; equal corners are one vertex.
     return merged(TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
+
+
+def _binary_stl(data: bytes) -> NDArray[np.float64]:
+    """Corners of triangles (3 m, 3): 80 bytes of title, their number, and 50 bytes each."""
+    if len(data) < 84:
+        raise InvalidMesh(
+            f"{len(data)} bytes: must be text that starts with 'solid', or the 84 bytes and more of a binary "
+            f"STL file"
+        )
+    declared, held, rest = int.from_bytes(data[80:84], "little"), *divmod(len(data) - 84, 50)
+    if held != declared or rest:
+        more = f" and {rest} bytes more" if rest else ""
+        raise InvalidMesh(
+            f"its header declares {declared} triangles, but it holds {held}{more}: must agree; the file "
+            f"was cut off or has something behind its triangles, write it again"
+        )
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    corners = np.frombuffer(data, dtype=record, offset=84)["corners"]
+    return np.asarray(corners, dtype=np.float64).reshape(-1, 3)
+
+
+def _text_stl(data: bytes) -> NDArray[np.float64]:
+    corners: list[list[float]] = []
+    for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
+        words = line.split()
+        if words[:1] == ["vertex"]:
+            corners.append(_vertex(words, number, line))
+    if len(corners) % 3:
+        raise InvalidMesh(f"{len(corners)} corners do not make whole triangles: the file was cut off")
+    return np.array(corners).reshape(-1, 3)
+
+
+def _vertex(words: list[str], number: int, line: str) -> list[float]:
+    """Coordinates of a line of text."""
+    try:
+        vertex = [float(word) for word in words[1:4]]
+    except ValueError as error:
+        raise ValueError(f"line {number}: {error}") from None
+    if len(vertex) < 3:
+        raise InvalidMesh(f"line {number}: a vertex needs three numbers, got '{line.strip()}'")
+    return vertex
 
 
 _EMBEDDED = ("vertices", "elements", "triangles", "cells", "filling")
 
 
-def _read_npz(data: bytes) -> Mesh:
+def _read_npz(data: bytes, _: Path) -> Mesh:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         _require_sizes(arrays)
         if "tets" in arrays:
@@ -216,13 +307,40 @@ def _require_sizes(arrays: Any) -> None:
                 raise InvalidMesh(f"array '{member.filename}' claims the shape {shape}, more than it holds")
 
 
-def _load_by_trimesh(file: Path) -> TriangleMesh:
+def _is_of_meshio(file: Path) -> bool:
+    try:
+        import meshio
+    except ImportError:
+        return False
+    return file.suffix.lower() in meshio.extension_to_filetypes
+
+
+def _loaded_by_trimesh(trimesh: Any, file: Path) -> Any:
+    if file.suffix.lower() != ".dae":
+        return trimesh.load(file, force="mesh")
+    from stark.mesh.collada import with_triangles
+
+    data = io.BytesIO(with_triangles(file.read_bytes(), file))
+    resolver = trimesh.resolvers.FilePathResolver(file)
+    return trimesh.load(data, file_type="dae", force="mesh", resolver=resolver)
+
+
+def _load_by_trimesh(file: Path) -> Mesh:
     try:
         import trimesh
     except ImportError as error:
         raise ImportError(f"'{file}': this format needs trimesh: pip install 'stark-sim[mesh]'") from error
+    if file.suffix.lower() not in _TRIMESH_FORMATS and _is_of_meshio(file):
+        return _load_by_meshio(file)
+    names = trimesh.available_formats()
+    if not any(file.name.lower().endswith(f".{name}") for name in names):
+        known = sorted(_TRIMESH_FORMATS & {f".{name}" for name in names})
+        raise InvalidMesh(
+            f"'{file}': '{file.suffix}' is the suffix of no format of meshes: must be one of .obj, .ply, "
+            f".stl, .npz, {', '.join(known)}, {', '.join(sorted(_VOLUME_FORMATS))}, or another one of meshio"
+        )
     try:
-        loaded: Any = trimesh.load(file, force="mesh")
+        loaded: Any = _loaded_by_trimesh(trimesh, file)
     except ImportError as error:
         raise ImportError(f"'{file}': {error}: pip install 'stark-sim[mesh]'") from error
     except Exception as error:  # readers of many formats raise what they like
@@ -246,7 +364,9 @@ def _load_by_meshio(file: Path) -> Mesh:
     except ImportError as error:
         raise ImportError(f"'{file}': {error}; install it") from error
     except (Exception, SystemExit) as error:
-        why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else error
+        why = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else f"{error}"
+        if not isinstance(error, (SystemExit, meshio.ReadError)) or not why:
+            why = "meshio finds no mesh in it" + (f" ({error})" if isinstance(error, ValueError) else "")
         raise InvalidMesh(f"'{file}' cannot be read: {why}") from None
     cells = loaded.cells_dict
     solids = ("hexahedron27", "tetra10", "hexahedron")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark import _core
-from stark._core import InvalidMesh
+from stark._core import InvalidArgument, InvalidMesh
 from stark.mesh.arguments import positive
 from stark.mesh.conversion import as_triangle_mesh
 from stark.mesh.kept import kept
@@ -23,6 +23,8 @@ from stark.mesh.types import TetMesh, TriangleMesh, compact
 _OFF = 0.1
 #: up to so many times in all.
 _TRIES = 4
+#: Of the diagonal: from there on fTetWild takes seconds, and must gain this factor in each try.
+_COARSE, _GROWS = 0.25, 1.05
 
 
 def tetrahedralise(
@@ -30,7 +32,8 @@ def tetrahedralise(
 ) -> TetMesh:
     """Volume mesh of a closed surface, by fTetWild (``pip install stark-sim[mesh]``).
 
-    ``edge_length`` [m]: wanted edge length, a twentieth of the diagonal of the bounds if left out.
+    ``edge_length`` [m]: wanted edge length, at most the diagonal of the bounds; a twentieth of it if left
+    out.
     ``tolerance``: largest distance between the given surface and the result, over that diagonal; if left out
     a tenth of the edge length, with which the mean edge comes out within 15 % of the wanted one where the
     shape is wider than eight of them (up to four meshes are made for that), or 10^-3 where no edge length is
@@ -48,9 +51,17 @@ def tetrahedralise(
 
 def _made(surface: TriangleMesh, edge_length: float | None, tolerance: float | None) -> TetMesh:
     diagonal = float(np.linalg.norm(surface.bounds[1] - surface.bounds[0]))
+    if tolerance is not None:
+        positive(tolerance, "tetrahedralise: tolerance", "")
     if edge_length is None:
         return _filled(surface, 0.05, 1e-3 if tolerance is None else tolerance)
     fraction = positive(edge_length, "tetrahedralise: edge_length") / diagonal
+    if fraction > 1.0:
+        raise InvalidArgument(
+            f"tetrahedralise: edge_length = {float(edge_length):.6g} m: must be at most the diagonal of "
+            f"the bounds of the mesh, {diagonal:.4g} m; give a shorter one, or scale the mesh if "
+            f"it is not in metres"
+        )
     if tolerance is None:
         # A chord of length l of a surface of radius r is l^2 / 8r off: less tolerance makes shorter edges.
         tolerance = 0.1 * fraction
@@ -74,16 +85,22 @@ def _with_mean_edge(surface: TriangleMesh, wanted: float, fraction: float, toler
     """The mesh with the best mean edge of up to _TRIES. fTetWild takes what it is asked for as a hint."""
     found: list[tuple[float, TetMesh]] = []  # ratio of the mean edge to the wanted one, mesh
     below, above = 0.0, math.inf  # fractions that gave too short and too long edges
+    longest = max(fraction, 2.0 * _COARSE)  # 1 takes a minute, and is the largest that there is
     while len(found) < _TRIES:
         mesh = _filled(surface, fraction, tolerance)
         ratio = _mean_edge(mesh) / wanted
         found.append((ratio, mesh))
         if abs(ratio - 1.0) < _OFF:
             break
+        if fraction > _COARSE and len(found) > 1 and ratio < min(1.0, _GROWS * found[-2][0]):
+            break  # it is the tolerance that keeps edges short
         below, above = (max(below, fraction), above) if ratio < 1.0 else (below, min(above, fraction))
         fraction /= ratio
         if not below < fraction < above:
             fraction = math.sqrt(below * above)
+        fraction = min(fraction, longest)
+        if fraction <= below:
+            break
     return min(found, key=lambda each: abs(each[0] - 1.0))[1]
 
 
@@ -123,7 +140,13 @@ def _filled(surface: TriangleMesh, fraction: float, tolerance: float) -> TetMesh
         ) from error
     # fTetWild leaves a file in the current folder.
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        vertices, tets = pytetwild.tetrahedralize(
-            surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
-        )
+        try:
+            vertices, tets = pytetwild.tetrahedralize(
+                surface.vertices, surface.triangles, edge_length_fac=fraction, epsilon=tolerance, quiet=True
+            )
+        except (ValueError, RuntimeError) as error:
+            raise InvalidMesh(
+                f"tetrahedralise: fTetWild refuses the surface with edges of {fraction:.3g} and a tolerance "
+                f"of {tolerance:.3g} of its diagonal: {error}"
+            ) from None
     return compact(oriented(TetMesh(vertices, np.asarray(tets, dtype=np.int32))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -17,7 +18,7 @@ from stark.joints.adding import frame_with_z
 from stark.joints.handle import Joint
 from stark.mesh import TriangleMesh, joined
 from stark.robots import kinematics
-from stark.robots.checks import is_nothing, refuse_impossible
+from stark.robots.checks import check_reach, is_nothing, refuse_impossible
 from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.flexes import Carrier, add_flex
 from stark.robots.handle import Robot, _limits
@@ -242,20 +243,26 @@ class _Builder:
 
     def _mesh(self, group: Group, inertia: Inertia | None) -> tuple[TriangleMesh | None, bool]:
         """The surface of a body, and whether it touches others."""
-        choices: list[tuple[str, bool]] = [(self.options.shapes, self.options.contact)]
-        choices.append(("collision" if self.options.shapes == "visual" else "visual", False))
-        if not self.options.contact:
-            choices = [("visual", False), ("collision", False)]
-        for shapes, touches in choices:
+        options = self.options
+        other = "collision" if options.shapes == "visual" else "visual"
+        for shapes, touches in ((options.shapes, options.contact), (other, False)):
+            try:
+                surfaces = self._surfaces(group, shapes)
+            except InvalidArgument as error:
+                if options.contact or shapes == "visual":
+                    raise
+                # What touches nothing needs no collision shapes: they are only cheaper.
+                self.report.add("dropped", f"link '{group.root}'", f"collision shapes: {error}")
+                continue
             parts: list[TriangleMesh] = []
-            for name, frame in group.frames.items():
+            for name, of_link in surfaces.items():
                 start = sum(len(part.vertices) for part in parts)
-                parts += [self._part(shape, name, frame) for shape in _shapes(self.robot.links[name], shapes)]
+                parts += of_link
                 self.vertices[name] = start, sum(len(part.vertices) for part in parts)
             if parts:
-                if self.options.contact and not touches:
+                if options.contact and not touches:
                     self.report.add(
-                        "assumed", f"link '{group.root}'", f"no {self.options.shapes} shape: touches nothing"
+                        "assumed", f"link '{group.root}'", f"no {options.shapes} shape: touches nothing"
                     )
                 return joined(parts), touches
         if inertia is None:
@@ -267,15 +274,22 @@ class _Builder:
         )
         return _box_of(inertia), False
 
+    def _surfaces(self, group: Group, shapes: str) -> dict[str, list[TriangleMesh]]:
+        """Those of the links of a body, in its frame."""
+        found = {}
+        for name, frame in group.frames.items():
+            given = _shapes(self.robot.links[name], shapes)
+            found[name] = [self._part(shape, name, frame) for shape in given]
+            inertia = self._inertia_of(name)
+            if inertia is not None and any(shape.kind == "mesh" for shape in given):
+                vertices = np.concatenate([part.vertices for part in found[name]])
+                check_reach(name, vertices, inertia.moved(*frame), self.report)
+        return found
+
     def _shown(self, group: Group, mesh: TriangleMesh) -> TriangleMesh | None:
         """What pictures show instead of the surface of a body, where that is another one."""
-        which = self.options.shown
-        links = [] if which is None else [(name, self.robot.links[name]) for name in group.frames]
-        parts = [
-            self._part(shape, name, group.frames[name])
-            for name, link in links
-            for shape in _shapes(link, which or "")
-        ]
+        which = self.options.shown or (None if self.options.contact else "visual")
+        parts = [] if which is None else list(itertools.chain(*self._surfaces(group, which).values()))
         shown = joined(parts) if parts else None
         return None if shown is None or np.array_equal(shown.vertices, mesh.vertices) else shown
 

@@ -18,14 +18,13 @@ from stark.robots.report import Report
 def mesh_of(shape: Geometry, source: str, title: str, report: Report | None = None) -> TriangleMesh:
     """The surface of one shape in the frame of its link. InvalidArgument names source, link and remedy."""
     try:
-        surface = _surface(shape)
+        surface = _without_flat(_finite(_surface(shape), shape), title, report)
     except (InvalidMesh, InvalidArgument) as error:
         raise InvalidArgument(
             f"{source}: {title}: shape {shape.kind}: {error}; correct it, or leave it out with contact=False"
         ) from None
     if report is not None and shape.file is not None and (unit := unit_of(shape.file)) != 1.0:
         report.add("kept", title, f"mesh '{shape.file.name}' is in units of {unit:g} m, as it says")
-    surface = _without_flat(surface, title, report)
     turned = surface.vertices @ shape.rotation.T + shape.position
     return TriangleMesh(turned, surface.triangles)
 
@@ -43,12 +42,26 @@ def _surface(shape: Geometry) -> TriangleMesh:
         return TriangleMesh(shape.vertices, shape.triangles)
     if shape.file is None:
         raise InvalidArgument("has neither a file nor vertices")
+    if not np.all(shape.scale):
+        raise InvalidArgument(f"'{shape.file}': scale = {shape.scale.tolist()}: must have no 0")
     loaded = meshes.load(shape.file)
     if not isinstance(loaded, TriangleMesh):
         raise InvalidArgument(f"'{shape.file}' is no surface")
     scaled = TriangleMesh(loaded.vertices * (unit_of(shape.file) * shape.scale), loaded.triangles)
     # A mirror turns the triangles over.
     return scaled.flipped() if np.prod(shape.scale) < 0.0 else scaled
+
+
+def _finite(surface: TriangleMesh, shape: Geometry) -> TriangleMesh:
+    """The surface, or InvalidMesh where a vertex is no number."""
+    wrong = np.flatnonzero(~np.isfinite(surface.vertices).all(axis=1))
+    if len(wrong):
+        where = "" if shape.file is None else f"'{shape.file}': "
+        at = ", ".join(f"{x:g}" for x in surface.vertices[wrong[0]])
+        raise InvalidMesh(
+            f"{where}vertex {wrong[0]} is at ({at}) m: positions must be finite; repair or remove this vertex"
+        )
+    return surface
 
 
 def unit_of(file: Path) -> float:

@@ -58,8 +58,8 @@ class SceneRobots(SceneLink):
         left out; ``position`` [m] and ``rotation`` place it. ``q``: where joints start, (n,) [rad, m] or
         numbers by joint; others at 0, or at the limit next to it. Links touch by their collision shapes,
         or those that ``shapes`` names ("visual"); with ``contact=False`` they touch nothing. Pictures show
-        what touches, or what ``shown`` names. Links that a
-        joint connects do not touch each other, nor the pairs of ``exclude`` (or an SRDF file), nor any with
+        what touches, with ``contact=False`` the visual shapes, or what ``shown`` names. Links that a joint
+        connects do not touch each other, nor the pairs of ``exclude`` (or an SRDF file), nor any with
         ``self_contact=False``. Links that are fixed to each other are one body, or with
         ``merge_fixed=False`` joined by fixed joints where both have mass. ``inertias``: (mass [kg], centre of
         mass (3,) [m], tensor about it (3, 3) [kg m^2]) by link, instead of those of the file. ``packages``:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from stark import mesh as meshes
 from stark._core import InvalidArgument, InvalidMesh
+from stark.mesh.polygons import triangulated
 from stark.robots.description import Geometry
 from stark.robots.report import Report
 
@@ -182,17 +183,17 @@ class Stage:
         points = np.array(mesh.GetPointsAttr().Get() or [], dtype=np.float64).reshape(-1, 3)
         counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or [], dtype=np.int64)
         corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or [], dtype=np.int64)
+        owner = f"{self.report.source}: {title}: mesh {mesh.GetPath()}"
         if counts.sum() != len(corners) or (
             len(corners) and not 0 <= corners.min() <= corners.max() < len(points)
         ):
             raise InvalidMesh(
-                f"{self.report.source}: {title}: mesh {mesh.GetPath()}: faceVertexIndices do not fit "
-                f"faceVertexCounts and points; correct it"
+                f"{owner}: faceVertexIndices do not fit faceVertexCounts and points; correct it"
             )
         if len(corners) == 0:
             self.report.add("dropped", title, f"mesh {mesh.GetPath()}, which has no faces")
             return None
-        triangles = _fans(counts, corners)
+        triangles = triangulated(points, counts, corners, lambda k: f"{owner}: face {k}")
         is_left = str(mesh.GetOrientationAttr().Get()) == "leftHanded"
         surface = meshes.TriangleMesh(points, triangles[:, ::-1] if is_left else triangles)
         return _of_mesh(surface, frame.scale, place)
@@ -204,16 +205,6 @@ class Stage:
             return None
         r, g, b = (min(1.0, max(0.0, float(value))) for value in colors[0])
         return r, g, b
-
-
-def _fans(counts: NDArray[np.int64], corners: NDArray[np.int64]) -> NDArray[np.int32]:
-    """Triangles of faces with any number of corners, as fans from their first ones."""
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    first = np.repeat(starts, np.maximum(counts - 2, 0))
-    step = np.concatenate([np.arange(1, count - 1) for count in counts] or [np.zeros(0, dtype=np.int64)])
-    return np.stack([corners[first], corners[first + step], corners[first + step + 1]], axis=1).astype(
-        np.int32
-    )
 
 
 def _of_mesh(surface: meshes.TriangleMesh, scale: Floats, place: dict[str, Any]) -> Geometry:

@@ -6,6 +6,7 @@ import os
 import struct
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,6 +32,13 @@ def test_obj(tmp_path: Path) -> None:
     loaded = mesh.load(tmp_path / "a.OBJ")
     assert loaded.triangles.tolist() == [[0, 1, 2], [0, 2, 3], [4, 0, 1]]
     assert loaded.vertices[1].tolist() == [1, 0, 0] and len(loaded.vertices) == 5
+
+
+def test_lines_of_obj_files_that_go_on_in_the_next_one(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(
+        "v 0 0 \\\n 0\nv 1 0 0\nv 0 1 0\n# a comment\nf 1 2 \\\n3\nf 3 2 \\\n\\\n1"
+    )
+    assert mesh.load(tmp_path / "a.obj").triangles.tolist() == [[0, 1, 2], [2, 1, 0]]
 
 
 def ply(layout: str) -> bytes:
@@ -102,6 +110,27 @@ def test_saved_meshes_come_back_bit_by_bit(tmp_path: Path, original: mesh.Mesh) 
         ("a.ply", ply("ascii")[:-9], "ends too early"),
         ("a.npz", b"PK", "not a valid NPZ file"),
         ("a.stl", b"\0" * 90, "not a valid STL file|0 triangles"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nf 1 \\\n2\nf 1 2 x\n", "line 3: a face needs three"),
+        ("a.obj", b"v 0 0 0\nf 1 1 x\n", "not a valid OBJ file: line 2: invalid literal"),
+        (
+            "a.stl",
+            b"\0" * 80 + b"\x64\0\0\0" + b"\0" * 503,
+            "declares 100 triangles, but it holds 10 and 3 bytes",
+        ),
+        ("a.stl", b"\0" * 80 + b"\2\0\0\0" + b"\0" * 150, "declares 2 triangles, but it holds 3: must agree"),
+        (
+            "a.stl",
+            b"solid" + b"\0" * 75 + b"\2\0\0\0" + b"\0" * 9,
+            "declares 2 triangles, but it holds 0 and 9",
+        ),
+        ("a.stl", b"\0" * 84, "0 triangles: must have at least one"),
+        ("a.stl", b"\xe7", "1 bytes: must be text that starts with 'solid', or the 84 bytes"),
+        (
+            "a.stl",
+            b"solid \xe4\nfacet\n vertex 0 0\n",
+            "line 3: a vertex needs three numbers, got 'vertex 0 0'",
+        ),
+        ("a.stl", b"solid\n vertex 0 0 0\n", "1 corners do not make whole triangles: the file was cut off"),
     ],
 )
 def test_broken_files_are_refused_by_name(tmp_path: Path, name: str, data: bytes, part: str) -> None:
@@ -142,3 +171,60 @@ def test_arrays_that_claim_to_be_larger_than_they_are(tmp_path: Path) -> None:
             archive.writestr(name, lying + data[128:] if name == "vertices.npy" else data)
     with pytest.raises(InvalidMesh, match="claims the shape"):
         mesh.load(tmp_path / "a.npz")
+
+
+def split(surface: mesh.TriangleMesh) -> tuple[np.ndarray, np.ndarray]:
+    """A vertex of its own for each corner of each triangle, as files with normals have them."""
+    corners = surface.vertices[surface.triangles].reshape(-1, 3)
+    return corners, np.arange(len(corners)).reshape(-1, 3)
+
+
+def write_obj(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    rows = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    path.write_text("\n".join(rows + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles.tolist()]))
+
+
+def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\nproperty double x\nproperty double y\n"
+    head += f"property double z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\n"
+    rows = [f"{x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    path.write_text("\n".join([head + "end_header", *rows, *(f"3 {a} {b} {c}" for a, b, c in triangles)]))
+
+
+def write_by_trimesh(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    normals = np.repeat(trimesh.Trimesh(vertices, triangles, process=False).face_normals, 3, axis=0)
+    trimesh.Trimesh(vertices, triangles, vertex_normals=normals, process=False).export(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "write"), [("a.obj", write_obj), ("a.ply", write_ply), ("a.glb", write_by_trimesh)]
+)
+def test_vertices_that_are_split_by_face_are_one(name: str, write: Any, tmp_path: Path) -> None:
+    """The mass of a closed surface fills it; that of an open one is spread over it."""
+    box = mesh.box((0.1, 0.06, 0.04))
+    write(tmp_path / name, *split(box))
+    found = mesh.load(tmp_path / name)
+    assert isinstance(found, mesh.TriangleMesh) and found.is_closed and len(found.vertices) == 8
+    body = stark.Scene().add_rigid(found, mass=1.0)
+    assert np.diag(body.inertia) == pytest.approx(
+        [(0.06**2 + 0.04**2) / 12, (0.1**2 + 0.04**2) / 12, (0.1**2 + 0.06**2) / 12], rel=1e-5
+    )
+
+
+def test_vertices_at_the_same_place_that_are_kept(tmp_path: Path) -> None:
+    """Of a slit, if the caller says so; of closed surfaces that touch, and of NPZ files, always."""
+    vertices, triangles = split(mesh.grid(1.0, 1.0, 1))
+    write_obj(tmp_path / "slit.obj", vertices, triangles)
+    kept = mesh.load(tmp_path / "slit.obj", merge=False)
+    assert np.array_equal(kept.vertices, vertices) and len(mesh.load(tmp_path / "slit.obj").vertices) == 4
+    mesh.TriangleMesh(vertices, triangles).save(tmp_path / "slit.npz")
+    assert len(mesh.load(tmp_path / "slit.npz").vertices) == 6
+    touching = mesh.joined([mesh.box(0.1), mesh.box(0.1).translated((0.1, 0.1, 0.0))])
+    write_obj(tmp_path / "two.obj", touching.vertices, touching.triangles)
+    assert np.array_equal(mesh.load(tmp_path / "two.obj").vertices, touching.vertices)
+    lone = mesh.TriangleMesh([*mesh.grid(1.0, 1.0, 1).vertices, (9.0, 9.0, 9.0)], [(0, 1, 2)])
+    write_obj(tmp_path / "open.obj", lone.vertices, lone.triangles)  # no two at the same place: none goes
+    assert len(mesh.load(tmp_path / "open.obj").vertices) == 5
+    with pytest.raises(stark.InvalidArgument, match="merge"):
+        mesh.load(tmp_path / "open.obj", merge="no")  # type: ignore[arg-type]

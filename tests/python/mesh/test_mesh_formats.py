@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -61,4 +62,21 @@ def test_damaged_files_are_errors_without_a_word(
     path.write_bytes(data)
     with pytest.raises(InvalidMesh, match=f"part.{suffix}' "):
         mesh.load(path)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_files_that_are_no_meshes_are_one_error(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """XML is a format of meshio, which warns of each element that it does not know."""
+    pytest.importorskip("trimesh")
+    pytest.importorskip("meshio")
+    (tmp_path / "robot.xml").write_text("<mujoco><worldbody><body/></worldbody></mujoco>")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InvalidMesh, match=r"robot.xml' cannot be read: meshio finds no mesh in it"):
+            mesh.load(tmp_path / "robot.xml")
+        (tmp_path / "notes.txt").write_text("none")
+        with pytest.raises(
+            InvalidMesh, match=r"'.txt' is the suffix of no format of meshes: must be one of .obj"
+        ):
+            mesh.load(tmp_path / "notes.txt")
     assert capfd.readouterr() == ("", "")

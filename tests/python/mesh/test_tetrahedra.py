@@ -62,6 +62,40 @@ def test_a_mesher_that_misses_is_asked_until_it_hits(monkeypatch: pytest.MonkeyP
     assert off() == pytest.approx(0.25) and len(asked) == 4  # the nearest of those that there are
 
 
+def test_edges_that_are_long_for_the_body() -> None:
+    """A quarter of the diagonal is a mesh; more than all of it is most likely a mistake with units."""
+    pytest.importorskip("pytetwild")
+    box = mesh.joined([mesh.box((0.1, 0.06, 0.04)), mesh.box(0.05)])
+    found = mesh.tetrahedralise(box, edge_length=0.03, keep=False)  # 0.24 of the diagonal
+    assert found.volume == pytest.approx(2.65e-4, rel=0.05)
+    for length in (0.5, 100.0):
+        with pytest.raises(
+            stark.InvalidArgument, match=rf"edge_length = {length:g} m: must be at most the diagonal"
+        ):
+            mesh.tetrahedralise(box, edge_length=length, keep=False)
+    for tolerance in (0.0, -1.0, np.nan):
+        with pytest.raises(stark.InvalidArgument, match="tetrahedralise: tolerance = "):
+            mesh.tetrahedralise(box, edge_length=0.02, tolerance=tolerance, keep=False)
+
+
+def test_longer_edges_than_the_mesher_makes_are_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    unit, asked = mesh.tet_box(1.0, 2), []
+
+    def short(surface: mesh.TriangleMesh, fraction: float, tolerance: float) -> mesh.TetMesh:
+        asked.append(fraction)
+        share = growing * fraction if growing else 0.1
+        return mesh.TetMesh(unit.vertices * share * np.sqrt(3.0) / mesh.edge_lengths(unit).mean(), unit.tets)
+
+    monkeypatch.setattr("stark.mesh.tetrahedra._filled", short)
+    growing = 0.0
+    mesh.tetrahedralise(mesh.box(1.0), edge_length=0.26 * np.sqrt(3.0), keep=False)
+    assert asked == pytest.approx([0.26, 0.5])  # the second one gained nothing
+    asked.clear()
+    growing = 0.7
+    mesh.tetrahedralise(mesh.box(1.0), edge_length=0.9 * np.sqrt(3.0), keep=False)
+    assert asked == pytest.approx([0.9])
+
+
 def test_edge_lengths() -> None:
     square = mesh.grid(1.0, 1.0, 1)
     assert np.sort(mesh.edge_lengths(square)) == pytest.approx([1.0, 1.0, 1.0, 1.0, np.sqrt(2.0)])

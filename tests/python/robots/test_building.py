@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -252,3 +253,33 @@ def test_pictures_show_the_visual_shapes_where_that_is_wanted(tmp_path: Path) ->
     scene.save(tmp_path / "scene.json")
     again = stark.load_scene(tmp_path / "scene.json")
     np.testing.assert_array_equal(surface(again.bodies[body.name])[0], positions)
+
+
+def test_robots_that_touch_nothing_cost_no_more_than_those_that_do(tmp_path: Path) -> None:
+    """Steps carry the surfaces of bodies along, whether they touch or not: those of the collision shapes,
+    which are smaller. Pictures show the visual ones. A collision mesh that cannot be read is left out."""
+    seen, touched = Geometry("sphere", (0.05,)), Geometry("box", (0.1, 0.1, 0.1))
+    (tmp_path / "cut.stl").write_bytes(b"cut off")
+    cut = Geometry("mesh", file=tmp_path / "cut.stl")
+    links = [
+        Link("both", BALL, (seen,), (touched,)),
+        Link("broken", BALL, (seen,), (cut,)),
+        Link("seen", BALL, (seen,)),
+        Link("touches", BALL, (), (touched,)),
+    ]
+    names = [link.name for link in links]
+    joints = [
+        RobotJoint(f"to {child}", "continuous", parent, child, position=np.array([0.0, 0.0, 1.0]))
+        for parent, child in itertools.pairwise(names)
+    ]
+    description = RobotDescription("four", links, joints)
+    robot = stark.Scene().add_robot(description, contact=False)
+    bodies = {name: robot.links[name].body for name in names}
+    ball = len(stark.mesh.sphere(0.05).triangles)
+    triangles = {name: len(body.triangles) for name, body in bodies.items() if body is not None}
+    assert triangles == {"both": 12, "broken": ball, "seen": ball, "touches": 12}
+    drawn = {name: len(surface(body)[1]) for name, body in bodies.items()}
+    assert drawn == {"both": ball, "broken": ball, "seen": ball, "touches": 12}
+    assert "link 'broken': collision shapes: " in str(robot.report.dropped[0])
+    with pytest.raises(stark.InvalidArgument, match="leave it out with contact=False"):
+        stark.Scene().add_robot(description)
