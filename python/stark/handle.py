@@ -87,6 +87,7 @@ class SceneLink:
     _warned: int  # warnings of the core that were passed on
     _changes: int  # of pairs of bodies that were simulated already
     _last_change: str
+    _adds_a_whole: bool = False  # parts that are added do not warn of being late
 
     def _begin_simulations(self) -> None:
         self._simulations, self._simulated_bodies, self._warned = [], 0, 0
@@ -135,15 +136,24 @@ class SceneLink:
             warnings.warn(message, StarkWarning, stacklevel=stacklevel)
         self._warned = len(found)
 
-    def _warn_of_late(self, what: str) -> None:
+    def _warn_of_late(self, what: str, stacklevel: int = 4) -> None:
         """After something that acts was added to a scene that is being simulated."""
-        if self._latest_simulation() is not None:
+        if self._latest_simulation() is not None and not self._adds_a_whole:
             warnings.warn(
                 f"{what} was added after the simulation was created and does not affect it: add it before "
                 f"stark.Simulation(scene), or create a new simulation",
                 StarkWarning,
-                stacklevel=4,
+                stacklevel=stacklevel,
             )
+
+    @contextmanager
+    def _adding_a_whole(self) -> Iterator[None]:
+        """While many parts are added as one: what adds them warns once of being late, not each part."""
+        before, self._adds_a_whole = self._adds_a_whole, True
+        try:
+            yield
+        finally:
+            self._adds_a_whole = before
 
     def _note_change(self, what: str, *bodies: int) -> None:
         """After a change of what bodies have with each other: simulations that have them warn of it when they
