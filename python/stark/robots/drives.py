@@ -20,6 +20,7 @@ from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Actuator, Joint
 from stark.readings import reading
 from stark.robots.description import RobotDescription
+from stark.robots.loops import in_loops
 from stark.robots.targets import JointValues, by_joint, spread
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,7 @@ class DrivenRobot(Protocol):
 
     _scene: SceneLink
     _drives: list[Drives]
+    _joints: Mapping[str, Joint]
 
     @property
     def name(self) -> str: ...
@@ -321,8 +323,29 @@ class GravityFollower:
     def _gravity_of(self, simulation: SimulationLink) -> Floats:
         """[m/s^2]; settings of a simulation stay as they are."""
         if self._gravity is None or self._gravity[0]() is not simulation:
+            self._refuse_loops(simulation)
             self._gravity = weakref.ref(simulation), np.array(simulation.settings.gravity)
         return self._gravity[1]
+
+    def _refuse_loops(self, simulation: SimulationLink) -> None:
+        """Joints of closed loops without gravity compensation: their part of the weight would be missing."""
+        robot = self._robot
+        followed = {row for drives in robot._drives if drives._follower is not None for row in drives._rows}
+        description = robot.description
+        names = description.coordinates
+        passive = [
+            joint.name
+            for joint in description.joints.values()
+            if joint.is_moving and names.index(description.drive_of(joint)[0]) not in followed
+        ]
+        loops = in_loops(passive, robot._joints, simulation)
+        if loops:
+            raise InvalidArgument(
+                f"robot '{robot.name}': servos: gravity_compensation: '{next(iter(loops.values()))}' closes "
+                f"a loop with {', '.join(map(repr, loops))}, which has no such servos: it is the weight of "
+                f"an open tree, and must have all joints of a loop; set gravity_compensation = False and "
+                f"assign feedforward, or drive the other joints so, too"
+            )
 
 
 def set_values(core: Any, actuators: list[Actuator], name: str, values: Floats) -> None:
