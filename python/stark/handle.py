@@ -73,6 +73,10 @@ class Follower(Protocol):
         """How they differ at time 0 from where the body starts; empty if they do not."""
 
 
+#: How the core begins what it says of the size of a mesh: when a body is added, and of a simulation.
+_SAID, _SIZE = ": the mesh has an extent of ", ": extent of the mesh = "
+
+
 class SceneLink:
     """What handles know of their scene, and what it knows of its simulations."""
 
@@ -154,6 +158,13 @@ class SceneLink:
             yield
         finally:
             self._adds_a_whole = before
+
+    def _unit_warnings(self, settings: Any) -> list[str]:
+        """Values that are probably in other units. What was said of the size of a mesh when it was added is
+        not said again."""
+        said = [text.partition(_SAID)[0] for text in self._core.warnings if _SAID in text]
+        found: list[str] = self._core.check_units(settings._core)
+        return [text for text in found if _SIZE not in text or text.partition(_SIZE)[0] not in said]
 
     def _note_change(self, what: str, *bodies: int) -> None:
         """After a change of what bodies have with each other: simulations that have them warn of it when they
