@@ -46,18 +46,22 @@ class Solid(LayeredBody):
         return material
 
     def _warn_of_locking(self, formulation: str) -> None:
-        """Where linear elements are much too stiff, as they have too few motions that keep volumes."""
+        """Those of robots are in the report of the robot."""
+        text = self._locking() if formulation == "displacement" else ""
+        if text and not self._scene._adds_a_whole:
+            warnings.warn(f"solid '{self.name}': {text}", StarkWarning, stacklevel=3)
+
+    def _locking(self) -> str:
+        """What is said of linear elements that are much too stiff, as they have too few motions that keep
+        volumes; empty for others."""
         nodes = self._element_nodes()
         ratio = float(np.max(getattr(self.material, "poissons_ratio", 0.0)))
-        if formulation != "displacement" or nodes not in _LINEAR or ratio < _LOCKING_RATIO:
-            return
+        if nodes not in _LINEAR or ratio < _LOCKING_RATIO:
+            return ""
         remedy = "write stark.mesh.to_quadratic(mesh)" if nodes == 4 else 'pass formulation="mean_dilatation"'
-        warnings.warn(
-            f"solid '{self.name}': Poisson's ratio {ratio:.6g} with {_LINEAR[nodes]}: elements lock from "
-            f"{_LOCKING_RATIO} on, so that it is too stiff, even with a fine mesh (docs/solids.md); "
-            f"{remedy}, or take a smaller ratio",
-            StarkWarning,
-            stacklevel=3,
+        return (
+            f"Poisson's ratio {ratio:.6g} with {_LINEAR[nodes]}: elements lock from {_LOCKING_RATIO} on, so "
+            f"that it is too stiff, even with a fine mesh (docs/solids.md); {remedy}, or take a smaller ratio"
         )
 
     def _element_nodes(self) -> int:

@@ -65,6 +65,8 @@ def add_flex(
     if flex.is_solid:
         mesh = oriented(TetMesh(flex.vertices, flex.cells))
         body = scene.add_solid(mesh, _solid(flex, report, title), **options)
+        if locking := body._locking():
+            report.add("suspicious", title, locking)
     elif flex.is_rod:
         body = scene.add_rod(flex.vertices, _rod(flex, report, title), **options)
     else:
