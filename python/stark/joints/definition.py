@@ -226,9 +226,13 @@ def _check_use(
             raise formula_error(name, unused_text(argument.name), function)
 
 
-@functools.cache
 def built_in(name: str) -> JointFormula:
     """A built-in joint by name; InvalidArgument for unknown names, with the nearest one as a hint."""
+    return _built_in(name)
+
+
+@functools.cache
+def _built_in(name: str) -> JointFormula:
     core = _core.find_joint(name)
     parameters = tuple(
         Parameter(row["name"], (), Declaration(None, row["unit"], None, None, None, None, row["doc"]))
