@@ -103,10 +103,13 @@ def _switching(
             passed = [on for part, on in switches if sim.time >= part * until * (1.0 - 1e-9)]
             if not passed:
                 continue
-            own = sim.attachments if isinstance(handle, stark.attachments.Attachment) else sim.joints
-            mine = own[handle._index]
+            is_glue = isinstance(handle, stark.attachments.Attachment)
+            mine: Any = (sim.attachments if is_glue else sim.joints)[handle._index]
             if mine.enabled != passed[-1] and not (passed[-1] and np.any(getattr(mine, "broken", False))):
-                mine.enabled = passed[-1]
+                if passed[-1] and not is_glue:
+                    mine.pull_together()
+                else:
+                    mine.enabled = passed[-1]
 
     return drive
 

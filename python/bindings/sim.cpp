@@ -208,7 +208,8 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
           "joint"_a, "(force [N], torque [N m]) on frame b in the last step.")
       .def("joint_enabled", &Simulation::joint_enabled, "joint"_a)
       .def("joint_broken", &Simulation::joint_broken, "joint"_a)
-      .def("set_joint_enabled", &Simulation::set_joint_enabled, "joint"_a, "enabled"_a);
+      .def("set_joint_enabled", &Simulation::set_joint_enabled, "joint"_a, "enabled"_a)
+      .def("check_joint_agrees", &Simulation::check_joint_agrees, "joint"_a);
 }
 
 void bind_actuators_and_attachments(nb::class_<Simulation>& c) {

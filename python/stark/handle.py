@@ -73,6 +73,10 @@ class Follower(Protocol):
         """How they differ at time 0 from where the body starts; empty if they do not."""
 
 
+#: How the core begins what it says of the size of a mesh: when a body is added, and of a simulation.
+_SAID, _SIZE = ": the mesh has an extent of ", ": extent of the mesh = "
+
+
 class SceneLink:
     """What handles know of their scene, and what it knows of its simulations."""
 
@@ -87,6 +91,7 @@ class SceneLink:
     _warned: int  # warnings of the core that were passed on
     _changes: int  # of pairs of bodies that were simulated already
     _last_change: str
+    _adds_a_whole: bool = False  # parts that are added do not warn of being late
 
     def _begin_simulations(self) -> None:
         self._simulations, self._simulated_bodies, self._warned = [], 0, 0
@@ -135,15 +140,31 @@ class SceneLink:
             warnings.warn(message, StarkWarning, stacklevel=stacklevel)
         self._warned = len(found)
 
-    def _warn_of_late(self, what: str) -> None:
+    def _warn_of_late(self, what: str, stacklevel: int = 4) -> None:
         """After something that acts was added to a scene that is being simulated."""
-        if self._latest_simulation() is not None:
+        if self._latest_simulation() is not None and not self._adds_a_whole:
             warnings.warn(
                 f"{what} was added after the simulation was created and does not affect it: add it before "
                 f"stark.Simulation(scene), or create a new simulation",
                 StarkWarning,
-                stacklevel=4,
+                stacklevel=stacklevel,
             )
+
+    @contextmanager
+    def _adding_a_whole(self) -> Iterator[None]:
+        """While many parts are added as one: what adds them warns once of being late, not each part."""
+        before, self._adds_a_whole = self._adds_a_whole, True
+        try:
+            yield
+        finally:
+            self._adds_a_whole = before
+
+    def _unit_warnings(self, settings: Any) -> list[str]:
+        """Values that are probably in other units. What was said of the size of a mesh when it was added is
+        not said again."""
+        said = [text.partition(_SAID)[0] for text in self._core.warnings if _SAID in text]
+        found: list[str] = self._core.check_units(settings._core)
+        return [text for text in found if _SIZE not in text or text.partition(_SIZE)[0] not in said]
 
     def _note_change(self, what: str, *bodies: int) -> None:
         """After a change of what bodies have with each other: simulations that have them warn of it when they

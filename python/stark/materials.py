@@ -91,6 +91,7 @@ class _Material(Generic[_CoreMaterial]):
         of_law = {row["name"] for row in self.law.parameters} if self.law else set()
         plain: dict[str, Any] = {}
         for parameter, value in parameters.items():
+            _refuse_number_in_quotes(value, f"{owner}: {parameter}")
             is_array = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
             if (parameter in known and not is_array) or parameter not in known | of_law:
                 plain[parameter] = value  # of an unknown name: refused by the core, with a hint
@@ -188,6 +189,17 @@ class _Material(Generic[_CoreMaterial]):
     def _description(self) -> dict[str, Any]:
         """What a body of this material hands to the core beside the parameters of the core."""
         return {"law": self.law, "fields": _flat(self._fields, self.law)}
+
+
+def _refuse_number_in_quotes(value: Any, what: str) -> None:
+    """The core reads words, and would read a number from a text, which no other value takes."""
+    if not isinstance(value, str):
+        return
+    try:
+        float(value)
+    except ValueError:
+        return  # for the core to say which words there are
+    raise InvalidArgument(f"{what} = {value!r}: must be a number, not a text; write {value.strip()}")
 
 
 def _numbers(value: ArrayLike, name: str) -> NDArray[np.float64]:

@@ -123,7 +123,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
         self._scene = scene
         for message in [
             *scene._core.check_contact_distances(self._settings._core),
-            *scene._core.check_units(self._settings._core),
+            *scene._unit_warnings(self._settings),
         ]:
             warnings.warn(message, StarkWarning, stacklevel=2)
         self._core = _core.Simulation(scene._core, self._settings._core)

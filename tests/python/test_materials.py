@@ -114,3 +114,30 @@ def test_laws_are_given_by_name_or_as_they_are() -> None:
             stark.InvalidArgument, match=f"{kind.__name__}: law = .*must be one of .*@stark.material"
         ):
             kind(law=law)
+
+
+def test_numbers_in_quotes_are_refused() -> None:
+    with pytest.raises(
+        stark.InvalidArgument, match="youngs_modulus = '1e5': must be a number, not a text; write"
+    ):
+        stark.SolidMaterial(youngs_modulus="1e5")
+    with pytest.raises(
+        stark.InvalidArgument, match="'soft_rubber': density = ' 900': must be a number, not a text"
+    ):
+        stark.materials.soft_rubber.replace(density=" 900")
+    assert (
+        stark.materials.soft_rubber.replace(strain_limit_law="green_strain").strain_limit_law
+        == "green_strain"
+    )
+
+
+def test_a_mesh_of_unusual_size_is_warned_of_once() -> None:
+    scene = stark.Scene()
+    with pytest.warns(stark.StarkWarning) as found:
+        scene.add_rigid(mesh.box(400.0), density=1.0, name="big")  # beyond 100 m, when it is added
+        stark.Simulation(scene)
+    assert [str(w.message).count("extent") for w in found if "extent" in str(w.message)] == [1]
+    scene = stark.Scene()
+    scene.add_rigid(mesh.box(80.0), density=100.0)  # unusual for what moves alone
+    with pytest.warns(stark.StarkWarning, match="extent of the mesh = 80 m"):
+        stark.Simulation(scene)

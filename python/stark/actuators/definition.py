@@ -204,9 +204,13 @@ def actuator(function: Callable[..., Any]) -> ActuatorFormula:
     )
 
 
-@functools.cache
 def built_in(name: str) -> ActuatorFormula:
     """A built-in actuator by name; InvalidArgument for unknown names, with the nearest one as a hint."""
+    return _built_in(name)
+
+
+@functools.cache
+def _built_in(name: str) -> ActuatorFormula:
     core = _core.find_actuator(name)
     return ActuatorFormula(core.name, core.doc, core)
 

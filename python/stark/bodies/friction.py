@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from stark._core import InvalidArgument
 from stark.arguments import as_array, real_array, real_number
+from stark.attributes import AnsweredAttributes
 from stark.handle import BodyHandle, SceneLink
 
 _FIELDS = ("along", "across", "kinetic")
@@ -29,7 +32,7 @@ class Anisotropic:
     kinetic: float = 1.0
 
 
-class FrictionTable:
+class FrictionTable(AnsweredAttributes):
     """Coefficients of friction of pairs of bodies: ``scene.friction[box, "floor"] = 0.3``, or static and
     kinetic coefficient: ``scene.friction[box, "floor"] = 0.5, 0.4``, or a ``stark.Anisotropic``.
 
@@ -39,8 +42,13 @@ class FrictionTable:
     ``scene.default_friction`` stands in for a body that was given none. A body with itself is its
     self-contact."""
 
+    _elsewhere: ClassVar[Mapping[str, str]] = {"default": "scene.default_friction"}
+
     def __init__(self, scene: SceneLink) -> None:
         self._scene = scene
+
+    def __repr__(self) -> str:
+        return "scene.friction"
 
     def __getitem__(self, pair: tuple[BodyHandle | str, BodyHandle | str]) -> float | Anisotropic:
         static, kinetic, along, across = self._scene._core.friction(*self._scene._pair(pair))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from stark.arguments import real_number
+from stark.attributes import AnsweredAttributes
 from stark.handle import BodyHandle, SceneLink
 
 
-class RestitutionTable:
+class RestitutionTable(AnsweredAttributes):
     """How rigid bodies bounce: ``scene.restitution[ball, "floor"] = 0.8``, the relative speed along the
     normal after an impact over that before, between 0 and 1 (theory eq. 19b).
 
@@ -16,6 +17,9 @@ class RestitutionTable:
 
     def __init__(self, scene: SceneLink) -> None:
         self._scene = scene
+
+    def __repr__(self) -> str:
+        return "scene.restitution"
 
     def __getitem__(self, pair: tuple[BodyHandle | str, BodyHandle | str]) -> float | None:
         return self._scene._core.restitution(*self._scene._pair(pair))

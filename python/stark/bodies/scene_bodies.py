@@ -153,6 +153,7 @@ class SceneBodies(SceneLink):
         _check_pins(pins, len(volume.vertices), _title("solid", name))
         solid = Solid(self, self._core.add_solid(given, material._core), volume, color)
         solid._shared["material"] = material
+        solid._warn_of_locking(formulation)
         if initial_positions is not None:
             solid._rest_placement = given["position"], given["rotation"]
         self._append(solid)

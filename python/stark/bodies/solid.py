@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,11 +12,17 @@ from numpy.typing import NDArray
 from stark import _core
 from stark._core import InvalidArgument
 from stark.bodies.layered import LayeredBody
+from stark.errors import StarkWarning
 from stark.materials import SolidMaterial
 from stark.mesh import EmbeddedMesh, Indices, SolidMesh, TetMesh
 from stark.selections import Stencils
 
 Floats = NDArray[np.float64]
+
+#: Elements that lock, by their nodes, and the ratio from which on it is said: there slender beams of
+#: them bend by half of what they should, and less (docs/solids.md).
+_LINEAR = {4: "linear tetrahedra", 8: "hexahedra of 8 nodes as they are"}
+_LOCKING_RATIO = 0.48
 
 
 class Solid(LayeredBody):
@@ -37,6 +44,29 @@ class Solid(LayeredBody):
         """What it is made of, as it was added; it stays so."""
         material: SolidMaterial = self._shared["material"]
         return material
+
+    def _warn_of_locking(self, formulation: str) -> None:
+        """Those of robots are in the report of the robot."""
+        text = self._locking() if formulation == "displacement" else ""
+        if text and not self._scene._adds_a_whole:
+            warnings.warn(f"solid '{self.name}': {text}", StarkWarning, stacklevel=3)
+
+    def _locking(self) -> str:
+        """What is said of linear elements that are much too stiff, as they have too few motions that keep
+        volumes; empty for others."""
+        nodes = self._element_nodes()
+        ratio = float(np.max(getattr(self.material, "poissons_ratio", 0.0)))
+        if nodes not in _LINEAR or ratio < _LOCKING_RATIO:
+            return ""
+        remedy = "write stark.mesh.to_quadratic(mesh)" if nodes == 4 else 'pass formulation="mean_dilatation"'
+        return (
+            f"Poisson's ratio {ratio:.6g} with {_LINEAR[nodes]}: elements lock from {_LOCKING_RATIO} on, so "
+            f"that it is too stiff, even with a fine mesh (docs/solids.md); {remedy}, or take a smaller ratio"
+        )
+
+    def _element_nodes(self) -> int:
+        mesh: Any = self._mesh
+        return int((mesh.tets if isinstance(mesh, TetMesh) else mesh.elements).shape[1])
 
     @property
     def tetrahedra(self) -> Stencils:

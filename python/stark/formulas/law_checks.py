@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,8 @@ _SAMPLES = 64
 _STRAIN = 0.15  # of the random deformations
 _STRESS_TOLERANCE = 1e-9  # at rest, relative to the stiffness: a strain
 _INVARIANCE_TOLERANCE = 1e-9  # relative to the energy of the random deformations
+#: Stiffness against a strain, over the largest one, that is rounding.
+_FREE_TOLERANCE = 1e-11
 _STABLE_TOLERANCE = 1e-9
 _DIFFERENCE_STEP = 1e-6
 _DIFFERENCE_TOLERANCE = 1e-6
@@ -140,6 +144,25 @@ class Samples:
         largest = np.abs(values).max(axis=1)
         return float((values[:, 0] / np.where(largest > 0.0, largest, 1.0)).min())
 
+    @property
+    def free_strains(self) -> list[str]:
+        """Strains that the law does not resist at rest, to first order."""
+        strains, names = [], []
+        for i, j in combinations_with_replacement(range(self.columns), 2):
+            unit = np.zeros((self.columns, self.columns))
+            unit[i, j] = unit[j, i] = 1.0 if i == j else math.sqrt(0.5)
+            strains.append((self.law.identity @ unit).T.reshape(-1))
+            names.append(f"{'stretch' if i == j else 'shear'} {'xyz'[i]}{'xyz'[j]}")
+        S = np.array(strains)
+        values, modes = np.linalg.eigh(S @ self.rest[2] @ S.T)
+        stiff = np.abs(values).max(axis=1)[:, None]
+        none = (np.abs(values) < _FREE_TOLERANCE * stiff) | (stiff == 0.0)
+        row = int(none.sum(axis=1).argmax())
+        free = modes[row][:, none[row]]
+        own = [name for name, share in zip(names, (free**2).sum(axis=1), strict=True) if share > 0.99]
+        rest = free.shape[1] - len(own)
+        return own + ([f"{rest} combinations of stretch and shear"] if rest else [])
+
 
 def is_finite(samples: Samples) -> bool:
     return all(np.isfinite(part).all() for part in samples.rest)
@@ -186,6 +209,8 @@ def problems(law: RecordedLaw, values: Mapping[str, np.ndarray]) -> list[Problem
         found.append(Problem(False, f"{law.name}: {_not_objective(samples, error)}"))
     if samples.smallest_stiffness < -_STABLE_TOLERANCE:
         found.append(Problem(False, f"{law.name}: {_unstable(samples)}"))
+    elif samples.modulus > 0.0 and samples.free_strains:
+        found.append(Problem(False, f"{law.name}: {_free(samples)}"))
     return sorted(found, key=lambda problem: not problem.is_error)
 
 
@@ -205,6 +230,13 @@ def _unstable(samples: Samples) -> str:
     return (
         f"unstable at rest: the smallest stiffness is {samples.smallest_stiffness:.2g} of the largest, so "
         f"the body collapses or expands at once; look at signs and ranges of the parameters"
+    )
+
+
+def _free(samples: Samples) -> str:
+    return (
+        f"no stiffness at rest against {', '.join(samples.free_strains)}: a body deforms so without a force; "
+        f"add a term that resists, such as 0.5 * mu * squared_norm(E) with E = 0.5 * (F.T @ F - identity)"
     )
 
 
@@ -276,6 +308,8 @@ def _stability(samples: Samples) -> Finding:
     value = samples.smallest_stiffness
     if value < -_STABLE_TOLERANCE:
         return Finding("stability", "wrong", _unstable(samples), value)
+    if samples.free_strains:
+        return Finding("stability", "wrong", _free(samples), 0.0)
     indefinite = float((np.linalg.eigvalsh(samples.tangent)[:, 0] < -1e-10 * samples.modulus).mean())
     text = f"stable at rest; {indefinite:.0%} of strains up to {_STRAIN:.0%} have an indefinite stiffness"
     return Finding("stability", "ok", text, value)

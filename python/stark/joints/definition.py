@@ -34,8 +34,20 @@ _POINTS = 8  # origin and three axes of two frames
 # Arguments of scene.add_joint, which parameters cannot be, and attributes of Joint, which coordinates cannot.
 _ARGUMENTS = frozenset({"kind", "a", "b", "anchor", "axis", "rotation", "name", "contact", "enabled"})
 _ATTRIBUTES = frozenset(
-    {"name", "kind", "formula", "coordinates", "rates", "residuals", "reaction", "enabled"}
+    {"name", "kind", "formula", "coordinates", "rates", "residuals", "reaction", "enabled", "pull_together"}
 )
+
+#: What to write instead of names that users of other simulators try.
+ELSEWHERE = {
+    **dict.fromkeys(("position", "q", "value"), "joint.coordinates"),
+    **dict.fromkeys(("velocity", "rate", "qd", "speed", "angular_velocity"), "joint.rates"),
+    **dict.fromkeys(("force", "torque", "wrench"), "joint.reaction, or the effort of an actuator"),
+    **dict.fromkeys(("target", "motor", "drive"), "motor = joint.add_motor(...), before the simulation"),
+    **dict.fromkeys(("limits", "limit", "lower", "upper"), "joint.add_limit(lower, upper)"),
+    "friction": "joint.add_friction(cap)",
+    **dict.fromkeys(("damping", "add_damping", "add_damper"), "joint.add_spring(0.0, damping=...)"),
+    **dict.fromkeys(("add_torque", "add_force"), "joint.add_effort(...)"),
+}
 
 
 @dataclass(frozen=True)
@@ -214,9 +226,13 @@ def _check_use(
             raise formula_error(name, unused_text(argument.name), function)
 
 
-@functools.cache
 def built_in(name: str) -> JointFormula:
     """A built-in joint by name; InvalidArgument for unknown names, with the nearest one as a hint."""
+    return _built_in(name)
+
+
+@functools.cache
+def _built_in(name: str) -> JointFormula:
     core = _core.find_joint(name)
     parameters = tuple(
         Parameter(row["name"], (), Declaration(None, row["unit"], None, None, None, None, row["doc"]))

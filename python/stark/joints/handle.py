@@ -16,25 +16,13 @@ from stark.arguments import real_number
 from stark.courses import TimeValue, at_start, set_courses
 from stark.errors import StarkWarning
 from stark.handle import Handle, SceneLink, SimulationLink
-from stark.joints.definition import JointFormula
+from stark.joints.definition import ELSEWHERE, JointFormula
 from stark.readings import named_readings, reading
 
 Floats = NDArray[np.float64]
 
 #: Limits beyond it are probably in degrees [rad].
 _MANY_TURNS = 8.0 * math.pi
-
-#: What to write instead of names that users of other simulators try.
-_ELSEWHERE = {
-    **dict.fromkeys(("position", "q", "value"), "joint.coordinates"),
-    **dict.fromkeys(("velocity", "rate", "qd", "speed", "angular_velocity"), "joint.rates"),
-    **dict.fromkeys(("force", "torque", "wrench"), "joint.reaction, or the effort of an actuator"),
-    **dict.fromkeys(("target", "motor", "drive"), "motor = joint.add_motor(...), before the simulation"),
-    **dict.fromkeys(("limits", "limit", "lower", "upper"), "joint.add_limit(lower, upper)"),
-    "friction": "joint.add_friction(cap)",
-    **dict.fromkeys(("damping", "add_damping", "add_damper"), "joint.add_spring(0.0, damping=...)"),
-    **dict.fromkeys(("add_torque", "add_force"), "joint.add_effort(...)"),
-}
 
 
 class Wrench(NamedTuple):
@@ -275,7 +263,7 @@ class Joint(JointActuators):
     @property
     def enabled(self) -> bool:
         """Whether it holds; assign False to release it and True to hold it again, from the next step on,
-        unless it is broken."""
+        unless it is broken. Raises InvalidArgument where its frames are apart by then, as at time 0."""
         simulation = self._simulation()
         return self._enabled_at_start if simulation is None else simulation._core.joint_enabled(self._index)
 
@@ -283,7 +271,15 @@ class Joint(JointActuators):
     def enabled(self, value: bool) -> None:
         if not isinstance(value, (bool, np.bool_)):
             raise InvalidArgument(f"joint '{self.name}': enabled = {value!r}: must be True or False")
-        self._require_simulation("enabled")._core.set_joint_enabled(self._index, bool(value))
+        core = self._require_simulation("enabled")._core
+        if value:
+            core.check_joint_agrees(self._index)
+        core.set_joint_enabled(self._index, bool(value))
+
+    def pull_together(self) -> None:
+        """Holds it again wherever its frames are, unless it is broken: the next step brings them together at
+        the speed of the gap over the time step, with the energy of that, which comes from nowhere."""
+        self._require_simulation("pull_together")._core.set_joint_enabled(self._index, True)
 
     def __getattr__(self, name: str) -> float:
         if name.startswith("_"):  # asked for while a copy has no attributes yet
@@ -292,7 +288,7 @@ class Joint(JointActuators):
             if name == known:
                 return self._require_simulation(name)._core.joint_coordinate(self._index, k)
         known = ", ".join(coordinate for coordinate, _ in self._coordinates) or "none"
-        hint = f"; write {_ELSEWHERE[name]}" if name in _ELSEWHERE else ""
+        hint = f"; write {ELSEWHERE[name]}" if name in ELSEWHERE else ""
         raise AttributeError(
             f"joint of the kind '{self._formula.name}' has no attribute '{name}'; its coordinates: "
             f"{known}{hint}"

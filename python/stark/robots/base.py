@@ -23,8 +23,11 @@ Floats = NDArray[np.float64]
 class BasedRobot(Protocol):
     """What the base needs of a robot."""
 
-    name: str
-    description: RobotDescription
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> RobotDescription: ...
 
     @property
     def links(self) -> Mapping[str, RobotLink]: ...

@@ -21,8 +21,8 @@ from stark.robots import kinematics
 from stark.robots.checks import check_reach, is_nothing, refuse_impossible
 from stark.robots.description import Flex, Geometry, Inertia, Link, RobotDescription, RobotJoint
 from stark.robots.flexes import Carrier, add_flex
-from stark.robots.handle import Robot, _limits
-from stark.robots.kinematics import WORLD, Placement
+from stark.robots.handle import Robot
+from stark.robots.kinematics import WORLD, Placement, limits_of
 from stark.robots.link import RobotLink
 from stark.robots.meshes import mesh_of
 from stark.robots.report import Report
@@ -114,7 +114,7 @@ class _Builder:
         names = self.robot.coordinates
         given = {} if self.options.q is None else self.options.q
         q = kinematics.numbers_of(self.robot, given)
-        lower, upper = _limits(self.robot, self.report)
+        lower, upper = limits_of(self.robot, self.report)
         for k, name in enumerate(names):
             unit = self.robot.joints[name].unit
             is_given = not isinstance(given, Mapping) or name in given
@@ -335,7 +335,7 @@ class _Builder:
             self.report.add("kept", title, f"mimics '{driver}' by a gear, ratio {ratio:g}")
         else:
             row = self.robot.coordinates.index(joint.name)
-            bounds = [float(limit[row]) for limit in _limits(self.robot)]
+            bounds = [float(limit[row]) for limit in limits_of(self.robot)]
             given = {
                 key: bound - shift
                 for key, bound in zip(("lower", "upper"), bounds, strict=True)

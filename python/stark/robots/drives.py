@@ -2,34 +2,56 @@
 
 from __future__ import annotations
 
+import warnings
 import weakref
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stark._core import InvalidArgument
-from stark.arguments import given_flag, real_array
-from stark.courses import set_courses
+from stark._core import Error, InvalidArgument
+from stark.arguments import given_flag
+from stark.attributes import AnsweredAttributes
+from stark.courses import TimeValue, at_start, set_courses
+from stark.errors import StarkWarning
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Actuator, Joint
 from stark.readings import reading
 from stark.robots.description import RobotDescription
+from stark.robots.loops import in_loops
+from stark.robots.targets import JointValues, by_joint, spread
 
 Floats = NDArray[np.float64]
+
+#: What can be assigned, by the kind of drives.
+_VALUES = {
+    "servos": ("target", "stiffness", "damping", "cap", "feedforward"),
+    "motors": ("target", "cap", "delta"),
+    "efforts": ("target",),
+}
+_LIMIT_ROUNDING = 1e-9  # [rad, m]
 
 
 class DrivenRobot(Protocol):
     """What drives need of a robot."""
 
-    name: str
-    description: RobotDescription
     _scene: SceneLink
     _drives: list[Drives]
+    _joints: Mapping[str, Joint]
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> RobotDescription: ...
 
     @property
     def q(self) -> Floats: ...
+
+    @property
+    def limits(self) -> tuple[Floats, Floats]: ...
 
     def _holding(self, gravity: Floats) -> Floats: ...
 
@@ -40,20 +62,37 @@ class DrivenRobot(Protocol):
     def _is_in(self, simulation: SimulationLink) -> bool: ...
 
 
-class Drives:
-    """Actuators of one kind on some joints of a robot; arrays (k,) are in the order of ``joints``."""
+class Drives(AnsweredAttributes):
+    """Actuators of one kind on some joints of a robot; arrays (k,) are in the order of ``joints``. Values
+    take (k,) numbers, one for all, some by joint (others stay), or a function of the time [s] that gives (k,)
+    numbers or one."""
+
+    _given_by: ClassVar[Mapping[str, str]] = {
+        "joints": "robot.add_servos(joints, ...), another group",
+        "effort": "drives.target, of efforts",
+    }
 
     def __init__(
         self, robot: DrivenRobot, kind: str, rows: list[int], actuators: list[Actuator], shifts: Floats
     ) -> None:
         self._robot, self._actuators, self._shifts = robot, actuators, shifts
-        self.kind: str = kind
-        """ "servos", "motors" or "efforts"."""
-        self.rows: list[int] = rows
-        """Where the joints are in q."""
+        self._kind, self._rows = kind, rows
         self._follower: GravityFollower | None = None
         coordinates = robot.description.coordinates
         self._joints = tuple(coordinates[row] for row in rows)
+        lower, upper = robot.limits
+        self._limits = lower[rows], upper[rows]
+        self._warned_of: set[int] = set()  # joints whose target was beyond their limits
+
+    @property
+    def kind(self) -> str:
+        """ "servos", "motors" or "efforts"."""
+        return self._kind
+
+    @property
+    def rows(self) -> list[int]:
+        """Where the joints are in q."""
+        return list(self._rows)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -67,40 +106,65 @@ class Drives:
 
     @property
     def target(self) -> Floats:
-        """(k,) q [rad, m] of servos, rates [rad/s, m/s] of motors, efforts [N m, N]; assign (k,) numbers, or
-        one for all, that hold from the next step on."""
-        found = np.array([actuator.target for actuator in self._actuators]) + self._shifts
-        return reading(found, self, "target", assign=True)
+        """(k,) q [rad, m] of servos, rates [rad/s, m/s] of motors, efforts [N m, N]; assign others, which
+        hold from the next step on."""
+        return reading(self._numbers("target") + self._shifts, self, "target", assign=True)
 
     @target.setter
-    def target(self, values: ArrayLike) -> None:
-        numbers = self._numbers("target", values)
-        if self.kind == "efforts":
-            caps = self._caps()
-            numbers = np.clip(numbers, -caps, caps)
-        numbers -= self._shifts
-        set_values(self._actuators[0]._core(), self._actuators, "target", numbers)
-        if self._robot._scene._courses:
-            for actuator, value in zip(self._actuators, numbers.tolist(), strict=True):
-                set_courses("actuator", actuator, {"target": value})
+    def target(self, values: JointValues) -> None:
+        self._assign("target", values)
+
+    @property
+    def stiffness(self) -> Floats:
+        """(k,) [N m/rad, N/m] of servos; assign others."""
+        return self._values("stiffness")
+
+    @stiffness.setter
+    def stiffness(self, values: JointValues) -> None:
+        self._assign("stiffness", values)
+
+    @property
+    def damping(self) -> Floats:
+        """(k,) [N m s/rad, N s/m] of servos; assign others."""
+        return self._values("damping")
+
+    @damping.setter
+    def damping(self, values: JointValues) -> None:
+        self._assign("damping", values)
+
+    @property
+    def cap(self) -> Floats:
+        """(k,) [N m, N]: the largest efforts of servos and motors; assign others."""
+        return self._values("cap")
+
+    @cap.setter
+    def cap(self, values: JointValues) -> None:
+        self._assign("cap", values)
+
+    @property
+    def delta(self) -> Floats:
+        """(k,) [rad/s, m/s] of motors: closer to the target the effort is in proportion; assign others."""
+        return self._values("delta")
+
+    @delta.setter
+    def delta(self, values: JointValues) -> None:
+        self._assign("delta", values)
 
     @property
     def feedforward(self) -> Floats:
         """(k,) [N m, N] that servos add to their own effort, within their cap; assign it."""
         self._require_servos("feedforward")
-        found = np.array([actuator.feedforward for actuator in self._actuators])
-        return reading(found, self, "feedforward", assign=True)
+        return self._values("feedforward")
 
     @feedforward.setter
-    def feedforward(self, values: ArrayLike) -> None:
+    def feedforward(self, values: JointValues) -> None:
         self._require_servos("feedforward")
         if self.gravity_compensation:
             raise InvalidArgument(
                 f"{self._title}: feedforward: is that of the gravity compensation; set "
                 f"gravity_compensation = False first"
             )
-        for actuator, value in zip(self._actuators, self._numbers("feedforward", values), strict=True):
-            actuator.feedforward = float(value)
+        self._assign("feedforward", values)
 
     @property
     def effort(self) -> Floats:
@@ -136,11 +200,11 @@ class Drives:
             self._follower = None
             self.feedforward = 0.0
         else:
-            self._follower = GravityFollower(self._robot, self.rows, self._actuators)
+            self._follower = GravityFollower(self._robot, self._rows, self._actuators)
             followers.append(self._follower)
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self._rows)
 
     def __repr__(self) -> str:
         return f"<stark.robots.Drives: {self.kind} of {', '.join(self.joints)}>"
@@ -151,12 +215,70 @@ class Drives:
         side: Any = self._actuators[-1].joint._given["b"]
         return int(side["body"])
 
+    @cached_property
     def _caps(self) -> Floats:
         joints = self._robot.description.joints
         return np.array([_or_infinite(joints[name].effort) for name in self.joints])
 
-    def _numbers(self, what: str, values: ArrayLike) -> Floats:
-        return spread(values, len(self), f"{self._title}: {what}", self.joints)
+    def _numbers(self, name: str) -> Floats:
+        return np.array([actuator._read(name) for actuator in self._actuators])
+
+    def _values(self, name: str) -> Floats:
+        self._require_value(name)
+        return reading(self._numbers(name), self, name, assign=True)
+
+    def _assign(self, name: str, values: JointValues) -> None:
+        """Numbers or functions of the time, of some joints or of all; where one is refused, none is set."""
+        self._require_value(name)
+        given = by_joint(values, self._joints, f"{self._title}: {name}")
+        ready = {k: self._prepared(k, value) for k, value in given.items()} if name == "target" else given
+        core, is_simulated = self._actuators[0]._core(), self._actuators[0]._simulation() is not None
+        before = {k: self._actuators[k]._read(name) for k in ready}
+        try:
+            for k, value in ready.items():
+                if not (callable(value) and is_simulated):  # the next step asks for it
+                    core.set_actuator_value(self._actuators[k]._index, name, float(at_start(value, name)))
+        except Error:
+            for k, number in before.items():
+                core.set_actuator_value(self._actuators[k]._index, name, number)
+            raise
+        if self._robot._scene._courses or any(map(callable, ready.values())):
+            for k, value in ready.items():
+                set_courses("actuator", self._actuators[k], {name: value})
+        if name == "target" and self._kind == "servos":
+            self._warn_of_limits(given)
+
+    def _prepared(self, k: int, target: TimeValue) -> TimeValue:
+        """A target along the coordinate of the scene; efforts are cut at the limits of the file."""
+        if callable(target):
+            return lambda time: self._prepared(k, float(target(time)))
+        if self._kind == "efforts":
+            return float(np.clip(target, -self._caps[k], self._caps[k]))
+        return target - float(self._shifts[k])
+
+    def _warn_of_limits(self, targets: Mapping[int, TimeValue]) -> None:
+        """Once a joint: its stops keep it from this target."""
+        for k, value in targets.items():
+            lower, upper = self._limits[0][k], self._limits[1][k]
+            target = float(at_start(value, "target"))
+            if lower - _LIMIT_ROUNDING <= target <= upper + _LIMIT_ROUNDING or k in self._warned_of:
+                continue
+            self._warned_of.add(k)
+            warnings.warn(
+                f"{self._title}: target of '{self._joints[k]}' = {target:.6g} is beyond its limits, "
+                f"{lower:.6g} to {upper:.6g}: the servo presses it against its stop; give targets within "
+                f"robot.limits",
+                StarkWarning,
+                stacklevel=5,  # where it was assigned, or add_servos was called
+            )
+
+    def _require_value(self, name: str) -> None:
+        known = _VALUES[self._kind]
+        if name not in known:
+            owners = " and ".join(kind for kind, values in _VALUES.items() if name in values)
+            raise InvalidArgument(
+                f"{self._title}: {name}: only {owners} have it; {self._kind} have {', '.join(known)}"
+            )
 
     def _require_servos(self, what: str) -> None:
         if self.kind != "servos":
@@ -201,8 +323,29 @@ class GravityFollower:
     def _gravity_of(self, simulation: SimulationLink) -> Floats:
         """[m/s^2]; settings of a simulation stay as they are."""
         if self._gravity is None or self._gravity[0]() is not simulation:
+            self._refuse_loops(simulation)
             self._gravity = weakref.ref(simulation), np.array(simulation.settings.gravity)
         return self._gravity[1]
+
+    def _refuse_loops(self, simulation: SimulationLink) -> None:
+        """Joints of closed loops without gravity compensation: their part of the weight would be missing."""
+        robot = self._robot
+        followed = {row for drives in robot._drives if drives._follower is not None for row in drives._rows}
+        description = robot.description
+        names = description.coordinates
+        passive = [
+            joint.name
+            for joint in description.joints.values()
+            if joint.is_moving and names.index(description.drive_of(joint)[0]) not in followed
+        ]
+        loops = in_loops(passive, robot._joints, simulation)
+        if loops:
+            raise InvalidArgument(
+                f"robot '{robot.name}': servos: gravity_compensation: '{next(iter(loops.values()))}' closes "
+                f"a loop with {', '.join(map(repr, loops))}, which has no such servos: it is the weight of "
+                f"an open tree, and must have all joints of a loop; set gravity_compensation = False and "
+                f"assign feedforward, or drive the other joints so, too"
+            )
 
 
 def set_values(core: Any, actuators: list[Actuator], name: str, values: Floats) -> None:
@@ -216,7 +359,7 @@ def add_drives(
     kind: str,
     rows: list[int],
     values: Mapping[str, ArrayLike | None],
-    target: ArrayLike | None,
+    target: JointValues | None,
 ) -> Drives:
     """Adds "servos", "motors" or "efforts" to a robot; all values are checked before any is added."""
     names = [robot.description.coordinates[row] for row in rows]
@@ -230,35 +373,36 @@ def add_drives(
     axes = [robot._axes()[row] for row in rows]
     shifts = np.array([axis.shift if kind == "servos" else 0.0 for axis in axes])
     start = robot.q[rows] if kind == "servos" else np.zeros(len(rows))
-    wanted = start if target is None else spread(target, len(rows), f"{owner}: target", names)
-    kinds: dict[str, Callable[..., Actuator]] = {
+    goals = {} if target is None else by_joint(target, names, f"{owner}: target")
+    first = np.array([at_start(goals.get(k, value), owner) for k, value in enumerate(start.tolist())])
+    with robot._scene._adding_a_whole():
+        actuators = _added(
+            robot, kind, dict(zip(names, (a.joint for a in axes), strict=True)), first - shifts, columns
+        )
+    robot._scene._warn_of_late(owner, stacklevel=4)
+    drives = Drives(robot, kind, rows, actuators, shifts)
+    if target is not None:
+        drives._assign("target", target)  # cuts efforts, follows functions, warns of limits
+    robot._drives.append(drives)
+    return drives
+
+
+def _added(
+    robot: DrivenRobot, kind: str, joints: Mapping[str, Joint], targets: Floats, columns: Mapping[str, Floats]
+) -> list[Actuator]:
+    """One a joint."""
+    add: dict[str, Callable[..., Actuator]] = {
         "servos": Joint.add_servo,
         "motors": Joint.add_motor,
         "efforts": Joint.add_effort,
     }
     number = len(robot._drives) + 1
+    suffix = kind.removesuffix("s") + ("" if number == 1 else f"_{number}")
     actuators = []
-    for k, name in enumerate(names):
+    for k, (name, joint) in enumerate(joints.items()):
         given: dict[str, Any] = {key: float(column[k]) for key, column in columns.items()}
-        title = f"{robot.name}.{name}.{kind.removesuffix('s')}{'' if number == 1 else f'_{number}'}"
-        actuators.append(kinds[kind](axes[k].joint, float(wanted[k] - shifts[k]), name=title, **given))
-    drives = Drives(robot, kind, rows, actuators, shifts)
-    if kind == "efforts":
-        drives.target = wanted  # cuts it
-    robot._drives.append(drives)
-    return drives
-
-
-def spread(values: ArrayLike, count: int, what: str, names: Any) -> Floats:
-    """One number for all, or one for each."""
-    numbers = real_array(values, what)
-    if numbers.shape not in ((), (count,)):
-        raise InvalidArgument(
-            f"{what} has the shape {numbers.shape}: must be a number or ({count},), for {', '.join(names)}"
-        )
-    if not np.isfinite(numbers).all():
-        raise InvalidArgument(f"{what} = {numbers.tolist()}: must be finite; check where it is computed")
-    return numbers if numbers.ndim else np.full(count, float(numbers))
+        actuators.append(add[kind](joint, float(targets[k]), name=f"{robot.name}.{name}.{suffix}", **given))
+    return actuators
 
 
 def _caps_of(robot: DrivenRobot, names: list[str], owner: str) -> Floats:

@@ -64,7 +64,10 @@ def add_flex(
     body: Cloth | Rod | Solid
     if flex.is_solid:
         mesh = oriented(TetMesh(flex.vertices, flex.cells))
-        body = scene.add_solid(mesh, _solid(flex, report, title), **options)
+        solid: Solid = scene.add_solid(mesh, _solid(flex, report, title), **options)
+        body = solid
+        if locking := solid._locking():
+            report.add("suspicious", title, locking)
     elif flex.is_rod:
         body = scene.add_rod(flex.vertices, _rod(flex, report, title), **options)
     else:

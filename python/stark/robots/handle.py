@@ -6,13 +6,14 @@ import fnmatch
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import NamedTuple, TypeAlias
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
 from stark.arguments import added_later, needs_simulation
+from stark.attributes import AnsweredAttributes
 from stark.bodies import Cloth, RigidBody, Rod, Solid
 from stark.handle import SceneLink, SimulationLink
 from stark.joints.handle import Joint
@@ -27,6 +28,7 @@ from stark.robots.kinematics import Placement, Values
 from stark.robots.link import RobotLink
 from stark.robots.posture import settled
 from stark.robots.report import Report
+from stark.robots.targets import JointValues
 from stark.robots.weight import CarriedWeight
 from stark.rotations import as_matrix, vector
 from stark.settings import Settings
@@ -44,7 +46,7 @@ class Axis(NamedTuple):
     shift: float
 
 
-class Robot:
+class Robot(AnsweredAttributes):
     """A robot in a scene. q, qd and tau are arrays (n,) in the order of ``coordinates``: joints that turn or
     slide and mimic no other one. It reads the newest simulation of the scene that is alive; those of
     ``sim.robots`` read that one."""
@@ -66,14 +68,29 @@ class Robot:
         self._flexes = flexes
         self._drives: list[Drives] = []
         self._named: dict[str, tuple[str, ...]] = {}
-        self.name: str = name
-        self.description: RobotDescription = description
-        """What the file says, with the inertias that the bodies have."""
+        self._name, self._description, self._report = name, description, report
         self._weight = CarriedWeight(description, links)
-        self.report: Report = report
-        """What was kept, assumed, dropped, and what is suspicious; ``print(robot.report)``."""
 
     _of: SimulationLink | None
+    _given_by: ClassVar[Mapping[str, str]] = {
+        "tau": "drives.target, of robot.add_efforts()",
+        "name": "scene.add_robot(..., name=...)",
+    }
+
+    @property
+    def name(self) -> str:
+        """Name, unique among the robots of its scene."""
+        return self._name
+
+    @property
+    def description(self) -> RobotDescription:
+        """What the file says, with the inertias that the bodies have."""
+        return self._description
+
+    @property
+    def report(self) -> Report:
+        """What was kept, assumed, dropped, and what is suspicious; ``print(robot.report)``."""
+        return self._report
 
     # --- parts ---
 
@@ -199,7 +216,7 @@ class Robot:
     def limits(self) -> tuple[Floats, Floats]:
         """Lower and upper limits of q, (n,) each [rad, m]; infinite where there are none. Those of joints
         that mimic others are among them."""
-        return _limits(self.description)
+        return kinematics.limits_of(self.description)
 
     # --- base ---
 
@@ -251,7 +268,7 @@ class Robot:
         stiffness: ArrayLike,
         damping: ArrayLike,
         cap: ArrayLike | None = None,
-        target: ArrayLike | None = None,
+        target: JointValues | None = None,
         gravity_compensation: bool = False,
     ) -> Drives:
         """Servos that hold some joints at targets of q: ``stiffness`` [N m/rad, N/m], ``damping`` [N m s/rad,
@@ -272,13 +289,13 @@ class Robot:
         *,
         delta: ArrayLike = 0.01,
         cap: ArrayLike | None = None,
-        target: ArrayLike | None = None,
+        target: JointValues | None = None,
     ) -> Drives:
         """Motors that drive some joints at target rates [rad/s, m/s], 0 at first; closer than ``delta``
         [rad/s, m/s] the effort is in proportion to the difference. Other arguments as in ``add_servos``."""
         return add_drives(self, "motors", self._rows(joints), {"delta": delta, "cap": cap}, target)
 
-    def add_efforts(self, joints: Choice = None, *, target: ArrayLike | None = None) -> Drives:
+    def add_efforts(self, joints: Choice = None, *, target: JointValues | None = None) -> Drives:
         """Given efforts [N m, N] on some joints, 0 at first, cut at the effort limits of the file where there
         are some. ``joints`` as in ``add_servos``."""
         return add_drives(self, "efforts", self._rows(joints), {}, target)
@@ -460,35 +477,3 @@ class Robot:
         robot: Robot = object.__new__(type(self))
         robot.__dict__.update(self.__dict__, _of=simulation)
         return robot
-
-
-def _limits(description: RobotDescription, report: Report | None = None) -> tuple[Floats, Floats]:
-    names = description.coordinates
-    lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
-    for joint in description.joints.values():
-        if not joint.is_moving:
-            continue
-        driver, ratio, offset = description.drive_of(joint)
-        k = names.index(driver)
-        if ratio == 0.0:
-            continue
-        bounds = sorted(
-            (bound - offset) / ratio
-            for bound in (
-                -np.inf if joint.lower is None else joint.lower,
-                np.inf if joint.upper is None else joint.upper,
-            )
-        )
-        lower[k], upper[k] = max(lower[k], bounds[0]), min(upper[k], bounds[1])
-    for k in np.flatnonzero(~(lower < upper)).tolist():
-        # Nobody checks the limits of mimicking joints; ratio -1 with those of the driver is common.
-        own = description.joints[names[k]]
-        lower[k] = -np.inf if own.lower is None else own.lower
-        upper[k] = np.inf if own.upper is None else own.upper
-        if report is not None:
-            report.add(
-                "suspicious",
-                f"joint '{names[k]}'",
-                "limits of joints that mimic it leave it no way: those are not kept, its own are",
-            )
-    return lower, upper

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stark._core import InvalidArgument
 from stark.arguments import real_array, real_number
 from stark.robots.description import RobotDescription, RobotJoint
+from stark.robots.report import Report
 
 Floats = NDArray[np.float64]
 Values: TypeAlias = ArrayLike | Mapping[str, float]
@@ -71,6 +72,39 @@ def joint_values(robot: RobotDescription, q: Floats) -> dict[str, float]:
             driver, ratio, offset = robot.drive_of(joint)
             found[joint.name] = ratio * float(q[place[driver]]) + offset
     return found
+
+
+def limits_of(description: RobotDescription, report: Report | None = None) -> tuple[Floats, Floats]:
+    """Lower and upper limits of q, (n,) each [rad, m], those of joints that mimic others among them."""
+    names = description.coordinates
+    lower, upper = np.full(len(names), -np.inf), np.full(len(names), np.inf)
+    for joint in description.joints.values():
+        if not joint.is_moving:
+            continue
+        driver, ratio, offset = description.drive_of(joint)
+        k = names.index(driver)
+        if ratio == 0.0:
+            continue
+        bounds = sorted(
+            (bound - offset) / ratio
+            for bound in (
+                -np.inf if joint.lower is None else joint.lower,
+                np.inf if joint.upper is None else joint.upper,
+            )
+        )
+        lower[k], upper[k] = max(lower[k], bounds[0]), min(upper[k], bounds[1])
+    for k in np.flatnonzero(~(lower < upper)).tolist():
+        # Nobody checks the limits of mimicking joints; ratio -1 with those of the driver is common.
+        own = description.joints[names[k]]
+        lower[k] = -np.inf if own.lower is None else own.lower
+        upper[k] = np.inf if own.upper is None else own.upper
+        if report is not None:
+            report.add(
+                "suspicious",
+                f"joint '{names[k]}'",
+                "limits of joints that mimic it leave it no way: those are not kept, its own are",
+            )
+    return lower, upper
 
 
 def motion_of(joint: RobotJoint, value: float) -> Placement:

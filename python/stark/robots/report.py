@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from stark.attributes import AnsweredAttributes
+
 KINDS = ("kept", "assumed", "dropped", "suspicious")
 
 
@@ -20,8 +22,8 @@ class Finding:
         return f"{self.part}: {self.text}"
 
 
-@dataclass
-class Report:
+@dataclass(repr=False)
+class Report(AnsweredAttributes):
     """Findings of reading and building a robot, to be printed: ``print(robot.report)``."""
 
     source: str
@@ -65,6 +67,9 @@ class Report:
     def copy(self) -> Report:
         """A report with the same findings, to which others may be added."""
         return Report(self.source, list(self.findings), list(self.warnings))
+
+    def __repr__(self) -> str:
+        return f"<stark.robots.Report of {self.source}: {len(self.findings)} findings>"
 
     def __str__(self) -> str:
         lines = [f"robot from {self.source}"]

@@ -94,9 +94,10 @@ class SceneRobots(SceneLink):
             _inertias(description, owner, inertias or {}),
             {key: value for key, value in body.items() if value is not None},
         )
-        with self._whole_or_not():
+        with self._whole_or_not(), self._adding_a_whole():
             built = build(self, description, options)
             self._robots.append(built)
+        self._warn_of_late(owner, stacklevel=3)
         for finding in built.report.warnings:
             warnings.warn(f"{built.report.source}: {finding}", StarkWarning, stacklevel=2)
         return built

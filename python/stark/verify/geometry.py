@@ -18,10 +18,9 @@ from .limits import excluded_pairs
 from .passing import changed_sides
 from .paths import blocked_pairs
 from .predicates import segments_meet_triangles
-from .reading import Run, State
+from .reading import Run, State, number
 from .rigid_paths import between
 from .surface import PairList, Surface
-from .telemetry import number
 
 Floats = NDArray[np.float64]
 

@@ -18,9 +18,8 @@ from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, V
 from .files import need
 from .multistep import Motion, Step, kinds_of_step, leading_momentum
 from .multistep import impulse as impulse_of_step
-from .reading import Body, Run, State
+from .reading import Body, Run, State, number
 from .rotation import held_turn, impulse, momentum, velocity
-from .telemetry import number
 
 Floats = NDArray[np.float64]
 

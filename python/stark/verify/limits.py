@@ -11,6 +11,7 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from .certificate import INCONCLUSIVE, NOT_RECORDED, VERIFIED, Claim
+from .created import created_energy
 from .reading import Run, pair_count
 from .surface import exclusions, leaves_out_parts, length_without_contact
 
@@ -35,7 +36,7 @@ Pair = dict[str, Any]
 def limits_of(run: Run, claims: list[Claim]) -> list[str]:
     """One sentence for each limit; empty for a complete run of which everything was looked at, with
     tolerances not looser than the defaults."""
-    parts = [_end(run), _missing(claims), _settings(run)]
+    parts = [_end(run), _missing(claims), _settings(run), _created(run)]
     parts += [_placed(run), _contact(run), _attached(run), _formulas(run)] if run.has_states else []
     return list(chain.from_iterable(parts))
 
@@ -96,6 +97,12 @@ def _settings(run: Run) -> Iterator[str]:
 
 def _is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _created(run: Run) -> Iterator[str]:
+    energy = created_energy(run)
+    if energy is not None and energy.is_much:
+        yield energy.limit()
 
 
 # --- pairs ---

@@ -456,3 +456,12 @@ def digest(files: dict[str, str]) -> str:
     """One sha256 of a recording: that of the lines ``digest  path`` of its files, sorted by path."""
     lines = "".join(f"{value}  {name}\n" for name, value in sorted(files.items()))
     return hashlib.sha256(lines.encode()).hexdigest()
+
+
+def number(row: dict[str, Any], key: str) -> float:
+    """A number of a row, NaN where there is none; JSON has integers that no float can hold."""
+    value = row.get(key)
+    try:
+        return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
+    except OverflowError:
+        return math.nan

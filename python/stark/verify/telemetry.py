@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from .certificate import AS_REPORTED, INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim
-from .reading import Run
+from .created import created_energy
+from .reading import Run, number
 
 _TIME_ROUNDING = 1e-9  # of a time step
 #: Rounding of a balance over the sum of its terms.
@@ -208,6 +209,8 @@ def ledger_claim(run: Run) -> Claim:
     if violated or unexplained:
         status = VIOLATED if violated and not own and run.has_states else INCONCLUSIVE
     detail = f"new contact stiffnesses change the contact energy by up to {largest_growth:.3g} of it"
+    if integrated := created_energy(run):
+        detail += f"; {integrated.text()}"
     if status != VERIFIED:
         detail = f"{violated + unexplained} steps do not close"
         detail += "; values of energies of the scene may have changed" if own else ""
@@ -294,12 +297,3 @@ def friction_claim(run: Run) -> Claim:
     status = VIOLATED if broken else VERIFIED
     detail = f"not so in {broken} steps" if broken else ""
     return Claim(name, statement, status, AS_REPORTED, worst, bound, "J", where, detail, required=False)
-
-
-def number(row: Row, key: str) -> float:
-    """A number of a row, NaN where there is none; JSON has integers that no float can hold."""
-    value = row.get(key)
-    try:
-        return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
-    except OverflowError:
-        return math.nan

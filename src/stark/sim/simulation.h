@@ -133,6 +133,9 @@ class Simulation {
   /// Releases a joint, or holds it again from the next step on. A joint that is held again must be within
   /// reach: what is apart by then is pulled together at once.
   void set_joint_enabled(JointId joint, bool enabled);
+  /// Throws InvalidArgument where a released joint is further apart than the tolerances, and would be pulled
+  /// together if it were held again.
+  void check_joint_agrees(JointId joint) const;
   bool joint_enabled(JointId joint) const;
   /// Whether its force or torque exceeded what it stands: it never holds again.
   bool joint_broken(JointId joint) const;

@@ -13,6 +13,30 @@ namespace {
 
 std::string owner_text(const JointDescription& joint) { return "joint '" + joint.name + "'"; }
 
+/// How far the frames of a joint are apart in what it holds, in one unit, beyond the tolerance.
+struct Gap {
+  double size, tolerance;  // [m, rad]
+  ResidualUnit unit;
+};
+
+/// Of a joint with these residuals; empty where it agrees within the tolerances.
+std::vector<Gap> gaps_of(const Joint& joint, std::span<const double> C, const JointSettings& settings) {
+  std::vector<Gap> gaps;
+  size_t r = 0;
+  for (const int rows : joint.hold_sizes()) {
+    const ResidualUnit unit = joint.units()[r];
+    double squared = 0.0;
+    for (int k = 0; k < rows; ++k, ++r) {
+      const double off = joint.one_sided()[r] != 0 ? std::max(0.0, C[r]) : C[r];
+      squared += off * off;
+    }
+    const double tolerance =
+        unit == ResidualUnit::Length ? joint_tolerance(settings).length : joint_tolerance(settings).angle;
+    if (!(std::sqrt(squared) <= tolerance)) gaps.push_back({std::sqrt(squared), tolerance, unit});
+  }
+  return gaps;
+}
+
 }  // namespace
 
 void Simulation::check_joints() {
@@ -37,29 +61,36 @@ void Simulation::check_joints() {
           owner_text(scene_.joints()[j]) +
           ": its residuals or their derivatives are not finite at time 0: must be; look for the norm "
           "of a zero vector, a division by zero, or the root or logarithm of a negative number there");
-    int64_t r = place.residual;
-    for (const int rows : joint.hold_sizes()) {
-      const ResidualUnit unit = joint.units()[r - place.residual];
-      double squared = 0.0;
-      for (int k = 0; k < rows; ++k, ++r) {
-        const bool one_sided = joint.one_sided()[r - place.residual] != 0;
-        const double off = one_sided ? std::max(0.0, C[r]) : C[r];
-        squared += off * off;
-      }
-      const double tolerance = unit == ResidualUnit::Length ? joint_tolerance(settings_.joints).length
-                                                            : joint_tolerance(settings_.joints).angle;
-      if (!(std::sqrt(squared) <= tolerance))
-        throw InvalidArgument(
-            owner_text(scene_.joints()[j]) + ": its frames differ by " +
-            residual_text(std::sqrt(squared), unit) + " at time 0: must be within " +
-            residual_text(tolerance, unit) +
-            (unit == ResidualUnit::Length
-                 ? "; place both frames at the same point of the world"
-                 : "; turn both frames alike (where one side has a frame of its own, leave out anchor, axis "
-                   "and rotation: the other side takes that frame)") +
-            ", or add the joint with enabled = false");
-    }
+    for (const Gap& gap : gaps_of(joint, std::span(C).subspan(place.residual), settings_.joints))
+      throw InvalidArgument(
+          owner_text(scene_.joints()[j]) + ": its frames differ by " + residual_text(gap.size, gap.unit) +
+          " at time 0: must be within " + residual_text(gap.tolerance, gap.unit) +
+          (gap.unit == ResidualUnit::Length
+               ? "; place both frames at the same point of the world"
+               : "; turn both frames alike (where one side has a frame of its own, leave out anchor, axis "
+                 "and rotation: the other side takes that frame)") +
+          ", or add the joint with enabled = false");
   }
+}
+
+void Simulation::check_joint_agrees(JointId joint) const {
+  const JointDescription& description = scene_.joint(joint);
+  if (state_.joint_enabled[joint.index] != kReleased) return;
+  const std::vector<double> C = joint_residuals(joint);
+  const Joint& formula =
+      *energies_.constraints.groups()[energies_.constraints.place(joint.index).group].joint;
+  std::string differ, allowed;
+  for (const Gap& gap : gaps_of(formula, C, settings_.joints)) {
+    const char* unit = gap.unit == ResidualUnit::Length ? "m" : "rad";
+    differ += (differ.empty() ? "" : " and ") +
+              (gap.size > 1.01 * gap.tolerance ? rough_text(gap.size, unit) : quantity_text(gap.size, unit));
+    allowed += (allowed.empty() ? "" : " and ") + residual_text(gap.tolerance, gap.unit);
+  }
+  if (differ.empty()) return;
+  throw InvalidArgument(owner_text(description) + ": its frames differ by " + differ +
+                        " now: must be within " + allowed +
+                        " to be held again, as the next step would throw the bodies together; place them "
+                        "where they agree first, or pull_together() if that is meant");
 }
 
 void Simulation::set_joint_enabled(JointId joint, bool enabled) {

@@ -57,7 +57,7 @@ def test_bodies_that_overlap_when_they_are_released_are_named_until_they_are_apa
     assert report.caveats == ["released_overlap"]
     assert "'base' and 'arm' overlap" in report.message and "joint 'pin'" in report.message
     assert "released_overlap" in report.to_dict()["caveats"]
-    pin.enabled = True
+    pin.pull_together()
     assert sim.step().caveats == []
 
 

@@ -109,7 +109,10 @@ def control_mechanism(sim: stark.Simulation, memory: dict[str, Any]) -> None:
     servo, motor = (a for a in sim.actuators if a.name in ("servo", "motor"))
     servo.target = 0.01 * memory["filtered"]
     motor.target = 2.0 if memory["count"] % 3 else -1.0
-    wrist.enabled = memory["count"] != 8
+    if memory["count"] == 8:
+        wrist.enabled = False
+    elif not wrist.enabled:
+        wrist.pull_together()
 
 
 def peel() -> stark.Scene:

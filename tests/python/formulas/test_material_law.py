@@ -127,3 +127,25 @@ def test_listing_and_counts() -> None:
     report = saint_venant.check(mu=1e4)
     assert report.ok and "nothing is wrong" in str(report)
     assert report["stress"].value < 1e-8 and report["stiffness"].value < 1e-8
+
+
+def test_strains_that_nothing_resists_are_named() -> None:
+    """A solid without shear stiffness, a fluid with the volume alone, a sheet of threads along x and y."""
+
+    @stark.material
+    def threads(F: stark.DeformationGradient, k: float = 1e5):
+        E = 0.5 * (F.T @ F - stark.identity(3))
+        return 0.5 * k * (E[0, 0] ** 2 + E[1, 1] ** 2 + E[2, 2] ** 2)
+
+    @stark.material
+    def fluid(F: stark.DeformationGradient, k: float = 1e5):
+        return 0.5 * k * (stark.determinant(F) - 1.0) ** 2
+
+    report = threads.check()
+    assert not report.ok
+    assert "no stiffness at rest against shear xy, shear xz, shear yz" in report["stability"].text
+    text = fluid.check()["stability"].text
+    assert "against shear xy, shear xz, shear yz, 2 combinations of stretch and shear" in text
+    scene = stark.Scene()
+    with pytest.warns(stark.StarkWarning, match="threads: no stiffness at rest against shear xy"):
+        scene.add_solid(stark.mesh.tet_box(0.1, 1), threads(density=1000.0))

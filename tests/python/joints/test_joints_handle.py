@@ -54,9 +54,36 @@ def test_release_and_hold_again() -> None:
     joint.enabled = False
     sim.step()
     assert falling.position[2] < -9e-4 and not joint.enabled
-    joint.enabled = True
+    joint.pull_together()
+    assert joint.enabled
     assert not sim.step().failed
     assert abs(falling.position[2]) < 1e-6
+
+
+def test_a_joint_whose_frames_are_apart_is_not_held_again() -> None:
+    """A fall of 0.44 m; a step that pulls it back would throw it with 19 kJ."""
+    scene = stark.Scene()
+    falling = body(scene)
+    joint = scene.add_fixed(None, falling, anchor=(0, 0, 0), name="hold")
+    sim = simulate(scene)
+    joint.enabled = False
+    joint.enabled = True  # it has not moved
+    joint.enabled = False
+    sim.run_until(0.3)
+    falling.rotation = stark.rotation(axis="x", angle=0.2)
+    before = sim.state
+    with pytest.raises(
+        stark.InvalidArgument,
+        match=r"'hold': its frames differ by 0\.456 m and 0\.2 rad now: must be within 1e-06 m and 1e-05 rad",
+    ):
+        joint.enabled = True
+    assert sim.state == before and not joint.enabled
+    falling.position, falling.rotation = (0.0, 0.0, 0.0), np.eye(3)  # the remedy of the message
+    joint.enabled = True
+    falling.velocity = falling.angular_velocity = (0.0, 0.0, 0.0)
+    report = sim.step()
+    assert joint.enabled and not report.failed and np.abs(falling.position).max() < 1e-6
+    assert abs(report.energy["numerical"]) < 1e-6
 
 
 def test_a_joint_needs_a_simulation_to_be_read() -> None:

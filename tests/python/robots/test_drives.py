@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from robots._robots import ARM
@@ -102,3 +104,56 @@ def test_a_joint_without_limit_of_effort_needs_a_cap() -> None:
     ):
         robot.add_motors()
     assert robot.add_motors(cap=1.0).joints == ("hinge",)
+
+
+def test_unknown_attributes_are_refused_and_known_ones_reach_the_actuators() -> None:
+    scene, robot = arm()
+    servos = robot.add_servos(["shoulder", "elbow"], **GAINS)
+    motors = robot.add_motors("turn")
+    table: Any = scene.friction
+    for owner in (servos, robot, robot.report, table, scene.restitution):
+        with pytest.raises(AttributeError, match="has no attribute 'tagret'"):
+            owner.tagret = 1.0
+    with pytest.raises(AttributeError, match=r"write scene\.default_friction"):
+        table.default = 0.5
+    with pytest.raises(AttributeError, match="report can be read, not assigned"):
+        robot.report = None  # type: ignore[misc, assignment]
+    sim = stark.Simulation(scene, time_step=0.01)
+    servos.stiffness, servos.damping, servos.cap = 4000.0, [100.0, 50.0], {"elbow": 7.0}
+    assert [a.stiffness for a in servos.actuators] == [4000.0] * 2
+    assert servos.damping.tolist() == [a.damping for a in servos.actuators] == [100.0, 50.0]
+    assert servos.cap[1] == 7.0 == sim.robots[0].drives[0].actuators[1].cap and servos.cap[0] == 30.0
+    motors.delta = 0.1
+    assert motors.delta.tolist() == [motors.actuators[0].delta] == [0.1]
+    with pytest.raises(
+        stark.InvalidArgument, match="motors: stiffness: only servos have it; motors have target"
+    ):
+        motors.stiffness = 1.0
+    with pytest.raises(stark.InvalidArgument, match="stiffness"):
+        servos.stiffness = [10.0, -1.0]
+    assert servos.stiffness.tolist() == [4000.0] * 2  # all or none
+
+
+def test_stiffer_servos_sag_less() -> None:
+    scene, robot = arm()
+    servos = robot.add_servos(**GAINS)
+    sim = stark.Simulation(scene, time_step=0.01)
+    start = robot.q
+    run(sim, 50)
+    soft = np.abs(robot.q - start).max()
+    servos.stiffness, servos.damping = 4000.0, 100.0
+    run(sim, 50)
+    assert np.abs(robot.q - start).max() < 0.1 * soft
+
+
+def test_a_robot_that_is_added_late_warns_once() -> None:
+    scene, _ = arm()
+    sim = stark.Simulation(scene, time_step=0.01)
+    with pytest.warns(stark.StarkWarning) as found:
+        late = scene.add_robot(ARM, name="late", q=START, position=(3.0, 0.0, 0.0))
+    assert [str(w.message).partition(" was added")[0] for w in found] == ["robot 'late'"]
+    assert found[0].filename == __file__
+    with pytest.warns(stark.StarkWarning) as found:
+        late.add_servos(**GAINS)
+    assert [str(w.message).partition(" was added")[0] for w in found] == ["robot 'late': servos"]
+    assert found[0].filename == __file__ and sim.time == 0.0

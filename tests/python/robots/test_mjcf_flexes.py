@@ -83,6 +83,8 @@ def test_a_line_that_is_left_out_is_warned_of(tmp_path: Path) -> None:
         robot = stark.Scene().add_robot(written(tmp_path))
     assert [warning.filename for warning in caught] == [__file__]
     assert "rope" not in robot.flexes
+    # Its jelly is of linear tetrahedra with 0.49, as in the file: that is in the report alone.
+    assert any("elements lock" in finding.text for finding in robot.report.suspicious)
 
 
 def test_what_a_link_holds_goes_with_it(tmp_path: Path) -> None:
