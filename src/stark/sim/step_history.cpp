@@ -22,6 +22,7 @@ bool is_impact(const TimeStencil& stencil) { return stencil.history > 0.0 && ste
 
 /// What contact did to a body in the last step, and what is left of it beside all else: contact that is
 /// balanced lasts. Elements balance even an impact where it acts, so the body as a whole must be, too.
+/// [theory eq. 26e]
 class Balance {
  public:
   void add(double mass, const Vec3& A, const Vec3& p) {

@@ -1,4 +1,4 @@
-"""Bodies that something presses together while they turn as a whole: forces between them do not drive them."""
+"""Bodies that something presses together while they turn as a whole: nothing between them drives them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def test_a_spring_that_presses_two_bodies_does_not_drive_them(
     shape: str, friction: float, step: float
 ) -> None:
     """At 10 rad/s, with BDF2. It was 9 and 1.6 times the angular momentum after a second, spring against
-    contact in the direction of the step before; implicit Euler loses a quarter and a tenth. Faceted balls rock
-    as they settle on each other, which is no lasting contact, and gain 3 %."""
+    contact in the direction of the step before; implicit Euler loses a quarter and a tenth. Faceted balls
+    rock as they settle on each other, which is no lasting contact, and gain 3 %."""
     scene = stark.Scene()
     scene.default_friction = friction
     bodies = []
