@@ -44,8 +44,9 @@ def test_a_joint_that_pulls_its_body_together_creates_energy(tmp_path: Path) -> 
     assert f"integration created {created:.3g} J and dissipated" in certificate["energy_ledger"].detail
 
 
-def test_bodies_that_turn_too_fast_for_bdf2_create_energy(tmp_path: Path) -> None:
-    """Two spheres that a spring presses together, 10 rad/s at 5 ms."""
+def test_bodies_that_turn_while_they_are_pressed_create_next_to_nothing(tmp_path: Path) -> None:
+    """Two spheres that a spring presses together, 10 rad/s at 5 ms: what bdf2 created was most of what there
+    was."""
     scene = stark.Scene()
     scene.default_friction, r, w = 0.5, 0.0101, 10.0
     a, b = (
@@ -57,8 +58,7 @@ def test_bodies_that_turn_too_fast_for_bdf2_create_energy(tmp_path: Path) -> Non
     scene.add_span(a, b, (-r, 0, 0), (r, 0, 0), contact=True).add_spring(100.0, rest=0.0102)
     bdf2 = {"time.integrator": "bdf2"}
     folder = record(tmp_path, scene, 60, time_step=5e-3, gravity=(0, 0, 0), **bdf2)
-    (limit,) = limits_of_energy(verify(folder))
-    assert "compare a run with smaller steps" in limit
+    assert not limits_of_energy(verify(folder))
 
 
 @pytest.mark.parametrize("integrator", ["implicit_euler", "bdf2"])
