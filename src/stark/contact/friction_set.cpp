@@ -410,7 +410,10 @@ std::map<PairKey, FrictionSet::PairMotion> FrictionSet::motions(std::span<const 
     const double sign = orientation(*mesh_, pair.contact);
     Vec3 motion = pair.stencil.motion(x, reference_.positions);
     if (!moving_.empty()) motion += pair.drift;
-    motions[pair.contact.key] = {.force = force(pair, x) * sign, .motion = motion * sign};
+    motions[pair.contact.key] = {.force = force(pair, x) * sign,
+                                 .motion = motion * sign,
+                                 .contact = pair.contact,
+                                 .normal = pair.normal};
   }
   return motions;
 }

@@ -97,6 +97,8 @@ class FrictionSet {
     /// Of the material of the first primitive against the second since the reference, where friction acts
     /// [m].
     Vec3 motion;
+    Contact contact;  ///< as friction was frozen
+    Vec3 normal;      ///< unit, to side A
   };
   /// Friction of the pairs at site positions x.
   std::map<PairKey, PairMotion> motions(std::span<const Vec3> x) const;

@@ -154,10 +154,14 @@ ContactMemory ContactPipeline::end_step(std::span<const Vec3> x, double duration
   std::vector<Vec3> all = forces(x);
   LoadMemory load = law_.end_step(contacts(), all, duration);
   RestitutionMemory restitution = restitution_.end_step(contacts(), all, x, motion);
-  const LimitComparison limits =
-      friction_.residual(contacts(), pushing_forces(contacts(), std::move(all)), friction_coefficient_);
-  friction_residual_ = limits.total().largest_change;
-  unsettled_friction_ = limits.unsettled();
+  friction_residual_ = 0.0;
+  unsettled_friction_.reset();
+  if (settings_.friction) {
+    const LimitComparison limits =
+        friction_.residual(contacts(), pushing_forces(contacts(), std::move(all)), friction_coefficient_);
+    friction_residual_ = limits.total().largest_change;
+    unsettled_friction_ = limits.unsettled();
+  }
   ContactMemory memory{friction_.end_step(x), std::move(load)};
   memory.close = parted(x);
   memory.restitution = std::move(restitution);
@@ -350,9 +354,46 @@ double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<con
   return largest;
 }
 
+namespace {
+
+/// Adds friction of contacts that others of the same place have taken over since it was frozen, as one edge
+/// does for the next at their common end, to the strongest of these. Where none has, what was left of the
+/// friction is within the tolerance of its limits.
+void add_friction_elsewhere(const SurfaceMesh& mesh,
+                            const std::map<PairKey, FrictionSet::PairMotion>& frictions,
+                            std::vector<ContactForce>& entries) {
+  if (frictions.empty()) return;
+  std::map<FrictionPlace, size_t> strongest;
+  const auto force_at = [&](size_t c) { return squared_norm(entries[c].normal_force); };
+  for (size_t c = 0; c < entries.size(); ++c) {
+    const Vec3 n = normalized(entries[c].point_a - entries[c].point_b);
+    const FrictionLimit at = limit_of(entries[c].contact, n, 0.0);
+    const auto offer = [&](const FrictionPlace& place) {
+      const auto [found, is_new] = strongest.emplace(place, c);
+      if (!is_new && force_at(c) > force_at(found->second)) found->second = c;
+    };
+    offer(at.place);
+    if (at.other) offer(*at.other);
+  }
+  for (const auto& [key, pair] : frictions) {
+    const FrictionLimit at = limit_of(pair.contact, pair.normal, 0.0);
+    auto found = strongest.find(at.place);
+    if (found == strongest.end() && at.other) found = strongest.find(*at.other);
+    if (found == strongest.end()) continue;
+    ContactForce& entry = entries[found->second];
+    const double side = orientation(mesh, pair.contact);  // of side A
+    const bool is_same_side = pair.contact.group_a == pair.contact.group_b
+                                  ? dot(pair.normal, entry.point_a - entry.point_b) >= 0.0
+                                  : pair.contact.group_a == entry.contact.group_a;
+    entry.friction += pair.force * (side * (is_same_side ? 1.0 : -1.0));
+  }
+}
+
+}  // namespace
+
 std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> x) const {
   const std::vector<Vec3> normal = forces(x);
-  const auto frictions = friction_.motions(x);
+  auto frictions = friction_.motions(x);
   std::vector<ContactForce> result;
   for (size_t c = 0; c < normal.size(); ++c)
     result.push_back({.contact = contacts()[c], .normal_force = normal[c]});
@@ -373,11 +414,13 @@ std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> 
       const double side = orientation(mesh(), entry.contact);
       entry.friction = found->second.force * side;
       motion = found->second.motion * side;
+      frictions.erase(found);
     } else {
       motion += friction_.drift(entry.contact, n, x);
     }
     entry.slip = (motion - n * dot(n, motion)) / duration_;
   }
+  add_friction_elsewhere(mesh(), frictions, result);
   for (const RestitutionSet::LineForce& given : restitution_.given_back_beyond(x))
     result.push_back(beyond_reach(given, x));
   return result;

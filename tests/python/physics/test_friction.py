@@ -200,3 +200,14 @@ def test_unlisted_pairs_take_the_geometric_mean() -> None:
         a = (boxes[name].velocity @ axes[:, 0] - start[name]) / 0.5
         assert a == pytest.approx(G * (sin - mu * cos), rel=0.01)
     assert boxes["sticks"].velocity @ axes[:, 0] < _STICK
+
+
+def test_without_friction_none_is_behind() -> None:
+    scene = stark.Scene()
+    scene.add_floor(1.0)
+    box = scene.add_box(0.1, mass=1.0, position=(0.0, 0.0, 0.0505), velocity=(1.0, 0.0, 0.0))
+    sim = stark.Simulation(scene, {"contact.friction": False}, time_step=0.01)
+    for report in sim.run(until=0.05):
+        assert report.friction_residual == 0.0
+        assert not report.caveats
+    assert box.velocity[0] == pytest.approx(1.0, rel=1e-12)
