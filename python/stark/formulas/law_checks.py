@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import Any
 
@@ -144,7 +145,7 @@ class Samples:
         largest = np.abs(values).max(axis=1)
         return float((values[:, 0] / np.where(largest > 0.0, largest, 1.0)).min())
 
-    @property
+    @cached_property
     def free_strains(self) -> list[str]:
         """Strains that the law does not resist at rest, to first order."""
         strains, names = [], []

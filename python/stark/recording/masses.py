@@ -52,8 +52,7 @@ def edge_lengths(body: Any) -> Floats | None:
     """Of the edges of a rod at rest (k,) [m]."""
     if not has_frames(body):
         return None
-    ends = np.asarray(body.mesh.vertices)[body.mesh.edges]
-    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    return _lengths(body.mesh.vertices, body.mesh.edges)
 
 
 def _of_layers(vertices: Floats, layers: Any) -> Floats:
@@ -78,8 +77,12 @@ def _of_edges(vertices: Floats, edges: Any, material: Any) -> Floats:
     """Of rods, whose section has a mass per length."""
     density = np.asarray(material.density, dtype=np.float64)
     per_length = material.section["mass"] * density / material._core.get("density")
-    lengths = np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
-    return _lumped(vertices, edges, per_length * lengths)
+    return _lumped(vertices, edges, per_length * _lengths(vertices, edges))
+
+
+def _lengths(vertices: Floats, edges: Any) -> Floats:
+    lengths: Floats = np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
+    return lengths
 
 
 def _lumped(vertices: Floats, elements: Any, masses: Floats) -> Floats:

@@ -79,6 +79,7 @@ class _Builder:
         self.joints: dict[str, Joint] = {}
         self.shifts: dict[str, float] = {}
         self.vertices: dict[str, tuple[int, int]] = {}  # of links in the meshes of their bodies
+        self.surfaces: dict[tuple[str, str], dict[str, list[TriangleMesh]]] = {}  # read, by root and shapes
 
     def build(self) -> Robot:
         for group in self.groups:
@@ -275,7 +276,9 @@ class _Builder:
         return _box_of(inertia), False
 
     def _surfaces(self, group: Group, shapes: str) -> dict[str, list[TriangleMesh]]:
-        """Those of the links of a body, in its frame."""
+        """Those of the links of a body, in its frame; read, and reported, once."""
+        if (group.root, shapes) in self.surfaces:
+            return self.surfaces[group.root, shapes]
         found = {}
         for name, frame in group.frames.items():
             given = _shapes(self.robot.links[name], shapes)
@@ -284,6 +287,7 @@ class _Builder:
             if inertia is not None and any(shape.kind == "mesh" for shape in given):
                 vertices = np.concatenate([part.vertices for part in found[name]])
                 check_reach(name, vertices, inertia.moved(*frame), self.report)
+        self.surfaces[group.root, shapes] = found
         return found
 
     def _shown(self, group: Group, mesh: TriangleMesh) -> TriangleMesh | None:

@@ -146,18 +146,15 @@ def _contact(run: Run) -> Iterator[str]:
         more = f" and {len(names) - _NAMED} more, see recording.excluded_pairs" if len(names) > _NAMED else ""
         count = "1 pair" if len(names) == 1 else f"{len(names)} pairs"
         yield f"{count} not looked at, {reason}: {', '.join(names[:_NAMED])}{more}"
+    without = {tuple(pair) for pair in run.scene["pairs_without_contact"]}
     for i, body in enumerate(run.bodies):
         if body.contact_distance == 0.0:
             yield f"contact distance of '{body.name}' is 0: no distance is asked of it"
-        if leaves_out_parts(body) and not _is_without_self_contact(run, i):
+        if leaves_out_parts(body) and (i, i) not in without:
             length = length_without_contact(body)
             yield f"parts of '{body.name}' within {length:.3g} m along it are not looked at"
         if not len(body.triangles) and not len(body.edges):
             yield f"'{body.name}' has no surface: nothing is said about its contact"
-
-
-def _is_without_self_contact(run: Run, i: int) -> bool:
-    return [i, i] in [list(pair) for pair in run.scene["pairs_without_contact"]]
 
 
 def _named(a: str, b: str) -> str:

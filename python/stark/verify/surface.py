@@ -50,6 +50,8 @@ class Surface:
         )
         #: Contact distance of each body [m]; two act on each other within the sum of theirs.
         self.distance: NDArray[Any] = np.array([body.contact_distance for body in self.bodies])
+        #: Along each body, the length within which parts of it do not touch [m].
+        self.untouched: Floats = np.array([length_without_contact(body) for body in self.bodies])
         #: Where the points of rods are along them at rest [m].
         self.along: Floats = np.zeros(int(self.starts[-1]))
         for body, start in self._placed():
@@ -133,7 +135,7 @@ class Surface:
         for column_a in first.T:
             for column_b in second.T:
                 shared |= column_a == column_b
-        if a.shape[1] == b.shape[1] == 2:
+        if a.shape[1] == b.shape[1] == 2 and self.untouched.any():
             shared |= self._are_near_along(first, second)
         first, second = first[~shared], second[~shared]
         bodies = np.column_stack([self.body_of[first[:, 0]], self.body_of[second[:, 0]]])
@@ -146,8 +148,7 @@ class Surface:
         """Pairs of edges of one rod that no contact keeps apart."""
         rods = self.body_of[first[:, 0]]
         apart = np.abs(self.along[first[:, :, None]] - self.along[second[:, None, :]]).min(axis=(1, 2))
-        near = np.array([length_without_contact(body) for body in self.bodies])
-        return (rods == self.body_of[second[:, 0]]) & (apart < near[rods])
+        return (rods == self.body_of[second[:, 0]]) & (apart < self.untouched[rods])
 
     # --- names ---
 

@@ -99,3 +99,13 @@ def test_scales_with_a_zero_are_refused(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(urdf.format("-1 1 1"))
     body = stark.Scene().add_robot(tmp_path / "arm.urdf").bodies[0]
     assert mesh.TriangleMesh(body.positions, body.triangles).volume == pytest.approx(BOX.volume)
+
+
+def test_a_mesh_of_a_robot_that_touches_nothing_is_reported_once(tmp_path: Path) -> None:
+    """It has no other, so that its visual mesh is the surface of the body and what pictures show."""
+    file = written(tmp_path / "box.obj", BOX.vertices * 1e3)
+    links = [Link("stand"), Link("arm", INERTIA, visuals=(Geometry("mesh", file=file),))]
+    description = RobotDescription("arm", links, [RobotJoint("hinge", "continuous", "stand", "arm")])
+    with pytest.warns(stark.StarkWarning, match="its meshes reach"):
+        robot = stark.Scene().add_robot(description, contact=False)
+    assert len(robot.report.suspicious) == 1
