@@ -41,6 +41,17 @@ TEST_CASE("BDF2 with equal steps has the textbook coefficients") {
   CHECK(stencil.history == doctest::Approx(1.0 / 3.0).epsilon(1e-15));
 }
 
+TEST_CASE("weight and contact balance at rest, whatever the share of contact that lasts") {
+  for (const double h : {0.05, 0.1, 0.2})
+    for (const double lasting : {0.0, 0.3, 1.0})
+      for (const TimeStencil& stencil : {bdf2_unresolved(h, 0.1, lasting), bdf2_impact(h, 0.1, lasting)}) {
+        // The step before has made the increments A = -1 by weight and p = 1 by contact in 0.1 s.
+        const double weight = -10.0 * stencil.scale, contact = 10.0 * stencil.scale * stencil.contact_weight;
+        CHECK(stencil.velocity(0.0, -1.0, 1.0) + weight + contact == doctest::Approx(0.0).epsilon(1e-14));
+        CHECK(stencil.by_contact(1.0, contact) == doctest::Approx(10.0 * h).epsilon(1e-14));
+      }
+}
+
 TEST_CASE("contact that lasts is smooth, an impact is not") {
   const TimeStencil stencil = bdf2_unresolved(0.1, 0.1);
   CHECK(smooth_part(bdf2(0.1, 0.1), -0.05, 0.25) == 1.0);

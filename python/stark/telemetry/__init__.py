@@ -87,6 +87,7 @@ _REPORT_FIELDS = (
     "time",
     "time_step",
     "integrator",
+    "lasting_contact",
     "newton_iterations",
     "linear_iterations",
     "factorizations",

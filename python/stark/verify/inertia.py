@@ -117,7 +117,13 @@ class InertiaCheck:
         if self.integrator != "bdf2" or not (_has_velocities(start) and _has_velocities(end)):
             return []
         step = number(row, "step")
-        return kinds_of_step(h, self.lengths.get(step - 1.0, 0.0), row.get("integrator") == "bdf2")
+        lasting = number(row, "lasting_contact")  # NaN in recordings without it
+        return kinds_of_step(
+            h,
+            self.lengths.get(step - 1.0, 0.0),
+            row.get("integrator") == "bdf2",
+            lasting if 0.0 <= lasting <= 1.0 else 0.0,
+        )
 
     def _follow(
         self, step: Step, start: State, end: State, row: dict[str, Any]

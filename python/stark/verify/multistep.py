@@ -31,12 +31,14 @@ class Step:
     ahead: float = 0.0  # b [s]
     lag: float = 0.0  # l [s]
     renewal: float = 0.5  # Q1 = renewal (Q0 + v1 - v0), without contact
-    with_contact: bool = False  # whether the increment that goes on has that by contact
+    lasting: float = 0.0  # share of the increment by contact that goes on
+    is_resolved: bool = False  # whether contact is as other forces
 
 
-def kinds_of_step(h: float, before: float, has_history: bool) -> list[Step]:
+def kinds_of_step(h: float, before: float, has_history: bool, lasting: float) -> list[Step]:
     """What a step of length h may have been, after one of length ``before`` [s]; which of them it was follows
-    from the contact ahead, that no state tells."""
+    from the contact ahead, that no state tells. ``lasting``: the share of contact that went on, as
+    reported, which is one for all bodies."""
     if not has_history:
         return [Step(h, h)]
     if not 0.0 < before < math.inf:
@@ -45,9 +47,9 @@ def kinds_of_step(h: float, before: float, has_history: bool) -> list[Step]:
     s, c = h * (1.0 + w) / (1.0 + 2.0 * w), w * w / (1.0 + 2.0 * w)
     rest = h - s
     return [
-        Step(h, s, c, rest, rest, rest / h, True),
-        Step(h, s, c, rest, rest, rest / h),
-        Step(h, h, c, 0.0, h * w, rest / h),
+        Step(h, s, c, rest, rest, rest / h, 1.0, is_resolved=True),
+        Step(h, s, c, rest, rest, rest / h, lasting),
+        Step(h, h, c, 0.0, h * w, rest / h, lasting),
     ]
 
 
@@ -66,7 +68,10 @@ class Motion:
         return _share(parts)
 
     def wrong_lag(self, step: Step) -> float:
-        """The same of the lags at the end, for a step without contact."""
+        """The same of the lags at the end, for a step without contact; 0 where contact of the step before
+        goes on in part, which no state tells of points."""
+        if step.lasting > 0.0 and not step.is_resolved:
+            return 0.0
         v0, v1 = self.velocities
         old, new = self.lags
         parts = (new, -step.renewal * v1, step.renewal * v0)
@@ -97,5 +102,5 @@ def leading_momentum(before: Floats, spins: Floats, step: Step) -> Floats:
 
 def _goes_on(spins: Floats, step: Step) -> Floats:
     """Increments of the step before that act on."""
-    goes_on: Floats = step.history * (spins[:, 0] + spins[:, 1] if step.with_contact else spins[:, 0])
+    goes_on: Floats = step.history * (spins[:, 0] + step.lasting * spins[:, 1])
     return goes_on

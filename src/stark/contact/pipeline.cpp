@@ -47,6 +47,39 @@ ContactLaw make_law(const ContactSurfaces& surfaces) {
           std::move(bodies), surfaces.group_distance};
 }
 
+/// Adds friction of contacts that others of the same place have taken over since it was frozen, as one edge
+/// does for the next at their common end, to the strongest of these. Where none has, what was left of the
+/// friction is within the tolerance of its limits.
+void add_friction_elsewhere(const SurfaceMesh& mesh,
+                            const std::map<PairKey, FrictionSet::PairMotion>& frictions,
+                            std::vector<ContactForce>& entries) {
+  if (frictions.empty()) return;
+  std::map<FrictionPlace, size_t> strongest;
+  const auto force_at = [&](size_t c) { return squared_norm(entries[c].normal_force); };
+  for (size_t c = 0; c < entries.size(); ++c) {
+    const Vec3 n = normalized(entries[c].point_a - entries[c].point_b);
+    const FrictionLimit at = limit_of(entries[c].contact, n, 0.0);
+    const auto offer = [&](const FrictionPlace& place) {
+      const auto [found, is_new] = strongest.emplace(place, c);
+      if (!is_new && force_at(c) > force_at(found->second)) found->second = c;
+    };
+    offer(at.place);
+    if (at.other) offer(*at.other);
+  }
+  for (const auto& [key, pair] : frictions) {
+    const FrictionLimit at = limit_of(pair.contact, pair.normal, 0.0);
+    auto found = strongest.find(at.place);
+    if (found == strongest.end() && at.other) found = strongest.find(*at.other);
+    if (found == strongest.end()) continue;
+    ContactForce& entry = entries[found->second];
+    const double side = orientation(mesh, pair.contact);  // of side A
+    const bool is_same_side = pair.contact.group_a == pair.contact.group_b
+                                  ? dot(pair.normal, entry.point_a - entry.point_b) >= 0.0
+                                  : pair.contact.group_a == entry.contact.group_a;
+    entry.friction += pair.force * (side * (is_same_side ? 1.0 : -1.0));
+  }
+}
+
 }  // namespace
 
 ContactPipeline::ContactPipeline(ContactSurfaces surfaces, const ContactPotentials& potentials,
@@ -340,56 +373,26 @@ void ContactPipeline::keep_names() {
   if (names_ != before) is_active_ = is_trial_ = false;
 }
 
-double ContactPipeline::largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {
-  double largest = 0.0;
-  const auto visit = [&](std::span<const Vec3> at, std::span<const Vec3> other) {
+ContactPipeline::Approach ContactPipeline::approach(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  Approach result;
+  result.hits = max_step(x0, x1) < 1.0;
+  if (result.hits && ccd_report_.kind) {
+    const auto group = [&](PrimitiveKind kind, int32_t id) { return groups_of(mesh(), kind)[id]; };
+    result.after.insert(group_code(group(first_kind(*ccd_report_.kind), ccd_report_.first),
+                                   group(second_kind(*ccd_report_.kind), ccd_report_.second)));
+  }
+  const auto visit = [&](std::span<const Vec3> at, std::span<const Vec3> other, std::set<int64_t>& bodies) {
     for (const Contact& contact : find_contacts_at(at)) {
       const Vec3 here = gap_vector(contact, at);
       const double way = dot(here - gap_vector(contact, other), normalized(here));
-      largest = std::max(largest, std::fabs(way) / contact.contact_distance);
+      result.largest = std::max(result.largest, std::fabs(way) / contact.contact_distance);
+      bodies.insert(group_code(contact.group_a, contact.group_b));
     }
   };
-  visit(x0, x1);
-  visit(x1, x0);
-  return largest;
+  visit(x0, x1, result.before);
+  visit(x1, x0, result.after);
+  return result;
 }
-
-namespace {
-
-/// Adds friction of contacts that others of the same place have taken over since it was frozen, as one edge
-/// does for the next at their common end, to the strongest of these. Where none has, what was left of the
-/// friction is within the tolerance of its limits.
-void add_friction_elsewhere(const SurfaceMesh& mesh,
-                            const std::map<PairKey, FrictionSet::PairMotion>& frictions,
-                            std::vector<ContactForce>& entries) {
-  if (frictions.empty()) return;
-  std::map<FrictionPlace, size_t> strongest;
-  const auto force_at = [&](size_t c) { return squared_norm(entries[c].normal_force); };
-  for (size_t c = 0; c < entries.size(); ++c) {
-    const Vec3 n = normalized(entries[c].point_a - entries[c].point_b);
-    const FrictionLimit at = limit_of(entries[c].contact, n, 0.0);
-    const auto offer = [&](const FrictionPlace& place) {
-      const auto [found, is_new] = strongest.emplace(place, c);
-      if (!is_new && force_at(c) > force_at(found->second)) found->second = c;
-    };
-    offer(at.place);
-    if (at.other) offer(*at.other);
-  }
-  for (const auto& [key, pair] : frictions) {
-    const FrictionLimit at = limit_of(pair.contact, pair.normal, 0.0);
-    auto found = strongest.find(at.place);
-    if (found == strongest.end() && at.other) found = strongest.find(*at.other);
-    if (found == strongest.end()) continue;
-    ContactForce& entry = entries[found->second];
-    const double side = orientation(mesh, pair.contact);  // of side A
-    const bool is_same_side = pair.contact.group_a == pair.contact.group_b
-                                  ? dot(pair.normal, entry.point_a - entry.point_b) >= 0.0
-                                  : pair.contact.group_a == entry.contact.group_a;
-    entry.friction += pair.force * (side * (is_same_side ? 1.0 : -1.0));
-  }
-}
-
-}  // namespace
 
 std::vector<ContactForce> ContactPipeline::contact_forces(std::span<const Vec3> x) const {
   const std::vector<Vec3> normal = forces(x);

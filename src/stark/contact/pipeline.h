@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <memory>
+#include <set>
 
 #include <stark/base/timer.h>
 #include <stark/collision/max_safe_step.h>
@@ -156,9 +157,16 @@ class ContactPipeline final : public ActiveSet {
   /// Contacts of all pairs of primitives within the contact distances of their bodies with sites at x,
   /// without their stiffness; the active ones stay as they are. Valid until the next call.
   const std::vector<Contact>& find_contacts_at(std::span<const Vec3> x);
-  /// Largest motion along the normal of pairs that are within their contact distance at x0 or x1, from one to
-  /// the other, over that distance.
-  double largest_approach(std::span<const Vec3> x0, std::span<const Vec3> x1);
+  /// What a motion from x0 to x1 does to contact.
+  struct Approach {
+    bool hits = false;  ///< whether it leads through something
+    /// Motion along the normal of pairs of primitives that are in contact at x0 or x1, over their contact
+    /// distance.
+    double largest = 0.0;
+    std::set<int64_t> before;  ///< bodies in contact at x0: group_code()
+    std::set<int64_t> after;   ///< at x1, with the two that hit each other first
+  };
+  Approach approach(std::span<const Vec3> x0, std::span<const Vec3> x1);
   /// Pair of primitives that limited the last max_step().
   const CcdReport& limiting_pair() const { return ccd_report_; }
 

@@ -120,6 +120,11 @@ struct Readings<StepReport> {
           "integrator",
           "What the step was taken with: 'implicit_euler', 'bdf2' or 'quasistatic'. Steps of bdf2 are "
           "'implicit_euler' at the start and where steps more than double."),
+      reading<&R::lasting_contact>(
+          "lasting_contact",
+          "Share of what contact did in the last step that goes on in this one, with 'bdf2' (theory eq. "
+          "26e): 1 "
+          "where steps resolve contact, 0 where bodies hit each other, and with other integrators."),
       reading<&R::solve, &S::iterations>("newton_iterations", "Newton iterations of the step."),
       reading<&R::solve, &S::linear_iterations>(
           "linear_iterations", "Iterations of conjugate gradients in all Newton iterations."),

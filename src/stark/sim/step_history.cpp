@@ -52,6 +52,24 @@ class Balance {
   double left_over_product_ = 0.0, contact_product_ = 0.0;
 };
 
+Balance balance_of(const Model& model, const State& s, const ModelBody& body) {
+  const DofLayout& layout = model.map().layout();
+  Balance balance;
+  for (int32_t b = body.rigid_index; b < body.rigid_index + body.rigid_count(); ++b) {
+    const RigidMass& mass = model.rigid_masses()[b];
+    if (layout.body_block[b] != kNoBlock)
+      balance.add(mass.mass, s.body_increment[b], s.body_contact_increment[b]);
+    if (layout.rotation_block[b] == kNoBlock) continue;
+    const Vec3& p = s.body_spin_contact_increment[b];
+    const Vec3 turn = velocity_of_momentum(s.body_rotation[b], mass.moments, p);
+    balance.add_products(dot(s.body_spin_increment[b] + p, turn), dot(p, turn));
+  }
+  for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
+    if (model.map().is_point(i) && layout.point_block[i] != kNoBlock)
+      balance.add(model.point_masses()[i], s.point_increment[i], s.point_contact_increment[i]);
+  return balance;
+}
+
 }  // namespace
 
 std::vector<Vec3> StepMotion::free_motion(double h) const {
@@ -81,35 +99,29 @@ TimeStencil StepMotion::choose_stencil(double h, bool hits_stop) {
   const bool gives_back = std::ranges::any_of(state_.restitution_due, [](double due) { return due != 0.0; });
   if (gives_back) return bdf2_impact(h, h_before);
   const std::vector<Vec3> x = free_motion(h);
-  if (contact_->max_step(step_start_, x) < 1.0) return bdf2_impact(h, h_before, lasting_contact());
-  const bool is_resolved = contact_->largest_approach(step_start_, x) <= kLargestResolved;
-  return is_resolved ? bdf2(h, h_before) : bdf2_unresolved(h, h_before, lasting_contact());
+  const ContactPipeline::Approach ahead = contact_->approach(step_start_, x);
+  if (!ahead.hits && ahead.largest <= kLargestResolved) return bdf2(h, h_before);
+  // What meets anew is sudden, however little it pushes at first.
+  const bool meets = !std::ranges::includes(ahead.before, ahead.after);
+  const double lasting = meets ? 0.0 : lasting_contact(ahead.before);
+  return ahead.hits ? bdf2_impact(h, h_before, lasting) : bdf2_unresolved(h, h_before, lasting);
 }
 
-double StepMotion::lasting_contact() const {
-  const State& s = state_;
-  const DofLayout& layout = model_.map().layout();
+double StepMotion::lasting_contact(const std::set<int64_t>& touching) const {
+  std::set<int32_t> bodies;
+  for (const int64_t code : touching) {
+    const auto [a, b] = groups_of_code(code);
+    bodies.insert({a, b});
+  }
   double least = 1.0;
-  bool touches = false;
-  for (const ModelBody& body : model_.bodies()) {
-    Balance balance;
-    for (int32_t b = body.rigid_index; b < body.rigid_index + body.rigid_count(); ++b) {
-      const RigidMass& mass = model_.rigid_masses()[b];
-      if (layout.body_block[b] != kNoBlock)
-        balance.add(mass.mass, s.body_increment[b], s.body_contact_increment[b]);
-      if (layout.rotation_block[b] == kNoBlock) continue;
-      const Vec3& p = s.body_spin_contact_increment[b];
-      const Vec3 turn = velocity_of_momentum(s.body_rotation[b], mass.moments, p);
-      balance.add_products(dot(s.body_spin_increment[b] + p, turn), dot(p, turn));
-    }
-    for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
-      if (model_.map().is_point(i) && layout.point_block[i] != kNoBlock)
-        balance.add(model_.point_masses()[i], s.point_increment[i], s.point_contact_increment[i]);
+  bool has_pushed = false;
+  for (const int32_t body : bodies) {
+    const Balance balance = balance_of(model_, state_, model_.bodies()[body]);
     if (!balance.touches()) continue;
-    touches = true;
+    has_pushed = true;
     least = std::min(least, balance.part());
   }
-  return touches ? least : 0.0;
+  return has_pushed ? least : 0.0;
 }
 
 void StepMotion::begin(double h, bool hits_stop) {
@@ -289,9 +301,8 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
   for (size_t b = 0; b < s.body_position.size(); ++b) {
     const RigidMass& mass = model_.rigid_masses()[b];
     const bool moves = layout.body_block[b] != kNoBlock, turns = layout.rotation_block[b] != kNoBlock;
-    const Vec3 before_p = s.body_contact_increment[b];
-    const Vec3 p = s.body_contact_increment[b] = stencil.by_contact(
-        s.body_contact_increment[b], moves ? impulses.contact[layout.body_block[b]] / mass.mass : Vec3{});
+    const Vec3 pushed = moves ? impulses.contact[layout.body_block[b]] / mass.mass : Vec3{};
+    const Vec3 p = s.body_contact_increment[b] = stencil.by_contact(s.body_contact_increment[b], pushed);
     const Vec3 p_spin = s.body_spin_contact_increment[b] = stencil.by_contact(
         s.body_spin_contact_increment[b], turns ? impulses.contact[layout.rotation_block[b]] : Vec3{});
     // What restitution gives back is sudden: no part of it is smooth.
@@ -306,8 +317,7 @@ void StepMotion::remember_increments(const Motions& before, const Impulses& impu
                                     mass.mass * squared_norm(p) + dot(p_spin, turn));
     s.body_lag[b] = moves ? next_lag(stencil, s.body_lag[b], A, p, part) : Vec3{};
     s.body_spin_lag[b] = turns ? next_lag(stencil, s.body_spin_lag[b], A_spin, p_spin, part) : Vec3{};
-    if (!stencil.has_smooth_contact)
-      reference_.contact_velocity[b] = p - before_p * (stencil.lasting * stencil.history) + back;
+    if (!stencil.has_smooth_contact) reference_.contact_velocity[b] = pushed + back;
     drop_impact(s.body_contact_increment[b], layout.body_block[b], part, mass.mass);
     drop_impact(s.body_spin_contact_increment[b], layout.rotation_block[b], part, 1.0);
   }

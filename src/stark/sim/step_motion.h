@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -124,9 +125,9 @@ class StepMotion : private StepPart {
   }
   /// What the step of length h that starts from the state has of the integrator.
   TimeStencil choose_stencil(double h, bool hits_stop);
-  /// Share of the increments by contact in the last step that other forces balanced, the least of all bodies;
-  /// 0 where nothing touches.
-  double lasting_contact() const;
+  /// Share of the increments by contact in the last step that other forces balanced, the least of all bodies
+  /// that touch, by pairs of them (group_code()); 0 where nothing pushed.
+  double lasting_contact(const std::set<int64_t>& touching) const;
   /// Rotations and angular momenta of free bodies at the end of a step of length h if nothing acted in it.
   void set_free_rotations(double h);
   /// Angular impulse of a step over its scale [N m] on each body with a free rotation; call it before

@@ -76,6 +76,8 @@ struct StepReport {
   double time_step = 0.0;       ///< [s]
   /// What this step was taken with: implicit Euler, too, where bdf2 has no history.
   Integrator integrator = Integrator::ImplicitEuler;
+  /// Share of the increments by contact in the last step that goes on in this one with bdf2. [theory eq. 26e]
+  double lasting_contact = 0.0;
   int rejected_steps = 0;  ///< attempts thrown away before this one
   SolveReport solve;       ///< of the accepted attempt; counters include the rejected ones
   int64_t contact_count = 0;

@@ -227,6 +227,7 @@ void StepRunner::accept(double h, bool is_cut) {
   }
   report_.time_step = h;
   const bool goes_on = motion_.reference().stencil.history > 0.0;
+  report_.lasting_contact = motion_.reference().stencil.lasting;
   if (goes_on || !has_inertia(settings_.time.integrator)) report_.integrator = settings_.time.integrator;
   // A halved step grows back towards the one asked for, whose mark it must not miss; a step cut short by the
   // caller does not shrink the next.

@@ -109,3 +109,21 @@ def test_a_box_does_not_creep_in_a_grip_that_speeds_up(h: float) -> None:
         if sim.time > 0.19:
             in_grip.append(load.position[2] - palm.position[2])
     assert np.ptp(in_grip) < 2e-5  # two stick displacements
+
+
+@pytest.mark.parametrize("speed", [0.1, 1.0])
+def test_what_rests_elsewhere_does_not_change_an_impact(speed: float) -> None:
+    """Contact that lasts goes on from step to step, of all bodies or of none: with a box at rest beside it, a
+    box that lands had a force half as large again in its first step."""
+
+    def forces(with_rest: bool) -> np.ndarray:
+        scene = stark.Scene()
+        scene.add_floor(10.0)
+        box = scene.add_box(0.05, mass=0.2, position=(0.0, 0.0, 0.045), velocity=(0.0, 0.0, -speed))
+        if with_rest:
+            scene.add_box(0.1, mass=1.0, position=(1.0, 0.0, 0.0505))
+        sim = stark.Simulation(scene, {"time.integrator": "bdf2"}, time_step=0.01)
+        return np.array([box.contact_force[2] for _ in sim.run(until=0.2)])
+
+    alone = forces(False)
+    np.testing.assert_allclose(forces(True), alone, rtol=0.0, atol=1e-3 * alone.max())
