@@ -393,7 +393,7 @@ Verdict judge_detour(const StepEvidence& e) {
           "lower time.min_step until bodies move by less than their size in it, or make them slower", bodies};
 }
 
-Verdict judge_status(const StepEvidence& e) {
+Verdict judge_status(const StepEvidence& e, const Settings& settings) {
   switch (e.solve.status) {
     case SolveStatus::Detour:
       return judge_detour(e);
@@ -412,9 +412,13 @@ Verdict judge_status(const StepEvidence& e) {
             "make stiff parts softer or rigid bodies, soft and light parts stiffer or heavier",
             {e.stiffest, e.softest}};
   if (e.solve.status == SolveStatus::MaxIterations)
-    return {FailureCause::IterationBudget,
-            "Newton's method was still on its way after newton.max_iterations; " + force_text(e),
-            "raise newton.max_iterations, lower time.step, or loosen the tolerances"};
+    return {
+        FailureCause::IterationBudget,
+        "Newton's method was still on its way after newton.max_iterations; " + force_text(e),
+        has_inertia(settings.time.integrator)
+            ? "raise newton.max_iterations, lower time.step, or loosen the tolerances"
+            : "raise newton.max_iterations, apply loads and prescribed motion in smaller parts, or loosen "
+              "the tolerances"};
   return {FailureCause::Unknown, force_text(e),
           "look at the bodies named here, for over-constrained parts and for extreme stiffness; "
           "write_reproducer(path) keeps the step for study"};
@@ -459,7 +463,7 @@ Verdict find_cause(const StepEvidence& e, const Settings& settings) {
   if (!e.unit_suspicions.empty())
     return {FailureCause::UnitMistake, suspicion_text(e),
             "check the units of all that is named here; lengths are in m, masses in kg, times in s"};
-  return judge_status(e);
+  return judge_status(e, settings);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <stark/sim/internal_variables.h>
 #include <stark/sim/model_builder.h>
 #include <stark/sim/script_phase.h>
+#include <stark/sim/state_history.h>
 
 namespace stark {
 
@@ -117,17 +118,6 @@ void Model::Builder::set_initial_state() {
     state.surface_velocity.push_back(motion.velocity);
     state.surface_spin.push_back(motion.spin);
   }
-  if (!has_history(settings.time.integrator)) return;
-  state.previous_point_position = state.point_position;
-  for (std::vector<Vec3>* field : {&state.point_increment, &state.point_contact_increment, &state.point_lag})
-    field->resize(state.point_position.size());
-  state.previous_body_position = state.body_position;
-  state.previous_body_rotation = state.body_rotation;
-  state.previous_body_angular_velocity = state.body_angular_velocity;
-  for (std::vector<Vec3>* field :
-       {&state.body_increment, &state.body_contact_increment, &state.body_lag, &state.body_spin_increment,
-        &state.body_spin_contact_increment, &state.body_spin_lag})
-    field->resize(state.body_position.size());
 }
 
 void Model::Builder::set_initial_sites() {
@@ -143,8 +133,7 @@ void Model::Builder::set_initial_sites() {
   for (ConstraintGroup& group : constraints.groups()) group.batch.set_previous(x);
   model.initial_state_.joint_coordinate = constraints.coordinates(x);
   set_initial_rates(x);
-  if (has_history(settings.time.integrator))
-    model.initial_state_.previous_joint_rate = model.initial_state_.joint_rate;
+  if (has_history(settings.time.integrator)) begin_history(model.initial_state_);
   set_initial_actuators();
 }
 

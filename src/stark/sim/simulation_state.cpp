@@ -5,6 +5,7 @@
 #include <stark/base/error.h>
 #include <stark/sim/internal_variables.h>
 #include <stark/sim/simulation_parts.h>
+#include <stark/sim/state_history.h>
 
 namespace stark {
 
@@ -40,11 +41,13 @@ void copy_place(const State& from, int32_t body, State& to) {
 
 }  // namespace
 
-void Simulation::set_state(const State& state) {
+void Simulation::set_state(const State& given) {
   parts_->placing.require_closed("the state");
+  // That of another integrator may have more, or less.
+  const State state = with_history(given, has_history(settings_.time.integrator));
   if (const std::string field = first_length_difference(state, state_); !field.empty())
     throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(state_) +
-                          " ('" + field + "' is not as long); use a state of the same scene and integrator");
+                          " ('" + field + "' is not as long); use a state of the same scene");
   if (const std::string what = find_invalid_number(state); !what.empty())
     throw InvalidArgument("state: " + what + "; use a state that a simulation has been in");
   State next = state;

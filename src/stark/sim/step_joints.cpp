@@ -99,6 +99,7 @@ void StepJoints::commit() {
   commit_attachments(x);
   commit_actuators(x);
   const std::vector<double> raw = constraints.coordinates(x), start = motion_.coordinates();
+  const bool has_rates = has_inertia(settings_.time.integrator);
   for (int32_t j = 0; j < constraints.joint_count(); ++j) {
     const ConstraintSet::Place& place = constraints.place(j);
     const auto& coordinates = constraints.groups()[place.group].joint->coordinates();
@@ -106,8 +107,8 @@ void StepJoints::commit() {
       double& value = state_.joint_coordinate[place.coordinate + k];
       const double now = raw[place.coordinate + k], change = now - start[place.coordinate + k];
       const bool is_angle = coordinates[k].unit == "rad";
-      state_.joint_rate[place.coordinate + k] =
-          (is_angle ? shortest_turn(change) : change) / motion_.reference().stencil.duration;
+      const double way = is_angle ? shortest_turn(change) : change;
+      state_.joint_rate[place.coordinate + k] = has_rates ? way / motion_.reference().stencil.duration : 0.0;
       value = is_angle ? unwrap(now, value) : now;
     }
   }

@@ -19,6 +19,7 @@ void StepMotion::commit(double h) {
   const Configuration& from = reference_.place;
   const double s = reference_.stencil.duration;
   const bool has_memory = has_history(settings_.time.integrator);
+  const bool has_rates = has_inertia(settings_.time.integrator);
   reference_.contact_velocity.assign(end.body_position.size(), Vec3{});
   Motions before;
   Impulses impulses;
@@ -28,14 +29,16 @@ void StepMotion::commit(double h) {
     remember_state(h);
   }
   for (size_t p = 0; p < end.point_position.size(); ++p) {
-    state_.point_velocity[p] = (end.point_position[p] - from.point_position[p]) / s;
+    const bool is_at_rest = !has_rates && layout.point_block[p] != kNoBlock;
+    state_.point_velocity[p] = is_at_rest ? Vec3{} : (end.point_position[p] - from.point_position[p]) / s;
     state_.point_position[p] = end.point_position[p];
   }
   const auto arrived = [&](double remaining) { return remaining - h <= kTimeRounding * (state_.time + h); };
+  if (!has_rates) model_.map().follow(state_.point_velocity);
   for (size_t b = 0; b < end.body_position.size(); ++b) {
     const ScriptPhase phase = script_phase(state_.script_remaining[b]);
     if (layout.body_block[b] != kNoBlock)
-      state_.body_velocity[b] = (end.body_position[b] - from.body_position[b]) / s;
+      state_.body_velocity[b] = has_rates ? (end.body_position[b] - from.body_position[b]) / s : Vec3{};
     else if (phase != ScriptPhase::Velocity)
       state_.body_velocity[b] = (end.body_position[b] - state_.body_position[b]) / h;
     state_.body_position[b] = end.body_position[b];

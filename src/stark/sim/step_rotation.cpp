@@ -110,8 +110,11 @@ void StepMotion::commit_rotation(int32_t b, const Vec3& torque, double h) {
     state_.body_angular_velocity[b] = is_free_motion || is_possible || !is_less ? w : turning;
     return;
   }
-  // Following poses, resting at the last one, or without inertia: the velocity tells what it did.
-  if (!keeps_velocity)
+  // In equilibrium what is free is at rest; of what follows poses, or rests at the last one, the velocity
+  // tells what it did.
+  if (is_free)
+    state_.body_angular_velocity[b] = {};
+  else if (!keeps_velocity)
     state_.body_angular_velocity[b] = log_rotation(end * transpose(state_.body_rotation[b])) / h;
   state_.body_rotation[b] = is_free ? orthonormalized(end) : end;
 }

@@ -193,7 +193,8 @@ std::optional<double> StepRunner::next_attempt(double h) {
     const bool is_repeated = is_raised && is_last && status == SolveStatus::LineSearchFailed;
     if (is_repeated && repeats_++ < kRepeatsOfShortest) return h;
   }
-  const bool is_hopeless = status == SolveStatus::TimeBudget || status == SolveStatus::RunAway;
+  const bool is_hopeless = status == SolveStatus::TimeBudget || status == SolveStatus::RunAway ||
+                           (status == SolveStatus::MaxIterations && is_same_if_shorter_);
   if (!is_last && !is_hopeless) return 0.5 * h;
   report_.time_step = h;
   fail();
@@ -364,7 +365,7 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   std::vector<double> guess;
   if (report_.rejected_steps == 0 && has_inertia(settings_.time.integrator))
     guess = motion_.free_increments(h);
-  SolveReport solved = newton_.minimize(potential_, h, guess);
+  SolveReport solved = minimize(h, guess, total);
   newton_.set_way_check({});
   if (is_success(solved.status) && way_.leads_through_something(start)) solved.status = SolveStatus::Detour;
   if (is_success(solved.status)) {
@@ -377,6 +378,18 @@ bool StepRunner::attempt(double h, SolveReport& total) {
   attempts_.push_back({h, solved.status, solved.iterations});
   add_counters(total, solved);
   return is_success(solved.status);
+}
+
+SolveReport StepRunner::minimize(double h, std::span<const double> guess, SolveReport& total) {
+  is_same_if_shorter_ = !has_inertia(settings_.time.integrator) && !potential_.has_pending_motion();
+  SolveReport solved = newton_.minimize(potential_, h, guess);
+  for (double shorter = h; is_same_if_shorter_ && !is_shortest(shorter); shorter *= 0.5) {
+    if (solved.status != SolveStatus::MaxIterations) break;
+    attempts_.push_back({h, solved.status, solved.iterations});
+    add_counters(total, solved);
+    solved = newton_.minimize(potential_, h);
+  }
+  return solved;
 }
 
 // Forces of a user's loop that swing up would go on to infinity otherwise, step by accepted step.

@@ -61,6 +61,9 @@ class StepRunner : private StepPart {
   void fail();
   /// Whether a step that fails is not halved any more.
   bool is_shortest(double h) const { return 0.5 * h < settings_.time.min_step; }
+  /// Takes Newton's method to its end. Where a shorter step would pose the same problem, it goes on from
+  /// where its iterations ran out, as often as the step could be halved.
+  SolveReport minimize(double h, std::span<const double> guess, SolveReport& total);
   /// Whether something that is free to move did so faster than light in an attempt of length h [s].
   bool is_faster_than_light(double h) const;
   /// Of the last attempt.
@@ -77,10 +80,11 @@ class StepRunner : private StepPart {
   LinearSolver& linear_solver_;
   NewtonSolver newton_;
   StepReport report_;
-  std::vector<Attempt> attempts_;  ///< of the step under way
-  int repeats_ = 0;                ///< of its shortest attempt
-  LoadMemory load_;                ///< of its barriers: that of the state, more after attempts that failed
-  EnergyLedger energies_before_;   ///< stored at the start of the last attempt
+  std::vector<Attempt> attempts_;    ///< of the step under way
+  bool is_same_if_shorter_ = false;  ///< a step without inertia in which nothing prescribed moves
+  int repeats_ = 0;                  ///< of its shortest attempt
+  LoadMemory load_;                  ///< of its barriers: that of the state, more after attempts that failed
+  EnergyLedger energies_before_;     ///< stored at the start of the last attempt
   std::vector<double> coordinates_before_;  ///< of joints, at the same time
   std::vector<double> remembered_;          ///< what materials keep of the last attempt
   BlockMatrix diagonal_hessian_;
