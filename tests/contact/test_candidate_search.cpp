@@ -17,13 +17,15 @@ using namespace stark::test;
 namespace {
 
 struct Bench {
-  Bench() {
+  /// With self-contact of everything, or of the sheet alone: margins of others then follow their gaps.
+  explicit Bench(bool all_self = true) {
     builder.add_mesh(make_grid(0.5, 0.5, 10, 10));
     builder.add_mesh(make_icosphere(0.1, 2), {0, 0, 0.12});
     builder.add_mesh(make_box({0.1, 0.1, 0.1}, 2), {0.2, 0.1, 0.07});
     builder.add_rod({{-0.2, -0.2, 0.02}, {-0.15, -0.2, 0.02}, {-0.1, -0.2, 0.02}, {-0.05, -0.2, 0.03}});
     builder.add_particles({{-0.1, -0.1, 0.05}, {-0.12, -0.1, 0.05}});
-    filter = PairFilter(builder.group_count);
+    filter = PairFilter(builder.group_count, true, all_self);
+    filter.set(0, 0, true);
     reference.reset(builder.surface, filter);
   }
 
@@ -58,35 +60,37 @@ struct Bench {
 }  // namespace
 
 TEST_CASE("no pair is missed while parts of a scene move, at iterates, trial points and between them") {
-  Bench bench;
-  RandomPoints random(61);
-  CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
-  const std::vector<double> none(bench.distance.size(), 0.0);
-  std::vector<Vec3> x = bench.builder.x;
-  int64_t most = 0;
-  int limited = 0;
-  for (const double size : {1e-3, 4e-3, 1e-2, 5e-2})
-    for (int n = 0; n < 40; ++n) {
-      std::vector<Vec3> trial = x;
-      bench.move(trial, random, size);
-      if (n % 3 == 0) bench.move(trial, random, size);
-      const CandidateList expected = bench.near(x), expected_trial = bench.near(trial);
-      CHECK(includes(search.at(x), expected));
-      // What limits the way is what limits it among all pairs of a search for everything.
-      CandidateList swept;
-      bench.reference.find_swept(x, trial, none, bench.pool, swept);
-      const double step = max_safe_step(bench.builder.surface, search.on_way(x, trial, none), x, trial, 0.0,
-                                        bench.pool, nullptr);
-      CHECK(step == max_safe_step(bench.builder.surface, swept, x, trial, 0.0, bench.pool, nullptr));
-      limited += step < 1.0;
-      CHECK(includes(search.at_trial(trial), expected_trial));
-      CHECK(includes(search.at(x), expected));  // that of a trial point leaves it as it is
-      if (n % 2 == 0) x = trial;
-      if (n % 10 == 9) x = bench.builder.x;
-      most = std::max(most, expected.size());
-    }
-  CHECK(most > 200);
-  CHECK(limited > 10);
+  for (const bool all_self : {true, false}) {
+    Bench bench(all_self);
+    RandomPoints random(61);
+    CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
+    const std::vector<double> none(bench.distance.size(), 0.0);
+    std::vector<Vec3> x = bench.builder.x;
+    int64_t most = 0;
+    int limited = 0;
+    for (const double size : {1e-3, 4e-3, 1e-2, 5e-2, 0.2})
+      for (int n = 0; n < 40; ++n) {
+        std::vector<Vec3> trial = x;
+        bench.move(trial, random, size);
+        if (n % 3 == 0) bench.move(trial, random, size);
+        const CandidateList expected = bench.near(x), expected_trial = bench.near(trial);
+        CHECK(includes(search.at(x), expected));
+        // What limits the way is what limits it among all pairs of a search for everything.
+        CandidateList swept;
+        bench.reference.find_swept(x, trial, none, bench.pool, swept);
+        const double step = max_safe_step(bench.builder.surface, search.on_way(x, trial, none), x, trial, 0.0,
+                                          bench.pool, nullptr);
+        CHECK(step == max_safe_step(bench.builder.surface, swept, x, trial, 0.0, bench.pool, nullptr));
+        limited += step < 1.0;
+        CHECK(includes(search.at_trial(trial), expected_trial));
+        CHECK(includes(search.at(x), expected));  // that of a trial point leaves it as it is
+        if (n % 2 == 0) x = trial;
+        if (n % 10 == 9) x = bench.builder.x;
+        most = std::max(most, expected.size());
+      }
+    CHECK(most > (all_self ? 200 : 100));
+    CHECK(limited > 10);
+  }
 }
 
 TEST_CASE("pairs of edges that cannot act are left out of the lists, and none that can act or meet is") {
@@ -155,4 +159,43 @@ TEST_CASE("what has not moved is not looked for again") {
   }
   CHECK(search.counters().sites == count + 5 * 2);
   CHECK(search.counters().candidate_builds == 6);
+}
+
+TEST_CASE("what is on its way through empty space is looked for once in many steps") {
+  Bench bench(false);
+  CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
+  std::vector<Vec3> x = bench.builder.x;
+  for (size_t v = 0; v < x.size(); ++v)
+    if (bench.builder.surface.vertex_group[v] == 1) x[v].z += 1.0;
+  search.at(x);
+  const std::vector<double> none(bench.distance.size(), 0.0);
+  for (int step = 0; step < 20; ++step) {
+    const std::vector<Vec3> start = x;
+    for (size_t v = 0; v < x.size(); ++v)
+      if (bench.builder.surface.vertex_group[v] == 1) x[v].z -= 0.01;
+    search.on_way(start, x, none);
+    search.at(x);
+  }
+  CHECK(search.counters().candidate_builds <= 2);
+  CHECK(search.counters().swept_builds <= 1);
+}
+
+TEST_CASE("what comes near is found where a body is, not where it was when all was far") {
+  Bench bench(false);
+  CandidateSearch search(bench.builder.surface, bench.filter, bench.distance, bench.pool, bench.timer);
+  std::vector<Vec3> x = bench.builder.x;
+  const auto move = [&](int32_t group, const Vec3& way) {
+    for (size_t v = 0; v < x.size(); ++v)
+      if (bench.builder.surface.vertex_group[v] == group) x[v] += way;
+  };
+  move(1, {0, 0, 2.0});  // the ball, with a radius of 0.1 m and its centre at 2.12 m
+  move(2, {-0.2, -0.1, 4.0});
+  search.at(x);
+  move(1, {0, 0, 0.05});
+  search.at(x);
+  CHECK(search.counters().candidate_builds == 1);
+  move(2, {0, 0, 2.12 + 0.05 + 0.1 + 0.05 + 0.002 - 4.07});  // the box, half as high as 0.1 m, onto the ball
+  const CandidateList expected = bench.near(x);
+  CHECK(expected.size() > 0);
+  CHECK(includes(search.at(x), expected));
 }

@@ -7,10 +7,6 @@ namespace stark::detail {
 
 namespace {
 
-/// Part of their relative motion that groups have to stay apart beyond a distance: what is nearer is left to
-/// continuous detection, so that its steps do not depend on which pairs were known to be apart.
-constexpr double kSpare = 0.25;
-
 constexpr double kRounding = 1e-9;  ///< relative
 
 int64_t code_of(int32_t a, int32_t b) {
@@ -46,7 +42,7 @@ bool GroupClearances::are_apart(int32_t group_a, int32_t group_b, double distanc
   double motion = 0.0;  // relative displacements are largest at one of the ends
   for (const std::span<const Bounds> at : {start, end})
     if (!at.empty()) motion = std::max(motion, relative_motion(at[group_a], at[group_b]));
-  return entry->second - (1.0 + kSpare) * motion > distance * (1.0 + kRounding);
+  return entry->second - (1.0 + kSpareMotion) * motion > distance * (1.0 + kRounding);
 }
 
 }  // namespace stark::detail

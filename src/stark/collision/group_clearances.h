@@ -11,6 +11,10 @@
 
 namespace stark::detail {
 
+/// Part of their relative motion that groups have to stay apart beyond a distance: what is nearer is left to
+/// continuous detection, so that its steps do not depend on which pairs were known to be apart.
+constexpr double kSpareMotion = 0.25;
+
 class GroupClearances {
  public:
   bool empty() const { return least_.empty(); }

@@ -6,6 +6,7 @@
 
 #include <stark/collision/broad_phase.h>
 #include <stark/collision/distant_pairs.h>
+#include <stark/contact/group_margins.h>
 #include <stark/contact/site_margins.h>
 
 namespace stark {
@@ -26,9 +27,11 @@ constexpr double kRounding = 1e-9;  ///< of distances, relative
 constexpr int64_t kPairsPerTask = 2048;
 
 struct Candidates {
-  CandidateList list;
-  CandidateList distant;  ///< pairs of edges that cannot act or meet within the margins
-  std::vector<Vec3> x;    ///< where each site was when its pairs were found
+  CandidateList list{};
+  CandidateList distant{};       ///< pairs of edges that cannot act or meet within the margins
+  std::vector<Vec3> x{};         ///< where each site was when its pairs were found
+  std::vector<Bounds> bounds{};  ///< of x, by group
+  std::vector<double> margin{};  ///< by group [m]
 };
 
 }  // namespace
@@ -38,6 +41,7 @@ struct CandidateSearch::Implementation {
   PhaseTimer& timer;
   BroadPhase broad_phase{};
   std::vector<double> reach{};  ///< by group [m]: distance and margin
+  GroupMargins group_margins{};
   SiteMargins margins{};
   Candidates current{}, trial{};
   Candidates* at_trial = nullptr;  ///< the one that the last trial point was given, while it is there
@@ -52,9 +56,13 @@ struct CandidateSearch::Implementation {
   bool covers(const Candidates& candidates, std::span<const Vec3> x) const;
   /// Marks the sites that are to be looked for again in a list for x; returns how many.
   int64_t mark(const Candidates& candidates, std::span<const Vec3> x, std::vector<uint8_t>& out) const;
-  /// Makes `out` a list for x of `base` and of what is found anew for the marked sites.
-  void renew(const Candidates& base, std::span<const uint8_t> marked, std::span<const Vec3> x,
-             Candidates& out);
+  /// Makes `out` a list for x of `base` and of what is found anew for the marked sites, and for those that
+  /// what has moved leaves too small a margin.
+  void renew(const Candidates& base, std::vector<uint8_t>& marked, std::span<const Vec3> x, Candidates& out);
+  /// Where sites are when pairs are found for the marked ones, and their margins from there; marks more of
+  /// them where these are smaller than before.
+  void set_places(const Candidates& base, std::vector<uint8_t>& marked, std::span<const Vec3> x,
+                  Candidates& out);
   /// The same of the one of both lists that needs less.
   void renew_nearer(std::span<const Vec3> x, Candidates& out);
   /// Whether two edges are too far apart to act, or for collision detection, before a site leaves its margin.
@@ -72,7 +80,8 @@ CandidateSearch::CandidateSearch(SurfaceMesh mesh, PairFilter filter, std::span<
   Implementation& self = *implementation_;
   std::vector<double> margin(group_distance.begin(), group_distance.end());
   for (double& m : margin) m *= kMarginFactor;
-  self.margins = SiteMargins(mesh, margin);
+  self.group_margins = GroupMargins(group_distance, margin);
+  self.margins = SiteMargins(mesh);
   self.reach.assign(group_distance.begin(), group_distance.end());
   for (double& r : self.reach) r *= 1.0 + kMarginFactor;
   self.broad_phase.reset(std::move(mesh), std::move(filter));
@@ -100,7 +109,7 @@ void CandidateSearch::set_edges(std::shared_ptr<const EdgeRanges> ranges,
 const CandidateList& CandidateSearch::distant_edges() const { return implementation_->current.distant; }
 
 bool CandidateSearch::Implementation::covers(const Candidates& candidates, std::span<const Vec3> x) const {
-  return !candidates.x.empty() && margins.cover(candidates.x, x);
+  return !candidates.x.empty() && margins.cover(candidates.margin, candidates.x, x);
 }
 
 int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std::span<const Vec3> x,
@@ -109,13 +118,13 @@ int64_t CandidateSearch::Implementation::mark(const Candidates& candidates, std:
     out.assign(x.size(), 1);
     return margins.site_count();
   }
-  return margins.mark_beyond(kNearlyUsedUp, candidates.x, x, out);
+  return margins.mark_beyond(kNearlyUsedUp, candidates.margin, candidates.x, x, out);
 }
 
 bool CandidateSearch::Implementation::is_distant(const PrimitivePair& edges, std::span<const Vec3> x) const {
   using Row = PairRow<PairKind::EdgeEdge>;
   const PrimitivePair groups = Row::groups(mesh(), edges);
-  const double both = margins(mesh().edges[edges.first][0]) + margins(mesh().edges[edges.second][0]);
+  const double both = group_margins.least()[groups.first] + group_margins.least()[groups.second];
   const double distance = both / kMarginFactor;
   const double kept = separation[groups.first] + separation[groups.second];
   const double acts = std::max((*edge_ranges)(edges.first, edges.second) * distance, kEdgesBear * kept);
@@ -153,11 +162,26 @@ void CandidateSearch::Implementation::merge(const CandidateList& base, const Can
   });
 }
 
-void CandidateSearch::Implementation::renew(const Candidates& base, std::span<const uint8_t> marked,
+void CandidateSearch::Implementation::set_places(const Candidates& base, std::vector<uint8_t>& marked,
+                                                 std::span<const Vec3> x, Candidates& out) {
+  out.bounds = base.bounds.empty() ? std::vector<Bounds>(reach.size()) : base.bounds;
+  out.x.resize(x.size());
+  if (&out != &base) std::ranges::copy(base.x, out.x.begin());
+  int64_t added = 0;
+  do {
+    for (size_t site = 0; site < x.size(); ++site)
+      if (marked[site] != 0) out.x[site] = x[site];
+    margins.bound(out.x, marked, out.bounds);
+    out.margin = group_margins.wide(broad_phase.filter(), out.bounds);
+    added = margins.mark_more(out.margin, out.x, x, marked);
+    counters.sites += added;
+  } while (added > 0);
+}
+
+void CandidateSearch::Implementation::renew(const Candidates& base, std::vector<uint8_t>& marked,
                                             std::span<const Vec3> x, Candidates& out) {
   const PhaseTimer::Scope scope(timer, Phase::BroadPhase);
-  out.x.resize(x.size());
-  for (size_t site = 0; site < x.size(); ++site) out.x[site] = marked[site] != 0 ? x[site] : base.x[site];
+  set_places(base, marked, x, out);
   broad_phase.find(out.x, reach, pool, found, marked);
   // Rounding of the distance must not drop a pair at the very rim.
   std::vector<double> rim(reach);
@@ -210,8 +234,9 @@ const CandidateList& CandidateSearch::on_way(std::span<const Vec3> x0, std::span
   const Candidates& current = self.current;
   if (self.covers(current, x1) && self.covers(current, x0)) return current.list;
   const PhaseTimer::Scope scope(self.timer, Phase::BroadPhase);
-  self.counters.sites += current.x.empty() ? self.mark(current, x0, self.moved)
-                                           : self.margins.mark_leaving(current.x, x0, x1, self.moved);
+  self.counters.sites += current.x.empty()
+                             ? self.mark(current, x0, self.moved)
+                             : self.margins.mark_leaving(current.margin, current.x, x0, x1, self.moved);
   self.broad_phase.find_swept(x0, x1, group_separation, self.pool, self.found, self.moved);
   self.merge(current.list, self.found, self.moved, self.on_way);
   ++self.counters.swept_builds;

@@ -7,39 +7,44 @@
 #include <span>
 #include <vector>
 
+#include <stark/collision/bounds.h>
 #include <stark/collision/surface_mesh.h>
 
 namespace stark {
 
+/// Margins are by group [m].
 class SiteMargins {
  public:
   SiteMargins() = default;
-  /// margin: by group [m].
-  SiteMargins(const SurfaceMesh& mesh, std::span<const double> margin);
+  explicit SiteMargins(const SurfaceMesh& mesh);
 
   int64_t site_count() const { return count_; }
-  /// Of a site of the surfaces [m].
-  double operator()(int32_t site) const { return margin_[site]; }
 
   /// Whether no site is farther than its margin from where it was at `base`.
-  bool cover(std::span<const Vec3> base, std::span<const Vec3> x) const;
+  bool cover(std::span<const double> margin, std::span<const Vec3> base, std::span<const Vec3> x) const;
   /// Marks the sites that are farther than `part` of their margin from `base`; returns how many.
-  int64_t mark_beyond(double part, std::span<const Vec3> base, std::span<const Vec3> x,
-                      std::vector<uint8_t>& out) const;
+  int64_t mark_beyond(double part, std::span<const double> margin, std::span<const Vec3> base,
+                      std::span<const Vec3> x, std::vector<uint8_t>& out) const;
+  /// Marks sites that are beyond their margin from `base`, and leaves those that are marked; returns how
+  /// many.
+  int64_t mark_more(std::span<const double> margin, std::span<const Vec3> base, std::span<const Vec3> x,
+                    std::span<uint8_t> marked) const;
   /// Marks the sites that leave their margin on the straight way from x0 to x1; returns how many. Balls are
   /// convex: what starts and ends in its ball is there all the way.
-  int64_t mark_leaving(std::span<const Vec3> base, std::span<const Vec3> x0, std::span<const Vec3> x1,
-                       std::vector<uint8_t>& out) const;
+  int64_t mark_leaving(std::span<const double> margin, std::span<const Vec3> base, std::span<const Vec3> x0,
+                       std::span<const Vec3> x1, std::vector<uint8_t>& out) const;
+
+  /// Brings the bounds of the sites at x up to date, by group, of groups with a marked site.
+  void bound(std::span<const Vec3> x, std::span<const uint8_t> marked, std::vector<Bounds>& bounds) const;
 
  private:
+  /// Sites of the surface of a group.
   struct Run {
-    int32_t begin, end;
+    int32_t begin, end, group;
   };
 
   int64_t count_ = 0;
-  std::vector<Run> runs_;        ///< of sites of the surfaces
-  std::vector<double> margin_;   ///< by site [m]
-  std::vector<double> squared_;  ///< by site [m^2]
+  std::vector<Run> runs_;
 };
 
 }  // namespace stark

@@ -77,6 +77,19 @@ bool remembers(const PotentialBatch& batch) {
 
 }  // namespace
 
+StepLedger::StepLedger(const StepContext& context, const StepMotion& motion)
+    : StepPart(context), motion_(motion) {
+  const KinematicMap& map = model_.map();
+  for (int32_t i = 0; i < map.site_count(); ++i) {
+    const Site& site = map.site(i);
+    const bool is_of_body = site.kind == SiteKind::RigidPoint;
+    if (is_of_body && site.local == Vec3{}) centres_.push_back(i);
+    const bool hangs_on_points = !map.support(i).points.empty();
+    const bool is_carried = is_of_body && map.layout().body_block[site.index] == kNoBlock;
+    if (map.is_prescribed(i) || hangs_on_points || is_carried) driven_.push_back(i);
+  }
+}
+
 // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
 double StepLedger::stored_energy(ModelBatch& batch, std::span<const Vec3> x) {
   if (batch.role != ModelBatch::Role::Elastic) return 0.0;
@@ -124,8 +137,9 @@ double StepLedger::elastic_energy(std::span<const Vec3> x) {
 
 double StepLedger::damping_work() {
   const std::span<const Vec3> x = potential_.site_positions();
-  std::vector<Vec3> dissipative(x.size());
+  std::vector<Vec3> dissipative;  // empty where nothing dissipates
   const auto add = [&](auto& batch) {
+    dissipative.resize(x.size());
     add_site_gradient(batch, x, 1.0, dissipative);
     batch.set_previous(x);
     add_site_gradient(batch, x, -1.0, dissipative);
@@ -186,25 +200,24 @@ double StepLedger::flow_dissipation() {
 double StepLedger::prescribed_work() {
   const KinematicMap& map = model_.map();
   const std::span<const Vec3> x = potential_.site_positions();
-  // How much of each site's motion was prescribed.
-  std::vector<Vec3> motion(x.size());
+  // How much of the motion of sites was prescribed.
   std::vector<Vec3> body_motion(map.layout().body_block.size());
-  for (int32_t i = 0; i < map.site_count(); ++i)
-    if (map.site(i).kind == SiteKind::RigidPoint && map.site(i).local == Vec3{})
-      body_motion[map.site(i).index] = x[i] - step_start_[i];
+  for (const int32_t i : centres_) body_motion[map.site(i).index] = x[i] - step_start_[i];
+  std::vector<Vec3> motion(driven_.size());
   bool any = false;
-  for (int32_t i = 0; i < map.site_count(); ++i) {
+  for (size_t d = 0; d < driven_.size(); ++d) {
+    const int32_t i = driven_[d];
     const Site& site = map.site(i);
     if (map.is_prescribed(i)) {
-      motion[i] = x[i] - step_start_[i];
+      motion[d] = x[i] - step_start_[i];
     } else if (const SiteSupport s = map.support(i); !s.points.empty()) {
       for (size_t k = 0; k < s.points.size(); ++k)
         if (map.layout().point_block[s.points[k]] == kNoBlock)
-          motion[i] += (x[s.points[k]] - step_start_[s.points[k]]) * s.weights[k];
-    } else if (site.kind == SiteKind::RigidPoint && map.layout().body_block[site.index] == kNoBlock) {
-      motion[i] = body_motion[site.index];  // a lever on a pinned node of a rod: its rotation is free
+          motion[d] += (x[s.points[k]] - step_start_[s.points[k]]) * s.weights[k];
+    } else {
+      motion[d] = body_motion[site.index];  // a lever on a pinned node of a rod: its rotation is free
     }
-    any = any || motion[i] != Vec3{};
+    any = any || motion[d] != Vec3{};
   }
   if (!any) return 0.0;
   std::vector<Vec3> gradient(x.size());
@@ -215,8 +228,18 @@ double StepLedger::prescribed_work() {
     for (const PotentialBatch* batch : contact_->batches(Curvature::Exact))
       add_site_gradient(*batch, x, 1.0 / contact_->weight(), gradient);
   double total = 0.0;
-  for (size_t i = 0; i < x.size(); ++i) total += dot(gradient[i], motion[i]);
+  for (size_t d = 0; d < driven_.size(); ++d) total += dot(gradient[driven_[d]], motion[d]);
   return total;
+}
+
+double StepLedger::friction_work(std::span<const Vec3> x) {
+  std::vector<Vec3> friction;  // empty where there is none
+  for (const PotentialBatch* batch : contact_->friction_batches()) {
+    if (batch->size() == 0) continue;
+    friction.resize(x.size());
+    add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
+  }
+  return work(friction, step_start_, x);
 }
 
 EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const double> coordinates_before) {
@@ -224,12 +247,9 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const dou
   EnergyLedger ledger = stored_energies(x);
   if (contact_) {
     ledger.contact = contact_->energy();
-    std::vector<Vec3> friction(x.size());
-    for (const PotentialBatch* batch : contact_->friction_batches())
-      add_site_gradient(*batch, x, 1.0 / contact_->weight(), friction);
     // Slip is that of the material: what a belt does on bodies is its work less what friction takes of it.
     ledger.belts = contact_->surface_work(x);
-    ledger.friction = work(friction, step_start_, x) + ledger.belts;
+    ledger.friction = friction_work(x) + ledger.belts;
     ledger.restitution = contact_->restitution_work(x);
   }
   ledger.damping = damping_work() + flow_dissipation();

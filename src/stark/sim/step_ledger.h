@@ -1,7 +1,9 @@
 // Energy and momentum of a step, from the state and what has acted (step phase 8).
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include <stark/sim/step_motion.h>
 #include <stark/sim/step_report.h>
@@ -10,7 +12,7 @@ namespace stark {
 
 class StepLedger : private StepPart {
  public:
-  StepLedger(const StepContext& context, const StepMotion& motion) : StepPart(context), motion_(motion) {}
+  StepLedger(const StepContext& context, const StepMotion& motion);
 
   /// Stored energies of the current state with sites at x; contact is left at zero.
   EnergyLedger stored_energies(std::span<const Vec3> x);
@@ -27,6 +29,7 @@ class StepLedger : private StepPart {
   /// With the internal variables that the batches have.
   double elastic_energy(std::span<const Vec3> x);
   double damping_work();
+  double friction_work(std::span<const Vec3> x);
   /// What the internal variables of all elements have dissipated; batches have those at the start of the
   /// step.
   double flow_dissipation();
@@ -34,6 +37,8 @@ class StepLedger : private StepPart {
   double flow_dissipation(Batch& batch);
 
   const StepMotion& motion_;
+  std::vector<int32_t> centres_;  ///< sites at the centres of bodies
+  std::vector<int32_t> driven_;   ///< sites whose motion is prescribed, all of it or part
 };
 
 }  // namespace stark

@@ -62,16 +62,30 @@ bool StepWay::leads_through_something(const Configuration& start) {
                               [&](int finer) { return finer > pieces && is_way_clear(start, end, finer); });
 }
 
+StepWay::StepWay(const StepContext& context, const StepMotion& motion, PrescribedBodies prescribed)
+    : StepPart(context), motion_(motion), prescribed_(std::move(prescribed)) {
+  std::vector<Vec3> x(model_.map().site_count());
+  model_.map().positions(motion_.start_configuration(), x);
+  for (const ModelBody& body : model_.bodies()) {
+    const Vec3 size = box_size(std::span(x).subspan(body.first_site, body.site_count));
+    least_size_.push_back(is_rigid(body.kind) ? std::max({size.x, size.y, size.z}) : 0.0);
+  }
+}
+
 bool StepWay::moved_far() const {
   const std::span<const Vec3> x = potential_.site_positions();
-  double motion = 0.0, smallest = std::numeric_limits<double>::infinity();
-  for (const ModelBody& body : model_.bodies()) {
-    smallest =
-        std::min(smallest, norm(box_size(std::span(step_start_).subspan(body.first_site, body.site_count))));
+  double squared = 0.0;
+  for (const ModelBody& body : model_.bodies())
     for (int32_t i = body.first_site; i < body.first_site + body.site_count; ++i)
-      motion = std::max(motion, norm(x[i] - step_start_[i]));
+      squared = std::max(squared, squared_norm(x[i] - step_start_[i]));
+  const double motion = std::sqrt(squared);
+  for (size_t k = 0; k < model_.bodies().size(); ++k) {
+    const ModelBody& body = model_.bodies()[k];
+    if (motion <= kFarMotion * least_size_[k]) continue;
+    const Vec3 size = box_size(std::span(step_start_).subspan(body.first_site, body.site_count));
+    if (motion > kFarMotion * norm(size)) return true;
   }
-  return motion > kFarMotion * smallest;
+  return false;
 }
 
 std::string StepWay::meeting_text() {

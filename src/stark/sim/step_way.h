@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <stark/sim/prescribed.h>
 #include <stark/sim/step_motion.h>
@@ -10,8 +11,7 @@ namespace stark {
 
 class StepWay : private StepPart {
  public:
-  StepWay(const StepContext& context, const StepMotion& motion, PrescribedBodies prescribed)
-      : StepPart(context), motion_(motion), prescribed_(std::move(prescribed)) {}
+  StepWay(const StepContext& context, const StepMotion& motion, PrescribedBodies prescribed);
 
   /// Whether the attempt that ends where the potential stands went around something: its iterates followed a
   /// clear path from `start`, but the way that the bodies had to go is not clear.
@@ -28,6 +28,8 @@ class StepWay : private StepPart {
 
   const StepMotion& motion_;
   PrescribedBodies prescribed_;
+  /// By body: what the diagonal of its box is never below, however it turns; 0 of what changes its shape [m].
+  std::vector<double> least_size_;
 };
 
 }  // namespace stark
