@@ -89,6 +89,7 @@ void bind_state(nanobind::module_& m) {
           "or of another type or shape.")
       .def_static("fields", &state_fields, "Name, unit and meaning of every field, in order.")
       .def("__eq__", [](const State& a, const State& b) { return first_difference(a, b).empty(); })
+      .def("__hash__", [](const State& s) { return static_cast<Py_hash_t>(s.hash() >> 1); })
       .def("first_difference", &first_difference,
            "Name of the first field that differs, '' when all bits are equal.");
 }

@@ -41,6 +41,19 @@ TEST_CASE("pair filter: vertices are kept from a group with all that they are pa
   CHECK_THROWS_AS(filter.exclude(0, 3), InvalidArgument);
 }
 
+TEST_CASE("pair filter: vertices are kept from some of their own group, with all that both are part of") {
+  PairFilter filter(2);
+  filter.exclude_from(7, {2, 3});
+  CHECK(filter.has_exclusions());
+  CHECK_FALSE(filter.excluded(7, 0));
+  const std::array<int32_t, 3> with{5, 6, 7}, near{1, 2, 9}, far{0, 1, 9};
+  CHECK(filter.excluded(with, 0, near, 0));
+  CHECK(filter.excluded(near, 0, with, 0));
+  CHECK_FALSE(filter.excluded(with, 0, far, 0));
+  CHECK_FALSE(filter.excluded(far, 0, near, 0));
+  CHECK_THROWS_AS(filter.exclude_from(-1, {}), InvalidArgument);
+}
+
 TEST_CASE("neighbours along a rod: points and edges are kept from the edges that end at them") {
   PairFilter filter(1);
   CHECK_FALSE(filter.are_neighbours(4, {5, 6}));

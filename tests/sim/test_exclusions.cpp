@@ -259,3 +259,28 @@ TEST_CASE("vertices whose contact is back are looked at when the rest of their b
   CHECK(says_overlap(sim.step()));
   CHECK_FALSE(std::ranges::binary_search(sim.state().contact_regained, 0));
 }
+
+TEST_CASE("a body attached to itself keeps what is attached from what is near the other end alone") {
+  Scene scene;
+  const BodyId cloth = scene.add_cloth(
+      {.name = "cloth", .mesh = make_grid(0.1, 0.1, 10, 10), .material = materials::cotton()});
+  const Simulation sim(scene);
+  scene.add_attachment({.a = vertex_points(cloth, {0}), .b = {vertex_points(cloth, {120})}});
+  const std::vector<Exclusion> found = find_exclusions(scene, true);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].vertex == 0);
+  CHECK(found[0].near == std::vector<int32_t>{120});
+  CHECK(found[1].vertex == 120);
+  CHECK(find_exclusions(scene, false).empty());
+  const Exclusions exclusions(found, PairFilter(1), sim.model().bodies());
+  // Two edges, straight or along a diagonal, from the corner.
+  CHECK(exclusions[0].near.size() >= 6);
+  CHECK(exclusions[0].near.size() <= 9);
+  CHECK(exclusions.concerns(0, std::vector<int32_t>{5, 98, 3}));
+  CHECK_FALSE(exclusions.concerns(0, std::vector<int32_t>{0, 60, 87}));
+  const PairFilter filter = exclusions.filter({});
+  CHECK(filter.allowed(0, 0));
+  const std::array<int32_t, 3> corner{0, 1, 11}, near{98, 97, 87}, far{63, 64, 75};
+  CHECK(filter.excluded(corner, 0, near, 0));
+  CHECK_FALSE(filter.excluded(corner, 0, far, 0));
+}

@@ -184,8 +184,10 @@ def _attached(run: Run) -> Iterator[str]:
             continue  # to the world, which has no surface
         name = attachment.get("name", "")
         count = pair_count(attachment)
+        others = {attachment.get("patch_body"), *(b.get("body") for b in attachment["b"])}
+        near = "what is near what " if others - {None} == {attachment["a"].get("body")} else "what "
         yield (
-            f"attachment '{name}': {count} point{'s' if count != 1 else ''} not looked at against what "
+            f"attachment '{name}': {count} point{'s' if count != 1 else ''} not looked at against {near}"
             f"carries {'them' if count != 1 else 'it'}"
         )
 

@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+_RINGS = 2  #: edges from what carries an attached point of its own body to what it is still kept from
+
+
 @dataclass(frozen=True)
 class PairList:
     """Pairs of primitives: their points (k, 4) or (k, 5), the bodies of both sides (k, 2), and how many of
@@ -66,6 +69,8 @@ class Surface:
         self.exclusions: list[tuple[int, int, int]] = exclusions(run.scene, self.can_touch)
         if not run.scene["contact_enabled"]:
             self.can_touch[:] = False
+        #: Of bodies attached to themselves, what their vertices are kept from.
+        self._near: dict[tuple[int, int], Integers] = near_attachments(run.scene, run.bodies)
         self._regained: bytes | None = None
         self.watch(None)
 
@@ -83,15 +88,22 @@ class Surface:
         self.allowed: NDArray[Any] = self.can_touch.copy()
         #: Points that are kept from a body (N, bodies), None if there are none.
         self.kept: NDArray[np.bool_] | None = None
+        local = [np.zeros(0, dtype=np.int64)]
         for (body, vertex, other), back in zip(self.exclusions, rows.tolist(), strict=True):
             if back:
                 continue
             if vertex < 0:
                 self.allowed[body, other] = self.allowed[other, body] = False
                 continue
+            if body == other:
+                start = int(self.starts[body])
+                local.append((start + vertex) * int(self.starts[-1]) + start + self._near[body, vertex])
+                continue
             if self.kept is None:
                 self.kept = np.zeros((int(self.starts[-1]), len(self.bodies)), dtype=bool)
             self.kept[self.starts[body] + vertex, other] = True
+        #: Pairs of points, as codes, whose primitives are kept from each other.
+        self.kept_pairs: Integers = np.unique(np.concatenate(local))
 
     def _placed(self) -> list[tuple[Body, int]]:
         return list(zip(self.bodies, self.starts[:-1].tolist(), strict=True))
@@ -114,15 +126,14 @@ class Surface:
 
     def edge_triangle_pairs_of(self, a: int, b: int, x: Floats) -> PairList:
         """The same of two bodies, whatever is excluded."""
-        allowed, kept = self.allowed, self.kept
+        allowed, kept, pairs = self.allowed, self.kept, self.kept_pairs
         self.allowed = np.zeros_like(allowed)
-        self.kept = None
+        self.kept, self.kept_pairs = None, pairs[:0]
         self.allowed[a, b] = self.allowed[b, a] = True
         try:
             return self.edge_triangle_pairs(x)
         finally:
-            self.allowed = allowed
-            self.kept = kept
+            self.allowed, self.kept, self.kept_pairs = allowed, kept, pairs
 
     def _tree(self, primitives: Integers, low: Floats, high: Floats) -> BoxTree:
         bodies = self.body_of[primitives[:, 0]] if len(primitives) else np.zeros(0, dtype=np.int64)
@@ -137,12 +148,24 @@ class Surface:
                 shared |= column_a == column_b
         if a.shape[1] == b.shape[1] == 2 and self.untouched.any():
             shared |= self._are_near_along(first, second)
+        if len(self.kept_pairs):
+            shared |= self._are_kept_apart(first, second)
         first, second = first[~shared], second[~shared]
         bodies = np.column_stack([self.body_of[first[:, 0]], self.body_of[second[:, 0]]])
         if self.kept is not None:
             out = self.kept[first, bodies[:, 1:]].any(axis=1) | self.kept[second, bodies[:, :1]].any(axis=1)
             first, second, bodies = first[~out], second[~out], bodies[~out]
         return PairList(np.concatenate([first, second], axis=1), bodies, a.shape[1])
+
+    def _are_kept_apart(self, first: Integers, second: Integers) -> NDArray[np.bool_]:
+        """Pairs at what attaches a body to itself."""
+        count = int(self.starts[-1])
+        out = np.zeros(len(first), dtype=bool)
+        rows = np.flatnonzero(self.body_of[first[:, 0]] == self.body_of[second[:, 0]])
+        a, b = first[rows][:, :, None], second[rows][:, None, :]
+        for codes in (a * count + b, b * count + a):
+            out[rows] |= np.isin(codes, self.kept_pairs).any(axis=(1, 2))
+        return out
 
     def _are_near_along(self, first: Integers, second: Integers) -> NDArray[np.bool_]:
         """Pairs of edges of one rod that no contact keeps apart."""
@@ -179,9 +202,53 @@ def _edges(body: Body) -> Integers:
     return np.unique(np.sort(np.concatenate([sides, body.edges]).astype(np.int64), axis=1), axis=0)
 
 
+def _carriers(points: dict[str, Any]) -> list[Integers]:
+    """Of attached points: the vertices that each is, or that carry it; none on rigid bodies and the world."""
+    if points["kind"] == "embedded":
+        supports, weights = np.array(points["supports"]), np.array(points["weights"])
+        return [row[weight != 0.0].astype(np.int64) for row, weight in zip(supports, weights, strict=True)]
+    if points["kind"] == "vertices":
+        return list(np.array(points["vertices"], dtype=np.int64).reshape(-1, 1))
+    return [np.zeros(0, dtype=np.int64)] * len(np.array(points["local"]).reshape(-1, 3))
+
+
+def near_attachments(scene: dict[str, Any], bodies: list[Body]) -> dict[tuple[int, int], Integers]:
+    """Of bodies attached to themselves: by body and attached vertex what the vertex is kept from, those that
+    carry what it is attached to and those up to two edges from them (docs/attachments.md)."""
+    carriers: dict[tuple[int, int], set[int]] = {}
+    for attachment in scene["attachments"]:
+        body = attachment["a"].get("body")
+        for a, b in _pairs_within(attachment, body):
+            for ends, others in ((a, b), (b, a)):
+                for v in ends.tolist():
+                    carriers.setdefault((body, v), set()).update(others.tolist())
+    edges = {body: _edges(bodies[body]) for body, _ in carriers}
+    return {key: _rings_around(carriers[key], edges[key[0]]) for key in carriers}
+
+
+def _pairs_within(attachment: dict[str, Any], body: int | None) -> list[tuple[Integers, Integers]]:
+    """Carriers of both ends, of the pairs that attach a body to itself."""
+    of_a = _carriers(attachment["a"])
+    if body is None:
+        return []
+    if "patches" in attachment:
+        patches = [np.array(patch, dtype=np.int64) for patch in attachment["patches"]]
+        return list(zip(of_a, patches, strict=True)) if attachment["patch_body"] == body else []
+    of_b = [(b.get("body"), carriers) for b in attachment["b"] for carriers in _carriers(b)]
+    return [(a, b) for a, (other, b) in zip(of_a, of_b, strict=True) if other == body]
+
+
+def _rings_around(vertices: set[int], edges: Integers) -> Integers:
+    found = np.array(sorted(vertices), dtype=np.int64)
+    for _ in range(_RINGS):
+        hit = np.isin(edges, found).any(axis=1)
+        found = np.unique(np.concatenate([found, edges[hit].ravel()]))
+    return found
+
+
 def exclusions(scene: dict[str, Any], can_touch: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
     """What joints and attachments keep from contact while they hold, sorted: (body, -1, other) two bodies,
-    (body, vertex, other) a vertex and a body (docs/attachments.md)."""
+    (body, vertex, other) a vertex and a body, or of its own body what is near there (docs/attachments.md)."""
     found: set[tuple[int, int, int]] = set()
 
     def keep_bodies(sides: list[dict[str, Any]], contact: bool) -> None:
@@ -192,11 +259,7 @@ def exclusions(scene: dict[str, Any], can_touch: NDArray[np.bool_]) -> list[tupl
     def keep(points: dict[str, Any], other: int | None) -> None:
         if other is None or "body" not in points:
             return
-        vertices = np.array(points.get("vertices", []), dtype=np.int64)
-        if points["kind"] == "embedded":
-            supports, weights = np.array(points["supports"]), np.array(points["weights"])
-            vertices = supports[weights != 0.0]
-        found.update((points["body"], int(vertex), other) for vertex in vertices.ravel())
+        found.update((points["body"], v, other) for carriers in _carriers(points) for v in carriers.tolist())
 
     for joint in scene.get("joints", []):
         keep_bodies([joint["a"], joint["b"]], joint.get("contact", True))

@@ -44,6 +44,13 @@ void PairFilter::exclude(int32_t vertex, int32_t group) {
   if (!excluded(vertex, group)) excluded_[vertex].push_back(group);
 }
 
+void PairFilter::exclude_from(int32_t vertex, std::vector<int32_t> others) {
+  if (vertex < 0)
+    throw InvalidArgument("PairFilter: vertex " + std::to_string(vertex) + " must be at least 0");
+  if (excluded_from_.size() <= static_cast<size_t>(vertex)) excluded_from_.resize(vertex + 1);
+  excluded_from_[vertex] = std::move(others);
+}
+
 bool PairFilter::excluded(int32_t vertex, int32_t group) const {
   if (static_cast<size_t>(vertex) >= excluded_.size()) return false;
   const std::vector<int32_t>& groups = excluded_[vertex];
@@ -76,7 +83,19 @@ bool PairFilter::excluded(std::span<const int32_t> vertices_a, int32_t group_a,
   const auto some = [&](std::span<const int32_t> vertices, int32_t group) {
     return std::any_of(vertices.begin(), vertices.end(), [&](int32_t v) { return excluded(v, group); });
   };
-  return some(vertices_a, group_b) || some(vertices_b, group_a);
+  const auto some_from = [&](std::span<const int32_t> vertices, std::span<const int32_t> others) {
+    return std::any_of(vertices.begin(), vertices.end(), [&](int32_t v) {
+      return static_cast<size_t>(v) < excluded_from_.size() &&
+             std::any_of(
+                 others.begin(), others.end(),
+                 [&](int32_t other) {
+                   return std::binary_search(excluded_from_[v].begin(), excluded_from_[v].end(), other);
+                 });
+    });
+  };
+  return some(vertices_a, group_b) || some(vertices_b, group_a) ||
+         (group_a == group_b && !excluded_from_.empty() &&
+          (some_from(vertices_a, vertices_b) || some_from(vertices_b, vertices_a)));
 }
 
 }  // namespace stark

@@ -37,9 +37,11 @@ class PairFilter {
 
   /// Keeps all primitives with this vertex from those of the group.
   void exclude(int32_t vertex, int32_t group);
-  bool has_exclusions() const { return !excluded_.empty(); }
+  /// Keeps all primitives with this vertex from those with one of the others, sorted.
+  void exclude_from(int32_t vertex, std::vector<int32_t> others);
+  bool has_exclusions() const { return !excluded_.empty() || !excluded_from_.empty(); }
   bool excluded(int32_t vertex, int32_t group) const;
-  /// Whether some vertex of one primitive is kept from the group of the other.
+  /// Whether some vertex of one primitive is kept from the group of the other, or from a vertex of it.
   bool excluded(std::span<const int32_t> vertices_a, int32_t group_a, std::span<const int32_t> vertices_b,
                 int32_t group_b) const;
 
@@ -58,8 +60,9 @@ class PairFilter {
 
   int32_t group_count_ = 0;
   std::vector<bool> table_;
-  std::vector<std::vector<int32_t>> excluded_;    ///< groups, by vertex; as long as needed
-  std::vector<std::vector<int32_t>> neighbours_;  ///< vertices, by vertex; as long as needed
+  std::vector<std::vector<int32_t>> excluded_;       ///< groups, by vertex; as long as needed
+  std::vector<std::vector<int32_t>> excluded_from_;  ///< vertices, by vertex, sorted; as long as needed
+  std::vector<std::vector<int32_t>> neighbours_;     ///< vertices, by vertex; as long as needed
 };
 
 }  // namespace stark

@@ -142,22 +142,21 @@ double ConstraintSet::update(std::span<const Vec3> x) {
   return change > 0.0 ? change : std::numeric_limits<double>::infinity();
 }
 
-std::vector<double> ConstraintSet::forces(std::span<const Vec3> x) const {
+std::vector<double> ConstraintSet::next_multipliers(std::span<const double> residuals) const {
   std::vector<double> result = multipliers_;
-  const std::vector<double> C = residuals(x);
   for (int32_t j = 0; j < joint_count_; ++j) {
     const Joint& joint = *groups_[places_[j].group].joint;
     for (size_t k = 0; k < joint.units().size(); ++k) {
       const int64_t r = places_[j].residual + static_cast<int64_t>(k);
-      result[r] = updated(multipliers_[r], penalties_[r], C[r], kDeadZone * tolerance_of(joint.units()[k]),
-                          joint.one_sided()[k] != 0);
+      result[r] = updated(multipliers_[r], penalties_[r], residuals[r],
+                          kDeadZone * tolerance_of(joint.units()[k]), joint.one_sided()[k] != 0);
     }
   }
   return result;
 }
 
-std::vector<double> ConstraintSet::reactions(std::span<const Vec3> x) const {
-  std::vector<double> result = residuals(x);
+std::vector<double> ConstraintSet::reactions(std::span<const double> residuals) const {
+  std::vector<double> result(residuals.begin(), residuals.end());
   for (const Place& place : places_) {
     const std::vector<char>& one_sided = groups_[place.group].joint->one_sided();
     for (size_t k = 0; k < one_sided.size(); ++k) {

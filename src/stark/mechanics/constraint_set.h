@@ -64,12 +64,12 @@ class ConstraintSet {
   /// change of a multiplier [N, N m], 0 when everything is held, infinity when a series of updates brought
   /// nothing, or no side of what is apart has unknowns.
   double update(std::span<const Vec3> x);
-  /// Forces that hold the residuals at x: the multipliers of the next step.
-  std::vector<double> forces(std::span<const Vec3> x) const;
+  /// Forces that hold the residuals: the multipliers of the next step.
+  std::vector<double> next_multipliers(std::span<const double> residuals) const;
 
-  /// Forces lambda + rho C that act at x, by residual: those on what carries frame a are minus these times
-  /// the gradient of the residual.
-  std::vector<double> reactions(std::span<const Vec3> x) const;
+  /// Forces lambda + rho C that act, by residual: those on what carries frame a are minus these times the
+  /// gradient of the residual.
+  std::vector<double> reactions(std::span<const double> residuals) const;
 
   /// Largest residual over its tolerance at x, and whose it is.
   struct Violation {

@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kHeld = 1.0;
 
+/// Edges between what carries an attached vertex of its own body and what the vertex is still kept from.
+constexpr int kRings = 2;
+
 /// Collects exclusions by body, vertex and other body.
 class Collector {
  public:
@@ -28,24 +31,22 @@ class Collector {
     if (Exclusion* e = attachment.contact ? nullptr : whole(connected_bodies(attachment)))
       for (int32_t pair = 0; pair < count; ++pair) e->pairs.push_back(first_pair + pair);
     for (int32_t pair = 0; pair < static_cast<int32_t>(attachment.patches.size()); ++pair) {
-      add_point(attachment.a, pair, attachment.patch_body, first_pair + pair);
-      for (const int32_t v : attachment.patches[pair])
-        add_vertex(attachment.patch_body, v, attachment.a.body, first_pair + pair);
+      const Index3& patch = attachment.patches[pair];
+      add(carriers_of(attachment.a, pair), {attachment.patch_body, {patch.begin(), patch.end()}},
+          first_pair + pair);
     }
     int32_t pair = 0;
     for (const PointSet& b : attachment.b)
-      for (int32_t k = 0; k < static_cast<int32_t>(b.size()); ++k, ++pair) {
-        add_point(attachment.a, pair, b.body, first_pair + pair);
-        add_point(b, k, attachment.a.body, first_pair + pair);
-      }
+      for (int32_t k = 0; k < static_cast<int32_t>(b.size()); ++k, ++pair)
+        add(carriers_of(attachment.a, pair), carriers_of(b, k), first_pair + pair);
   }
 
   std::vector<Exclusion> take() {
     std::vector<Exclusion> list;
     for (auto& [key, exclusion] : found_) {
-      for (std::vector<int32_t>* owners : {&exclusion.joints, &exclusion.pairs}) {
-        std::ranges::sort(*owners);
-        owners->erase(std::ranges::unique(*owners).begin(), owners->end());
+      for (std::vector<int32_t>* numbers : {&exclusion.joints, &exclusion.pairs, &exclusion.near}) {
+        std::ranges::sort(*numbers);
+        numbers->erase(std::ranges::unique(*numbers).begin(), numbers->end());
       }
       list.push_back(std::move(exclusion));
     }
@@ -62,22 +63,40 @@ class Collector {
     return &at(*bodies.begin(), Exclusion::kWhole, *bodies.rbegin());
   }
 
-  void add_vertex(BodyId body, int32_t vertex, BodyId other, int32_t pair) {
-    if (other.index < 0 || !can_touch(body.index, other.index)) return;
-    at(body.index, vertex, other.index).pairs.push_back(pair);
+  /// One end of a pair: its body, and the vertices that it is, or that carry it.
+  struct End {
+    BodyId body;
+    std::vector<int32_t> vertices{};
+  };
+
+  static End carriers_of(const PointSet& points, int32_t k) {
+    if (points.kind == PointKind::Vertices) return {points.body, {points.vertices[k]}};
+    End end{points.body};
+    if (points.kind != PointKind::Embedded) return end;
+    for (size_t i = 0; i < 4; ++i)
+      if (points.weights[k][i] != 0.0) end.vertices.push_back(points.supports[k][i]);
+    return end;
   }
 
-  /// Of the points of bodies those that are vertices, or carried by some.
-  void add_point(const PointSet& points, int32_t k, BodyId other, int32_t pair) {
-    if (points.kind == PointKind::Vertices) add_vertex(points.body, points.vertices[k], other, pair);
-    if (points.kind != PointKind::Embedded) return;
-    for (size_t i = 0; i < 4; ++i)
-      if (points.weights[k][i] != 0.0) add_vertex(points.body, points.supports[k][i], other, pair);
+  void add(const End& a, const End& b, int32_t pair) {
+    add_vertices(a, b, pair);
+    add_vertices(b, a, pair);
+  }
+
+  void add_vertices(const End& end, const End& other, int32_t pair) {
+    if (end.body.index < 0 || other.body.index < 0 || !can_touch(end.body.index, other.body.index)) return;
+    for (const int32_t v : end.vertices) {
+      Exclusion& exclusion = at(end.body.index, v, other.body.index);
+      exclusion.pairs.push_back(pair);
+      if (end.body.index == other.body.index)
+        exclusion.near.insert(exclusion.near.end(), other.vertices.begin(), other.vertices.end());
+    }
   }
 
   Exclusion& at(int32_t body, int32_t vertex, int32_t other) {
     const auto [entry, is_new] = found_.try_emplace({body, vertex, other});
-    if (is_new) entry->second = {.body = body, .vertex = vertex, .other = other, .joints = {}, .pairs = {}};
+    if (is_new)
+      entry->second = {.body = body, .vertex = vertex, .other = other, .joints = {}, .pairs = {}, .near = {}};
     return entry->second;
   }
 
@@ -85,6 +104,37 @@ class Collector {
   bool self_contact_;
   std::map<std::array<int32_t, 3>, Exclusion> found_;
 };
+
+}  // namespace
+
+namespace {
+
+using Neighbours = std::vector<std::vector<int32_t>>;  ///< by vertex
+
+Neighbours find_neighbours(const ModelBody& body) {
+  Neighbours neighbours(body.site_count);
+  const auto connect = [&](int32_t a, int32_t b) {
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  };
+  for (const Index3& t : body.triangles)
+    for (int k = 0; k < 3; ++k) connect(t[k], t[(k + 1) % 3]);
+  for (const Index2& edge : body.edges) connect(edge[0], edge[1]);
+  return neighbours;
+}
+
+void add_rings(const Neighbours& neighbours, std::vector<int32_t>& vertices) {
+  std::set<int32_t> found(vertices.begin(), vertices.end());
+  std::vector<int32_t> rim = vertices;
+  for (int ring = 0; ring < kRings; ++ring) {
+    std::vector<int32_t> next;
+    for (const int32_t v : rim)
+      for (const int32_t other : neighbours[v])
+        if (found.insert(other).second) next.push_back(other);
+    rim = std::move(next);
+  }
+  vertices.assign(found.begin(), found.end());
+}
 
 }  // namespace
 
@@ -99,8 +149,24 @@ std::vector<Exclusion> find_exclusions(const Scene& scene, bool self_contact) {
   return collector.take();
 }
 
-Exclusions::Exclusions(std::vector<Exclusion> list, PairFilter base, std::vector<int32_t> first_site)
-    : list_(std::move(list)), base_(std::move(base)), first_site_(std::move(first_site)) {}
+Exclusions::Exclusions(std::vector<Exclusion> list, PairFilter base, std::span<const ModelBody> bodies)
+    : list_(std::move(list)), base_(std::move(base)) {
+  for (const ModelBody& body : bodies) first_site_.push_back(body.first_site);
+  std::map<int32_t, Neighbours> neighbours;  // of bodies that are attached to themselves
+  for (Exclusion& exclusion : list_) {
+    if (exclusion.near.empty()) continue;
+    const auto [of_body, is_new] = neighbours.try_emplace(exclusion.body);
+    if (is_new) of_body->second = find_neighbours(bodies[exclusion.body]);
+    add_rings(of_body->second, exclusion.near);
+  }
+}
+
+bool Exclusions::concerns(int64_t k, std::span<const int32_t> sites) const {
+  const Exclusion& exclusion = (*this)[k];
+  return exclusion.near.empty() || std::ranges::any_of(sites, [&](int32_t site) {
+           return std::ranges::binary_search(exclusion.near, site - first_site_[exclusion.body]);
+         });
+}
 
 bool Exclusions::is_held(int64_t k, const State& state) const {
   const Exclusion& exclusion = (*this)[k];
@@ -130,10 +196,15 @@ void Exclusions::exclude_all_but(std::span<const int64_t> some, PairFilter& filt
   for (int64_t k = 0; k < size(); ++k) {
     if (std::ranges::binary_search(some, k)) continue;
     const Exclusion& exclusion = (*this)[k];
-    if (exclusion.vertex == Exclusion::kWhole)
+    if (exclusion.vertex == Exclusion::kWhole) {
       filter.set(exclusion.body, exclusion.other, false);
-    else
+    } else if (exclusion.near.empty()) {
       filter.exclude(site(k), exclusion.other);
+    } else {
+      std::vector<int32_t> sites = exclusion.near;
+      for (int32_t& v : sites) v += first_site_[exclusion.body];
+      filter.exclude_from(site(k), std::move(sites));
+    }
   }
 }
 

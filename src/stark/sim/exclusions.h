@@ -10,6 +10,7 @@
 
 #include <stark/collision/candidates.h>
 #include <stark/mechanics/state.h>
+#include <stark/sim/model.h>
 #include <stark/sim/scene.h>
 
 namespace stark {
@@ -20,16 +21,21 @@ struct Exclusion {
   int32_t other = 0;                  ///< the body that it is kept from; of whole bodies the larger number
   std::vector<int32_t> joints;        ///< that hold it, by number in the scene
   std::vector<int32_t> pairs;         ///< of attachments that hold it, by place in attachment_held
+  /// Of a body attached to itself: vertices that the vertex is kept from instead of all of the body, sorted.
+  /// Those that carry what it is attached to, and those up to two edges from them: elsewhere the body touches
+  /// itself along a seam, too.
+  std::vector<int32_t> near;
 };
 
-/// Of a scene, between bodies that can touch, sorted by body, vertex and other body.
+/// Of a scene, between bodies that can touch, sorted by body, vertex and other body; `near` has the carriers
+/// alone.
 std::vector<Exclusion> find_exclusions(const Scene& scene, bool self_contact);
 
 class Exclusions {
  public:
   Exclusions() = default;
-  /// `base`: which bodies can touch at all; first_site: of the vertices of each body.
-  Exclusions(std::vector<Exclusion> list, PairFilter base, std::vector<int32_t> first_site);
+  /// `base`: which bodies can touch at all.
+  Exclusions(std::vector<Exclusion> list, PairFilter base, std::span<const ModelBody> bodies);
 
   int64_t size() const { return static_cast<int64_t>(list_.size()); }
   const Exclusion& operator[](int64_t k) const { return list_[static_cast<size_t>(k)]; }
@@ -41,6 +47,9 @@ class Exclusions {
   std::vector<int64_t> over(const State& state) const;
   /// Site of its vertex, -1 of whole bodies.
   int32_t site(int64_t k) const;
+
+  /// Whether it is about primitives with such sites of its other body.
+  bool concerns(int64_t k, std::span<const int32_t> sites) const;
 
   /// What may touch where some of them, sorted, are over.
   PairFilter filter(std::span<const int64_t> over) const;

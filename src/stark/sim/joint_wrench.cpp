@@ -1,6 +1,8 @@
 // See joint_wrench.h.
 #include <stark/sim/joint_wrench.h>
 
+#include <algorithm>
+
 namespace stark {
 
 namespace {
@@ -49,6 +51,11 @@ Wrench joint_wrench(const JointDescription& description, const ConstraintSet& co
     }
   }
   return wrench;
+}
+
+void let_go(State& state, int64_t first_residual, size_t count) {
+  for (std::vector<double>* forces : {&state.joint_multiplier, &state.joint_force})
+    std::fill_n(forces->begin() + first_residual, count, 0.0);
 }
 
 }  // namespace stark

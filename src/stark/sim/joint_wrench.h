@@ -5,6 +5,7 @@
 #include <span>
 
 #include <stark/mechanics/constraint_set.h>
+#include <stark/mechanics/state.h>
 #include <stark/sim/joint.h>
 
 namespace stark {
@@ -12,5 +13,8 @@ namespace stark {
 /// On what carries frame b, about its origin; `joint` is the number in the constraints, x by site [m].
 Wrench joint_wrench(const JointDescription& description, const ConstraintSet& constraints, int32_t joint,
                     std::span<const Vec3> x);
+
+/// Nothing pulls any more with these residuals of what is released, broken or placed elsewhere.
+void let_go(State& state, int64_t first_residual, size_t count);
 
 }  // namespace stark

@@ -127,6 +127,7 @@ void Model::Builder::set_initial_sites() {
   for (PotentialBatch* batch : energies.all_batches()) batch->set_initial(x);
   ConstraintSet& constraints = energies.constraints;
   model.initial_state_.joint_multiplier.assign(constraints.residual_count(), 0.0);
+  model.initial_state_.joint_force = model.initial_state_.joint_multiplier;
   for (const JointDescription& joint : scene.joints())
     model.initial_state_.joint_enabled.push_back(joint.enabled ? 1.0 : 0.0);
   set_initial_attachments(x);

@@ -7,6 +7,7 @@
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
+#include <stark/sim/joint_wrench.h>
 #include <stark/sim/placing.h>
 
 namespace stark {
@@ -119,8 +120,7 @@ void Placing::restart_constraints(const std::set<int32_t>& moved, const std::set
     if (!touches(j, changed)) continue;
     const ConstraintSet::Place& place = constraints.place(j);
     const Joint& joint = *constraints.groups()[place.group].joint;
-    if (touches(j, moved))
-      std::fill_n(state_.joint_multiplier.begin() + place.residual, joint.units().size(), 0.0);
+    if (touches(j, moved)) let_go(state_, place.residual, joint.units().size());
     for (size_t k = 0; k < joint.coordinates().size(); ++k) {
       const size_t q = place.coordinate + k;
       const bool is_angle = joint.coordinates()[k].unit == "rad";

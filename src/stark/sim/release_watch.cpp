@@ -60,9 +60,9 @@ class ByPlace {
   }
 
   void block(const Side& a, const Side& b, std::set<int64_t>& out) const {
-    add({-1, std::min(a.body, b.body), std::max(a.body, b.body)}, out);
-    for (const int32_t v : a.vertices) add({v, b.body, 0}, out);
-    for (const int32_t v : b.vertices) add({v, a.body, 0}, out);
+    add({-1, std::min(a.body, b.body), std::max(a.body, b.body)}, b, out);
+    for (const int32_t v : a.vertices) add({v, b.body, 0}, b, out);
+    for (const int32_t v : b.vertices) add({v, a.body, 0}, a, out);
   }
 
   /// All that are about two bodies.
@@ -82,8 +82,10 @@ class ByPlace {
                                          : Place{exclusions_.site(k), e.other, 0};
   }
 
-  void add(const Place& at, std::set<int64_t>& out) const {
-    if (const auto found = places_.find(at); found != places_.end()) out.insert(found->second);
+  void add(const Place& at, const Side& other, std::set<int64_t>& out) const {
+    const auto found = places_.find(at);
+    if (found != places_.end() && exclusions_.concerns(found->second, other.vertices))
+      out.insert(found->second);
   }
 
   const Exclusions& exclusions_;

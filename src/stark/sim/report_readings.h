@@ -158,7 +158,8 @@ struct Readings<StepReport> {
       reading<&R::energy>(
           "energy",
           "Stored at the end of the step: kinetic, elastic, gravity, contact [J]. Turned over by the "
-          "step: damping, friction (dissipated), external (work of scripted and pinned parts), "
+          "step: damping, friction (dissipated), external (work of scripted and pinned parts and of energies "
+          "that drive), "
           "actuation (work of actuators), belts (work of the drives of moving surfaces), placed (given by "
           "placing bodies before the step), numerical (what closes the balance) [J]."),
       reading<&R::contact_energy_at_start>(

@@ -61,11 +61,9 @@ Simulation::Simulation(const Scene& scene, const Settings& settings, const std::
   state_ = model_->initial_state();
   between();
   ContactSurfaces surfaces = model_->make_surfaces(scene_, settings_);
-  std::vector<int32_t> first_sites;
-  for (const ModelBody& body : model_->bodies()) first_sites.push_back(body.first_site);
   for (int32_t b = 0; b < scene_.body_count(); ++b) is_filled_.push_back(scene_.is_filled(BodyId{b}));
   Exclusions exclusions(find_exclusions(scene_, settings_.contact.self_contact), surfaces.filter,
-                        std::move(first_sites));
+                        model_->bodies());
   surfaces.filter = exclusions.filter({});
   surface_mesh_ = surfaces.mesh;
   between();

@@ -48,7 +48,8 @@ std::vector<int32_t> Simulation::attachment_status(AttachmentId id) const {
 std::vector<Vec3> Simulation::attachment_forces(AttachmentId id) const {
   const int64_t pairs = scene_.attachment(id).size();
   const ModelAttachment& place = model_->attachments()[id.index];
-  const std::vector<double> reactions = energies_.constraints.reactions(site_positions());
+  const std::vector<double> reactions =
+      energies_.constraints.reactions(energies_.constraints.residuals(site_positions()));
   std::vector<Vec3> forces(pairs);
   for (int32_t pair = 0; pair < pairs; ++pair)
     forces[pair] =  // the residual is x_a - x_b; no minus before zeros of pairs that do not hold

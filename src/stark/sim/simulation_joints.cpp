@@ -101,7 +101,7 @@ void Simulation::set_joint_enabled(JointId joint, bool enabled) {
   state = enabled ? kHeld : kReleased;
   parts_->joints.forget_history();
   const size_t count = energies_.constraints.groups()[place.group].joint->units().size();
-  std::fill_n(state_.joint_multiplier.begin() + place.residual, count, 0.0);
+  let_go(state_, place.residual, count);
 }
 
 bool Simulation::joint_enabled(JointId joint) const {

@@ -44,7 +44,9 @@ void copy_place(const State& from, int32_t body, State& to) {
 void Simulation::set_state(const State& given) {
   parts_->placing.require_closed("the state");
   // That of another integrator may have more, or less.
-  const State state = with_history(given, has_history(settings_.time.integrator));
+  State state = with_history(given, has_history(settings_.time.integrator));
+  // Older versions kept nothing nearer to what joints pull with.
+  if (state.joint_force.empty()) state.joint_force = state.joint_multiplier;
   if (const std::string field = first_length_difference(state, state_); !field.empty())
     throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(state_) +
                           " ('" + field + "' is not as long); use a state of the same scene");
@@ -90,7 +92,7 @@ void Simulation::reset() {
 
 void Simulation::forget_last_step() {
   step_start_.clear();
-  energies_.constraints.set_forces(state_.joint_multiplier);
+  energies_.constraints.set_forces(state_.joint_force);
   const std::vector<Vec3> x = site_positions();
   for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
   set_internal(energies_, state_.internal_variable);

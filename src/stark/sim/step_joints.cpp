@@ -94,9 +94,11 @@ void StepJoints::commit() {
   const ConstraintSet& constraints = energies_.constraints;
   if (constraints.joint_count() == 0) return;
   const std::span<const Vec3> x = potential_.site_positions();
-  state_.joint_multiplier = constraints.forces(x);
+  const std::vector<double> residuals = constraints.residuals(x);
+  state_.joint_multiplier = constraints.next_multipliers(residuals);
+  state_.joint_force = constraints.reactions(residuals);
   commit_joints(x);
-  commit_attachments(x);
+  commit_attachments();
   commit_actuators(x);
   const std::vector<double> raw = constraints.coordinates(x), start = motion_.coordinates();
   const bool has_rates = has_inertia(settings_.time.integrator);
@@ -124,16 +126,16 @@ void StepJoints::commit_joints(std::span<const Vec3> x) {
     forget_history();
     const ConstraintSet::Place& place = energies_.constraints.place(j);
     const size_t count = energies_.constraints.groups()[place.group].joint->units().size();
-    std::fill_n(state_.joint_multiplier.begin() + place.residual, count, 0.0);
+    let_go(state_, place.residual, count);
   }
 }
 
-void StepJoints::commit_attachments(std::span<const Vec3> x) {
+void StepJoints::commit_attachments() {
   const auto breakable = [](const AttachmentDescription& a) {
     return a.break_force < std::numeric_limits<double>::infinity();
   };
   if (std::ranges::none_of(scene_.attachments(), breakable)) return;
-  const std::vector<double> reactions = energies_.constraints.reactions(x);
+  const std::vector<double> reactions = state_.joint_force;
   for (size_t k = 0; k < scene_.attachments().size(); ++k) {
     const AttachmentDescription& attachment = scene_.attachments()[k];
     const ModelAttachment& place = model_.attachments()[k];
@@ -152,7 +154,7 @@ void StepJoints::set_attachment_status(const ModelAttachment& attachment, int64_
   forget_history();
   const int64_t r =
       energies_.constraints.place(attachment.first_constraint + static_cast<int32_t>(pair)).residual;
-  std::fill_n(state_.joint_multiplier.begin() + r, 3, 0.0);
+  let_go(state_, r, 3);
 }
 
 std::string StepJoints::text_of(const ConstraintSet::Violation& worst) const {

@@ -66,7 +66,7 @@ class StepJoints : private StepPart {
   /// Breaks joints whose force or torque is above what they stand, with sites at x at the end of a step.
   void commit_joints(std::span<const Vec3> x);
   /// Breaks pairs whose force is above what they stand, with sites at x at the end of a step.
-  void commit_attachments(std::span<const Vec3> x);
+  void commit_attachments();
 
   const StepMotion& motion_;
 };

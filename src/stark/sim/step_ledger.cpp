@@ -27,6 +27,19 @@ constexpr double kInstant = 0x1p-40;
 /// what they cut off and what rounding leaves are below 1e-9 of a dissipation and 1e-13 of an energy.
 constexpr double kStepChange = 0x1p-7;
 
+/// Part of the work of a force at rest, and of the energy, from which differences are not cut off or rounded.
+constexpr double kDriven = 1e-6, kRounding = 1e-11;
+
+/// Derivative in the direction of a step, at its end, of an energy known at parts of the way back, where what
+/// is defined at both ends is defined, too: differences of fourth order.
+template <typename Energy>
+double slope_at_end(Energy&& energy) {
+  constexpr double kFactors[] = {25.0, -48.0, 36.0, -16.0, 3.0};
+  double sum = 0.0;
+  for (int k = 0; k < 5; ++k) sum += kFactors[k] * energy(k * kStepChange);
+  return sum / (12.0 * kStepChange);
+}
+
 const PotentialBatch& law_of(const PotentialBatch& batch) { return batch; }
 const PotentialBatch& law_of(const QuadratureBatch& batch) { return batch.law(); }
 
@@ -60,19 +73,21 @@ double slope_in_step(Batch& batch, double h, std::span<const Vec3> x) {
   return (8.0 * difference(kStepChange) - difference(2.0 * kStepChange)) / (12.0 * kStepChange);
 }
 
-/// What elements store: the energy of a step from x to x, with internal variables of one too short for them
-/// to change. [theory eq. 10c]
-template <typename Batch>
-double stored(Batch& batch, std::span<const Vec3> x) {
-  batch.set_previous(x);
-  if (potential_of(batch).internal_width() == 0) return total_energy(batch, x);
-  return energy_of_step(batch, kInstant * std::min(StepClock(law_of(batch)).step, 1.0), x);
-}
-
 bool remembers(const PotentialBatch& batch) {
   return std::ranges::any_of(batch.potential().element_fields(), [](const ElementField& field) {
     return field.source == ElementField::Source::Previous;
   });
+}
+
+/// What elements store: the energy of a step from x to x, one too short for internal variables to change and
+/// for potentials of rates, which have its length as a factor, to count. [theory eq. 10c]
+template <typename Batch>
+double stored(Batch& batch, std::span<const Vec3> x) {
+  batch.set_previous(x);
+  const StepClock clock(law_of(batch));
+  const bool has_rates = clock.step > 0.0 && remembers(law_of(batch));
+  if (potential_of(batch).internal_width() == 0 && !has_rates) return total_energy(batch, x);
+  return energy_of_step(batch, kInstant * std::min(clock.step, 1.0), x);
 }
 
 }  // namespace
@@ -88,6 +103,8 @@ StepLedger::StepLedger(const StepContext& context, const StepMotion& motion)
     const bool is_carried = is_of_body && map.layout().body_block[site.index] == kNoBlock;
     if (map.is_prescribed(i) || hangs_on_points || is_carried) driven_.push_back(i);
   }
+  for (int32_t k = 0; k < static_cast<int32_t>(scene_.energies().size()); ++k)
+    energies_of_users_.push_back(model_.energy_batch(EnergyId{k}));
 }
 
 // With the previous positions at x, dissipation potentials vanish and only what is stored is left.
@@ -190,6 +207,35 @@ double StepLedger::flow_dissipation(Batch& batch) {
   return dissipated;
 }
 
+// Force at rest, which is that of a stored energy where nothing drives. At rest, since what the potential of
+// rates adds to it is dissipated. [theory eq. 27a]
+double StepLedger::driven_work() {
+  const std::span<const Vec3> x = potential_.site_positions();
+  double total = 0.0;
+  std::vector<Vec3> gradient, at(x.size());
+  for (const int32_t k : energies_of_users_) {
+    PotentialBatch& batch = energies_.batches[k].batch;
+    if (!remembers(batch) || batch.potential().internal_width() > 0) continue;
+    gradient.assign(x.size(), Vec3{});
+    batch.set_previous(x);
+    add_site_gradient(batch, x, 1.0, gradient);
+    const double force_work = work(gradient, step_start_, x);
+    double largest = 0.0;
+    const double slope = slope_at_end([&](double part) {
+      for (size_t i = 0; i < x.size(); ++i) at[i] = x[i] + (step_start_[i] - x[i]) * part;
+      const double energy = stored(batch, at);
+      largest = std::max(largest, std::fabs(energy));
+      return energy;
+    });
+    motion_.set_previous(batch);
+    double size = 0.0;
+    for (size_t i = 0; i < x.size(); ++i) size += std::fabs(dot(gradient[i], x[i] - step_start_[i]));
+    const double driven = slope - force_work;
+    if (std::fabs(driven) > kDriven * size + kRounding * largest) total += driven;
+  }
+  return total;
+}
+
 double StepLedger::flow_dissipation() {
   double total = 0.0;
   for (ModelBatch& batch : energies_.batches) total += flow_dissipation(batch.batch);
@@ -255,7 +301,7 @@ EnergyLedger StepLedger::balance(const EnergyLedger& before, std::span<const dou
   ledger.damping = damping_work() + flow_dissipation();
   if (!motion_.reference().half_way.empty())
     ledger.damping += before.elastic - elastic_energy(step_start_);  // lost in the first half
-  ledger.external = prescribed_work();
+  ledger.external = prescribed_work() + driven_work();
   for (size_t k = 0; k < model_.actuators().size(); ++k)
     if (state_.actuator_enabled[k] != 0.0)
       ledger.actuation += actuator_work(model_.actuators()[k], state_, coordinates_before);

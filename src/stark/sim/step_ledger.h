@@ -29,6 +29,8 @@ class StepLedger : private StepPart {
   /// With the internal variables that the batches have.
   double elastic_energy(std::span<const Vec3> x);
   double damping_work();
+  /// Of forces in energies of users that follow from no stored energy, as of wind.
+  double driven_work();
   double friction_work(std::span<const Vec3> x);
   /// What the internal variables of all elements have dissipated; batches have those at the start of the
   /// step.
@@ -37,8 +39,9 @@ class StepLedger : private StepPart {
   double flow_dissipation(Batch& batch);
 
   const StepMotion& motion_;
-  std::vector<int32_t> centres_;  ///< sites at the centres of bodies
-  std::vector<int32_t> driven_;   ///< sites whose motion is prescribed, all of it or part
+  std::vector<int32_t> centres_;            ///< sites at the centres of bodies
+  std::vector<int32_t> energies_of_users_;  ///< their batches
+  std::vector<int32_t> driven_;             ///< sites whose motion is prescribed, all of it or part
 };
 
 }  // namespace stark

@@ -46,7 +46,7 @@ struct EnergyLedger {
   double contact = 0.0;    ///< barriers, whose stiffness is chosen anew in each step
   double damping = 0.0;    ///< dissipated in the step by material and mass damping
   double friction = 0.0;   ///< dissipated in the step
-  double external = 0.0;   ///< work of fixed, scripted and pinned parts on the rest in the step
+  double external = 0.0;   ///< work of fixed, scripted and pinned parts and of driving energies in the step
   double actuation = 0.0;  ///< work of actuators in the step, springs on coordinates included
   double belts = 0.0;      ///< work of the drives of moving surfaces in the step
   /// Given back in the step by restitution: what impacts before it had taken up, in contact that lost its

@@ -137,7 +137,9 @@ StepRunner::StepRunner(const StepContext& context, const StepParts& parts, Assem
       placing_(parts.placing),
       assembler_(assembler),
       linear_solver_(linear_solver),
-      newton_(settings_.newton, linear_solver, timer_) {}
+      newton_(settings_.newton, linear_solver, timer_) {
+  newton_.set_static(!has_inertia(settings_.time.integrator));
+}
 
 StepProgress StepRunner::progress() const {
   StepProgress progress;

@@ -32,6 +32,9 @@ class NewtonSolver {
     looks_early_ = early;
   }
 
+  /// Minimisations are of energies without inertia.
+  void set_static(bool is_static) { is_static_ = is_static; }
+
   /// From this time on, checked between iterations, minimisations end with status TimeBudget.
   void set_deadline(std::optional<std::chrono::steady_clock::time_point> deadline) { deadline_ = deadline; }
 
@@ -98,6 +101,8 @@ class NewtonSolver {
   /// Whether nothing but rounding keeps the tolerances from being met.
   bool is_at_rounding(const Objective& objective);
 
+  /// Whether it is better to move what is prescribed without the rest first; then done.
+  bool moves_prescribed_alone(Objective& objective);
   SolveStatus line_search(Objective& objective);
   /// Goes beyond the full step, whose trial is known, as long as the energy keeps falling.
   void lengthen_step(Objective& objective, TrialEnergy full);
@@ -121,7 +126,7 @@ class NewtonSolver {
   LinearSolver& linear_solver_;
   PhaseTimer& timer_;
   std::function<bool()> interrupted_, is_way_clear_;
-  bool looks_early_ = true;
+  bool looks_early_ = true, is_static_ = false;
   std::chrono::steady_clock::time_point asked_;  ///< when interrupted_ was
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   double time_step_ = 0.0;  ///< [s] of the minimisation under way

@@ -167,12 +167,18 @@ Pair log_pair(ProgramBuilder& p, LowId x) {
   return fast_two_sum(p, b.high, low);
 }
 
+/// Largest angle that has a sine.
+constexpr double kLargestAngle = 0x1p51;
+
 // x = n pi/2 + r + r_low; sine and cosine of the reduced angle and the integer n in the low bits of
 // `quadrant`.
 struct Trigonometric {
   LowId sine, cosine, quadrant;
 };
-Trigonometric reduce_trigonometric(ProgramBuilder& p, LowId x) {
+Trigonometric reduce_trigonometric(ProgramBuilder& p, LowId number) {
+  // Beyond it n has no room for a quadrant.
+  const LowId is_known = p.emit(Code::LessEqual, absolute(p, number), p.constant(kLargestAngle));
+  const LowId x = p.select(is_known, number, p.constant(std::numeric_limits<double>::quiet_NaN()));
   const LowId n = p.emit(Code::Round, p.mul(x, p.constant(0x1.45f306dc9c883p-1)));
   const LowId r0 = p.neg_mul_add(n, p.constant(kHalfPi1), x);
   const Pair second = two_product(p, n, p.constant(kHalfPi2));

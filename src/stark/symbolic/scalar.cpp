@@ -157,7 +157,11 @@ Scalar sinh(const Scalar& a) {
   const Scalar far = 0.5 * (exp(a) - exp(-a));
   return select(abs(a) < 1.0, 2.0 * t / (1.0 - t * t), far);
 }
-Scalar cosh(const Scalar& a) { return 0.5 * (exp(a) + exp(-a)); }
+Scalar cosh(const Scalar& a) {
+  // The same for its derivative, with cosh a = (1 + t^2) / (1 - t^2).
+  const Scalar t = tanh(0.5 * a), far = 0.5 * (exp(a) + exp(-a));
+  return select(abs(a) < 1.0, (1.0 + t * t) / (1.0 - t * t), far);
+}
 Scalar tanh(const Scalar& a) { return apply(Op::Tanh, a, "tanh"); }
 Scalar held(const Scalar& a) { return apply(Op::Held, a, "held"); }
 

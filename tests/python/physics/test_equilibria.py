@@ -1,4 +1,4 @@
-"""Quasistatic steps: they go on from where iterations run out, and what they find is at rest in any integrator."""
+"""Quasistatic steps: they go on where iterations run out; what they find is at rest in any integrator."""
 
 import numpy as np
 import pytest
@@ -27,8 +27,8 @@ def hanging_chain() -> tuple[stark.Scene, list[stark.RigidBody]]:
 
 
 def catenary_of_bars() -> np.ndarray:
-    """Heights [m] of the middles. Moments about one end of a bar: tan(slope) = force across / H, where the force
-    across changes by the weight of a bar from middle to middle."""
+    """Heights [m] of the middles. Moments about one end of a bar: tan(slope) = force across / H, where the
+    force across changes by the weight of a bar from middle to middle."""
     across = MASS * GRAVITY * (np.arange(BARS) - 0.5 * (BARS - 1))
     low, high = 1e-6, 1e3
     for _ in range(200):
@@ -94,3 +94,29 @@ def test_states_go_to_simulations_without_history_and_back() -> None:
     euler.run_until(0.2)
     bdf2.state = euler.state
     assert [bdf2.step().integrator for _ in range(2)] == ["implicit_euler", "bdf2"]
+
+
+@pytest.mark.parametrize("motion", [-0.2, -0.01, -1e-6, 1e-6, 0.01])
+def test_a_slack_sheet_follows_its_pins_from_a_flat_start(motion: float) -> None:
+    """Nothing resists where an unstressed sheet goes, and energies along a step do not tell while pins move.
+    The sheet hangs the same whether its pins move in the first step or in the second."""
+
+    def sag(settles: bool) -> float:
+        scene = stark.Scene()
+        mesh = stark.mesh.grid(1.0, 0.1, cells=(20, 2))
+        left, right = (np.flatnonzero(side * mesh.vertices[:, 0] > 0.499) for side in (-1, 1))
+        cloth = scene.add_cloth(mesh, stark.materials.cotton, pins=np.concatenate([left, right]))
+        sim = stark.Simulation(
+            scene, time_step=0.01, **{"contact.enabled": False, "time.integrator": "quasistatic"}
+        )
+        if settles:
+            assert not sim.step().failed
+        targets = cloth.pin_targets.copy()
+        targets[np.isin(cloth.pins, right), 0] += motion
+        cloth.pin_targets = targets
+        report = sim.step()
+        assert not report.failed, report.message
+        return float(cloth.positions[:, 2].min())
+
+    assert sag(False) == pytest.approx(sag(True), abs=1e-6)
+    assert sag(False) < -0.1

@@ -217,3 +217,28 @@ def test_numpy_operators_record_the_same_operation() -> None:
     ]
     for place, (left, right) in enumerate(pairs):
         assert sym.is_same(left, right), place
+
+
+def test_the_slope_of_cosh_keeps_its_digits_near_zero() -> None:
+    @sym.function
+    def cosh(x: float):
+        return sym.cosh(x)
+
+    x = np.array([1e-15, 1e-9, 1e-6, 1e-3, 0.3, 0.999, 1.001, 5.0])
+    x = np.concatenate([x, -x])
+    np.testing.assert_allclose(cosh.gradient(x), np.sinh(x), rtol=2e-15)
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "tan"])
+def test_angles_too_large_for_a_quadrant_have_no_sine(name: str) -> None:
+    function = getattr(sym, name)
+
+    @sym.function
+    def of(x: float):
+        return function(x)
+
+    largest = 2.0**51
+    exact = getattr(np, name)([largest, -largest])
+    np.testing.assert_allclose(of(np.array([largest, -largest])), exact, rtol=1e-15)
+    beyond = of(np.array([np.nextafter(largest, np.inf), -1e16, 1e22, 1e300, np.inf]))
+    assert np.isnan(beyond).all()

@@ -1,0 +1,121 @@
+// Step lengths (step phase 4i): sufficient decrease of the energy within what collision detection allows,
+// longer steps where the matrix is too stiff, steps that the gradient alone decides where energies are
+// rounding.
+#include <algorithm>
+#include <cmath>
+
+#include <stark/solve/newton.h>
+
+namespace stark {
+
+namespace {
+
+constexpr double kEnergyRounding = 1e-15;  ///< relative rounding of a sum of element energies
+constexpr double kNoiseRise = 1e3;         ///< rise over the noise that may be rounding where steps are tiny
+constexpr int kRoundingProbe = 10;         ///< halvings after which the energy shows whether it is rounding
+constexpr double kUnsureRise = 1e-3;       ///< relative rise that may be rounding in stiff elements
+constexpr double kTooStiff =
+    0.85;  ///< share of the slope that a full step gains, above which it is too short
+constexpr double kStillFalling = 0.5;  ///< share of it along longer steps, above which they go on
+constexpr double kLengthening = 2.0, kLongestStep = 32.0;  ///< of full steps that are too short
+
+}  // namespace
+
+SolveStatus NewtonSolver::line_search(Objective& objective) {
+  const bool pending = objective.has_pending_motion();
+  double alpha = 0.0;
+  {
+    const PhaseTimer::Scope scope(timer_, Phase::StepBound);
+    alpha = objective.bound_step(direction_, settings_.max_rotation);
+  }
+  const PhaseTimer::Scope scope(timer_, Phase::LineSearch);
+  const double decrease = slope();
+  report_.last_bound = alpha;
+  report_.last_slope = decrease;
+  double longer = 0.0;  // what the trial before has raised the energy by
+  for (int k = 0; k <= settings_.max_backtracks; ++k, alpha *= 0.5) {
+    if (is_interrupted_meanwhile()) return SolveStatus::Interrupted;
+    const TrialEnergy trial = objective.try_step(direction_, alpha);
+    const double noise = kEnergyRounding * trial.magnitude;
+    // What the step should lower the energy by is below its rounding, which stiff elements show as more than
+    // their magnitude tells: only the gradient knows better, and it asks for the whole step.
+    const bool is_below_noise = !pending && -decrease < noise;
+    const double allowed = is_below_noise ? kNoiseRise * noise : settings_.armijo * alpha * decrease + noise;
+    if (trial.feasible && (pending || trial.difference <= allowed)) {
+      report_.last_step_length = alpha;
+      report_.last_difference = trial.difference;
+      if (!pending && !is_below_noise && alpha == 1.0) lengthen_step(objective, trial);
+      objective.accept_trial();
+      return is_below_noise ? SolveStatus::RoundOff : SolveStatus::Converged;
+    }
+    ++report_.backtracks;
+    // A tiny part of the step that raises the energy by more than all of it should lower it: differences are
+    // rounding of stiff elements, more than their magnitude shows. The gradient, exact still, decides.
+    const bool is_rounding =
+        k == kRoundingProbe && trial.feasible && trial.difference > -decrease && -decrease >= noise;
+    // So they are where half of a step raises it by no less than the whole one, by as little as rounding may.
+    const bool is_uneven = !pending && trial.feasible && longer > 0.0 && trial.difference >= longer &&
+                           trial.difference <= objective.energy_rounding(hessian_);
+    longer = trial.difference;
+    if ((is_rounding || is_uneven) && take_unsure_step(objective)) return SolveStatus::Converged;
+  }
+  report_.last_step_length = 0.0;
+  return SolveStatus::LineSearchFailed;
+}
+
+// Of a quadratic model that fits, a full step gains half of what its slope promises. One that gains nearly
+// all of it stops far from the minimum along the direction: the matrix, projected as a rule, is too stiff.
+void NewtonSolver::lengthen_step(Objective& objective, TrialEnergy full) {
+  double best = full.difference, longest = 1.0;
+  if (best > kTooStiff * slope()) return;
+  while (longest < kLongestStep) {
+    const double wish = kLengthening * longest;
+    const double alpha = objective.bound_step(direction_, settings_.max_rotation, wish);
+    if (alpha <= longest) break;
+    const TrialEnergy trial = objective.try_step(direction_, alpha);
+    if (!trial.feasible || !(trial.difference < best)) break;
+    const bool keeps_falling = trial.difference - best <= kStillFalling * (alpha - longest) * slope();
+    best = trial.difference;
+    longest = alpha;
+    report_.last_difference = best;
+    if (alpha < wish || !keeps_falling) {
+      report_.last_step_length = longest;
+      return;  // the trial point is the best one
+    }
+  }
+  if (longest > 1.0) report_.last_step_length = longest;
+  objective.try_step(direction_, longest);
+}
+
+bool NewtonSolver::take_unsure_step(Objective& objective) {
+  if (progress_.unsure_steps_left == 0) return false;
+  --progress_.unsure_steps_left;
+  const double alpha = objective.bound_step(direction_, settings_.max_rotation);
+  const TrialEnergy trial = objective.try_step(direction_, alpha);
+  if (alpha < 1.0 || !trial.feasible) return false;
+  if (!(trial.difference <= kUnsureRise * trial.magnitude) &&
+      !(trial.difference <= objective.energy_rounding(hessian_)))
+    return false;
+  objective.accept_trial();
+  report_.last_step_length = alpha;
+  report_.last_difference = trial.difference;
+  return true;
+}
+
+// Without inertia nothing limits how far a step goes where nothing resists, as in a sheet without stress, and
+// energies do not, while prescribed parts move. Where moving these alone costs less energy, all else follows
+// from there.
+bool NewtonSolver::moves_prescribed_alone(Objective& objective) {
+  const double alpha = objective.bound_step(direction_, settings_.max_rotation);
+  const TrialEnergy together = objective.try_step(direction_, alpha);
+  const std::vector<double> none(direction_.size(), 0.0);
+  if (objective.bound_step(none, settings_.max_rotation) < 1.0) return false;
+  const TrialEnergy alone = objective.try_step(none, 1.0);
+  if (!alone.feasible || (together.feasible && together.difference <= alone.difference)) return false;
+  objective.accept_trial();
+  report_.last_step_length = 1.0;
+  report_.last_difference = alone.difference;
+  return true;
+}
+
+}  // namespace stark
