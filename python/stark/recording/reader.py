@@ -109,7 +109,12 @@ class Recording:
                 "copy the run folder again"
             )
         if np.any(np.diff(self.times) < 0.0):
-            raise RecordingError(f"'{self.folder}': times of frames decrease; the recording is damaged")
+            at = int(np.argmax(np.diff(self.times) < 0.0))
+            raise RecordingError(
+                f"'{self.folder}': times of frames decrease, {self.times[at]:.9g} s is followed by "
+                f"{self.times[at + 1]:.9g} s; the recording is damaged, or an older Stark recorded on after "
+                f"sim.reset(): record each episode into a folder of its own"
+            )
 
     def _read_manifest(self) -> dict[str, Any]:
         path = self.folder / MANIFEST
