@@ -198,13 +198,15 @@ class Drives(AnsweredAttributes):
             followers.remove(self._follower)
             self.feedforward = 0.0
         else:
-            followers.append(GravityFollower(self._robot, self._rows, self._actuators))
+            # Of the scene, not of one simulation, which the scene would keep alive.
+            own = next(drives for drives in self._robot._drives if drives._rows is self._rows)
+            followers.append(GravityFollower(own._robot, own._rows, own._actuators))
 
     @property
     def _follower(self) -> GravityFollower | None:
         """What the scene has of it, which may be put back to what it was (stark.gym)."""
         known = self._robot._scene._followers.get(self._carrier(), [])
-        own = (f for f in known if isinstance(f, GravityFollower) and f._actuators is self._actuators)
+        own = (f for f in known if isinstance(f, GravityFollower) and f._rows is self._rows)
         return next(own, None)
 
     def __len__(self) -> int:
