@@ -285,7 +285,8 @@ def _axis(options: _Table, name: str, value: Any, drawn: bool) -> Axis:
         raise table.error("scale", scale, "must be 'linear' or 'log'")
     if scale == "log" and not low > 0:
         raise table.error("from", low, "must be > 0 with scale = 'log'; raise it, or take scale = 'linear'")
-    return Range(low, high, count, scale == "log", isinstance(low, int) and isinstance(high, int) and drawn)
+    whole_ends = isinstance(low, int) and isinstance(high, int)
+    return Range(low, high, count, scale == "log", either=whole_ends and drawn)
 
 
 def _bound(table: _Table, key: str) -> float:

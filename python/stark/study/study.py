@@ -12,13 +12,13 @@ from .._core import InvalidArgument
 from ..arguments import given_path
 from ..files import printable, resolved
 from ..recording.lock import FolderLock
-from ..scenes import names
+from ..scenes import load, names
 from . import page, table
 from .folder import STATUSES, RunEntry, StudyError, StudyFolder
 from .local import LocalPool, default_processes
 from .plan import Plan
 from .table import Row
-from .task import Task, tasks
+from .task import Task, settled, tasks
 
 #: Called with the runs that are over, all runs, and the work done in runs (parts of those under way count).
 OnProgress = Callable[[int, int, float], None]
@@ -160,9 +160,10 @@ def run(
     """Makes all runs of a plan, given as such or as a file, into the folder ``out``. Results that are there
     already are kept: a plan may be extended. Arguments as those of ``Study.resume``."""
     _processes(processes, ray)
-    made = plan if isinstance(plan, Plan) else Plan.read(plan)
-    files = StudyFolder(out)
-    entries = [RunEntry(t.key, t.options, t.repetition) for t in tasks(made, files.path)]
+    given = plan if isinstance(plan, Plan) else Plan.read(plan)
+    files, scene_file = StudyFolder(out), load(given.scene)
+    made = settled(given, scene_file)
+    entries = [RunEntry(t.key, t.options, t.repetition) for t in tasks(made, files.path, scene_file)]
     files.create(made, entries)
     study = Study(out, scene=made.scene)
     return study.resume(processes=processes, ray=ray, on_progress=on_progress)

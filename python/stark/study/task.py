@@ -5,17 +5,19 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
 from ..scenes import SceneFileError, load
+from ..scenes.options import converted_options, option_text, rule_of
 from ..scenes.runner import end_time
-from ..scenes.scene_file import SceneFile, converted_options
-from .plan import Plan
-from .sampling import Value
+from ..scenes.scene_file import SceneFile
+from .plan import Plan, PlanError
+from .sampling import Drawn, Value
 
 #: Digits of the hash that names folders and files.
 KEY_DIGITS = 20
@@ -47,11 +49,17 @@ class Task:
         return ", ".join(f"{name}={value}" for name, value in self.options.items()) or f"run {self.index}"
 
 
-def tasks(plan: Plan, folder: Path) -> list[Task]:
+def settled(plan: Plan, scene_file: SceneFile) -> Plan:
+    """A plan whose values have the types of the defaults of the scene: what a study is of."""
+    return replace(plan, samples=[_options(scene_file, sample) for sample in plan.samples])
+
+
+def tasks(plan: Plan, folder: Path, scene_file: SceneFile | None = None) -> list[Task]:
     """The runs of a plan in order. Raises SceneFileError or PlanError for options that the scene does not
     have."""
-    scene_file = load(plan.scene)
+    scene_file = load(plan.scene) if scene_file is None else scene_file
     until = end_time(scene_file, plan.until)
+    _refuse_taken(plan)
     source = scene_hash(scene_file)
     made: list[Task] = []
     for sample in plan.samples:
@@ -91,8 +99,26 @@ def tasks(plan: Plan, folder: Path) -> list[Task]:
     return made
 
 
+def _refuse_taken(plan: Plan) -> None:
+    """The option that takes the number of the repetition must not have values of its own."""
+    name = plan.repetition_option
+    for index, sample in enumerate(plan.samples if name else []):
+        if name in sample:
+            raise PlanError(
+                f"plan: sample {index} has {name} = {sample[name]!r}, and repetition_option = '{name}' would "
+                f"replace it; leave the option out of [sampling], or name another repetition_option"
+            )
+
+
+def _described(value: Any) -> Any:
+    """What JSON cannot hold, the same in every process."""
+    if isinstance(value, (set, frozenset)):
+        return sorted(map(repr, value))
+    return re.sub(r" at 0x[0-9a-f]+", "", repr(value))
+
+
 def _digest(what: Mapping[str, Any]) -> str:
-    text = json.dumps(what, sort_keys=True, default=repr)
+    text = json.dumps(what, sort_keys=True, default=_described)
     return hashlib.sha256(text.encode()).hexdigest()[:KEY_DIGITS]
 
 
@@ -108,20 +134,28 @@ def _refuse_twins(made: list[Task]) -> None:
 
 
 def _defaults(scene_file: SceneFile) -> dict[str, Any]:
-    return dict(scene_file.module.__dict__.get("_default_options", {}))
+    return scene_file.default_options
 
 
 def _options(scene_file: SceneFile, chosen: Mapping[str, Value]) -> dict[str, Value]:
-    """As the scene's types; a number that an integer option would cut is an error."""
-    converted = converted_options(scene_file.name, _defaults(scene_file), chosen)
-    for name, value in chosen.items():
-        is_number = isinstance(value, (int, float)) and isinstance(converted[name], (int, float))
-        if is_number and converted[name] != value:
-            kind = type(converted[name]).__name__
+    """As the scene's types; lists are texts, as on the command line."""
+    defaults = _defaults(scene_file)
+    given = {
+        name: value.exact if isinstance(value, Drawn) and isinstance(defaults.get(name), float) else value
+        for name, value in chosen.items()
+    }
+    converted = converted_options(scene_file.name, defaults, given)
+    for name, value in given.items():
+        if isinstance(value, str) and isinstance(converted[name], (bool, int, float)):
+            rule = rule_of(defaults[name])
             raise SceneFileError(
-                f"scene '{scene_file.name}': option {name} = {value!r}; must be a {kind}, as its default"
+                f"scene '{scene_file.name}': option {name} = {value!r}; must be {rule}, as its default; write "
+                f"it without quotes"
             )
-    return converted
+    return {
+        name: option_text(value) if isinstance(value, (list, tuple)) else value
+        for name, value in converted.items()
+    }
 
 
 def scene_hash(scene_file: SceneFile) -> str:

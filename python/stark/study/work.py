@@ -19,6 +19,7 @@ from ..files import printable
 from ..recording import Recording, RecordingError
 from ..recording.format import CHECKPOINT
 from ..recording.lock import FolderLock
+from ..scenes.options import option_text
 from ..scenes.resuming import read_checkpoint
 from ..scenes.runner import told
 from ..scenes.scene_file import SceneFile
@@ -183,7 +184,7 @@ def _can_go_on(task: Task, place: Path) -> bool:
         return False
     try:
         plan = (read_checkpoint(place).run or {})["plan"]
-        wanted = {name: str(value) for name, value in task.options.items()}
+        wanted = {name: option_text(value) for name, value in task.options.items()}
         same = plan["options"] == wanted and plan["until"] == task.until
         return bool(same and plan["settings"] == {**task.settings, "threads": 1})
     except (CheckpointError, KeyError, TypeError):
