@@ -18,6 +18,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from ..telemetry.given import RULE, given_number
 from .options import SceneFileError, converted_options, option_text
 
 _INTERNAL = {"options", "resuming", "runner", "scene_file"}
@@ -98,10 +99,10 @@ class SceneFile:
         numbers = {}
         for name, value in values.items():
             try:
-                numbers[str(name)] = float(value)
-            except (TypeError, ValueError):
+                numbers[str(name)] = given_number(value)
+            except ValueError:
                 raise SceneFileError(
-                    f"scene '{self.name}': {function}() returned '{name}' = {value!r}; must be a number"
+                    f"scene '{self.name}': {function}() returned '{name}' = {value!r}; {RULE}"
                 ) from None
         return numbers
 

@@ -11,6 +11,7 @@ large."""
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from dataclasses import asdict, dataclass
@@ -38,6 +39,7 @@ STATUSES = ("complete", "wrong", "failed", "error", "timed_out", "crashed")
 
 _KEY = re.compile(r"[0-9a-f]{20}")
 _ITEMS = {"options": (bool, int, float, str), "observables": (float,), "measured": (float,)}
+_MEASURED = ("observables", "measured")
 _COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
 
 
@@ -134,7 +136,8 @@ class StudyFolder:
     def write_result(self, key: str, result: dict[str, Any]) -> None:
         folder = self.path / RESULTS
         make_folder(folder)
-        text = json.dumps(result, sort_keys=True).encode()
+        stored = {**result, **{name: _with_nulls(result[name]) for name in _MEASURED}}
+        text = json.dumps(stored, sort_keys=True, allow_nan=False).encode()
         write_atomically(folder / f"{key}.json", lambda file: file.write(text))
 
     def result(self, key: str) -> dict[str, Any] | None:
@@ -146,6 +149,7 @@ class StudyFolder:
             if path.is_symlink():
                 return None
             result = json.loads(read_bytes(path, LARGEST_RESULT))
+            result.update({name: _with_nans(result[name]) for name in _MEASURED})
             return result if _is_result(result, key) else None
         except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
             return None
@@ -154,6 +158,15 @@ class StudyFolder:
         """Makes a run be made again."""
         make_folder(self.path / RESULTS)
         (self.path / RESULTS / f"{key}.json").unlink(missing_ok=True)
+
+
+def _with_nulls(numbers: dict[str, float]) -> dict[str, float | None]:
+    """JSON has no NaN; nor infinite numbers, which no result has."""
+    return {name: value if math.isfinite(value) else None for name, value in numbers.items()}
+
+
+def _with_nans(numbers: dict[str, float | None]) -> dict[str, float]:
+    return {name: math.nan if value is None else value for name, value in numbers.items()}
 
 
 def _plan(given: dict[str, Any]) -> Plan:

@@ -260,7 +260,8 @@ def _listed(table: _Table) -> list[Options]:
 
 def _value(table: _Table, key: str, value: Any) -> Value:
     if not isinstance(value, (bool, int, float, str)):
-        raise table.error(key, value, "must be a number, a text, true or false")
+        hint = "; a list is given as a text: '1.0, 2.0'" if isinstance(value, list) else ""
+        raise table.error(key, value, f"must be a number, a text, true or false{hint}")
     if isinstance(value, float) and not math.isfinite(value):
         raise table.error(key, value, "must be finite")
     return value

@@ -66,7 +66,9 @@ def tasks(plan: Plan, folder: Path, scene_file: SceneFile | None = None) -> list
         for repetition in range(plan.repetitions):
             chosen = dict(sample)
             if plan.repetition_option:
-                chosen[plan.repetition_option] = repetition
+                name = plan.repetition_option
+                is_text = isinstance(scene_file.default_options.get(name), str)
+                chosen[name] = str(repetition) if is_text else repetition
             options = _options(scene_file, chosen)
             what = {
                 "scene": source,
@@ -149,8 +151,8 @@ def _options(scene_file: SceneFile, chosen: Mapping[str, Value]) -> dict[str, Va
         if isinstance(value, str) and isinstance(converted[name], (bool, int, float)):
             rule = rule_of(defaults[name])
             raise SceneFileError(
-                f"scene '{scene_file.name}': option {name} = {value!r}; must be {rule}, as its default; write "
-                f"it without quotes"
+                f"scene '{scene_file.name}': option {name} = {value!r}; must be {rule}, as its default; "
+                f"write it without quotes"
             )
     return {
         name: option_text(value) if isinstance(value, (list, tuple)) else value

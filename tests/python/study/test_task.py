@@ -59,6 +59,8 @@ def test_repetitions_go_into_an_option(scene: Path) -> None:
     made = tasks(Plan(str(scene), [{}], repetitions=2, repetition_option="steps"), Path("/study"))
     assert [task.options for task in made] == [{"steps": 0}, {"steps": 1}]
     assert len(set(keys(Plan(str(scene), [{}], repetitions=3)))) == 3
+    made = tasks(Plan(str(scene), [{}], repetitions=2, repetition_option="label"), Path("/study"))
+    assert [task.options for task in made] == [{"label": "0"}, {"label": "1"}]
 
 
 @pytest.mark.parametrize(
