@@ -42,9 +42,7 @@ def test_what_is_no_number_is_refused(tmp_path: Path, value: Any) -> None:
     with Recorder(tmp_path / "run", sim) as recorder:
         recorder.record(sim)
         step = sim.step()
-        with pytest.raises(
-            stark.InvalidArgument, match=r"measured\['a'\] = .*: must be a number; NaN"
-        ):
+        with pytest.raises(stark.InvalidArgument, match=r"measured\['a'\] = .*: must be a number; NaN"):
             recorder.report(step, measured={"a": value})
         recorder.report(step, measured={"a": 1.0})  # nothing was written
     assert Recording(tmp_path / "run").telemetry["measured.a"].tolist() == [1.0]

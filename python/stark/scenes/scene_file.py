@@ -167,13 +167,16 @@ def _import_file(path: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise SceneFileError(f"scene file '{path}' cannot be imported; it must be a Python file")
     module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent.resolve()))  # so that a scene may import files beside it
+    beside = str(path.parent.resolve())
+    sys.path.insert(0, beside)  # so that a scene may import files beside it
     try:
         spec.loader.exec_module(module)
     except SyntaxError as error:
         raise SceneFileError(f"scene file '{path}' line {error.lineno}: {error.msg}") from error
     finally:
-        sys.path.pop(0)
+        sys.path.remove(beside)  # the first one; the scene may have put others before it
+        if beside not in sys.path:
+            sys.path.append(beside)  # for what its functions import, after everything else
     return module
 
 

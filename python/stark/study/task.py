@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import re
@@ -18,12 +17,10 @@ from ..scenes.runner import end_time
 from ..scenes.scene_file import SceneFile
 from .plan import Plan, PlanError
 from .sampling import Drawn, Value
+from .sources import scene_hash
 
 #: Digits of the hash that names folders and files.
 KEY_DIGITS = 20
-
-#: Most files beside a scene file that are followed by its imports.
-_MOST_MODULES = 1000
 
 
 @dataclass(frozen=True)
@@ -158,35 +155,3 @@ def _options(scene_file: SceneFile, chosen: Mapping[str, Value]) -> dict[str, Va
         name: option_text(value) if isinstance(value, (list, tuple)) else value
         for name, value in converted.items()
     }
-
-
-def scene_hash(scene_file: SceneFile) -> str:
-    """SHA-256 of a scene file and of the modules beside it that it imports, directly or by way of others."""
-    path = Path(str(scene_file.module.__file__))
-    digest, done, waiting = hashlib.sha256(), set[Path](), [path]
-    while waiting and len(done) < _MOST_MODULES:
-        file = waiting.pop(0)
-        if file in done:
-            continue
-        done.add(file)
-        source = file.read_bytes()
-        digest.update(f"{file.relative_to(path.parent)}:{len(source)}:".encode())
-        digest.update(source)
-        waiting += _beside(source, path.parent)
-    return digest.hexdigest()
-
-
-def _beside(source: bytes, folder: Path) -> list[Path]:
-    """Files in the folder that a module imports."""
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            names.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            module = node.module or ""
-            names.update([module, *(f"{module}.{alias.name}".lstrip(".") for alias in node.names)])
-    found = []
-    for name in sorted(names - {""}):
-        place = folder.joinpath(*name.split("."))
-        found += [file for file in (place.with_suffix(".py"), place / "__init__.py") if file.is_file()]
-    return found

@@ -43,18 +43,6 @@ def test_keys_are_of_scene_options_settings_and_end_not_of_limits(scene: Path) -
     assert not set(keys(plan)) & set(first)
 
 
-def test_modules_beside_a_scene_count(scene: Path) -> None:
-    scene.write_text(FALL + "import study_helper_a\n")
-    (scene.parent / "study_helper_a.py").write_text("import study_helper_b\n")
-    (scene.parent / "study_helper_b.py").write_text("x = 1\n")
-    (scene.parent / "unused.py").write_text("x = 1\n")
-    first = keys(Plan(str(scene), [{}]))
-    (scene.parent / "unused.py").write_text("x = 2\n")
-    assert keys(Plan(str(scene), [{}])) == first
-    (scene.parent / "study_helper_b.py").write_text("x = 2\n")
-    assert keys(Plan(str(scene), [{}])) != first
-
-
 def test_repetitions_go_into_an_option(scene: Path) -> None:
     made = tasks(Plan(str(scene), [{}], repetitions=2, repetition_option="steps"), Path("/study"))
     assert [task.options for task in made] == [{"steps": 0}, {"steps": 1}]
