@@ -69,7 +69,7 @@ class Plan:
         """Reads a plan. Scene files are found from the folder of the plan."""
         place = given_path(path, "plan")
         try:
-            text = read_bytes(place, LARGEST_PLAN).decode("utf-8")
+            text = read_bytes(place, LARGEST_PLAN).decode("utf-8-sig")
         except FileNotFoundError:
             raise PlanError(f"plan '{place}' does not exist; give the path of a TOML file") from None
         except (NotAFile, UnicodeDecodeError, OSError) as error:
@@ -80,7 +80,7 @@ class Plan:
     def parse(cls, text: str, folder: str | PathLike[str] = ".", owner: str = "plan") -> Plan:
         """The plan that a TOML text describes; ``owner`` is what errors call it."""
         try:
-            table = tomllib.loads(text)
+            table = tomllib.loads(text.removeprefix("\ufeff"))  # the byte-order mark of some editors
         except tomllib.TOMLDecodeError as error:
             raise PlanError(f"{owner}: is no TOML: {error}") from None
         except RecursionError:
