@@ -25,8 +25,18 @@ def given_name(name: Any) -> str:
     return name
 
 
+def refuse_masked(value: Any, what: str) -> None:
+    """InvalidArgument for arrays of ``numpy.ma`` with masked values, which would count as if they were not
+    masked; also for those in a list."""
+    for part in value if isinstance(value, (list, tuple)) else (value,):
+        if isinstance(part, np.ma.MaskedArray) and (count := int(np.ma.getmaskarray(part).sum())):
+            values = "1 value is" if count == 1 else f"{count} values are"
+            raise InvalidArgument(f"{what}: {values} masked: must have all; fill them, array.filled(...)")
+
+
 def real_number(value: Any, what: str) -> float:
     """A real number, NaN and infinities included; InvalidArgument calls anything else ``what``."""
+    refuse_masked(value, what)
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):
@@ -38,6 +48,7 @@ def real_number(value: Any, what: str) -> float:
 
 def as_array(value: Any, what: str) -> NDArray[Any]:
     """An array of any type and shape; InvalidArgument for rows of different lengths."""
+    refuse_masked(value, what)
     try:
         return np.asarray(value)
     except (TypeError, ValueError):
@@ -120,8 +131,9 @@ class NotCopyable(InvalidArgument, TypeError):  # noqa: N818 (says what it is)
 
 def needs_simulation(owner: str, what: str) -> InvalidArgument:
     """For what only a simulation can tell of a part of a scene."""
+    verb = "need" if what.endswith("s") else "needs"
     return InvalidArgument(
-        f"{owner}: {what} needs a simulation; create one with sim = stark.Simulation(scene) and keep it"
+        f"{owner}: {what} {verb} a simulation; create one with sim = stark.Simulation(scene) and keep it"
     )
 
 

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
+from stark.arguments import refuse_masked
 
 _LARGEST = float(np.finfo(np.float64).max)
 _CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)
@@ -203,6 +204,7 @@ def _refuse_number_in_quotes(value: Any, what: str) -> None:
 
 
 def _numbers(value: ArrayLike, name: str) -> NDArray[np.float64]:
+    refuse_masked(value, name)
     try:
         array = np.array(value)
         if array.dtype.kind not in "iuf":
@@ -336,8 +338,9 @@ def _material_of(kind: type[Any], law: _Law) -> Callable[..., Any]:
         for parameter in required:
             if parameter not in parameters:
                 row = next(row for row in law.parameters if row["name"] == parameter)
+                unit = "" if row["unit"] == "1" else f" [{row['unit']}]"
                 raise InvalidArgument(
-                    f"materials.{law.name}: no value of {parameter} [{row['unit']}], {row['doc']}: it is "
+                    f"materials.{law.name}: no value of {parameter}{unit}, {row['doc']}: it is "
                     f"needed; give a number, or an array with a value for each element"
                 )
         return kind(law=law, name=name, source=source, **parameters)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import real_array
+from stark.arguments import real_array, refuse_masked
 from stark.rotations import as_matrix, to_quaternion
 
 Floats = NDArray[np.float64]
@@ -130,6 +130,8 @@ def as_motion(value: Any, owner: str) -> Motion:
 
 
 def _knots(owner: str, times: ArrayLike, values: ArrayLike, fewest: int) -> tuple[Floats, Floats]:
+    refuse_masked(times, f"{owner}: times")
+    refuse_masked(values, f"{owner}: values")
     try:
         t, v = real_array(times, owner), real_array(values, owner)
     except InvalidArgument:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import real_array, real_number
+from stark.arguments import real_array, real_number, refuse_masked
 
 Vec3Like: TypeAlias = Sequence[float] | NDArray[np.floating]
 
@@ -26,6 +26,7 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 def vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Three finite numbers as an array of shape (3,), or InvalidArgument that calls them ``name``."""
+    refuse_masked(value, name)
     try:
         result = real_array(value, name)
     except InvalidArgument:

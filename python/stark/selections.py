@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import as_array, real_array
+from stark.arguments import as_array, real_array, refuse_masked
 from stark.handle import BodyHandle
 from stark.rotations import as_matrix, vector
 
@@ -142,6 +142,11 @@ def vertex_points(body: BodyHandle, vertices: Integers) -> Points:
 
 def stencils(body: BodyHandle, indices: ArrayLike, noun: str = "stencils") -> Stencils:
     """Stencils of vertices of one body from an index array (n, k)."""
+    if not isinstance(body, BodyHandle):
+        raise InvalidArgument(
+            f"stark.stencils(body, indices): body = {_short(body)}: must be a body of the scene; the indices "
+            f"(n, k) count its vertices"
+        )
     given = as_array(indices, f"'{body.name}': stencils")
     if given.ndim != 2 or given.dtype.kind not in "iu" or given.shape[1] < 1:
         raise InvalidArgument(
@@ -316,11 +321,22 @@ def _check_vertices(body: BodyHandle, indices: NDArray[Any]) -> None:
 
 
 def _rows(key: Any, count: int, owner: str) -> NDArray[np.intp]:
-    """Row numbers that an index, slice, list or mask selects, at least one."""
+    """Row numbers that an index, slice, list or mask selects; an empty list selects none, as an empty mask
+    does."""
+    refuse_masked(key, f"{owner}: the index")
+    if isinstance(key, (list, tuple)):
+        key = np.asarray(key)
+    if isinstance(key, np.ndarray) and key.shape == (0,) and key.dtype != bool:
+        key = np.zeros(0, dtype=np.intp)
     try:
-        rows = np.atleast_1d(np.arange(count)[np.asarray(key) if isinstance(key, (list, tuple)) else key])
+        rows = np.atleast_1d(np.arange(count)[key])
     except (IndexError, TypeError, ValueError, OverflowError) as error:
         raise InvalidArgument(f"{owner}[{key!r}]: {error}") from None
     if rows.ndim != 1:
         raise InvalidArgument(f"{owner}: the index has {rows.ndim} dimensions: must have one")
     return rows
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -239,7 +239,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
 
     @contextmanager
     def _held_still(self, caller: str, remedy: str, *, may_place: bool = False) -> Iterator[None]:
-        """While the function ``caller`` of a scene file runs: refuses steps and other states, which the
+        """While the function ``caller`` of the user runs: refuses steps and other states, which the
         recording of the run would not have; and placing, unless it ``may_place``."""
         self._held = caller, remedy, may_place
         try:
@@ -250,8 +250,7 @@ class Simulation(Pictures, Stepping, AnsweredAttributes):
     def _require_free(self, what: str) -> None:
         if self._held is not None:
             caller, remedy, _ = self._held
-            place = "" if self._is_asking else " of the scene"
-            raise InvalidArgument(f"{caller}{place} uses sim.{what} at {self.time:g} s: must {remedy}")
+            raise InvalidArgument(f"{caller} uses sim.{what} at {self.time:g} s: must {remedy}")
 
     def _to_place(self, what: str) -> _core.Simulation:
         if self._held is not None and not self._held[2]:

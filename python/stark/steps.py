@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import copyreg
 import math
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -23,6 +24,53 @@ def _state_of(arrays: dict[str, Any]) -> _core.State:
 
 # States are values: they can be copied, pickled and sent to other processes.
 copyreg.pickle(_core.State, lambda state: (_state_of, (state.arrays(),)))
+
+
+class KeptReport:
+    """What a pickled ``StepReport`` or ``Diagnosis`` comes back as, in another process or from a file: all of
+    its readings, ``brief()`` and ``to_dict()``."""
+
+    def __init__(self, values: Mapping[str, Any], plain: Mapping[str, Any], texts: Sequence[str]) -> None:
+        self.__dict__.update(values)
+        self._plain, self._texts = dict(plain), tuple(texts)
+
+    def brief(self) -> str:
+        """One line."""
+        return self._texts[0]
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, as JSON has it."""
+        return copy.deepcopy(self._plain)
+
+    def __repr__(self) -> str:
+        return self._texts[1]
+
+
+def _kept(report: Any) -> Any:
+    """The values of a reading, without objects of the core."""
+    if isinstance(report, list):
+        return [_kept(item) for item in report]
+    if not type(report).__module__.startswith(_core.__name__) or not hasattr(report, "to_dict"):
+        return report
+    values = {name: getattr(report, name) for name in dir(report) if not name.startswith("_")}
+    values = {name: _kept(value) for name, value in values.items() if not callable(value)}
+    texts = [report.brief() if hasattr(report, "brief") else "", repr(report)]
+    return KeptReport(values, report.to_dict(), texts)
+
+
+def _keep_reports(kind: Any) -> None:
+    """Reports do not change: a copy is the report itself. They are pickled as their readings."""
+    kind.__copy__ = lambda self: self
+    kind.__deepcopy__ = lambda self, memo: self
+    copyreg.pickle(kind, lambda report: (_itself, (_kept(report),)))
+
+
+def _itself(kept: KeptReport) -> KeptReport:
+    return kept
+
+
+for _kind in (StepReport, _core.Diagnosis):
+    _keep_reports(_kind)
 
 
 class LastStep(NamedTuple):

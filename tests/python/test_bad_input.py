@@ -335,7 +335,7 @@ CASES = [
     Case("number as settings", lambda: simulate(None, 0.1), InvalidArgument, ("settings = 0.1", "stark.Settings")),
     Case("pose without a simulation", lambda: assign(rigid(motion="scripted"), "position", (0, 0, 1)), InvalidArgument,
          ("'crate'", "needs a simulation", "stark.Simulation(scene)")),
-    Case("velocities without a simulation", lambda: cloth().velocities, InvalidArgument, ("'sheet'", "needs a simulation")),
+    Case("velocities without a simulation", lambda: cloth().velocities, InvalidArgument, ("'sheet'", "velocities need a simulation")),
     Case("pins in words", lambda: stark.Scene().add_cloth(mesh.grid(1.0, 1.0, 2), pins="corners"), InvalidArgument,
          ("pins = 'corners'", "indices of vertices, like [0, 8]")),
     # Shapes, rotations, files.

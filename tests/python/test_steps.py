@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import warnings
 
+import numpy as np
 import pytest
 
 import stark
@@ -46,3 +49,33 @@ def test_steps_that_nobody_asks_for_are_warned_about() -> None:
             pass
         sim.run(until=sim.time)  # has nothing to take
     assert sim.time == 0.05 and not caught
+
+
+def blocked() -> stark.Simulation:
+    """A press that goes through a box on an anvil: the second step fails."""
+    scene = stark.Scene()
+    scene.add_box(0.1, mass=1.0, name="box")
+    scene.add_box((0.3, 0.3, 0.1), name="anvil", motion="fixed", position=(0, 0, -0.11))
+    scene.add_box((0.3, 0.3, 0.1), name="press", motion="scripted", position=(0, 0, 0.11))
+    return stark.Simulation(scene, time_step=0.01, **{"time.min_step": 0.006})
+
+
+def test_reports_are_copied_and_sent_to_other_processes() -> None:
+    sim = blocked()
+    reports = [sim.step()]
+    sim["press"].position = (0.0, 0.0, 0.0)
+    reports.append(sim.step())
+    assert [report.failed for report in reports] == [False, True]
+    for report in reports:
+        assert copy.copy(report) is report and copy.deepcopy([report])[0] is report  # it does not change
+        kept = pickle.loads(pickle.dumps(report))
+        for again in (kept, pickle.loads(pickle.dumps(kept)), copy.deepcopy(kept)):
+            assert again.to_dict() == report.to_dict() and again.brief() == report.brief()
+            assert repr(again) == repr(report)
+            for name in ("status", "time", "energy", "phases", "caveats", "failed", "residual"):
+                assert getattr(again, name) == getattr(report, name)
+            assert np.array_equal(again.momentum, report.momentum)
+    assert kept.diagnosis.cause == report.diagnosis.cause == "blocked_motion"
+    assert kept.diagnosis.to_dict() == report.diagnosis.to_dict()
+    with pytest.raises(AttributeError):
+        _ = kept.nothing

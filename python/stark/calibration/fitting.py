@@ -140,8 +140,8 @@ def _fixed_values(
         given = fixed.get(name, parameter.default if parameter.shape else None)
         if parameter.shape and given is None:
             raise InvalidArgument(
-                f"fit: '{name}' [{parameter.unit}] is made of {int(np.prod(parameter.shape))} numbers, "
-                f"which are not fitted: must be in fixed"
+                f"fit: {_described(name, parameter.unit)} is made of {int(np.prod(parameter.shape))} "
+                f"numbers, which are not fitted: must be in fixed"
             )
         if given is None:
             continue
@@ -204,7 +204,7 @@ def _start(parameter: FitParameter, given: Any, low: float, high: float, curves:
     """Where the search starts: given, or the default, and inside the bounds."""
     if given is None and parameter.default is None:
         raise InvalidArgument(
-            f"fit: no start for '{parameter.name}' [{parameter.unit}]: must be given; "
+            f"fit: no start for {_described(parameter.name, parameter.unit)}: must be given; "
             f"{_hint(parameter, curves)}start={{'{parameter.name}': ...}}, or fixed={{...}} if it is known"
         )
     value = real_number(parameter.default if given is None else given, f"fit: start['{parameter.name}']")
@@ -274,3 +274,8 @@ def _no_answer(
         f"fit: the law '{law.name}' has no state without lateral stress at point {place} of the curve "
         f"'{name}' with {given}: must have one where the search starts; give another start, or bounds"
     )
+
+
+def _described(name: str, unit: str) -> str:
+    """'stiffness' [N/m]; what has no unit is its name alone."""
+    return f"'{name}'" if unit == "1" else f"'{name}' [{unit}]"

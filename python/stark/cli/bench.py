@@ -116,7 +116,7 @@ def measure(
     wall, cpu = time.perf_counter(), time.process_time()
     sim = stark.Simulation(scene, **settings)
     while not reached(sim, end):  # in whole steps: a shortened one costs less than those that are measured
-        with sim._held_still("drive(sim)", DRIVE_RULE):
+        with sim._held_still("drive(sim) of the scene", DRIVE_RULE):
             scene_file.drive(sim)
         report = sim.step()
         steps += 1

@@ -7,6 +7,7 @@ import argparse
 from .output import say
 from .paths import path_argument
 from .progress import Progress
+from .still import tell_of_time
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,6 +35,8 @@ def run(args: argparse.Namespace) -> int:
     if args.out is None:
         refuse_link(folder)
     frames = None if args.time is None else [recording.nearest(args.time)]
+    if args.time is not None:
+        tell_of_time(recording, args.time)
     bar = Progress(1.0)
     try:
         written = export_recording(

@@ -28,7 +28,7 @@ def run_view(args: argparse.Namespace, options: Mapping[str, str]) -> int:
     sim = Simulation(scene, **{**settings, **parse_settings(args)})
 
     def drive(simulation: Any) -> None:
-        with simulation._held_still("drive(sim)", DRIVE_RULE, may_place=True):
+        with simulation._held_still("drive(sim) of the scene", DRIVE_RULE, may_place=True):
             scene_file.drive(simulation)
 
     record_to = Path("out") / scene_file.name if args.out is None else args.out

@@ -88,20 +88,24 @@ def parse_opacities(texts: list[str] | tuple[()]) -> dict[str, float]:
 
 def run(args: argparse.Namespace) -> int:
     from ..recording import Recording
-    from ..render import write_png
+    from ..render import render, write_png
 
     width, height = parse_size(args.size)
     options = _options(args)
     recording = Recording(args.run)
     time = float("inf") if args.time is None else args.time
-    last = recording.times[-1] if len(recording) else 0.0
-    if args.time is not None and args.time > last + 1e-6:
-        say(f"--time {args.time:g}: the recording ends at {last:g} s, which is drawn", error=True)
-    picture = recording.still(time, width=width, height=height, **options)
+    picture = render(recording.frame(recording.nearest(time)), width=width, height=height, **options)
+    tell_of_time(recording, time)
     path = args.out or args.run / "still.png"
     write_png(path, picture)
     say(path)
     return 0
+
+
+def tell_of_time(recording: Any, time: float) -> None:
+    """Where the recording does not have a time [s]."""
+    if message := recording.beyond(time):
+        say(f"--time {time:g}: {message}", error=True)
 
 
 def _options(args: argparse.Namespace) -> dict[str, Any]:

@@ -100,6 +100,8 @@ def _tell(study: Any, quiet: bool = False) -> int:
     counts = study.counts()
     if not quiet:
         say(f"{study.folder.name}: " + ", ".join(f"{count} {name}" for name, count in counts.items()))
+        say(f"  made {study.made}, kept {study.kept} of before")
+        _tell_of_others(study)
         say(f"  {study.folder / 'table.csv'}")
     good = counts.get("complete", 0) == len(study.runs)
     bad = [] if good else [r for r in study.rows() if r["status"] not in ("complete", "begun", "waiting")]
@@ -108,6 +110,14 @@ def _tell(study: Any, quiet: bool = False) -> int:
     if len(bad) > _TOLD:
         complain(f"and {len(bad) - _TOLD} more, see {study.folder / 'table.csv'}")
     return 0 if good else 1
+
+
+def _tell_of_others(study: Any) -> None:
+    if count := study.other_results():
+        say(
+            f"  {count} result{'s' * (count > 1)} in the folder of other plans, scene files or versions of "
+            f"Stark: not in the table"
+        )
 
 
 def _status(args: argparse.Namespace) -> int:
@@ -120,6 +130,7 @@ def _status(args: argparse.Namespace) -> int:
         say(f"  {count:6} {name}")
     for row in [r for r in rows if r["message"] and r["status"] != "complete"][:_TOLD]:
         say(f"  run {row['run']} {row['status']}: {row['message']}")
+    _tell_of_others(study)
     seconds = sum(row.get("cost.cpu", 0.0) for row in rows)
     say(f"  {seconds:.1f} s of CPU")
     return 0

@@ -13,7 +13,10 @@ from .still import add_picture_arguments, parse_size
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", type=path_argument, metavar="RUN", help="folder of a run")
     parser.add_argument(
-        "--out", type=path_argument, metavar="FILE.mp4", help="the film; default: RUN/video.mp4"
+        "--out",
+        type=path_argument,
+        metavar="FILE.mp4",
+        help="the film, or a .mov or .mkv; default: RUN/video.mp4",
     )
     parser.add_argument("--fps", type=float, default=30.0, help="pictures per second (30)")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (1)")

@@ -35,7 +35,7 @@ def read(path: Path) -> dict[str, Any]:
 def _json(path: Path, owner: str) -> dict[str, Any]:
     try:
         found = json.loads(
-            read_bytes(path, LARGEST).decode("utf-8"),
+            read_bytes(path, LARGEST).decode("utf-8-sig"),  # some editors write a byte-order mark
             parse_constant=_refuse_constant,
             object_pairs_hook=_unique,
         )

@@ -111,6 +111,7 @@ def read_parameter(
 ) -> Parameter:
     """A parameter with its default; its annotation says the shape, a missing one is refused."""
     kind, name = parameter.annotation, parameter.name
+    is_whole = kind is int
     if kind in (float, int, Scalar):
         kind = ArgumentType(())
     if not isinstance(kind, ArgumentType):
@@ -118,7 +119,7 @@ def read_parameter(
         raise formula_error(formula, f"argument '{name}' has {given}: must be {choices}", function)
     default = None if parameter.default is parameter.empty else parameter.default
     declaration = default if isinstance(default, Declaration) else declare(default)
-    return Parameter(name, kind.shape, declaration)
+    return Parameter(name, kind.shape, declaration, is_whole)
 
 
 def read_arguments(

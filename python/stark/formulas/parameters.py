@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument, TraceError
+from stark.arguments import refuse_masked
 
 Array = NDArray[np.float64]
 
@@ -91,11 +92,13 @@ UNBOUNDED = (-np.inf, np.inf, True, True)
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a formula: its name, its shape () (k,) or (r, c), and how it was declared."""
+    """A parameter of a formula: its name, its shape () (k,) or (r, c), how it was declared, and whether it is
+    annotated ``int``: then it takes whole numbers only."""
 
     name: str
     shape: tuple[int, ...]
     declaration: Declaration
+    is_whole: bool = False
 
     @property
     def width(self) -> int:
@@ -106,8 +109,8 @@ class Parameter:
         return self.declaration.unit
 
     def describe(self, value: Any = None) -> str:
-        """'stiffness [N/m]', for messages."""
-        return f"'{self.name}' [{self.unit}]"
+        """'stiffness' [N/m], for messages; what has no unit is its name alone."""
+        return f"'{self.name}'" if self.unit == "1" else f"'{self.name}' [{self.unit}]"
 
 
 class Value:
@@ -130,6 +133,7 @@ class Value:
 
 def numbers_of(owner: str, parameter: Parameter, given: Any) -> Array:
     """A new array of the real numbers given, or InvalidArgument that names the parameter."""
+    refuse_masked(given, f"{owner}: {parameter.describe()}")
     try:
         array = np.asarray(given)
         if array.dtype.kind not in "biuf":
@@ -156,11 +160,13 @@ def read_value(owner: str, parameter: Parameter, given: Any, element_count: int)
 
 
 def check_range(owner: str, parameter: Parameter, array: Array, per_element: bool) -> None:
-    """Raises InvalidArgument that names the first number that is not finite or out of range."""
+    """Raises InvalidArgument that names the first number that is not finite, out of range or not whole."""
     wrong = ~np.isfinite(array)
     rule = "finite; check where it is computed"
     if not wrong.any():
         wrong, rule = parameter.declaration.refused(array), parameter.declaration.rule
+    if parameter.is_whole and not wrong.any():
+        wrong, rule = array != np.rint(array), "a whole number, as its annotation says int"
     if wrong.any():
         place = np.argwhere(wrong)[0]
         where = f"[{', '.join(map(str, place))}]" if place.size else ""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from typing import Any, ClassVar
 
@@ -17,6 +18,10 @@ from stark.simulation import Simulation
 from stark.steps import limit_of_step, reached
 
 from .task import Task, TaskError, checked, task_of
+
+#: What functions of a task must do.
+_ACT_RULE = "set targets and live values, and place bodies, only; the environment takes the steps"
+_READ_RULE = "read only; the environment takes the steps"
 
 
 class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
@@ -76,9 +81,11 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             self.sim.reset(self._state)
             for live, values in zip(self.sim._live_values, self._values, strict=True):
                 live.assign(values)
+            self._put_back_functions_of_time()
         self.task.start(self.sim, self.np_random)
+        self._begin = self.sim.time
         self._count = 0
-        return self._observation(), self.task.info(self.sim)
+        return self._observation(), self._info()
 
     def step(self, action: NDArray[Any]) -> tuple[NDArray[Any], float, bool, bool, dict[str, Any]]:
         """One control step. Actions beyond their space are cut to it; raises TaskError for those that are not
@@ -89,11 +96,8 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._count += 1
         failed = self._advance(given, self._begin + self._count * self.task.control_step)
         observation = self._observation()
-        reward = float(self.task.reward(self.sim, given))
-        if not math.isfinite(reward):
-            raise TaskError(f"task '{self.task.name}': reward = {reward}: must be finite")
-        info = self.task.info(self.sim)
-        terminated = failed is None and bool(self.task.done(self.sim))
+        reward, done, info = self._outcome(given)
+        terminated = failed is None and done
         truncated = failed is not None or self._count * self.task.control_step >= self.task.until - 1e-9
         if failed is not None:
             cause = failed.diagnosis.cause if failed.diagnosis else "failed"
@@ -119,7 +123,18 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self._settle()
         self._state = self.sim.state
         self._values = [live.present() for live in self.sim._live_values]
-        self._begin = self.sim.time
+        scene = self.sim.scene
+        self._courses = dict(scene._courses)
+        self._followers = {body: list(followers) for body, followers in scene._followers.items()}
+
+    def _put_back_functions_of_time(self) -> None:
+        """Those that the scene was built with: what an episode assigned, or let bodies follow, ends with
+        it."""
+        scene = self.sim.scene
+        scene._courses.clear()
+        scene._courses.update(self._courses)
+        scene._followers.clear()
+        scene._followers.update({body: list(found) for body, found in self._followers.items()})
 
     def _settle(self) -> None:
         end = self.sim.time + self.task.settle
@@ -131,7 +146,8 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     def _advance(self, action: NDArray[Any], end: float) -> StepReport | None:
         """Steps up to a time [s]; the report of a step that failed."""
         while not reached(self.sim, end):
-            self.task.act(self.sim, action)
+            with self.sim._held_still(f"task '{self.task.name}': act()", _ACT_RULE, may_place=True):
+                self.task.act(self.sim, action)
             report = self.sim.step(max_time_step=limit_of_step(self.sim, end))
             if report.failed:
                 return report
@@ -146,12 +162,55 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             )
         return np.clip(numbers, space.low, space.high)
 
+    @contextmanager
+    def _reading(self, function: str) -> Iterator[None]:
+        """While a function of the task runs that must leave the simulation as it is."""
+        with self.sim._held_still(f"task '{self.task.name}': {function}()", _READ_RULE):
+            yield
+
     def _observation(self) -> NDArray[Any]:
         space = self.task.observation_space
-        numbers = np.asarray(self.task.observe(self.sim), dtype=np.float64)
-        if numbers.shape != space.shape or not np.isfinite(numbers).all():
+        with self._reading("observe"):
+            observed = self.task.observe(self.sim)
+        try:
+            numbers = np.asarray(observed, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self._wrong("observe", observed, f"{space.shape} finite numbers") from None
+        if observed is None or numbers.shape != space.shape or not np.isfinite(numbers).all():
+            found = "None" if observed is None else f"the shape {numbers.shape}"
             raise TaskError(
-                f"task '{self.task.name}': observe() gives the shape {numbers.shape}, "
+                f"task '{self.task.name}': observe() gives {found}, "
                 f"{int((~np.isfinite(numbers)).sum())} numbers not finite: must be {space.shape}, all finite"
             )
         return np.clip(numbers, space.low, space.high).astype(space.dtype)
+
+    def _outcome(self, action: NDArray[Any]) -> tuple[float, bool, dict[str, Any]]:
+        """Reward of a control step, whether the goal is reached, and what else there is to know."""
+        with self._reading("reward"):
+            reward = self.task.reward(self.sim, action)
+        if not _is_number(reward) or not math.isfinite(reward):
+            raise self._wrong("reward", reward, "a finite number")
+        with self._reading("done"):
+            done = self.task.done(self.sim)
+        if not (isinstance(done, (bool, np.bool_)) or _is_number(done)):
+            raise self._wrong("done", done, "True or False")
+        return float(reward), bool(done), self._info()
+
+    def _info(self) -> dict[str, Any]:
+        with self._reading("info"):
+            info = self.task.info(self.sim)
+        if not isinstance(info, Mapping):
+            raise self._wrong("info", info, "a dictionary")
+        return dict(info)
+
+    def _wrong(self, function: str, value: Any, rule: str) -> TaskError:
+        shown = repr(value)
+        shown = shown if len(shown) <= 80 else shown[:77] + "..."
+        return TaskError(f"task '{self.task.name}': {function}() = {shown}: must be {rule}")
+
+
+def _is_number(value: Any) -> bool:
+    """Also an array without dimensions."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    return isinstance(value, (bool, int, float, np.bool_, np.integer, np.floating))

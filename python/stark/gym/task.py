@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Mapping
 from os import PathLike
@@ -88,6 +89,8 @@ class FileTask(Task):
 
     def __init__(self, file: SceneFile) -> None:
         self._file = file
+        self._first_memory = copy.deepcopy(file.memory)
+        self._memory = self._first_memory
         self.name: str = file.name
         for function in ("spaces", "act", "observe", "reward"):
             if not callable(getattr(file.module, function, None)):
@@ -112,9 +115,13 @@ class FileTask(Task):
         return hasattr(self._file.module, "randomise")
 
     def build(self) -> tuple[Any, dict[str, Any]]:
-        return self._file.build()
+        self._file.recall(copy.deepcopy(self._first_memory))
+        built = self._file.build()
+        self._memory = copy.deepcopy(self._file.memory)
+        return built
 
     def start(self, sim: Any, random: np.random.Generator) -> None:
+        self._file.recall(copy.deepcopy(self._memory))  # what drive() remembered of the last episode goes
         self._optional("start", None, sim, random)
 
     def act(self, sim: Any, action: Floats) -> None:
@@ -125,10 +132,10 @@ class FileTask(Task):
         return self._file.module.observe(sim)
 
     def reward(self, sim: Any, action: Floats) -> float:
-        return float(self._file.module.reward(sim, action))
+        return self._file.module.reward(sim, action)  # type: ignore[no-any-return]
 
     def done(self, sim: Any) -> bool:
-        return bool(self._optional("done", False, sim))
+        return self._optional("done", False, sim)  # type: ignore[no-any-return]
 
     def info(self, sim: Any) -> dict[str, Any]:
         return self._file.measure(sim)
@@ -182,8 +189,14 @@ def checked(task: Task) -> Task:
     for name in ("action_space", "observation_space"):
         if not isinstance(getattr(task, name, None), Box):
             raise TaskError(f"task '{task.name}': {name} must be a gymnasium.spaces.Box")
-    for name, least in (("control_step", 0.0), ("until", 0.0), ("settle", -math.inf)):
-        value = getattr(task, name)
-        if not isinstance(value, (int, float)) or not least < value < math.inf:
-            raise TaskError(f"task '{task.name}': {name} = {value!r} s: must be a number > 0 and finite")
+    for name in ("control_step", "until", "settle"):
+        value, zero = getattr(task, name), name == "settle"
+        good = (
+            isinstance(value, (int, float))
+            and math.isfinite(value)
+            and (value > 0.0 or (zero and value == 0.0))
+        )
+        if not good:
+            rule = f"must be a number {'>=' if zero else '>'} 0 and finite"
+            raise TaskError(f"task '{task.name}': {name} = {value!r} s: {rule}")
     return task

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stark._core import InvalidArgument
+from stark.arguments import refuse_masked
 from stark.bodies import Body
 from stark.handle import SceneLink
 from stark.named import NamedTuple
@@ -281,6 +282,7 @@ def _length(kind: str, anchor_a: Vec3Like, anchor_b: Vec3Like) -> float:
 
 
 def _bounds(kind: str, limits: tuple[float, float]) -> tuple[float, float]:
+    refuse_masked(limits, f"{kind}: limits")
     try:
         pair = np.asarray(limits)
     except ValueError:

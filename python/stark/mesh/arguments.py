@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument, InvalidMesh
+from stark.arguments import refuse_masked
 
 Points: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.int32]
 
 
 def points_of(values: ArrayLike, name: str) -> Points:
+    refuse_masked(values, name)
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "iuf":
@@ -32,6 +34,7 @@ def points_of(values: ArrayLike, name: str) -> Points:
 
 
 def indices_of(values: ArrayLike, columns: int, name: str) -> Indices:
+    refuse_masked(values, name)
     try:
         array = np.asarray(values)
     except (TypeError, ValueError):
@@ -74,6 +77,7 @@ def numbers_of(value: Any) -> NDArray[np.float64]:
 
 
 def sizes_of(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
+    refuse_masked(size, name)
     values = numbers_of(size)
     if values.shape == ():
         values = np.full(3, float(values))
@@ -84,6 +88,7 @@ def sizes_of(size: float | ArrayLike, name: str) -> NDArray[np.float64]:
 
 def positive(value: float, name: str, unit: str = " m") -> float:
     """A length [m] or another number above 0, or InvalidArgument."""
+    refuse_masked(value, name)
     number = numbers_of(value)
     if number.shape != () or not 0.0 < number < np.inf:
         raise InvalidArgument(f"{name} = {value!r}{unit}: must be a number > 0")

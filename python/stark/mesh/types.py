@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import given_path, nearest_hint
+from stark.arguments import given_path, nearest_hint, refuse_masked
 from stark.array_file import write_atomically
 from stark.attributes import AnsweredAttributes
 from stark.mesh.arguments import Indices, Points, corners_of, indices_of, numbers_of, points_of
@@ -277,6 +277,7 @@ class EmbeddedMesh(SolidMesh):
     def nodes_around(self, vertices: ArrayLike) -> Indices:
         """Nodes of the cells in which some vertices are, given by index or by a mask, and those among them
         that are nodes: what to pin to hold a part of the surface. Sorted, (k,)."""
+        refuse_masked(vertices, "nodes_around: vertices")
         chosen = np.asarray(vertices)
         if chosen.dtype == bool and chosen.shape == (len(self.vertices),):
             chosen = np.flatnonzero(chosen)
@@ -294,6 +295,7 @@ class EmbeddedMesh(SolidMesh):
     def carried(self, values: ArrayLike) -> NDArray[np.float64]:
         """Values at all vertices of values at the nodes (``node_count``, ...): vertices of the surface get
         those of the shape functions of their cells."""
+        refuse_masked(values, "carried: values")
         given = np.asarray(values, dtype=np.float64)
         if given.shape[:1] != (self.node_count,):
             raise InvalidArgument(

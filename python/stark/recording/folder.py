@@ -1,12 +1,16 @@
-"""The folder of a recording: taken for one recorder, and emptied of an earlier recording."""
+"""The folder of a recording: taken for one recorder, and emptied of an earlier recording or gone on with."""
 
 from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from ..array_file import is_leftover, naming, remove_leftovers
+from ..telemetry import _plain
 from .format import CERTIFICATE, CHECKPOINT, FIELDS, LOCK, MANIFEST, PAGE, STATES, TELEMETRY, RecordingError
 from .lock import FolderLock
 
@@ -59,3 +63,18 @@ def drop_chunks_after(folder: Path, count: int) -> None:
         number = re.fullmatch(r"chunk_(\d{6,})\.npz", path.name)
         if number and int(number[1]) >= count:
             path.unlink(missing_ok=True)
+
+
+def require_same_settings(
+    folder: str | PathLike[str], before: Mapping[str, Any], now: Mapping[str, Any]
+) -> None:
+    """Claims of a certificate are about one set of settings."""
+    plain = _plain(dict(now))
+    changed = [
+        name for name in plain if before.get(name) != plain[name] and not name.startswith("execution.")
+    ]
+    if changed:
+        raise RecordingError(
+            f"'{folder}' was recorded for certification: settings must stay as they were, {changed[0]} = "
+            f"{before.get(changed[0])}; resume it without changes, or run the scene anew"
+        )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 
 from ..arguments import given_path
 from ..array_file import DamageError, read_arrays
+from ..errors import StarkWarning
 from ..files import read_text, resolved
 from ..telemetry import Telemetry, TelemetryError
 from .chain import ARRAY
@@ -109,7 +111,12 @@ class Recording:
                 "copy the run folder again"
             )
         if np.any(np.diff(self.times) < 0.0):
-            raise RecordingError(f"'{self.folder}': times of frames decrease; the recording is damaged")
+            at = int(np.argmax(np.diff(self.times) < 0.0))
+            raise RecordingError(
+                f"'{self.folder}': times of frames decrease, {self.times[at]:.9g} s is followed by "
+                f"{self.times[at + 1]:.9g} s; the recording is damaged, or an older Stark recorded on after "
+                f"sim.reset(): record each episode into a folder of its own"
+            )
 
     def _read_manifest(self) -> dict[str, Any]:
         path = self.folder / MANIFEST
@@ -300,17 +307,32 @@ class Recording:
         return (self.frame(index) for index in range(len(self)))
 
     def nearest(self, time: float) -> int:
-        """Index of the frame nearest to ``time`` [s]."""
+        """Index of the frame nearest to ``time`` [s]; the last one for infinity."""
         if not len(self):
             raise RecordingError(f"'{self.folder}' has no frames")
+        if math.isnan(time):
+            raise RecordingError(f"'{self.folder}': time = {time}: must be a time [s]; it has {self._span()}")
         return int(np.argmin(np.abs(self.times - np.clip(time, self.times[0], self.times[-1]))))
 
+    def _span(self) -> str:
+        return f"frames from {self.times[0]:g} s to {self.times[-1]:g} s"
+
+    def beyond(self, time: float) -> str:
+        """What to say of a time [s] before the first frame or after the last one; empty for others, and for
+        infinity, which is the end."""
+        if not len(self) or not math.isfinite(time) or self.times[0] - 1e-6 <= time <= self.times[-1] + 1e-6:
+            return ""
+        return f"the recording has {self._span()}, the nearest of them is taken for {time:g} s"
+
     def still(self, time: float, **options: Any) -> np.ndarray:
-        """Picture of the frame nearest to ``time`` [s]: (height, width, 3) uint8; options as
-        ``stark.render.render``."""
+        """Picture of the frame nearest to ``time`` [s], the last one for infinity: (height, width, 3) uint8;
+        options as ``stark.render.render``. Warns of times that the recording does not have."""
         from ..render.picture import render
 
-        return render(self.frame(self.nearest(time)), **options)
+        frame = self.frame(self.nearest(time))
+        if message := self.beyond(time):
+            warnings.warn(f"still: {message}", StarkWarning, stacklevel=2)
+        return render(frame, **options)
 
 
 def _is_number(value: Any) -> bool:

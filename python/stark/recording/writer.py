@@ -20,7 +20,7 @@ from ..telemetry import SERIES, TelemetryWriter, _plain, digest_of_last, first_l
 from . import chain
 from .chain import RowChain
 from .fields import Arrays, FieldWriter, write_chunk
-from .folder import drop_chunks_after, prepare
+from .folder import drop_chunks_after, prepare, require_same_settings
 from .format import (
     CHUNK_FRAMES,
     FIELDS,
@@ -38,6 +38,7 @@ from .format import (
 )
 from .latest import remember
 from .lock import FolderLock
+from .order import Forward
 from .reader import Recording
 
 if TYPE_CHECKING:
@@ -67,21 +68,6 @@ def _settings_of(sim: Any) -> dict[str, Any]:
     return {} if settings is None else dict(settings.to_dict())
 
 
-def _require_same_settings(
-    folder: str | PathLike[str], before: Mapping[str, Any], now: Mapping[str, Any]
-) -> None:
-    """Claims of a certificate are about one set of settings."""
-    plain = _plain(dict(now))
-    changed = [
-        name for name in plain if before.get(name) != plain[name] and not name.startswith("execution.")
-    ]
-    if changed:
-        raise RecordingError(
-            f"'{folder}' was recorded for certification: settings must stay as they were, {changed[0]} = "
-            f"{before.get(changed[0])}; resume it without changes, or run the scene anew"
-        )
-
-
 @dataclass(frozen=True)
 class _Pending:
     """A frame that is not in a full chunk yet. ``digest`` (32,) is None in recordings without a chain."""
@@ -100,7 +86,8 @@ class Recorder:
     existing recording in ``folder``. It raises RecordingError for any other folder that is not empty, and for
     one that another recorder is writing. ``settings`` are by default those of ``sim``.
     With ``certify=True``, call ``record_state(sim)`` at the start and after every accepted step; then
-    ``stark verify`` can check the run.
+    ``stark verify`` can check the run. Times go forward: what comes after ``sim.reset()``, or another jump
+    back in time, is refused and belongs to another recorder with a folder of its own.
 
     ``fields`` lets replays, pictures and exports colour the bodies: "stress", "strain", "pressure",
     "contact_force" or "speed" at the vertices of moving bodies, with every frame
@@ -132,8 +119,7 @@ class Recorder:
         self._chunk_index = 0
         #: Frames of the chunk that is not full yet: time [s], positions of each body, digest.
         self._pending: list[_Pending] = []
-        #: Time of the last frame [s], minus infinity before the first.
-        self.last_time: float = -np.inf
+        self._times = Forward(self.folder)
         self._closed = False
         self._synced = 0
         bodies = drawn(sim)
@@ -233,7 +219,7 @@ class Recorder:
         if not chain.is_unchanged(recording.manifest):
             raise RecordingError(f"'{folder / MANIFEST}' was changed by others; run the scene anew")
         if certified:
-            _require_same_settings(folder, recording.settings, sim.settings.to_dict())
+            require_same_settings(folder, recording.settings, sim.settings.to_dict())
         if not 1 <= frames <= len(recording):
             raise RecordingError(f"'{folder}' holds {len(recording)} frames: must have {frames} to go on")
         recorder = cls.__new__(cls)
@@ -253,7 +239,7 @@ class Recorder:
             )
         recorder._chunk_frames = int(recording.manifest.get("chunk_frames", CHUNK_FRAMES))
         recorder._fields = FieldWriter.resumed(sim, recording)
-        recorder._take_up_frames(recording, frames)
+        recorder._take_up_frames(recording, frames, float(sim.time))
         recorder._states = None
         if certified:
             from .states import StateWriter
@@ -268,8 +254,9 @@ class Recorder:
         remember(sim, recorder, str(recorder._manifest["created"]))
         return recorder
 
-    def _take_up_frames(self, recording: Recording, frames: int) -> None:
-        """The frames of the chunk that is not full, to be written again with more."""
+    def _take_up_frames(self, recording: Recording, frames: int, now: float) -> None:
+        """The frames of the chunk that is not full, to be written again with more; ``now``: the time [s]
+        from which the simulation goes on."""
         self._chunk_index, rest = divmod(frames, self._chunk_frames)
         self._written, self._synced = frames - rest, frames
         chained = "chain" in self._manifest
@@ -282,7 +269,7 @@ class Recorder:
             )
             for k in range(frames - rest, frames)
         ]
-        self.last_time = float(recording.times[frames - 1])
+        self._times = Forward(self.folder, frame=float(recording.times[frames - 1]), step=now)
         self._frame_chain = self._line_chain = None
         self._frame_head = ""
         if chained:
@@ -333,6 +320,7 @@ class Recorder:
         """Adds one frame: the surfaces of bodies and layers at ``time`` [s], ``sim.time`` when not given."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; frames can no longer be added")
+        at = self._times.require("frame", float(sim.time if time is None else time))
         bodies = drawn(sim)
         if len(bodies) != len(self._entries):
             raise RecordingError(
@@ -348,7 +336,6 @@ class Recorder:
                 )
             frame.append(positions)
         values = {} if self._fields is None else self._fields.take(sim)
-        at = float(sim.time if time is None else time)
         row: dict[str, Any] = {
             "times": np.float64(at),
             **{f"positions_{i:04d}": x for i, x in enumerate(frame)},
@@ -357,7 +344,7 @@ class Recorder:
         self._pending.append(
             _Pending(at, frame, digest, values)
         )  # at once: an interrupt leaves no half frame
-        self.last_time = at
+        self._times.note("frame", at)
         if len(self._pending) >= self._chunk_frames:
             self._flush_frames()
             self._write_manifest()
@@ -367,13 +354,20 @@ class Recorder:
         every step, and after bodies were placed."""
         if self._closed:
             raise RecordingError(f"recording '{self.folder}' is closed; states can no longer be added")
-        if self._states is not None and self._states.write(sim):
+        if self._states is None:
+            return
+        at = self._times.require("state", float(sim.time))
+        full = self._states.write(sim)
+        self._times.note("state", at)
+        if full:
             self._write_manifest()
 
     def report(self, step_report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one line of telemetry; ``extra`` are further numbers, or groups of them, in SI units."""
         assert self._telemetry is not None
+        at = self._times.require("step", float(step_report.time))
         self._telemetry.write(step_report, **extra)
+        self._times.note("step", at)
 
     def flush(self) -> None:
         """Writes the frames held in memory as one chunk and begins the next one; writes the states."""
@@ -420,6 +414,11 @@ class Recorder:
             write_chunk(self.folder, self._chunk_index, [frame.values for frame in self._pending])
         write_arrays(self.folder / chunk_path(self._chunk_index), arrays)
         self._synced = self.frame_count
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last frame [s], minus infinity before the first."""
+        return self._times.last_frame
 
     @property
     def frame_count(self) -> int:

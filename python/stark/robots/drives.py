@@ -77,7 +77,6 @@ class Drives(AnsweredAttributes):
     ) -> None:
         self._robot, self._actuators, self._shifts = robot, actuators, shifts
         self._kind, self._rows = kind, rows
-        self._follower: GravityFollower | None = None
         coordinates = robot.description.coordinates
         self._joints = tuple(coordinates[row] for row in rows)
         lower, upper = robot.limits
@@ -197,11 +196,18 @@ class Drives(AnsweredAttributes):
         followers = self._robot._scene._followers.setdefault(self._carrier(), [])
         if self._follower is not None:
             followers.remove(self._follower)
-            self._follower = None
             self.feedforward = 0.0
         else:
-            self._follower = GravityFollower(self._robot, self._rows, self._actuators)
-            followers.append(self._follower)
+            # Of the scene, not of one simulation, which the scene would keep alive.
+            own = next(drives for drives in self._robot._drives if drives._rows is self._rows)
+            followers.append(GravityFollower(own._robot, own._rows, own._actuators))
+
+    @property
+    def _follower(self) -> GravityFollower | None:
+        """What the scene has of it, which may be put back to what it was (stark.gym)."""
+        known = self._robot._scene._followers.get(self._carrier(), [])
+        own = (f for f in known if isinstance(f, GravityFollower) and f._rows is self._rows)
+        return next(own, None)
 
     def __len__(self) -> int:
         return len(self._rows)

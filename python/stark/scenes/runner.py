@@ -230,14 +230,14 @@ class Job:
     def _step(self, limit: float | None, on_progress: OnProgress | None) -> Any:
         """One step of at most ``limit`` [s] with its telemetry and frame; its report, or None when it
         failed."""
-        with self.sim._held_still("drive(sim)", DRIVE_RULE, may_place=True):
+        with self.sim._held_still("drive(sim) of the scene", DRIVE_RULE, may_place=True):
             self.scene_file.drive(self.sim)
         if len(self.sim._core.placed_bodies) > 0:
             self.recorder.record_state(self.sim)  # a jump, which no step leads to
         before = clock.perf_counter()
         report = self.sim.step(max_time_step=limit, progress=on_progress)
         wall, failed = clock.perf_counter() - before, status_of(report) == "failed"
-        with self.sim._held_still("measure(sim)", "read only; the run takes the steps"):
+        with self.sim._held_still("measure(sim) of the scene", "read only; the run takes the steps"):
             measured = {} if failed else self.scene_file.measure(self.sim)
         self.recorder.report(report, wall=wall, **({"measured": measured} if measured else {}))
         self._count(report)
@@ -261,7 +261,9 @@ class Job:
 
     def _observables(self) -> dict[str, float]:
         try:
-            with self.sim._held_still("observables(sim)", "read only; the run has come to its end"):
+            with self.sim._held_still(
+                "observables(sim) of the scene", "read only; the run has come to its end"
+            ):
                 return self.scene_file.observables(self.sim)
         except BaseException as error:
             self.recorder.close("failed", f"{type(error).__name__}: {error}")

@@ -18,13 +18,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from .._core import InvalidArgument
+from ..telemetry.given import RULE, given_number
+from .options import SceneFileError, converted_options, option_text
 
-_INTERNAL = {"resuming", "runner", "scene_file"}
-
-
-class SceneFileError(InvalidArgument):
-    """A scene file that cannot be used: names the file, the defect and the remedy."""
+_INTERNAL = {"options", "resuming", "runner", "scene_file"}
 
 
 @dataclass(frozen=True)
@@ -59,6 +56,11 @@ class SceneFile:
         """The file's hook before every step, if it has one."""
         if hasattr(self.module, "drive"):
             self.module.drive(sim)
+
+    @property
+    def default_options(self) -> dict[str, Any]:
+        """The options of the file as nobody has chosen any."""
+        return dict(self.module.__dict__.get("_default_options", {}))
 
     @property
     def memory(self) -> dict[str, Any]:
@@ -97,10 +99,10 @@ class SceneFile:
         numbers = {}
         for name, value in values.items():
             try:
-                numbers[str(name)] = float(value)
-            except (TypeError, ValueError):
+                numbers[str(name)] = given_number(value)
+            except ValueError:
                 raise SceneFileError(
-                    f"scene '{self.name}': {function}() returned '{name}' = {value!r}; must be a number"
+                    f"scene '{self.name}': {function}() returned '{name}' = {value!r}; {RULE}"
                 ) from None
         return numbers
 
@@ -124,7 +126,7 @@ def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -
     (``.json``). ``options`` replace values of the file's own ``options``; those that differ are appended to
     the name."""
     text = str(scene)
-    chosen = {name: str(value) for name, value in (options or {}).items()}
+    chosen = {name: option_text(value) for name, value in (options or {}).items()}
     if text.endswith(".json"):
         converted_options(Path(text).stem, {}, options or {})  # it has none
         return _document(Path(text))
@@ -165,13 +167,16 @@ def _import_file(path: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise SceneFileError(f"scene file '{path}' cannot be imported; it must be a Python file")
     module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent.resolve()))  # so that a scene may import files beside it
+    beside = str(path.parent.resolve())
+    sys.path.insert(0, beside)  # so that a scene may import files beside it
     try:
         spec.loader.exec_module(module)
     except SyntaxError as error:
         raise SceneFileError(f"scene file '{path}' line {error.lineno}: {error.msg}") from error
     finally:
-        sys.path.pop(0)
+        sys.path.remove(beside)  # the first one; the scene may have put others before it
+        if beside not in sys.path:
+            sys.path.append(beside)  # for what its functions import, after everything else
     return module
 
 
@@ -182,27 +187,22 @@ def _choose(module: ModuleType, name: str, chosen: Mapping[str, Any]) -> str:
     if not isinstance(options, dict):
         raise SceneFileError(f"scene '{name}': options must be a dictionary of default values by name")
     # Modules of packaged scenes are imported once: what an earlier caller chose must not stay.
-    defaults = module.__dict__.setdefault("_default_options", dict(options))
-    options.update(defaults)
-    options.update(converted_options(name, defaults, chosen))
-    changed = [str(options[key]) for key in defaults if options[key] != defaults[key]]
+    defaults = module.__dict__.setdefault("_default_options", _copied(options))
+    options.update(_copied(defaults))
+    converted = converted_options(name, defaults, chosen)
+    options.update(converted)
+    changed = [
+        option_text(converted[key])
+        for key in defaults
+        if key in converted and converted[key] != defaults[key]
+    ]
     return "".join("_" + re.sub(r"[^\w.-]+", "-", value) for value in changed)
 
 
-def converted_options(name: str, defaults: Mapping[str, Any], chosen: Mapping[str, Any]) -> dict[str, Any]:
-    """What was chosen, as the types of the defaults. Raises SceneFileError; ``name`` is that of the scene."""
-    converted = {}
-    for key, value in chosen.items():
-        if key not in defaults:
-            known = ", ".join(defaults) or "none"
-            raise SceneFileError(f"scene '{name}' has no option '{key}'; its options: {known}")
-        try:
-            converted[key] = _as(type(defaults[key]), value)
-        except (TypeError, ValueError):
-            kind = type(defaults[key])
-            rule = "true or false" if kind is bool else f"a {kind.__name__}"
-            raise SceneFileError(f"scene '{name}': option {key} = {value!r}; must be {rule}") from None
-    return converted
+def _copied(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Options whose lists and dictionaries a scene may change."""
+    own = (list, dict, set)
+    return {name: copy.deepcopy(v) if isinstance(v, own) else v for name, v in options.items()}
 
 
 def _forget(module: ModuleType, name: str) -> None:
@@ -215,15 +215,6 @@ def _forget(module: ModuleType, name: str) -> None:
     first = module.__dict__.setdefault("_first_memory", copy.deepcopy(memory))
     memory.clear()
     memory.update(copy.deepcopy(first))
-
-
-def _as(kind: type, value: Any) -> Any:
-    """A value as ``kind``; texts of the command line say true or false."""
-    if kind is bool and isinstance(value, str):
-        if value.lower() not in ("true", "false"):
-            raise ValueError
-        return value.lower() == "true"
-    return kind(value)
 
 
 def _require_arguments(name: str, function: Callable[..., Any], attribute: str, count: int) -> None:

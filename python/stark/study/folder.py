@@ -11,8 +11,10 @@ large."""
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from os import PathLike
 from pathlib import Path
@@ -38,6 +40,7 @@ STATUSES = ("complete", "wrong", "failed", "error", "timed_out", "crashed")
 
 _KEY = re.compile(r"[0-9a-f]{20}")
 _ITEMS = {"options": (bool, int, float, str), "observables": (float,), "measured": (float,)}
+_MEASURED = ("observables", "measured")
 _COUNTS = ("steps", "rejected_steps", "newton_iterations", "max_contacts")
 
 
@@ -91,7 +94,8 @@ class StudyFolder:
 
     def read(self) -> tuple[Plan, list[RunEntry]]:
         """The plan of the study and its runs. Raises StudyError."""
-        owner = f"study '{self.path}'"
+        if self.path.is_file():
+            raise StudyError(_no_folder(self.path))
         try:
             text = json.loads(read_bytes(self.path / MANIFEST, LARGEST_MANIFEST))
             if text["format"] != FORMAT or text["version"] != VERSION:
@@ -100,7 +104,10 @@ class StudyFolder:
         except FileNotFoundError:
             raise StudyError(f"'{self.path}' is not a study folder: it has no {MANIFEST}") from None
         except (OSError, ValueError, KeyError, TypeError, RecursionError, InvalidArgument) as error:
-            raise StudyError(f"{owner} is damaged ({printable(str(error))}); run the plan anew") from error
+            raise StudyError(
+                f"study '{self.path}': its {MANIFEST} is damaged ({printable(str(error))}); run the plan "
+                f"anew, which keeps results: stark study run PLAN.toml --out {self.path}"
+            ) from error
 
     def run_folder(self, key: str) -> Path:
         return self.path / RUNS / key
@@ -134,7 +141,8 @@ class StudyFolder:
     def write_result(self, key: str, result: dict[str, Any]) -> None:
         folder = self.path / RESULTS
         make_folder(folder)
-        text = json.dumps(result, sort_keys=True).encode()
+        stored = {**result, **{name: _with_nulls(result[name]) for name in _MEASURED}}
+        text = json.dumps(stored, sort_keys=True, allow_nan=False).encode()
         write_atomically(folder / f"{key}.json", lambda file: file.write(text))
 
     def result(self, key: str) -> dict[str, Any] | None:
@@ -146,14 +154,44 @@ class StudyFolder:
             if path.is_symlink():
                 return None
             result = json.loads(read_bytes(path, LARGEST_RESULT))
+            result.update({name: _with_nans(result[name]) for name in _MEASURED})
             return result if _is_result(result, key) else None
         except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
             return None
+
+    def others(self, keys: Collection[str]) -> int:
+        """How many results there are of other runs: of earlier plans, scene files or versions of Stark."""
+        place = self.path / RESULTS
+        if place.is_symlink() or not place.is_dir():
+            return 0
+        found = {path.stem for path in place.glob("*.json") if _KEY.fullmatch(path.stem)}
+        return len(found - set(keys))
 
     def forget(self, key: str) -> None:
         """Makes a run be made again."""
         make_folder(self.path / RESULTS)
         (self.path / RESULTS / f"{key}.json").unlink(missing_ok=True)
+
+
+def _no_folder(path: Path) -> str:
+    """What to say of a file that is given as a study."""
+    if path.suffix == ".toml":
+        return (
+            f"'{path}' is a file, not the folder of a study; if it is a plan, make or go on with its study "
+            f"by stark study run {path}, or give the folder that it was made in: out/{path.stem}"
+        )
+    if path.name == MANIFEST:
+        return f"'{path}' is a file of a study; give its folder, '{path.parent}'"
+    return f"'{path}' is a file, not the folder of a study; give the folder"
+
+
+def _with_nulls(numbers: dict[str, float]) -> dict[str, float | None]:
+    """JSON has no NaN; nor infinite numbers, which no result has."""
+    return {name: value if math.isfinite(value) else None for name, value in numbers.items()}
+
+
+def _with_nans(numbers: dict[str, float | None]) -> dict[str, float]:
+    return {name: math.nan if value is None else value for name, value in numbers.items()}
 
 
 def _plan(given: dict[str, Any]) -> Plan:

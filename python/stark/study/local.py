@@ -18,7 +18,7 @@ from typing import Any
 from ..array_file import WriteError
 from .folder import StudyError, StudyFolder
 from .task import Task
-from .work import empty_result, timed_out_result
+from .work import empty_result, reached, timed_out_result
 
 #: After its time-out a run has so long to end by itself before its process is killed [s].
 _GRACE = 5.0
@@ -152,7 +152,8 @@ class LocalPool:
         elif task is not None:
             deaths = self._deaths[task.key] = self._deaths.get(task.key, 0) + 1
             if deaths > self.retries:
-                self.folder.write_result(task.key, crashed_result(task, _how(worker.process), deaths))
+                result = crashed_result(task, self.folder, _how(worker.process), deaths)
+                self.folder.write_result(task.key, result)
                 self.on_share(task, 1.0)
             else:
                 self._waiting.appendleft(task)
@@ -166,7 +167,7 @@ class LocalPool:
         worker.process.kill()
         worker.process.wait()
         if self.folder.result(task.key) is None:
-            self.folder.write_result(task.key, timed_out_result(task))
+            self.folder.write_result(task.key, timed_out_result(task, self.folder))
         self.on_share(task, 1.0)
         self._dismiss(worker)
         if self._waiting:
@@ -186,13 +187,14 @@ class LocalPool:
         self._selector.close()
 
 
-def crashed_result(task: Task, how: str, deaths: int) -> dict[str, Any]:
+def crashed_result(task: Task, folder: StudyFolder, how: str, deaths: int) -> dict[str, Any]:
     """The result of a run whose process died too often."""
     message = (
         f"its process {how}, {deaths} times; raise limits.retries, or run it alone to see why: "
         f"stark run {Path(task.scene)} {' '.join(f'--option {k}={v}' for k, v in task.options.items())}"
     )
-    return {**empty_result(task), "status": "crashed", "message": message.strip()}
+    found = {**empty_result(task), **reached(task, folder)}
+    return {**found, "status": "crashed", "message": message.strip()}
 
 
 def _how(process: subprocess.Popen[bytes]) -> str:

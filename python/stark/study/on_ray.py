@@ -94,7 +94,7 @@ def _finish(ray: Any, folder: StudyFolder, reference: Any, task: Task) -> None:
     except ray.exceptions.RayError as error:  # processes or machines were lost too often
         if folder.result(task.key) is None:
             how, count = f"was lost ({type(error).__name__})", folder.attempts(task.key)
-            folder.write_result(task.key, crashed_result(task, how, count))
+            folder.write_result(task.key, crashed_result(task, folder, how, count))
 
 
 def _cancel(ray: Any, references: list[Any]) -> None:

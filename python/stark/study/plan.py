@@ -69,7 +69,7 @@ class Plan:
         """Reads a plan. Scene files are found from the folder of the plan."""
         place = given_path(path, "plan")
         try:
-            text = read_bytes(place, LARGEST_PLAN).decode("utf-8")
+            text = read_bytes(place, LARGEST_PLAN).decode("utf-8-sig")
         except FileNotFoundError:
             raise PlanError(f"plan '{place}' does not exist; give the path of a TOML file") from None
         except (NotAFile, UnicodeDecodeError, OSError) as error:
@@ -80,7 +80,7 @@ class Plan:
     def parse(cls, text: str, folder: str | PathLike[str] = ".", owner: str = "plan") -> Plan:
         """The plan that a TOML text describes; ``owner`` is what errors call it."""
         try:
-            table = tomllib.loads(text)
+            table = tomllib.loads(text.removeprefix("\ufeff"))  # the byte-order mark of some editors
         except tomllib.TOMLDecodeError as error:
             raise PlanError(f"{owner}: is no TOML: {error}") from None
         except RecursionError:
@@ -260,7 +260,8 @@ def _listed(table: _Table) -> list[Options]:
 
 def _value(table: _Table, key: str, value: Any) -> Value:
     if not isinstance(value, (bool, int, float, str)):
-        raise table.error(key, value, "must be a number, a text, true or false")
+        hint = "; a list is given as a text: '1.0, 2.0'" if isinstance(value, list) else ""
+        raise table.error(key, value, f"must be a number, a text, true or false{hint}")
     if isinstance(value, float) and not math.isfinite(value):
         raise table.error(key, value, "must be finite")
     return value
@@ -285,7 +286,8 @@ def _axis(options: _Table, name: str, value: Any, drawn: bool) -> Axis:
         raise table.error("scale", scale, "must be 'linear' or 'log'")
     if scale == "log" and not low > 0:
         raise table.error("from", low, "must be > 0 with scale = 'log'; raise it, or take scale = 'linear'")
-    return Range(low, high, count, scale == "log", isinstance(low, int) and isinstance(high, int) and drawn)
+    whole_ends = isinstance(low, int) and isinstance(high, int)
+    return Range(low, high, count, scale == "log", either=whole_ends and drawn)
 
 
 def _bound(table: _Table, key: str) -> float:

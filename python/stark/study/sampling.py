@@ -16,21 +16,36 @@ Value = bool | int | float | str
 Options = dict[str, Value]
 
 
+class Drawn(int):
+    """An integer drawn between two integers; ``exact`` is the number that it was rounded from, which an
+    option takes whose default is no integer."""
+
+    exact: float
+
+    def __new__(cls, whole: int, exact: float = 0.0) -> Drawn:
+        drawn = super().__new__(cls, whole)
+        drawn.exact = exact
+        return drawn
+
+
 @dataclass(frozen=True)
 class Range:
     """Numbers from ``low`` to ``high``, both included; ``count`` of them in a grid. ``log``: equal ratios
-    instead of equal differences. ``whole``: rounded to integers."""
+    instead of equal differences. ``whole``: rounded to integers; ``either``: where the default of the option
+    is an integer (``Drawn``)."""
 
     low: float
     high: float
     count: int = 0
     log: bool = False
     whole: bool = False
+    either: bool = False
 
     def at(self, share: float) -> Value:
         """The number at a share in [0, 1] of the way; the ends are met exactly."""
-        if self.whole and not self.log:
-            return int(self.low) + min(int(share * (self.high - self.low + 1)), int(self.high - self.low))
+        whole = self._rounded(share) if self.whole or self.either else 0
+        if self.whole:
+            return whole
         if share <= 0.0:
             number = self.low
         elif share >= 1.0:
@@ -39,7 +54,15 @@ class Range:
             number = math.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
         else:
             number = self.low + share * (self.high - self.low)
-        return round(number) if self.whole else number
+        return Drawn(whole, float(number)) if self.either else number
+
+    def _rounded(self, share: float) -> int:
+        """Each integer has an equal part of the range; with ``log``, the nearest one."""
+        if not self.log:
+            steps = min(int(share * (self.high - self.low + 1)), int(self.high - self.low))
+            return int(self.low) + steps
+        low, high = math.log(self.low), math.log(self.high)
+        return round(math.exp(low + min(max(share, 0.0), 1.0) * (high - low)))
 
     def grid(self) -> list[Value]:
         """``count`` numbers, evenly spaced."""

@@ -12,13 +12,13 @@ from .._core import InvalidArgument
 from ..arguments import given_path
 from ..files import printable, resolved
 from ..recording.lock import FolderLock
-from ..scenes import names
+from ..scenes import load, names
 from . import page, table
 from .folder import STATUSES, RunEntry, StudyError, StudyFolder
 from .local import LocalPool, default_processes
 from .plan import Plan
 from .table import Row
-from .task import Task, tasks
+from .task import Task, settled, tasks
 
 #: Called with the runs that are over, all runs, and the work done in runs (parts of those under way count).
 OnProgress = Callable[[int, int, float], None]
@@ -38,6 +38,9 @@ class Study:
         self.folder: Path = self._files.path
         self.plan: Plan = plan if scene is None else _with_scene(plan, str(given_path(scene, "study: scene")))
         self._scene_is_named = scene is not None
+        #: Runs that ``run`` or ``resume`` made, and those whose results it kept.
+        self.made: int = 0
+        self.kept: int = 0
 
     def rows(self) -> list[Row]:
         """The table as dictionaries, in the order of the plan; runs that are not over are ``waiting``, or
@@ -58,6 +61,11 @@ class Study:
         """How many runs have come to what: complete, failed, ..., begun, waiting."""
         found = Counter(str(row["status"]) for row in self.rows())
         return {name: found[name] for name in (*STATUSES, "begun", "waiting") if found[name]}
+
+    def other_results(self) -> int:
+        """How many results in the folder are of no run of this plan, and so in no row: those of earlier
+        plans, scene files or versions of Stark. They stay, and are kept by a plan that has their runs."""
+        return self._files.others([entry.key for entry in self.runs])
 
     def run_folder(self, key: str) -> Path:
         """The run folder of a run, a recording."""
@@ -99,6 +107,7 @@ class Study:
         try:
             self._files.make_folders()
             waiting = [task for task in made if self._is_open(task, retry_failed)]
+            self.made, self.kept = len(waiting), len(made) - len(waiting)
             shares = _Shares(len(made), len(made) - len(waiting), on_progress)
             if ray is None:
                 LocalPool(self._files, count, self.plan.limits.retries, shares.set).run(waiting)
@@ -158,11 +167,13 @@ def run(
     on_progress: OnProgress | None = None,
 ) -> Study:
     """Makes all runs of a plan, given as such or as a file, into the folder ``out``. Results that are there
-    already are kept: a plan may be extended. Arguments as those of ``Study.resume``."""
+    already are kept: a plan may be extended. The table is that of this plan; results of runs that it does not
+    have stay in the folder (``Study.other_results``). Arguments as those of ``Study.resume``."""
     _processes(processes, ray)
-    made = plan if isinstance(plan, Plan) else Plan.read(plan)
-    files = StudyFolder(out)
-    entries = [RunEntry(t.key, t.options, t.repetition) for t in tasks(made, files.path)]
+    given = plan if isinstance(plan, Plan) else Plan.read(plan)
+    files, scene_file = StudyFolder(out), load(given.scene)
+    made = settled(given, scene_file)
+    entries = [RunEntry(t.key, t.options, t.repetition) for t in tasks(made, files.path, scene_file)]
     files.create(made, entries)
     study = Study(out, scene=made.scene)
     return study.resume(processes=processes, ray=ray, on_progress=on_progress)

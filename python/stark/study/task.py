@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
 from ..scenes import SceneFileError, load
+from ..scenes.options import converted_options, option_text, rule_of
 from ..scenes.runner import end_time
-from ..scenes.scene_file import SceneFile, converted_options
-from .plan import Plan
-from .sampling import Value
+from ..scenes.scene_file import SceneFile
+from .plan import Plan, PlanError
+from .sampling import Drawn, Value
+from .sources import scene_hash
 
 #: Digits of the hash that names folders and files.
 KEY_DIGITS = 20
-
-#: Most files beside a scene file that are followed by its imports.
-_MOST_MODULES = 1000
 
 
 @dataclass(frozen=True)
@@ -47,18 +46,26 @@ class Task:
         return ", ".join(f"{name}={value}" for name, value in self.options.items()) or f"run {self.index}"
 
 
-def tasks(plan: Plan, folder: Path) -> list[Task]:
+def settled(plan: Plan, scene_file: SceneFile) -> Plan:
+    """A plan whose values have the types of the defaults of the scene: what a study is of."""
+    return replace(plan, samples=[_options(scene_file, sample) for sample in plan.samples])
+
+
+def tasks(plan: Plan, folder: Path, scene_file: SceneFile | None = None) -> list[Task]:
     """The runs of a plan in order. Raises SceneFileError or PlanError for options that the scene does not
     have."""
-    scene_file = load(plan.scene)
+    scene_file = load(plan.scene) if scene_file is None else scene_file
     until = end_time(scene_file, plan.until)
+    _refuse_taken(plan)
     source = scene_hash(scene_file)
     made: list[Task] = []
     for sample in plan.samples:
         for repetition in range(plan.repetitions):
             chosen = dict(sample)
             if plan.repetition_option:
-                chosen[plan.repetition_option] = repetition
+                name = plan.repetition_option
+                is_text = isinstance(scene_file.default_options.get(name), str)
+                chosen[name] = str(repetition) if is_text else repetition
             options = _options(scene_file, chosen)
             what = {
                 "scene": source,
@@ -91,8 +98,26 @@ def tasks(plan: Plan, folder: Path) -> list[Task]:
     return made
 
 
+def _refuse_taken(plan: Plan) -> None:
+    """The option that takes the number of the repetition must not have values of its own."""
+    name = plan.repetition_option
+    for index, sample in enumerate(plan.samples if name else []):
+        if name in sample:
+            raise PlanError(
+                f"plan: sample {index} has {name} = {sample[name]!r}, and repetition_option = '{name}' would "
+                f"replace it; leave the option out of [sampling], or name another repetition_option"
+            )
+
+
+def _described(value: Any) -> Any:
+    """What JSON cannot hold, the same in every process."""
+    if isinstance(value, (set, frozenset)):
+        return sorted(map(repr, value))
+    return re.sub(r" at 0x[0-9a-f]+", "", repr(value))
+
+
 def _digest(what: Mapping[str, Any]) -> str:
-    text = json.dumps(what, sort_keys=True, default=repr)
+    text = json.dumps(what, sort_keys=True, default=_described)
     return hashlib.sha256(text.encode()).hexdigest()[:KEY_DIGITS]
 
 
@@ -108,49 +133,25 @@ def _refuse_twins(made: list[Task]) -> None:
 
 
 def _defaults(scene_file: SceneFile) -> dict[str, Any]:
-    return dict(scene_file.module.__dict__.get("_default_options", {}))
+    return scene_file.default_options
 
 
 def _options(scene_file: SceneFile, chosen: Mapping[str, Value]) -> dict[str, Value]:
-    """As the scene's types; a number that an integer option would cut is an error."""
-    converted = converted_options(scene_file.name, _defaults(scene_file), chosen)
-    for name, value in chosen.items():
-        is_number = isinstance(value, (int, float)) and isinstance(converted[name], (int, float))
-        if is_number and converted[name] != value:
-            kind = type(converted[name]).__name__
+    """As the scene's types; lists are texts, as on the command line."""
+    defaults = _defaults(scene_file)
+    given = {
+        name: value.exact if isinstance(value, Drawn) and isinstance(defaults.get(name), float) else value
+        for name, value in chosen.items()
+    }
+    converted = converted_options(scene_file.name, defaults, given)
+    for name, value in given.items():
+        if isinstance(value, str) and isinstance(converted[name], (bool, int, float)):
+            rule = rule_of(defaults[name])
             raise SceneFileError(
-                f"scene '{scene_file.name}': option {name} = {value!r}; must be a {kind}, as its default"
+                f"scene '{scene_file.name}': option {name} = {value!r}; must be {rule}, as its default; "
+                f"write it without quotes"
             )
-    return converted
-
-
-def scene_hash(scene_file: SceneFile) -> str:
-    """SHA-256 of a scene file and of the modules beside it that it imports, directly or by way of others."""
-    path = Path(str(scene_file.module.__file__))
-    digest, done, waiting = hashlib.sha256(), set[Path](), [path]
-    while waiting and len(done) < _MOST_MODULES:
-        file = waiting.pop(0)
-        if file in done:
-            continue
-        done.add(file)
-        source = file.read_bytes()
-        digest.update(f"{file.relative_to(path.parent)}:{len(source)}:".encode())
-        digest.update(source)
-        waiting += _beside(source, path.parent)
-    return digest.hexdigest()
-
-
-def _beside(source: bytes, folder: Path) -> list[Path]:
-    """Files in the folder that a module imports."""
-    names: set[str] = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            names.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            module = node.module or ""
-            names.update([module, *(f"{module}.{alias.name}".lstrip(".") for alias in node.names)])
-    found = []
-    for name in sorted(names - {""}):
-        place = folder.joinpath(*name.split("."))
-        found += [file for file in (place.with_suffix(".py"), place / "__init__.py") if file.is_file()]
-    return found
+    return {
+        name: option_text(value) if isinstance(value, (list, tuple)) else value
+        for name, value in converted.items()
+    }

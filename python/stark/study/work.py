@@ -19,6 +19,7 @@ from ..files import printable
 from ..recording import Recording, RecordingError
 from ..recording.format import CHECKPOINT
 from ..recording.lock import FolderLock
+from ..scenes.options import option_text
 from ..scenes.resuming import read_checkpoint
 from ..scenes.runner import told
 from ..scenes.scene_file import SceneFile
@@ -67,6 +68,7 @@ def perform(task: Task, on_time: OnTime | None = None) -> dict[str, Any]:
         except KeyboardInterrupt:
             result["status"] = "interrupted"
         except Exception as error:  # code of the user may raise anything
+            result.update(reached(task, folder))
             result["status"], result["message"] = "error", told(error, task.scene)
             if isinstance(error, OSError) and error.errno in DISK_ERRORS:
                 raise  # a full disk is no property of the run
@@ -115,9 +117,32 @@ def empty_result(task: Task) -> dict[str, Any]:
     }
 
 
-def timed_out_result(task: Task) -> dict[str, Any]:
+def reached(task: Task, folder: StudyFolder) -> dict[str, Any]:
+    """How far a run got that came to no end by itself, from its telemetry; empty where it did not begin, or
+    left a recording that cannot be read."""
+    try:
+        recording = Recording(folder.run_folder(task.key))
+        if recording.status == "complete":  # of an earlier attempt, this one did not begin
+            return {}
+        steps = recording.telemetry
+        if not len(steps):
+            return {}
+        sums = {name: int(steps[name].sum()) for name in ("rejected_steps", "newton_iterations")}
+        return {
+            "simulated": float(steps["time"][-1]),
+            "steps": len(steps),
+            **sums,
+            "max_contacts": int(steps["contact_count"].max()),
+            "measured": _last_measured(recording),
+        }
+    except (RecordingError, KeyError, ValueError, OSError):
+        return {}
+
+
+def timed_out_result(task: Task, folder: StudyFolder) -> dict[str, Any]:
     """The result of a run whose process had to be killed after the time-out."""
-    return {**empty_result(task), "status": "timed_out", "message": _too_long(task)}
+    found = {**empty_result(task), **reached(task, folder)}
+    return {**found, "status": "timed_out", "message": _too_long(task)}
 
 
 def _too_long(task: Task) -> str:
@@ -183,7 +208,7 @@ def _can_go_on(task: Task, place: Path) -> bool:
         return False
     try:
         plan = (read_checkpoint(place).run or {})["plan"]
-        wanted = {name: str(value) for name, value in task.options.items()}
+        wanted = {name: option_text(value) for name, value in task.options.items()}
         same = plan["options"] == wanted and plan["until"] == task.until
         return bool(same and plan["settings"] == {**task.settings, "threads": 1})
     except (CheckpointError, KeyError, TypeError):

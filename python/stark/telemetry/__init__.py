@@ -1,8 +1,8 @@
 """Per-step telemetry: the numbers of every time step as JSON lines, with the unit of each series.
 
-One line of ``telemetry.jsonl`` is one call of ``sim.step()``. Numbers that are not finite (the minimum
-distance of a step without contacts, the residual of a failed solve) are written as ``null``, because JSON
-knows no NaN.
+One line of ``telemetry.jsonl`` is one call of ``sim.step()``. Numbers of the simulator that are not finite
+(the minimum distance of a step without contacts, the residual of a failed solve) are written as ``null``,
+because JSON knows no NaN, and read as NaN. So is NaN that users give; infinite numbers are refused.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from .._core import InvalidArgument
 from ..arguments import given_path
 from ..array_file import naming, write_atomically
 from ..files import LONGEST_LINE, open_regular
+from .given import given_numbers
 
 __all__ = ["SERIES", "Telemetry", "TelemetryError", "TelemetryWriter", "report_to_dict"]
 
@@ -139,8 +140,10 @@ class TelemetryWriter:
             os.fsync(self._file.fileno())
 
     def write(self, report: Any, **extra: float | Mapping[str, float]) -> None:
-        """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds."""
-        line = {"step": self._step, **report_to_dict(report), **_plain(extra)}
+        """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds, or
+        groups of them. Raises InvalidArgument for what is no number or infinite, and writes nothing then."""
+        line = {"step": self._step, **report_to_dict(report)}
+        line |= given_numbers(extra, {**line, "chain": ""})
         text = json.dumps(line, separators=(",", ":"), allow_nan=False)
         if self._chain is not None:
             text = self._chain.add_line(text)

@@ -125,7 +125,8 @@ class Certificate:
         """The certificate for reading, a line or two for each claim."""
         count = len(self.limits)
         limited = f", with {count} limit{'s' if count > 1 else ''}" if count else ""
-        lines = [f"{self.recording['scene']}: {self.verdict}{limited} ({self.recording['steps']} steps)"]
+        name = self.recording["scene"] or "recording"
+        lines = [f"{name}: {self.verdict}{limited} ({self.recording['steps']} steps)"]
         for claim in self.claims:
             lines.append(f"  {claim.status:14} {claim.name}: {claim.statement}{_measured(claim)}")
             if claim.detail:

@@ -185,6 +185,9 @@ class View:
     def _take_report(self, report: Any) -> None:
         self._report = report
         self._panel.add(report)
+        if self._recorder is not None and report.time < self._recorder.last_time:
+            self._message = f"the simulation went back in time; recorded in {self._recorder.folder}"
+            self._end_recording()
         if self._recorder is not None:
             self._recorder.report(report)
             if not report.failed:

@@ -203,7 +203,7 @@ def test_more_refusals() -> None:
     glue = scene.attach(cloth.vertices[0], None, name="nail")
     with pytest.raises(stark.InvalidArgument, match="the name is taken"):
         scene.attach(cloth.vertices[1], None, name="nail")
-    with pytest.raises(stark.InvalidArgument, match="forces needs a simulation"):
+    with pytest.raises(stark.InvalidArgument, match="forces need a simulation"):
         _ = glue.forces
     sim = simulate(scene)
     with pytest.raises(stark.InvalidArgument, match="must be True or False"):

@@ -314,7 +314,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "direction": (
         {"law": stark.materials.fiber_reinforced, "start": {}, "fixed": {}},
-        "'fiber_direction' [1] is made of 3 numbers, which are not fitted: must be in fixed",
+        "'fiber_direction' is made of 3 numbers, which are not fitted: must be in fixed",
     ),
     "values of elements": (
         {"law": stark.materials.soft_rubber.replace(youngs_modulus=[1e4, 2e4]), "start": {}, "fixed": {}},

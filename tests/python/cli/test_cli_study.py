@@ -37,7 +37,8 @@ def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_run_status_resume(plan: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert command("study", "run", "fall.toml", "--processes", 1) == 0
-    assert capsys.readouterr() == (f"fall: 2 complete\n  {plan.parent}/out/fall/table.csv\n", "")
+    table = f"{plan.parent}/out/fall/table.csv"
+    assert capsys.readouterr() == (f"fall: 2 complete\n  made 2, kept 0 of before\n  {table}\n", "")
     assert command("study", "resume", "out/fall", "--quiet") == 0
     assert capsys.readouterr() == ("", "")
     assert command("study", "status", "out/fall") == 0
@@ -57,6 +58,46 @@ def test_failures_end_with_1_and_are_told_without_escapes(
     )
     assert command("study", "status", "here") == 0
     assert "  run 1 error: ValueError: a bad scene" in capsys.readouterr().out
+
+
+def test_what_was_kept_and_what_the_table_lacks_is_told(
+    plan: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A longer plan keeps results; a shorter one keeps them in the folder."""
+    whole = plan.read_text()
+    told = []
+    for text in (whole, whole.replace("[1.0, 2.0]", "[1.0, 2.0, 3.0]"), whole.replace("[1.0, 2.0]", "[3.0]")):
+        plan.write_text(text)
+        assert command("study", "run", "fall.toml", "--processes", 1) == 0
+        told.append(capsys.readouterr().out.splitlines()[:-1])
+    others = "  2 results in the folder of other plans, scene files or versions of Stark: not in the table"
+    assert told == [
+        ["fall: 2 complete", "  made 2, kept 0 of before"],
+        ["fall: 3 complete", "  made 1, kept 2 of before"],
+        ["fall: 1 complete", "  made 0, kept 1 of before", others],
+    ]
+    assert command("study", "status", "out/fall") == 0
+    assert others in capsys.readouterr().out
+    plan.write_text(whole)
+    assert command("study", "run", "fall.toml") == 0
+    assert "made 0, kept 2 of before" in capsys.readouterr().out
+
+
+def test_plans_and_files_are_no_study_folders(plan: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command("study", "run", "fall.toml", "--processes", 1, "--quiet") == 0
+    for action in ("resume", "status", "show"):
+        for given, message in (
+            ("fall.toml", "if it is a plan, make or go on with its study by stark study run"),
+            ("out/fall/study.json", f"give its folder, '{plan.parent}/out/fall'"),
+            ("fall.py", "is a file, not the folder of a study"),
+        ):
+            assert command("study", action, given) == 2
+            assert message in capsys.readouterr().err
+    (plan.parent / "out/fall/study.json").write_text("{")
+    assert command("study", "resume", "out/fall") == 2
+    assert "anew, which keeps results: stark study run PLAN.toml --out" in capsys.readouterr().err
+    assert command("study", "run", "fall.toml") == 0
+    assert "made 0, kept 2 of before" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

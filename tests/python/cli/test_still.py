@@ -76,3 +76,26 @@ def test_a_still_shows_a_recorded_field(tmp_path: Path, capsys) -> None:  # type
     assert "must be two numbers" in capsys.readouterr().err
     assert command("still", run, *SMALL, "--contacts", "--out", file) == 2
     assert "the recording has none" in capsys.readouterr().err
+
+
+def test_times_that_the_recording_does_not_have_are_told(tmp_path: Path, capsys) -> None:  # type: ignore[no-untyped-def]
+    run, file = tmp_path / "run", tmp_path / "a.png"
+    record(run, 3)
+    told = "the recording has frames from 0 s to 0.1 s, the nearest of them is taken"
+    for words in (
+        ("still", run, *SMALL, "--out", file),
+        ("export", run, "--format", "obj", "--out", tmp_path),
+    ):
+        for time in ("99", "-1"):
+            assert command(*words, f"--time={time}") == 0
+            assert f"--time {time}: {told} for {time} s" in capsys.readouterr().err
+        assert command(*words, "--time=nan") == 2
+        assert "time = nan: must be a time" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [("--speed", "0"), ("--speed=-1",), ("--fps", "nan"), ("--out", "a.xyz")])
+def test_films_that_cannot_be_are_one_line_and_2(tmp_path: Path, capsys, words) -> None:  # type: ignore[no-untyped-def]
+    record(tmp_path / "run", 1)
+    assert command("video", tmp_path / "run", "--size", "80x45", *words) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and err.startswith("stark: write_video: ")

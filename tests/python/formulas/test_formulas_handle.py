@@ -155,7 +155,7 @@ def test_unknown_names_and_missing_simulations() -> None:
         _ = pull.stifness
     with pytest.raises(KeyError, match="its parameters are"):
         pull.parameters["stifness"]
-    with pytest.raises(InvalidArgument, match="forces needs a simulation"):
+    with pytest.raises(InvalidArgument, match="forces need a simulation"):
         _ = pull.forces
     assert {"target", "stiffness", "forces"} <= set(dir(pull))
     assert repr(pull) == "<stark.Energy 'anchor' on 9 elements>"

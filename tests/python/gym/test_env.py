@@ -178,7 +178,7 @@ def test_what_a_task_gets_wrong_is_named() -> None:
         with pytest.raises((TaskError, ValueError), match=r"finite numbers|could not convert"):
             env.step(np.array(action))
     task.rewarded = np.nan
-    with pytest.raises(TaskError, match="reward = nan"):
+    with pytest.raises(TaskError, match=r"reward\(\) = nan: must be a finite number"):
         env.step(np.zeros(1))
     task.observed = (0.0, np.nan)
     with pytest.raises(TaskError, match="1 numbers not finite"):

@@ -34,6 +34,7 @@ def test_a_good_one_passes() -> None:
         {"until": -1.0},
         {"until": float("inf")},
         {"settle": float("nan")},
+        {"settle": -1.0},
         {"action_space": Discrete(3)},
         {"observation_space": None},
     ],

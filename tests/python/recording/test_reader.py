@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fake_simulation import FakeSimulation, record
 
+from stark.errors import StarkWarning
 from stark.recording import Recording, RecordingError
 
 
@@ -97,3 +99,17 @@ def test_unknown_bodies_and_frames(tmp_path: Path) -> None:
         run.positions("clot")
     with pytest.raises(RecordingError, match="has 3 frames, no frame 3"):
         run.frame(3)
+
+
+def test_a_still_says_where_the_recording_does_not_have_its_time(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", 3)
+    for time in (99.0, -1.0):
+        with pytest.warns(StarkWarning, match=r"frames from 0 s to 0\.1 s, the nearest .* for (99|-1) s"):
+            run.still(time, width=32, height=24)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for time in (0.0, 0.05, 0.1, math.inf):
+            run.still(time, width=32, height=24)
+    for call in (run.nearest, run.still):
+        with pytest.raises(RecordingError, match=r"time = nan: must be a time \[s\]; it has frames from 0 s"):
+            call(math.nan)

@@ -265,3 +265,21 @@ def test_arguments_are_checked(tmp_path: Path) -> None:
     with pytest.raises(stark.InvalidArgument, match="give one of them"):
         stark.study.run(plan, tmp_path / "out", processes=1, ray="auto")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_raises_says_how_far_it_got(tmp_path: Path) -> None:
+    """And so does one whose process dies."""
+    plan = write_study(tmp_path, grid(label='["raise", "die"]'), "[limits]\nretries = 0\n")
+    text = (tmp_path / "fall.py").read_text()
+    bad = """
+    if sim.time > 0.035 and options["label"] == "raise":
+        raise ValueError("enough")
+    if sim.time > 0.035 and options["label"] == "die":
+        os.kill(os.getpid(), 9)
+"""
+    (tmp_path / "fall.py").write_text(text.replace("def drive(sim):", "def drive(sim):" + bad))
+    raised, died = stark.study.run(plan, tmp_path / "out", processes=1).rows()
+    assert (raised["status"], died["status"]) == ("error", "crashed")
+    for row in (raised, died):
+        assert row["steps"] == 4 and row["simulated"] == pytest.approx(0.04)
+        assert row["newton_iterations"] > 0 and row["measured.height"] < 1.0

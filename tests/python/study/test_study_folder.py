@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import shutil
 from collections.abc import Callable
@@ -10,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from _studies import grid, write_study
+from _studies import FALL, grid, write_study
 
 import stark
 from stark.array_file import WriteError
 from stark.recording import RecordingError
 from stark.recording.lock import FolderLock
-from stark.study import Study, StudyError
+from stark.study import Plan, Study, StudyError
 from stark.study.folder import LARGEST_RESULT
 
 
@@ -162,3 +163,15 @@ def test_a_study_has_one_writer(folder: Path, made: Path) -> None:
     assert (folder / "study.json").read_bytes() == before
     lock.release()
     assert stark.study.resume(folder).counts() == {"complete": 2}
+
+
+def test_results_are_standard_json_and_nan_comes_back(tmp_path: Path) -> None:
+    def refuse(word: str) -> float:
+        raise AssertionError(word)
+
+    (tmp_path / "fall.py").write_text(FALL.replace('{"fallen": ', '{"none": float("nan"), "fallen": '))
+    plan = Plan(str(tmp_path / "fall.py"), [{}])
+    study = stark.study.run(plan, tmp_path / "study", processes=1)
+    text = next((tmp_path / "study/results").iterdir()).read_text()
+    assert json.loads(text, parse_constant=refuse)["observables"]["none"] is None
+    assert math.isnan(study.rows()[0]["observables.none"])

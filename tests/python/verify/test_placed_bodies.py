@@ -138,7 +138,7 @@ def test_a_run_of_a_scene_file_places_bodies_and_is_resumed_with_the_same_states
 
 def test_measurements_place_nothing(tmp_path: Path) -> None:
     sim = simulated()
-    with sim._held_still("measure(sim)", "read only"):
+    with sim._held_still("measure(sim) of the scene", "read only"):
         with pytest.raises(stark.InvalidArgument, match=r"measure\(sim\) of the scene uses .*position"):
             sim["box"].position = (0, 0, 1)
         with pytest.raises(stark.InvalidArgument, match="placing"), sim.placing():

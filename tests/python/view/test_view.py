@@ -144,6 +144,17 @@ def test_a_recording_is_a_run_folder_and_names_are_not_taken_twice(view: Any, tm
     assert (tmp_path / "jelly.png").stat().st_size > 1000
 
 
+def test_a_program_that_rewinds_ends_the_recording_of_the_page(view: Any, tmp_path: Path) -> None:
+    view.paused = False
+    view._toggle_recording()
+    view.run(0.03, stay=False)
+    view._sim.reset()
+    view.update(view._sim.step())
+    recording = stark.recording.Recording(tmp_path / "run")
+    assert len(recording) == 4 and recording.status == "complete"
+    assert "went back in time" in view._message
+
+
 def test_the_page_is_served_to_this_machine_only(view: Any) -> None:
     assert view.url.startswith("http://127.0.0.1:")
     with urllib.request.urlopen(view.url, timeout=10.0) as answer:
