@@ -234,6 +234,7 @@ void bind_actuators_and_attachments(nb::class_<Simulation>& c) {
       .def("attachment_status", with_arrays<&Simulation::attachment_status>, "attachment"_a,
            "By pair: 1 held, 0 released, -1 broken.")
       .def("set_attachment_enabled", &Simulation::set_attachment_enabled, "attachment"_a, "enabled"_a)
+      .def("check_attachment_agrees", &Simulation::check_attachment_agrees, "attachment"_a)
       .def_prop_ro("skin_count", count_of<&Scene::skins>)
       .def_prop_ro("fibres_count", [](const Simulation& s) { return s.scene().fibres().size(); })
       .def("fibre_frames", with_arrays<kFrames<FibresId>>, "fibres"_a,

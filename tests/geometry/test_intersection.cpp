@@ -128,6 +128,14 @@ TEST_CASE("segment-triangle equals the clipped-line oracle on lattice configurat
   CHECK(hits > 10000);
 }
 
+TEST_CASE("a long edge meets a triangle where it crosses it, in its plane in the middle of what they share") {
+  const Vec3 a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0};
+  CHECK(norm(meeting_point({0.2, 0.3, -1}, {0.2, 0.3, 99}, a, b, c) - Vec3{0.2, 0.3, 0}) < 1e-14);
+  CHECK(norm(meeting_point({-1, 0.5, 0}, {20, 0.5, 0}, a, b, c) - Vec3{0.25, 0.5, 0}) < 1e-14);
+  CHECK(norm(meeting_point({0.1, 0.1, 0}, {0.1, 0.1, 5}, a, b, c) - Vec3{0.1, 0.1, 0}) < 1e-14);
+  CHECK(norm(meeting_point({1, 0, 0}, {9, 0, 0}, a, b, c) - Vec3{1, 0, 0}) < 1e-14);  // at a corner
+}
+
 TEST_CASE("point location in a torus agrees with the analytic one away from the facets") {
   const TriangleMesh torus = make_torus(1.0, 0.4, 64, 64);
   RandomPoints random(23);

@@ -65,6 +65,11 @@ TEST_CASE("attachments of nothing, of other counts and of patches without area a
   given = on_patch(parts);
   given.break_force = -1.0;
   refused(given, "break_force = -1 N: must be > 0");
+  const PointSet corner = vertex_points(parts.cloth, {4}), inside = body_points(parts.box, {{0, 0, 0.01}});
+  refused({.a = corner, .b = {corner}}, "pair 0 attaches 'sheet' to itself, at vertex 4");
+  refused({.a = corner, .patch_body = parts.cloth, .patches = {{4, 1, 3}}}, "'sheet' to itself, at vertex 4");
+  refused({.a = corner, .b = {embedded_points(parts.cloth, {{4, 1, 3, 3}}, {{1, 0, 0, 0}})}}, "to itself");
+  refused({.a = inside, .b = {body_points(parts.box, {{0, 0, 0.05}})}}, "to itself, at one rigid body");
   refused({.a = world_points({{0, 0, 0}}), .b = {world_points({{0, 0, 0}})}}, "both sides are of the world");
   CHECK(parts.scene.attachments().empty());
 }

@@ -61,7 +61,8 @@ class Attachment(Handle, KnownAttributes):
     @property
     def enabled(self) -> bool:
         """Whether it holds what is not broken; assign False to release it and True to hold it again, from the
-        next step on. What is apart by then is pulled together at once."""
+        next step on, but for broken pairs. Raises InvalidArgument where pairs are elsewhere by then
+        than where they were attached."""
         if self._newest() is None:
             return bool(self._given["enabled"])
         return not bool((self._require_simulation("enabled")._core.attachment_status(self._index) == 0).any())
@@ -70,7 +71,16 @@ class Attachment(Handle, KnownAttributes):
     def enabled(self, value: bool) -> None:
         if not isinstance(value, (bool, np.bool_)):
             raise InvalidArgument(f"attachment '{self.name}': enabled = {value!r}: must be True or False")
-        self._require_simulation("enabled")._core.set_attachment_enabled(self._index, bool(value))
+        core = self._require_simulation("enabled")._core
+        if value:
+            core.check_attachment_agrees(self._index)
+        core.set_attachment_enabled(self._index, bool(value))
+
+    def pull_together(self) -> None:
+        """Holds its pairs again wherever they are, but for broken ones: the next step brings them to where
+        they were attached, as seen from what carries them, at the speed of the way over the time step, with
+        the energy of that, which comes from nowhere."""
+        self._require_simulation("pull_together")._core.set_attachment_enabled(self._index, True)
 
     def __len__(self) -> int:
         """Number of pairs."""

@@ -175,10 +175,7 @@ ClosestPoints IntersectionFinder::closest_points(std::span<const Vec3> x, int32_
   if (const auto meeting = intersections(x, filter, pool); !meeting.empty()) {
     const Index2& edge = mesh.edges[meeting.front().edge];
     const Index3& t = mesh.triangles[meeting.front().triangle];
-    const Vec3 n = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
-    const double h0 = dot(n, x[edge[0]] - x[t[0]]), h1 = dot(n, x[edge[1]] - x[t[0]]);
-    const double share = h0 == h1 ? 0.5 : h0 / (h0 - h1);
-    const Vec3 place = x[edge[0]] + (x[edge[1]] - x[edge[0]]) * share;
+    const Vec3 place = meeting_point(x[edge[0]], x[edge[1]], x[t[0]], x[t[1]], x[t[2]]);
     return {0.0, place, place};
   }
   Bounds bounds[2];

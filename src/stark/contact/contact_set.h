@@ -67,6 +67,13 @@ inline Vec3 gap_vector(const Contact& contact, std::span<const Vec3> x) {
   return sum;
 }
 
+/// The closest point of side A, at site positions x [m].
+inline Vec3 place_on_a(const Contact& contact, std::span<const Vec3> x) {
+  Vec3 sum;
+  for (int p = 0; p < contact.side_a_count; ++p) sum += x[contact.sites[p]] * contact.weights[p];
+  return sum;
+}
+
 /// Number of an unordered pair of groups.
 int64_t group_code(int32_t group_a, int32_t group_b);
 /// The groups of a number, the smaller one first.

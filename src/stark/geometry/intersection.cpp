@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace stark {
 
@@ -175,6 +176,22 @@ bool segment_intersects_triangle(const Vec3& p, const Vec3& q, const Vec3& a, co
   if (ab * bc < 0) return false;
   const int ca = orient3d(p, q, c, a);
   return !(ab * ca < 0 || bc * ca < 0);
+}
+
+Vec3 meeting_point(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = cross(b - a, c - a), d = q - p;
+  const double height_p = dot(n, p - a), height_q = dot(n, q - a);
+  const int side_p = orient3d(a, b, c, p), side_q = orient3d(a, b, c, q);
+  if ((side_p != 0 || side_q != 0) && height_p != height_q)
+    return p + d * std::clamp(height_p / (height_p - height_q), 0.0, 1.0);
+  double low = 0.0, high = 1.0;  // of the segment, cut by the planes across the edges
+  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+    const Vec3 inward = cross(n, to - from);
+    const double at = dot(inward, p - from), rate = dot(inward, d);
+    if (rate > 0.0) low = std::max(low, -at / rate);
+    if (rate < 0.0) high = std::min(high, -at / rate);
+  }
+  return p + d * std::clamp(0.5 * (low + high), 0.0, 1.0);
 }
 
 PointLocation locate_point(const Vec3& p, std::span<const Vec3> vertices, std::span<const Index3> triangles) {

@@ -23,6 +23,10 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// conservative: true when the projections onto all three coordinate planes overlap.
 bool segment_intersects_triangle(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c);
 
+/// Where a segment meets a triangle, up to rounding: in the middle of what they share where it lies in the
+/// plane of the triangle. A point of the segment, wherever the triangle is.
+Vec3 meeting_point(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c);
+
 enum class PointLocation : uint8_t { Outside, Inside, OnSurface };
 
 /// Location of p relative to the volume enclosed by a closed triangle mesh, by the parity of crossings along

@@ -358,6 +358,7 @@ class Scene {
   /// Owner of messages about a layer, which gets a name where it has none.
   std::string name_layer(const std::string& kind, BodyId body, std::string& name);
   void check_points(const std::string& owner, const PointSet& points) const;
+  void check_not_itself(const std::string& owner, const AttachmentDescription& attachment) const;
   void check_patches(const std::string& owner, const AttachmentDescription& attachment) const;
   void check_frame(const std::string& owner, const FrameDescription& frame) const;
   Pair ordered(BodyId a, BodyId b) const;

@@ -1,5 +1,6 @@
 // Scene: checks of attachments.
 #include <algorithm>
+#include <map>
 
 #include <stark/base/error.h>
 #include <stark/sim/scene.h>
@@ -17,7 +18,51 @@ void check_is_points(const std::string& owner, const PointSet& points) {
     throw InvalidArgument(owner + ": directions cannot be attached: must be points");
 }
 
+/// What a point follows: vertices of a body with their weights, or the frame of a rigid body or a node.
+struct Support {
+  int32_t body = -1;
+  bool is_frame = false;
+  std::map<int32_t, double> vertices{};  ///< of a frame: the node, -1 of a rigid body
+  bool operator==(const Support&) const = default;
+};
+
+Support support_of(const PointSet& points, int64_t k, bool has_frames) {
+  if (points.kind == PointKind::WorldPoints) return {};
+  Support support{points.body.index, has_frames || points.kind == PointKind::BodyPoints};
+  if (points.kind == PointKind::BodyPoints) support.vertices[points.node] = 1.0;
+  if (points.kind == PointKind::Vertices) support.vertices[points.vertices[k]] = 1.0;
+  for (size_t i = 0; points.kind == PointKind::Embedded && i < 4; ++i)
+    if (points.weights[k][i] != 0.0) support.vertices[points.supports[k][i]] += points.weights[k][i];
+  return support;
+}
+
 }  // namespace
+
+void Scene::check_not_itself(const std::string& owner, const AttachmentDescription& attachment) const {
+  const auto supports = [&](const PointSet& points, std::vector<Support>& out) {
+    const bool has_frames = points.kind != PointKind::WorldPoints && has_nodes(kind(points.body));
+    for (int64_t k = 0; k < points.size(); ++k) out.push_back(support_of(points, k, has_frames));
+  };
+  std::vector<Support> a, b;
+  supports(attachment.a, a);
+  for (const PointSet& points : attachment.b) supports(points, b);
+  for (size_t pair = 0; pair < a.size(); ++pair) {
+    if (a[pair].body < 0) continue;
+    bool is_same = !b.empty() && a[pair] == b[pair];
+    if (!attachment.patches.empty() && a[pair].body == attachment.patch_body.index && !a[pair].is_frame)
+      is_same = std::ranges::all_of(a[pair].vertices, [&](const auto& entry) {
+        return std::ranges::find(attachment.patches[pair], entry.first) != attachment.patches[pair].end();
+      });
+    if (!is_same) continue;
+    const std::string what = a[pair].is_frame && a[pair].vertices.begin()->first < 0
+                                 ? "one rigid body"
+                                 : std::string(a[pair].is_frame ? "node " : "vertex ") +
+                                       std::to_string(a[pair].vertices.begin()->first);
+    throw InvalidArgument(owner + ": pair " + std::to_string(pair) + " attaches '" + name(attachment.a.body) +
+                          "' to itself, at " + what +
+                          ": must be points that can move against each other; leave the pair out");
+  }
+}
 
 void Scene::check_patches(const std::string& owner, const AttachmentDescription& attachment) const {
   const BodyId body = attachment.patch_body;
@@ -67,6 +112,7 @@ AttachmentId Scene::add_attachment(AttachmentDescription attachment) {
     throw InvalidArgument(owner + ": " + std::to_string(attachment.size()) + " points on " +
                           std::to_string(carriers) +
                           " points or patches: must be as many, of one of the two kinds");
+  check_not_itself(owner, attachment);
   if (!has_body)
     throw InvalidArgument(owner + ": both sides are of the world: at least one must be of a body");
   if (!(attachment.break_force > 0.0))

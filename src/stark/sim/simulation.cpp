@@ -8,6 +8,7 @@
 
 #include <stark/base/error.h>
 #include <stark/base/rotation.h>
+#include <stark/geometry/intersection.h>
 #include <stark/sim/contact_distance.h>
 #include <stark/sim/script_phase.h>
 #include <stark/sim/validation.h>
@@ -134,7 +135,9 @@ void Simulation::check_clear(std::span<const Vec3> x, const std::string& when) c
   const auto intersections = intersections_->intersections(x, contact_->filter(), *pool_);
   if (!intersections.empty()) {
     const auto& first = intersections.front();
-    const Vec3 where = (x[surface_mesh_.edges[first.edge][0]] + x[surface_mesh_.edges[first.edge][1]]) * 0.5;
+    const Index2& edge = surface_mesh_.edges[first.edge];
+    const Index3& t = surface_mesh_.triangles[first.triangle];
+    const Vec3 where = meeting_point(x[edge[0]], x[edge[1]], x[t[0]], x[t[1]], x[t[2]]);
     throw InitialIntersection(name(surface_mesh_.edge_group[first.edge]) + " and " +
                               name(surface_mesh_.triangle_group[first.triangle]) + " intersect " + when +
                               " at " + std::to_string(intersections.size()) +
@@ -167,7 +170,7 @@ void Simulation::check_initial_state() const {
       contacts, {}, [](const Contact& c) { return c.distance / c.contact_distance; });
   if (nearest != contacts.end() && is_touching(*nearest, x))
     throw InitialIntersection(name(nearest->group_a) + " and " + name(nearest->group_b) +
-                              " touch at time 0 near " + point_text(x[nearest->sites[0]]) +
+                              " touch at time 0 near " + point_text(place_on_a(*nearest, x)) +
                               ", their distance is " + rough_text(nearest->distance, "m") +
                               "; move them apart, or disable contact between them");
 }

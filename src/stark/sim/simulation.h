@@ -169,6 +169,9 @@ class Simulation {
   void set_surface_motion(BodyId body, const Vec3& velocity, const Vec3& spin);
   SurfaceMotion surface_motion(BodyId body) const;
 
+  /// InvalidArgument where released pairs of an attachment are away from where they were at time 0: held
+  /// again, they would be thrown there.
+  void check_attachment_agrees(AttachmentId attachment) const;
   /// Releases an attachment, or holds it again from the next step on; broken pairs stay broken.
   void set_attachment_enabled(AttachmentId attachment, bool enabled);
   /// By pair: 1 held, 0 released, -1 broken.

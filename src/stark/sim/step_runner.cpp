@@ -432,7 +432,13 @@ Diagnosis StepRunner::diagnose() {
     evidence.joints_held =
         !is_pulled && joints_.violation_text(step_start_, [](int32_t) { return true; }).empty();
   }
-  return judge(std::move(evidence), settings_);
+  Diagnosis diagnosis = judge(std::move(evidence), settings_);
+  const std::string start = joints_.violation_text(step_start_, [](int32_t) { return true; });
+  if (!start.empty()) {
+    diagnosis.finding += "; when the step began, " + start;
+    diagnosis.remedy = "bring both sides together before they are held; " + diagnosis.remedy;
+  }
+  return diagnosis;
 }
 
 std::vector<Mat3> StepRunner::natural_stiffness(const Configuration& start) {

@@ -189,12 +189,17 @@ def test_refusals(options: dict[str, object], message: str) -> None:
 def test_more_refusals() -> None:
     scene = stark.Scene()
     cloth = scene.add_cloth(stark.mesh.grid(0.1, 0.1, cells=2), LIGHT, name="sheet")
+    line = stark.mesh.polyline((0.0, 0.0, 1.0), (0.3, 0.0, 1.0), segments=2)
+    rod = scene.add_rod(line, stark.RodMaterial(radius=2e-3, youngs_modulus=1e7), name="string")
     other = stark.Scene().add_box(0.1, mass=1.0, name="stranger")
     for a, b, message in [
         (cloth.vertices, other, "'stranger' belongs to another scene"),
         (3.0, cloth, "side a = 3.0: must be a body or points"),
         (cloth.vertices, cloth, "both sides are 'sheet'"),
         (cloth.vertices, cloth.vertices[:2], "9 points on 2 points: must be as many, or one"),
+        (cloth.vertices[[0, 1]], cloth.vertices[[0, 1]], "pair 0 attaches 'sheet' to itself, at vertex 0"),
+        (cloth.vertices[:3], cloth.vertices[0], "attaches 'sheet' to itself"),
+        (rod.vertices[1], rod, "pair 0 attaches 'string' to itself, at node 1"),
         (stark.world_points((0, 0, 0)), None, "both sides are of the world"),
         (cloth.vertices[0], stark.world_points((0, 0, 1)), "points of the world are up to"),
     ]:

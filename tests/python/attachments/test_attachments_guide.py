@@ -14,12 +14,15 @@ GUIDE = Path(__file__).resolve().parents[3] / "docs/attachments.md"
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block.replace("until=0.3", "until=0.05"), str(GUIDE), "exec"), names)
     assert len(capsys.readouterr().out.splitlines()) == 5
     assert names["pull"] == pytest.approx(0.5 * 9.81, rel=1e-3)  # lifted at constant speed
+    ends = [names[side].positions[names["sides"]] for side in ("front", "back")]  # type: ignore[attr-defined, index]
+    assert abs(ends[0] - ends[1]).max() < 1e-6
+    assert names["worn"].caveats == [] and abs(names["seams"].forces).max() > 0.0  # type: ignore[attr-defined]
     falling = names["run"]
     falling.run_until(0.7)  # type: ignore[attr-defined]
     assert names["box"].velocity[2] < -0.5  # type: ignore[attr-defined]

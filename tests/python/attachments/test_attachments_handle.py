@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import stark
 
@@ -88,9 +89,52 @@ def test_release_and_hold_again() -> None:
     glue.enabled = False
     run(sim, 1)
     assert not glue.enabled and not glue.forces.any() and box.position[2] < -1e-4
-    glue.enabled = True
+    before = sim.state
+    refusal = r"'attachment': 1 of 1 released pairs .* pair 0 by 0\.000981 m: .* 1e-06 m .*pull_together\(\)"
+    with pytest.raises(stark.InvalidArgument, match=refusal):
+        glue.enabled = True
+    assert not glue.enabled and sim.state == before
+    glue.pull_together()
+    assert glue.enabled
     run(sim, 3)
     assert abs(box.position[2]) < 1e-6
+    glue.enabled = False
+    glue.enabled = True  # where it is at its place
+    glue.enabled = True  # held already: nothing to refuse
+    run(sim, 1)
+
+
+def test_a_step_that_pulls_too_far_names_the_attachment() -> None:
+    """A box that has turned by a quarter radian is more than two iterations away from where it is to be."""
+    scene = stark.Scene()
+    box = scene.add_box(0.1, mass=1.0, angular_velocity=(3.0, 4.0, 0.0))
+    corners = box.points([(0.05, 0.0, 0.0), (0.0, 0.05, 0.0), (0.0, 0.0, 0.05)])
+    glue = scene.attach(corners, None, enabled=False, name="weld")
+    sim = simulate(scene, **{"newton.max_iterations": 2})
+    run(sim, 5)
+    glue.pull_together()
+    report = sim.step()
+    assert report.failed
+    assert "when the step began, attachment 'weld', pair " in report.message
+    assert "bring both sides together before they are held" in report.message
+
+
+def test_pulled_together_attachments_go_on_from_a_checkpoint_bit_for_bit() -> None:
+    def falling() -> tuple[stark.Simulation, stark.Attachment]:
+        scene = stark.Scene()
+        box = scene.add_box(0.1, mass=1.0)
+        glue = scene.attach(box.points((0.02, 0.0, 0.0)), None, enabled=False)
+        return simulate(scene), glue
+
+    sim, glue = falling()
+    run(sim, 2)
+    glue.pull_together()
+    state = sim.state
+    run(sim, 3)
+    other, _ = falling()
+    other.state = state
+    run(other, 3)
+    assert other.state.first_difference(sim.state) == ""
 
 
 def peeled(threads: int = 1) -> tuple[stark.Scene, stark.Simulation]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
+import numpy as np
 import pytest
 from verify._recorded_runs import record
 
@@ -81,3 +83,33 @@ def test_certificates_name_them(tmp_path: Any) -> None:
     run = record(tmp_path / "run", scene, 2, time_step=0.01, gravity=(0, 0, 0))
     pair = {"bodies": ["link 0", "link 1"], "reason": "excluded by the scene"}
     assert verify(run).recording["excluded_pairs"] == [pair]
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "place", "radius"),
+    [
+        ({"size": (1.6, 0.02, 0.02)}, (-0.3, 0.0, 0.012), 0.005),  # long edges
+        ({"size": (2.0, 2.0, 0.1)}, (0.7, -0.6, 0.05), 0.02),  # large triangles
+    ],
+)
+def test_where_bodies_intersect_is_said_to_a_radius(
+    obstacle: dict[str, object], place: tuple[float, float, float], radius: float
+) -> None:
+    scene = stark.Scene()
+    scene.add_box(motion="fixed", name="obstacle", **obstacle)  # type: ignore[arg-type]
+    scene.add_sphere(radius, mass=0.01, position=place, name="bead")
+    with pytest.raises(stark.InitialIntersection, match="the first near") as error:
+        stark.Simulation(scene)
+    numbers = re.search(r"the first near \((.*?)\) m", str(error.value)).group(1).split(", ")  # type: ignore[union-attr]
+    assert np.linalg.norm(np.array(numbers, dtype=float) - place) < 1.05 * radius
+
+
+def test_where_crossing_edges_touch_is_where_they_are_near() -> None:
+    """Two triangles whose long edges cross, 1e-13 m apart: not at the ends of the edges."""
+    scene = stark.Scene()
+    lower = stark.TriangleMesh([(-1.0, 0.0, 0.0), (3.0, 0.0, 0.0), (1.0, 0.0, -1.0)], [(0, 1, 2)])
+    upper = stark.TriangleMesh([(0.0, -1.0, 1e-13), (0.0, 5.0, 1e-13), (0.0, 2.0, 1.0)], [(0, 1, 2)])
+    scene.add_cloth(lower, rest_angles="mesh", name="lower")
+    scene.add_cloth(upper, rest_angles="mesh", name="upper")
+    with pytest.raises(stark.InitialIntersection, match=r"touch at time 0 near \(0, 0, "):
+        stark.Simulation(scene, contact_distance=1e-3)

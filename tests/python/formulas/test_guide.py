@@ -12,12 +12,13 @@ GUIDE = Path(__file__).resolve().parents[3] / "docs/energies.md"
 
 def test_the_code_of_the_guide_runs(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 7
+    assert len(blocks) == 8
     names: dict[str, object] = {}
     for block in blocks:
         shortened = block.replace("until=1.0", "until=0.05")
         exec(compile(shortened, str(GUIDE), "exec"), names)
     assert list(names["pull"].center) == [0.1, 0.0, 0.3]  # type: ignore[attr-defined]
+    assert len(names["line"]) == 4 and names["bend"].fold > 0.0  # type: ignore[arg-type, attr-defined]
     assert names["rubber"].c10 == 3e4  # type: ignore[attr-defined]
     assert 500.0 < names["air"].pressure < 1490.0  # the gas expands  # type: ignore[attr-defined]
     printed = capsys.readouterr().out

@@ -133,3 +133,37 @@ def test_wheels_roll_short_by_what_the_guide_says(integrator: str) -> None:
     for step in (1e-2, 5e-3):
         short, turn = short_by(0.5, step, integrator, stick_velocity=1e-4)
         assert 0.0 < short - turn**2 / 6 < 8e-4
+
+
+def feed(radius: float, distance: float) -> float:
+    """Speed [m/s] of a cloth between two rollers that turn by 2 rad/s, pressed to 0.8 of the sum of the
+    contact distances [m]."""
+    scene = stark.Scene()
+    scene.default_friction = 0.6
+    along = stark.rotation(axis="x", angle=90 * stark.deg)
+    for sign in (1.0, -1.0):
+        start, end = (0, 0, sign * (radius + 1.05 * distance)), (0, 0, sign * (radius + 0.8 * distance))
+        roller = scene.add_cylinder(
+            radius, 0.06, segments=128, motion="scripted", rotation=along, position=start
+        )
+        roller.follow(
+            position=stark.motion.linear([0.0, 0.1], [start, end]),
+            rotation=lambda t, s=sign: stark.rotation(axis="y", angle=2.0 * s * t) @ along,
+        )
+    web = stark.mesh.grid(0.12, 0.04, cells=(64, 4))
+    cloth = scene.add_cloth(web, stark.materials.cotton, contact_distance=distance / 2, self_contact=False)
+    settings = {"contact.distance": distance / 2, "contact.stiffness": 1e4}
+    sim = stark.Simulation(scene, time_step=5e-3, gravity=(0, 0, 0), **settings)
+    sim.run_until(0.2)
+    before = cloth.positions[:, 0].mean()
+    sim.run_until(0.3)
+    return abs(cloth.positions[:, 0].mean() - before) / 0.1
+
+
+def test_cloth_between_rollers_goes_faster_by_the_contact_distance_over_the_radius() -> None:
+    """docs/friction.md: v/(w R) - 1 is between g/R and (2 d - g)/R; rollers whose mesh is smaller by the
+    contact distance feed as the true ones."""
+    for distance in (1e-3, 0.2e-3):
+        excess = feed(0.03, distance) / (2.0 * 0.03) - 1.0
+        assert 0.8 * distance / 0.03 < excess < 1.2 * distance / 0.03 + 5e-4
+    assert feed(0.029, 1e-3) == pytest.approx(2.0 * 0.03, rel=2e-3)
