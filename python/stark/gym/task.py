@@ -132,10 +132,10 @@ class FileTask(Task):
         return self._file.module.observe(sim)
 
     def reward(self, sim: Any, action: Floats) -> float:
-        return self._file.module.reward(sim, action)  # type: ignore[no-any-return]
+        return self._file.module.reward(sim, action)
 
     def done(self, sim: Any) -> bool:
-        return self._optional("done", False, sim)  # type: ignore[no-any-return]
+        return self._optional("done", False, sim)
 
     def info(self, sim: Any) -> dict[str, Any]:
         return self._file.measure(sim)

@@ -20,7 +20,8 @@ from ..files import resolved
 from ..recording import Recorder, Recording
 from ..recording.format import CHECKPOINT
 from ..steps import OnProgress, limit_of_step, reached
-from .scene_file import SceneFile, SceneFileError, load
+from .options import SceneFileError
+from .scene_file import SceneFile, load
 
 #: An interrupted run still gets its replay page when its recording is smaller than this.
 _QUICK_PAGE_BYTES = 20e6

@@ -141,7 +141,7 @@ class TelemetryWriter:
 
     def write(self, report: Any, **extra: float | Mapping[str, float]) -> None:
         """Adds one step; ``extra`` holds further numbers in SI units, for example ``wall`` seconds, or
-        groups of them. Raises InvalidArgument for what is no number or infinite, and writes nothing then."""
+        groups of them. Raises InvalidArgument for anything but finite numbers and NaN, and writes nothing."""
         line = {"step": self._step, **report_to_dict(report)}
         line |= given_numbers(extra, {**line, "chain": ""})
         text = json.dumps(line, separators=(",", ":"), allow_nan=False)
