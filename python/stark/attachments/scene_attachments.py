@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
+
 from numpy.typing import ArrayLike
 
 from stark.attachments.handle import Attachment
 from stark.bodies import Body
+from stark.errors import StarkWarning
 from stark.handle import SceneLink
 from stark.named import NamedTuple
 from stark.selections import Points, Stencils
@@ -40,6 +43,7 @@ class SceneAttachments(SceneLink):
         Surfaces around attached vertices do not touch the other body; with ``contact=False`` the two bodies
         do not touch at all."""
         from stark.attachments.adding import attach
+        from stark.attachments.seams import gaping_seam
 
         attachment = attach(
             self,
@@ -54,6 +58,9 @@ class SceneAttachments(SceneLink):
         )
         self._attachments.append(attachment)
         self._warn_of_late(f"attachment '{attachment.name}'")
+        carrier = b.body if isinstance(b, Points) else self[b] if isinstance(b, str) and b != "world" else b
+        if gaps := gaping_seam(attachment.points, carrier if isinstance(carrier, Body) else None):
+            warnings.warn(f"attachment '{attachment.name}': {gaps}", StarkWarning, stacklevel=2)
         return attachment
 
     @property

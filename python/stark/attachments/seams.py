@@ -1,0 +1,68 @@
+"""Seams between the borders of two cloths: vertices of a finer border that nothing would hold."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stark.bodies import Body
+from stark.body_kinds import has_points, row_of
+from stark.selections import Points
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int32]
+
+_NEAR = 0.2  # distance from a seam edge over its length, within which a vertex lies along it
+_INNER = 0.02  # part of a seam edge at its ends, where vertices coincide with those of the other border
+_FINER = 1.5  # vertices of the border along a seam, over attached points, above which it gapes
+
+
+def gaping_seam(points: Points, carrier: Body | None) -> str:
+    """What is wrong with a seam whose points are sewn to a finer border; empty if it is none."""
+    body = points.body
+    if carrier is None or body is None or carrier is body or points._kind != "vertices":
+        return ""
+    if not all(has_points(side) and row_of(side).has_triangles for side in (body, carrier)):
+        return ""
+    attached = np.unique(points._columns["vertices"])
+    edges = _border(body.triangles)  # type: ignore[attr-defined]
+    edges = edges[np.isin(edges, attached).all(axis=1)]
+    if len(edges) == 0:
+        return ""
+    x, y = (side._scene._core.initial_positions(side._index) for side in (body, carrier))
+    border = y[np.unique(_border(carrier.triangles))]  # type: ignore[attr-defined]
+    along, inner, ends = np.zeros(len(border), bool), np.zeros(len(border), bool), set()
+    for a, b in edges:
+        share = _share(border, x[a], x[b])
+        along |= (share >= -_INNER) & (share <= 1.0 + _INNER)
+        inside = (share > _INNER) & (share < 1.0 - _INNER)
+        inner |= inside
+        if inside.any():
+            ends |= {int(a), int(b)}
+    if not ends or along.sum() <= _FINER * len(ends):
+        return ""
+    return (
+        f"{inner.sum()} vertices of the border of '{carrier.name}' lie between the {len(ends)} points of "
+        f"'{body.name}' that are attached there: nothing holds them, so the seam gapes under load; attach "
+        f"the finer border to the coarser one (exchange the sides)"
+    )
+
+
+def _border(triangles: Integers) -> Integers:
+    """Edges of one triangle (n, 2)."""
+    sides = np.sort(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
+    )
+    edges, counts = np.unique(sides, axis=0, return_counts=True)
+    return edges[counts == 1]
+
+
+def _share(places: Floats, start: Floats, end: Floats) -> Floats:
+    """Where places are along an edge, over its length; infinite for those that are not near it."""
+    way = end - start
+    squared = float(way @ way)
+    if squared == 0.0:
+        return np.full(len(places), np.inf)
+    share = (places - start) @ way / squared
+    off = np.linalg.norm(places - start - share[:, None] * way, axis=1)
+    return np.where(off < _NEAR * np.sqrt(squared), share, np.inf)
