@@ -30,7 +30,7 @@ def gaping_seam(points: Points, carrier: Body | None) -> str:
     if len(edges) == 0:
         return ""
     x, y = (side._scene._core.initial_positions(side._index) for side in (body, carrier))
-    border = y[np.unique(_border(carrier.triangles))]  # type: ignore[attr-defined]
+    border = y[np.unique(_border(carrier.triangles))]
     along, inner, ends = np.zeros(len(border), bool), np.zeros(len(border), bool), set()
     for a, b in edges:
         share = _share(border, x[a], x[b])
