@@ -69,6 +69,40 @@ TEST_CASE("each mistake of units is named with the object, the value and the uni
   CHECK(text.find("time_step = 10 s") != std::string::npos);
 }
 
+TEST_CASE(
+    "units of sheets: millimetres, grams, megapascal; plates, tents and moduli of surfaces are ordinary") {
+  const auto found = [](const ShellMaterial& material, double size = 0.4, int cells = 8) {
+    Scene scene;
+    scene.add_cloth({.name = "sheet", .mesh = make_grid(size, size, cells, cells), .material = material});
+    return all(check_units(scene, {}));
+  };
+  const auto changed = [](ShellMaterial material, double ShellMaterial::* member, double value) {
+    material.*member = value;
+    return material;
+  };
+  const ShellMaterial paper = materials::paper(), cotton = materials::cotton();
+  CHECK(found(cotton, 50.0).find("extent of the mesh = 50 m, in cells of 6.25 m") != std::string::npos);
+  CHECK(found(changed(paper, &ShellMaterial::density, 80.0)).find("makes 8e+05 kg/m^3") != std::string::npos);
+  CHECK(found(changed(cotton, &ShellMaterial::density, 80.0)).find("makes 80000 kg/m^3") !=
+        std::string::npos);
+  const std::string thick = found(changed(paper, &ShellMaterial::thickness, 0.1));
+  CHECK(thick.find("density = 0.08 kg/m^2 at thickness = 0.1 m makes 0.8 kg/m^3") != std::string::npos);
+  CHECK(thick.find("1 mm is 1e-3 m") != std::string::npos);
+  CHECK(found(changed(cotton, &ShellMaterial::thickness, 0.1)).find("makes 2 kg/m^3") != std::string::npos);
+  CHECK(found(changed(paper, &ShellMaterial::youngs_modulus, 3000.0))
+            .find("flexural_rigidity is 1e+06 times") != std::string::npos);
+
+  for (const double thickness : {1e-5, 1e-3, 0.02, 0.5})  // foil, sheets, plates, a block
+    CHECK(found(materials::plate(2.1e11, 0.3, thickness, 7850.0), 2.0) == "");
+  CHECK(found(materials::plate(1e5, 0.3, 0.03, 30.0), 0.5) == "");  // a mat of foam
+  CHECK(found(changed(cotton, &ShellMaterial::thickness, 1.0)).find("kg/m^3") != std::string::npos);
+  CHECK(found({.density = 1.0, .thickness = 1.0, .youngs_modulus = 2e3}) == "");    // a modulus in N/m
+  CHECK(found({.density = 1e-3, .thickness = 1e-6, .youngs_modulus = 2e9}) == "");  // a film
+  CHECK(found({.youngs_modulus = 1e5, .flexural_rigidity = 1.0}) == "");  // a core between two skins
+  CHECK(found(cotton, 40.0, 100) == "");                                  // a sail
+  CHECK(found(cotton, 5.0, 2) == "");                                     // coarse
+}
+
 TEST_CASE("friction that is no ratio of forces is named, of bodies and of pairs") {
   Scene scene = cube_scene(0.1, materials::soft_rubber());
   const BodyId cube{0};

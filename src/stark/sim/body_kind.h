@@ -51,6 +51,8 @@ struct MaterialScale {
   double density = 0.0;                                             ///< of its first element
   bool is_area_density = false;                                     ///< [kg/m^2], else [kg/m^3]
   double youngs_modulus = std::numeric_limits<double>::infinity();  ///< [Pa] the smallest; infinity: unknown
+  double thickness = 0.0;                                           ///< [m] of sheets
+  double rigidity_ratio = 0.0;  ///< flexural rigidity over that of a homogeneous sheet; 0: unknown
 };
 
 struct BodyKindRow {

@@ -14,11 +14,19 @@ struct Range {
   bool contains(double value) const { return low <= value && value <= high; }
 };
 
-/// From light foams to osmium [kg/m^3]; from films of 0.1 um to armour plate [kg/m^2]; from weak gels to
+/// From light foams to osmium [kg/m^3]; from films of 0.1 um to plates of a metre [kg/m^2]; from weak gels to
 /// diamond [Pa].
-constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-4, 100.0}, kModulus{10.0, 2e12};
-/// Extent of what is simulated as moving [m].
+constexpr Range kVolumeDensity{5.0, 30e3}, kAreaDensity{1e-4, 1e4}, kModulus{10.0, 2e12};
+/// Mass of a sheet over its area and thickness: none is lighter than air [kg/m^3]. Sheets of a tenth of their
+/// extent are light foams, but those of 1 m, whose modulus is meant to be one of the surface [N/m].
+constexpr Range kSheetDensity{1.0, 30e3};
+constexpr double kThickSheet = 0.1, kNoThickness = 1.0;
+/// What is a million, a milliard or a milliardth of the rigidity of a homogeneous sheet, within this factor,
+/// is one of a modulus in MPa or GPa, or of a thickness in mm.
+constexpr double kLikely = 2.0;
+/// Extent of what is simulated as moving [m]. Cloth that is larger than a room has cells below half a metre.
 constexpr Range kExtent{1e-4, 50.0};
+constexpr double kLargeCloth = 10.0, kLargeCell = 0.5;
 /// Coulomb's coefficient, from none to soft rubber and gecko-like pads.
 constexpr Range kFriction{0.0, 10.0};
 constexpr double kThickestContact = 0.2;  ///< contact distance over the extent of a body
@@ -40,6 +48,45 @@ class Suspicions {
   std::vector<std::string> list_;
 };
 
+void check_sheet(const std::string& owner, const MaterialScale& material, const Vec3& size, Suspicions& out) {
+  const double t = material.thickness, density = material.density / t;
+  const bool is_thick = t > kThickSheet * max_abs(size) && t != kNoThickness;
+  if (!kAreaDensity.contains(material.density))
+    out.check(owner, "density", material.density, "kg/m^2", kAreaDensity,
+              "of cloth it is the mass of a unit of area: 1 g/m^2 is 1e-3 kg/m^2");
+  else if (!kSheetDensity.contains(density) || (is_thick && density < kVolumeDensity.low))
+    out.add(owner + ": density = " + quantity_text(material.density, "kg/m^2") +
+            " at thickness = " + quantity_text(t, "m") + " makes " + rough_text(density, "kg/m^3") +
+            " (ordinary: " + to_text(kVolumeDensity.low) + " to " +
+            quantity_text(kVolumeDensity.high, "kg/m^3") +
+            "); of cloth the density is the mass of a unit of area: 1 g/m^2 is 1e-3 kg/m^2; 1 mm is 1e-3 m");
+  const auto is_about = [&](double factor) {
+    return factor / kLikely < material.rigidity_ratio && material.rigidity_ratio < factor * kLikely;
+  };
+  if (is_about(1e6) || is_about(1e9) || is_about(1e-9))
+    out.add(owner + ": flexural_rigidity is " + rough_text(material.rigidity_ratio, "1") +
+            " times that of a sheet of its youngs_modulus and thickness; " +
+            (is_about(1e-9) ? "1 mm is 1e-3 m" : "1 MPa is 1e6 Pa, 1 GPa is 1e9 Pa"));
+}
+
+/// Root of the mean area of the triangles of a cloth, twice [m].
+double cell_size(const Scene& scene, BodyId body) {
+  const TriangleMesh& mesh = scene.cloth(body).mesh;
+  double area = 0.0;
+  for (const Index3& t : mesh.triangles)
+    area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+  return std::sqrt(area / static_cast<double>(mesh.triangles.size()));
+}
+
+void check_extent(const Scene& scene, BodyId body, const std::string& owner, double extent, Suspicions& out) {
+  const char* const hint = "if the mesh is not in metres, scale it with mesh.scaled(factor)";
+  out.check(owner, "extent of the mesh", extent, "m", kExtent, hint);
+  if (scene.kind(body) != BodyKind::Cloth || !kExtent.contains(extent) || extent <= kLargeCloth) return;
+  if (const double cell = cell_size(scene, body); cell > kLargeCell)
+    out.add(owner + ": extent of the mesh = " + quantity_text(extent, "m") + ", in cells of " +
+            rough_text(cell, "m") + " (ordinary: below " + quantity_text(kLargeCell, "m") + "); " + hint);
+}
+
 void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec3& gravity, Suspicions& out) {
   const BodyKindRow& row = row_of(scene.kind(body));
   if (!row.material_scale) return;
@@ -47,8 +94,7 @@ void check_material(const Scene& scene, BodyId body, const Vec3& size, const Vec
   const MaterialScale material = row.material_scale(scene, body);
   const double modulus = material.youngs_modulus;
   if (material.is_area_density)
-    out.check(owner, "density", material.density, "kg/m^2", kAreaDensity,
-              "of cloth it is the mass of a unit of area: 1 g/m^2 is 1e-3 kg/m^2");
+    check_sheet(owner, material, size, out);
   else
     out.check(owner, "density", material.density, "kg/m^3", kVolumeDensity, "1 g/cm^3 is 1000 kg/m^3");
   if (!std::isfinite(modulus)) return;
@@ -92,8 +138,7 @@ std::vector<std::string> check_units(const Scene& scene, const Settings& setting
     if (scene.motion(body) != Motion::Dynamic) continue;
     const std::string owner = owner_text(scene.kind(body), scene.name(body));
     const Vec3 size = box_size(scene.initial_positions(body));
-    suspicions.check(owner, "extent of the mesh", max_abs(size), "m", kExtent,
-                     "if the mesh is not in metres, scale it with mesh.scaled(factor)");
+    check_extent(scene, body, owner, max_abs(size), suspicions);
     if (const double distance = given_contact_distance(scene, body, settings);
         settings.contact.enabled && distance > kThickestContact * max_abs(size))
       suspicions.add(owner + ": contact distance of " + quantity_text(distance, "m") +

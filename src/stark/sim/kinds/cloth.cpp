@@ -26,7 +26,21 @@ BodyElements elements(const Scene& scene, BodyId body) {
 }
 
 MaterialScale material_scale(const Scene& scene, BodyId body) {
-  return {.density = element_density(scene.cloth(body), 0), .is_area_density = true};
+  const ClothDescription& cloth = scene.cloth(body);
+  const auto value = [&](const char* name, double of_material) {
+    const auto found = cloth.fields.find(name);
+    return found == cloth.fields.end() || found->second.values.empty() ? of_material
+                                                                       : found->second.values.front();
+  };
+  const ShellMaterial& m = cloth.material;
+  MaterialScale scale{.density = element_density(cloth, 0),
+                      .is_area_density = true,
+                      .thickness = value("thickness", m.thickness)};
+  const double t = scale.thickness, nu = value("poissons_ratio", m.poissons_ratio);
+  if (!cloth.law)
+    scale.rigidity_ratio = 12.0 * (1.0 - nu * nu) * value("flexural_rigidity", m.flexural_rigidity) /
+                           (value("youngs_modulus", m.youngs_modulus) * t * t * t);
+  return scale;
 }
 
 }  // namespace
