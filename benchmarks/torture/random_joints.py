@@ -106,7 +106,7 @@ def _switching(
             is_glue = isinstance(handle, stark.attachments.Attachment)
             mine: Any = (sim.attachments if is_glue else sim.joints)[handle._index]
             if mine.enabled != passed[-1] and not (passed[-1] and np.any(getattr(mine, "broken", False))):
-                if passed[-1] and not is_glue:
+                if passed[-1]:
                     mine.pull_together()
                 else:
                     mine.enabled = passed[-1]

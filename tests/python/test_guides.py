@@ -34,15 +34,17 @@ NEEDS = {
 
 
 def run_blocks(guide: str, up_to: str = "") -> dict[str, Any]:
-    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner; on the
-    way to a name, pictures are drafts."""
+    """Names after all blocks of a guide, or the one that makes a name. Only ends of runs come sooner, so that
+    stills may lie beyond them; on the way to a name, pictures are drafts."""
     names: dict[str, Any] = {}
     for block in guides.python_blocks(ROOT / guide):
         code = re.sub(r"until=[\d.]+", "until=0.05", block)
         if up_to:
             code = code.replace('quality="best"', 'quality="draft"')
         # Formulas have to be in a file: their annotations are read from there.
-        exec(compile(code, str(ROOT / guide), "exec"), names)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "still: the recording has frames", stark.StarkWarning)
+            exec(compile(code, str(ROOT / guide), "exec"), names)
         if up_to in names:
             break
     return names
