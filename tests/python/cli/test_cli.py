@@ -81,7 +81,10 @@ def test_verbs_that_look_at_a_run(fall: Path, tmp_path: Path, capsys) -> None:
     assert read_png(run / "still.png").shape == (48, 64, 3)
     assert "has frames from" not in capsys.readouterr().err
     assert command("still", run, "--time", 9, "--size", "64x48", "--quality", "draft") == 0
-    assert "--time 9: the recording has frames from 0 s to 0.1 s, the nearest of them " in capsys.readouterr().err
+    assert (
+        "--time 9: the recording has frames from 0 s to 0.1 s, the nearest of them "
+        in capsys.readouterr().err
+    )
     assert command("export", run, "--csv") == 0
     assert len(list((run / "vtu").glob("*.vtu"))) == len(Recording(run))
     assert len(list((run / "vtu").glob("*.pvd"))) == 1
