@@ -348,6 +348,9 @@ def test_damped_rods_whose_frames_turn_fast_have_strains() -> None:
         (8, 429, "containers"),
         # Friction acted at edges whose neighbours had taken over their contacts, and was not reported.
         (23, 2575, "impacts"),
+        # Contact that came back after a release stored 1e-11 J between bodies that pushed each other
+        # elsewhere, and the certificate did not know that it may.
+        (23, 4490, "joints"),
     ],
 )
 @pytest.mark.filterwarnings("ignore::stark.StarkWarning")

@@ -178,7 +178,7 @@ def ledger_claim(run: Run) -> Claim:
     if impossible := _impossible_energy(run.rows) or _work_of_no_belt(run):
         return Claim(name, statement, VIOLATED, AS_REPORTED, detail=impossible)
     recorded = any(_CONTACT_AT_START in row for row in run.rows)
-    for before, row in zip(run.rows, run.rows[1:], strict=False):
+    for index, (before, row) in enumerate(zip(run.rows, run.rows[1:], strict=False), 1):
         contact = number(before["energy"], "contact")
         at_start = number(row, _CONTACT_AT_START) if recorded else contact
         imbalance, rounding = _imbalance(before, row, at_start)
@@ -192,7 +192,8 @@ def ledger_claim(run: Run) -> Claim:
             off = max(-at_start, 0.0)
         # Stiffness may grow, but not out of nothing.
         limits = [max(0.0, at_start - factor * contact) for factor in (_GROWTH, _IMPOSSIBLE_GROWTH)]
-        if row.get("placed"):  # contact between other bodies than before
+        # Contact between other bodies than before, or where there was none.
+        if row.get("placed") or (limits[0] > 0.0 and _came_back(run, index)):
             limits = [0.0, 0.0]
         allowed = rounding + _BALANCE_ROUNDING * abs(at_start)
         surely = not (max(off, -at_start) <= rounding and limits[1] <= allowed)
@@ -215,6 +216,16 @@ def ledger_claim(run: Run) -> Claim:
         detail = f"{violated + unexplained} steps do not close"
         detail += "; values of energies of the scene may have changed" if own else ""
     return Claim(name, statement, status, AS_REPORTED, max(0.0, worst + bound), bound, "J", where, detail)
+
+
+def _came_back(run: Run, index: int) -> bool:
+    """Whether contact of what joints and attachments have released came back in the step of a row."""
+    states = np.flatnonzero(~run.placed)
+    if not run.has_states or index + 1 >= len(states):
+        return False
+    end = run.state(int(states[index + 1]))
+    before, after = run.state(end.index - 1).regained, end.regained
+    return before is not None and after is not None and bool((after > before).any())
 
 
 def _has_energies(row: Row) -> bool:

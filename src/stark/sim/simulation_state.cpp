@@ -44,17 +44,16 @@ void copy_place(const State& from, int32_t body, State& to) {
 void Simulation::set_state(const State& given) {
   parts_->placing.require_closed("the state");
   // That of another integrator may have more, or less.
-  State state = with_history(given, has_history(settings_.time.integrator));
+  State next = with_history(given, has_history(settings_.time.integrator));
   // Older versions kept nothing nearer to what joints pull with.
-  if (state.joint_force.empty()) state.joint_force = state.joint_multiplier;
-  if (const std::string field = first_length_difference(state, state_); !field.empty())
-    throw InvalidArgument("state has " + count_text(state) + ", the simulation has " + count_text(state_) +
+  if (next.joint_force.empty()) next.joint_force = next.joint_multiplier;
+  if (const std::string field = first_length_difference(next, state_); !field.empty())
+    throw InvalidArgument("state has " + count_text(next) + ", the simulation has " + count_text(state_) +
                           " ('" + field + "' is not as long); use a state of the same scene");
-  if (const std::string what = find_invalid_number(state); !what.empty())
+  if (const std::string what = find_invalid_number(next); !what.empty())
     throw InvalidArgument("state: " + what + "; use a state that a simulation has been in");
-  State next = state;
   // What belongs to the scene and its settings, not to time: walls may stand elsewhere, steps be shorter.
-  next.time_step = std::min(state.time_step, settings_.time.step);
+  next.time_step = std::min(next.time_step, settings_.time.step);
   set_mark_step(next, settings_.time.step);
   for (int32_t b = 0; b < scene_.body_count(); ++b)
     if (scene_.motion(BodyId{b}) == Motion::Fixed)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from _recorded_runs import record
+from _recorded_runs import record, reseal
 
 import stark
 from stark.array_file import read_arrays, write_arrays
@@ -35,8 +37,6 @@ def _edit(folder: Path, change: object) -> None:
 
 
 def _copied(released: Path, tmp_path: Path) -> Path:
-    import shutil
-
     return Path(shutil.copytree(released, tmp_path / "run"))
 
 
@@ -62,6 +62,33 @@ def test_what_sinks_in_after_its_release_is_found(released: Path, tmp_path: Path
 
     _edit(run, hide)  # excluded again, it is nobody's business
     assert verify(run)["no_intersection"].status == "verified"
+
+
+def test_contact_that_comes_back_may_store_energy(released: Path, tmp_path: Path) -> None:
+    """As between bodies that push each other elsewhere; in other steps it would come from nowhere."""
+    regained = np.concatenate(
+        [
+            np.broadcast_to(rows, (len(arrays["times"]), rows.shape[1]))
+            for path in sorted((released / "states").glob("chunk_*.npz"))
+            for arrays in [dict(read_arrays(path))]
+            for rows in [arrays["contact_regained"]]
+        ]
+    )
+    comes_back = (np.diff(regained, axis=0) > 0).any(axis=1)  # by row: the step that leads there
+    back, later = int(np.flatnonzero(comes_back)[-1]), len(comes_back) - 1
+    assert 0 < back < later
+
+    def claim_with_more(row: int) -> str:
+        run = Path(shutil.copytree(released, tmp_path / f"run_{row}"))
+        lines = [json.loads(line) for line in (run / "telemetry.jsonl").read_text().splitlines()]
+        lines[row]["contact_energy_at_start"] += 1.0
+        lines[row]["energy"]["numerical"] += 1.0
+        (run / "telemetry.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+        reseal(run)
+        return verify(run)["energy_ledger"].status
+
+    assert claim_with_more(back) == "verified"
+    assert claim_with_more(later) == "violated"
 
 
 def test_lists_of_exclusions_that_do_not_fit_are_damage(released: Path, tmp_path: Path) -> None:
