@@ -84,10 +84,9 @@ bool remembers(const PotentialBatch& batch) {
 template <typename Batch>
 double stored(Batch& batch, std::span<const Vec3> x) {
   batch.set_previous(x);
-  const StepClock clock(law_of(batch));
-  const bool has_rates = clock.step > 0.0 && remembers(law_of(batch));
+  const bool has_rates = remembers(law_of(batch));
   if (potential_of(batch).internal_width() == 0 && !has_rates) return total_energy(batch, x);
-  return energy_of_step(batch, kInstant * std::min(clock.step, 1.0), x);
+  return energy_of_step(batch, kInstant * std::min(StepClock(law_of(batch)).step, 1.0), x);
 }
 
 }  // namespace
@@ -212,10 +211,11 @@ double StepLedger::flow_dissipation(Batch& batch) {
 double StepLedger::driven_work() {
   const std::span<const Vec3> x = potential_.site_positions();
   double total = 0.0;
-  std::vector<Vec3> gradient, at(x.size());
+  std::vector<Vec3> gradient, at;  // empty where no energy may drive
   for (const int32_t k : energies_of_users_) {
     PotentialBatch& batch = energies_.batches[k].batch;
     if (!remembers(batch) || batch.potential().internal_width() > 0) continue;
+    at.resize(x.size());
     gradient.assign(x.size(), Vec3{});
     batch.set_previous(x);
     add_site_gradient(batch, x, 1.0, gradient);
