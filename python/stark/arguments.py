@@ -105,6 +105,12 @@ def given_choice(value: Any, known: tuple[str, ...], what: str) -> str:
     return value
 
 
+def shown_value(value: object, most: int = 60) -> str:
+    """A value as messages show it, cut to so many characters."""
+    text = repr(value)
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
 def nearest_hint(name: str, known: Iterable[str]) -> str:
     """' (did you mean ...?)' for a name that is not known, or nothing: as the core says it."""
     import difflib  # not at start-up

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
-from stark.arguments import as_array, real_array, refuse_masked
+from stark.arguments import as_array, real_array, refuse_masked, shown_value
 from stark.handle import BodyHandle
 from stark.rotations import as_matrix, vector
 
@@ -144,8 +144,8 @@ def stencils(body: BodyHandle, indices: ArrayLike, noun: str = "stencils") -> St
     """Stencils of vertices of one body from an index array (n, k)."""
     if not isinstance(body, BodyHandle):
         raise InvalidArgument(
-            f"stark.stencils(body, indices): body = {_short(body)}: must be a body of the scene; the indices "
-            f"(n, k) count its vertices"
+            f"stark.stencils(body, indices): body = {shown_value(body)}: must be a body of the scene; the "
+            f"indices (n, k) count its vertices"
         )
     given = as_array(indices, f"'{body.name}': stencils")
     if given.ndim != 2 or given.dtype.kind not in "iu" or given.shape[1] < 1:
@@ -335,8 +335,3 @@ def _rows(key: Any, count: int, owner: str) -> NDArray[np.intp]:
     if rows.ndim != 1:
         raise InvalidArgument(f"{owner}: the index has {rows.ndim} dimensions: must have one")
     return rows
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from stark import materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import as_array, given_flag, given_name, given_word
+from stark.arguments import as_array, given_flag, given_name, given_word, shown_value
 from stark.bodies.body import Body
 from stark.bodies.cloth import Cloth
 from stark.bodies.rigid import RigidBody
@@ -407,14 +407,9 @@ def _size(mesh: Any, measure: str) -> float:
 def _require(material: Any, kind: type[Any], body: str, example: str) -> None:
     if not isinstance(material, kind):
         raise InvalidArgument(
-            f"material of a {body} = {_short(material)}: must be a stark.{kind.__name__}, for instance "
+            f"material of a {body} = {shown_value(material)}: must be a stark.{kind.__name__}, for instance "
             f"{example}"
         )
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
@@ -428,7 +423,8 @@ def _check_pins(pins: ArrayLike | None, vertex_count: int, owner: str) -> None:
         raise InvalidArgument(f"{owner}: pins of shape {array.shape}: must be a row of vertex indices")
     if (array.size or array.dtype == bool) and array.dtype.kind not in "iu":
         raise InvalidArgument(
-            f"{owner}: pins = {_short(pins)}: must be indices of vertices, like [0, {vertex_count - 1}], "
+            f"{owner}: pins = {shown_value(pins)}: must be indices of vertices, "
+            f"like [0, {vertex_count - 1}], "
             f"or a mask of ({vertex_count},)"
         )
     wrong = array[(array < 0) | (array >= vertex_count)] if array.size else array

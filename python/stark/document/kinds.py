@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import shown_value
 from .errors import DocumentError
 
 Schema: TypeAlias = dict[str, Any]
@@ -28,8 +29,7 @@ _INFINITE = {"inf": math.inf, "-inf": -math.inf}
 
 def shown(value: Any) -> str:
     """A value in a message, cut."""
-    text = repr(value) if not isinstance(value, (list, dict)) else f"a {type(value).__name__}"
-    return text if len(text) <= 60 else text[:57] + "..."
+    return f"a {type(value).__name__}" if isinstance(value, (list, dict)) else shown_value(value)
 
 
 def wrong(where: str, value: Any, rule: str) -> DocumentError:

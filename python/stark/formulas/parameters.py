@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stark._core import InvalidArgument, TraceError
-from stark.arguments import refuse_masked
+from stark.arguments import refuse_masked, shown_value
 
 Array = NDArray[np.float64]
 
@@ -140,7 +140,7 @@ def numbers_of(owner: str, parameter: Parameter, given: Any) -> Array:
             raise TypeError
     except (TypeError, ValueError):
         raise InvalidArgument(
-            f"{owner}: {parameter.describe()} = {_short(given)}: must be {_needed(parameter)}"
+            f"{owner}: {parameter.describe()} = {shown_value(given)}: must be {_needed(parameter)}"
         ) from None
     return np.array(array, dtype=np.float64)
 
@@ -181,8 +181,3 @@ def _needed(parameter: Parameter) -> str:
     if not parameter.shape:
         return "a number"
     return f"{parameter.width} numbers of shape {parameter.shape}"
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

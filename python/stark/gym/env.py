@@ -14,6 +14,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from stark._core import StepReport
+from stark.arguments import shown_value
 from stark.simulation import Simulation
 from stark.steps import limit_of_step, reached
 
@@ -204,9 +205,7 @@ class SceneEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         return dict(info)
 
     def _wrong(self, function: str, value: Any, rule: str) -> TaskError:
-        shown = repr(value)
-        shown = shown if len(shown) <= 80 else shown[:77] + "..."
-        return TaskError(f"task '{self.task.name}': {function}() = {shown}: must be {rule}")
+        return TaskError(f"task '{self.task.name}': {function}() = {shown_value(value, 80)}: must be {rule}")
 
 
 def _is_number(value: Any) -> bool:

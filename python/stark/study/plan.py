@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core import InvalidArgument
-from ..arguments import given_path
+from ..arguments import given_path, shown_value
 from ..files import NotAFile, read_bytes
 from . import sampling
 from .sampling import Axis, Options, Range, Value
@@ -96,9 +96,7 @@ class _Table:
         self._known: list[str] = []
 
     def error(self, key: str, value: Any, rule: str) -> PlanError:
-        shown = repr(value)
-        shown = shown if len(shown) <= 80 else shown[:77] + "..."
-        return PlanError(f"{self.owner}: {self.prefix}{key} = {shown}; {rule}")
+        return PlanError(f"{self.owner}: {self.prefix}{key} = {shown_value(value, 80)}; {rule}")
 
     def take(self, key: str, default: Any = None) -> Any:
         self._known.append(key)

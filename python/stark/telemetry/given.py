@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .._core import InvalidArgument
+from ..arguments import shown_value
 
 #: What a number to be recorded must be.
 RULE = "must be a number; NaN where there is none"
@@ -47,7 +48,5 @@ def _number(owner: str, value: Any) -> float | None:
     try:
         number = given_number(value)
     except ValueError:
-        shown = repr(value)
-        shown = shown if len(shown) <= 80 else shown[:77] + "..."
-        raise InvalidArgument(f"report: {owner} = {shown}: {RULE}") from None
+        raise InvalidArgument(f"report: {owner} = {shown_value(value, 80)}: {RULE}") from None
     return None if math.isnan(number) else number
