@@ -49,6 +49,13 @@ nb::list place_list(const Simulation& sim) {
   });
 }
 
+/// First number of a constraint in held_places, -1 if it holds nothing but what it was added with.
+int64_t first_held_place(const Simulation& sim, int32_t constraint) {
+  for (const HeldPlace& place : sim.model().held_places())
+    if (place.constraint == constraint) return place.first;
+  return -1;
+}
+
 nb::list part_list(const Simulation& sim) {
   return list_of(sim.model().parts(), [](const ModelPart& part) {
     return nb::make_tuple(part.name, part.is_structure, to_hex(part.hash));
@@ -209,7 +216,12 @@ void bind_energies_and_joints(nb::class_<Simulation>& c) {
       .def("joint_enabled", &Simulation::joint_enabled, "joint"_a)
       .def("joint_broken", &Simulation::joint_broken, "joint"_a)
       .def("set_joint_enabled", &Simulation::set_joint_enabled, "joint"_a, "enabled"_a)
-      .def("check_joint_agrees", &Simulation::check_joint_agrees, "joint"_a);
+      .def("check_joint_agrees", &Simulation::check_joint_agrees, "joint"_a)
+      .def("hold_joint_here", &Simulation::hold_joint_here, "joint"_a)
+      .def(
+          "first_joint_place",
+          [](const Simulation& s, JointId joint) { return first_held_place(s, joint.index); }, "joint"_a,
+          "First of its 12 or 3 numbers in held_places, -1 if it has none there.");
 }
 
 void bind_actuators_and_attachments(nb::class_<Simulation>& c) {
@@ -235,6 +247,20 @@ void bind_actuators_and_attachments(nb::class_<Simulation>& c) {
            "By pair: 1 held, 0 released, -1 broken.")
       .def("set_attachment_enabled", &Simulation::set_attachment_enabled, "attachment"_a, "enabled"_a)
       .def("check_attachment_agrees", &Simulation::check_attachment_agrees, "attachment"_a)
+      .def("hold_pairs_here", with_arrays<&Simulation::hold_pairs_here, "pairs: numbers">, "attachment"_a,
+           "pairs"_a)
+      .def("release_pairs", with_arrays<&Simulation::release_pairs, "pairs: numbers">, "attachment"_a,
+           "pairs"_a)
+      .def(
+          "first_held_place",
+          [](const Simulation& s, AttachmentId attachment) {
+            return first_held_place(s, s.model().attachments()[attachment.index].first_constraint);
+          },
+          "attachment"_a,
+          "First number of its pairs in held_places, three for each; -1 if it has none there.")
+      .def_prop_ro(
+          "held_places", [](const Simulation& s) { return ArrayOf{s.held_places()}; },
+          "Where side a is on the carriers of side b, of joints, then of pairs that hold what they find.")
       .def_prop_ro("skin_count", count_of<&Scene::skins>)
       .def_prop_ro("fibres_count", [](const Simulation& s) { return s.scene().fibres().size(); })
       .def("fibre_frames", with_arrays<kFrames<FibresId>>, "fibres"_a,

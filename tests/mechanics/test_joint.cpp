@@ -74,7 +74,7 @@ TEST_CASE("energy, gradient and Hessian of the augmented Lagrangian agree with d
   std::mt19937_64 random(7);
   for (const JointDefinition& definition : {hinge(), bilinear()})
     for (const FrameKind a : {FrameKind::Axes, FrameKind::Patch})
-      for (const FrameKind b : {FrameKind::Axes, FrameKind::Patch}) {
+      for (const FrameKind b : {FrameKind::Axes, FrameKind::Placed, FrameKind::Patch}) {
         CAPTURE(definition.name);
         OneJoint one(definition, a, b, random);
         const int n = 3 * one.batch.point_count();

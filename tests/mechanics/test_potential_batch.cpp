@@ -108,6 +108,35 @@ TEST_CASE("new elements start from zero and empty batches do nothing") {
   batch.evaluate(Order::Hessian, {}, 0, 0, nullptr);
 }
 
+TEST_CASE("blocks of lanes in which all elements rest have zero outputs, others what they had") {
+  const int count = 21 * static_cast<int>(kLanes);  // more than two groups
+  std::vector<int32_t> stencils;
+  std::vector<Vec3> x;
+  for (int e = 0; e < count; ++e) {
+    stencils.push_back(e);
+    x.push_back({0.1 * e, 1.0, -0.3 * e});
+  }
+  PotentialBatch batch = make_batch(probe(), stencils);
+  batch.set_rest(std::vector<Vec3>(count));
+  batch.set_previous(std::vector<Vec3>(count));
+  batch.set_uniform("scale", 1.0);
+  batch.set_time(0.1, 0.0);
+  for (int e = 0; e < count; ++e) batch.set("size", e, 2.0 + e);
+  const std::vector<double> all = batch.evaluate(Order::Hessian, x);
+  const size_t outputs = all.size() / count;
+  const auto rests = [](int64_t e) { return e / kLanes % 3 != 1 || e % kLanes > 2; };
+  batch.set_resting(rests);
+  const std::vector<double> some = batch.evaluate(Order::Hessian, x);
+  for (int64_t e = 0; e < count; ++e) {
+    const bool is_idle = e / kLanes % 3 != 1;  // one element that acts is enough
+    CHECK(batch.rests(e / kLanes) == is_idle);
+    for (size_t k = 0; k < outputs; ++k)
+      CHECK(some[e * outputs + k] == (is_idle ? 0.0 : all[e * outputs + k]));
+  }
+  batch.set_resting([](int64_t) { return false; });
+  CHECK(batch.evaluate(Order::Hessian, x) == all);
+}
+
 TEST_CASE("potentials without a time step ignore it") {
   PotentialBatch batch = make_batch(spring(), {0, 1});
   batch.set_uniform("stiffness", 2.0);

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stark._core import InvalidArgument
+from stark.arguments import as_array
 from stark.attributes import KnownAttributes
 from stark.handle import Handle, SceneLink, SimulationLink
 from stark.readings import reading
@@ -60,9 +61,9 @@ class Attachment(Handle, KnownAttributes):
 
     @property
     def enabled(self) -> bool:
-        """Whether it holds what is not broken; assign False to release it and True to hold it again, from the
-        next step on, but for broken pairs. Raises InvalidArgument where pairs are elsewhere by then
-        than where they were attached."""
+        """Whether it holds all that is not broken; assign False to release it and True to hold it again, from
+        the next step on, but for broken pairs. Raises InvalidArgument where pairs are elsewhere by then
+        than where they were attached; ``hold_here`` takes them where they are."""
         if self._newest() is None:
             return bool(self._given["enabled"])
         return not bool((self._require_simulation("enabled")._core.attachment_status(self._index) == 0).any())
@@ -81,6 +82,45 @@ class Attachment(Handle, KnownAttributes):
         they were attached, as seen from what carries them, at the speed of the way over the time step, with
         the energy of that, which comes from nowhere."""
         self._require_simulation("pull_together")._core.set_attachment_enabled(self._index, True)
+
+    def hold_here(self, pairs: ArrayLike | None = None) -> None:
+        """Holds pairs from the next step on with their points where they are now, as what carries them sees
+        it: a suction cup, a picker. ``pairs``: numbers, or True for each that is meant (n,); None: all that
+        have not broken. Only attachments that are added with ``enabled=False`` can do it, on rigid bodies,
+        nodes of rods or the world. Raises InvalidArgument for others and for broken pairs; then nothing has
+        changed."""
+        core = self._require_simulation("hold_here")._core
+        meant = np.flatnonzero(~self.broken).astype(np.int32) if pairs is None else self._numbers(pairs)
+        core.hold_pairs_here(self._index, meant)
+
+    def release(self, pairs: ArrayLike | None = None) -> None:
+        """Releases pairs from the next step on. ``pairs``: as in ``hold_here``; None: all."""
+        core = self._require_simulation("release")._core
+        meant = np.arange(len(self), dtype=np.int32) if pairs is None else self._numbers(pairs)
+        core.release_pairs(self._index, meant)
+
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """Which pairs hold (n,)."""
+        return self._require_simulation("held")._core.attachment_status(self._index) == 1
+
+    def _numbers(self, pairs: ArrayLike) -> NDArray[np.int32]:
+        """Numbers of pairs that are given as such, or by a mask."""
+        given = as_array(pairs, f"{self._title}: pairs")
+        if given.dtype == np.bool_ and given.shape == (len(self),):
+            return np.flatnonzero(given).astype(np.int32)
+        if given.size == 0:
+            return np.zeros(0, dtype=np.int32)
+        if given.dtype.kind not in "iu" or given.ndim > 1:
+            raise InvalidArgument(
+                f"{self._title}: pairs of shape {given.shape} and type {given.dtype}: must be numbers of "
+                f"pairs, or True or False for each of the {len(self)}"
+            )
+        numbers = np.atleast_1d(given)
+        wrong = numbers[(numbers < 0) | (numbers >= len(self))]
+        if wrong.size:
+            raise InvalidArgument(f"{self._title}: pair {wrong[0]}: must be in [0, {len(self)})")
+        return numbers.astype(np.int32)
 
     def __len__(self) -> int:
         """Number of pairs."""

@@ -33,9 +33,11 @@ from stark.symbolic.tensor import Scalar, Tensor, convert
 _POINTS = 8  # origin and three axes of two frames
 # Arguments of scene.add_joint, which parameters cannot be, and attributes of Joint, which coordinates cannot.
 _ARGUMENTS = frozenset({"kind", "a", "b", "anchor", "axis", "rotation", "name", "contact", "enabled"})
-_ATTRIBUTES = frozenset(
-    {"name", "kind", "formula", "coordinates", "rates", "residuals", "reaction", "enabled", "pull_together"}
-)
+_ATTRIBUTES = frozenset({"name", "kind", "formula", "coordinates", "rates", "residuals", "reaction"}) | {
+    "enabled",
+    "pull_together",
+    "hold_here",
+}
 
 #: What to write instead of names that users of other simulators try.
 ELSEWHERE = {

@@ -281,6 +281,10 @@ class Joint(JointActuators):
         the speed of the gap over the time step, with the energy of that, which comes from nowhere."""
         self._require_simulation("pull_together")._core.set_joint_enabled(self._index, True)
 
+    def hold_here(self) -> None:
+        """Holds both sides as they are now; only fixed and ball joints added with ``enabled=False`` can."""
+        self._require_simulation("hold_here")._core.hold_joint_here(self._index)
+
     def __getattr__(self, name: str) -> float:
         if name.startswith("_"):  # asked for while a copy has no attributes yet
             raise AttributeError(name)

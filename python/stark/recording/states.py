@@ -16,7 +16,10 @@ Layout, beside the frames::
                                 before, in states that are recorded after that; placed_coordinates (k, c):
                                 of all joints in such a state [m, rad], else 0; surface_motions_0000
                                 (k, 2, 3): velocity [m/s] and spin [rad/s] of a moving surface in the next
-                                step, before functions of the time; chain (k, 32) uint8:
+                                step, before functions of the time; held_places (k, w), if
+                               there are any: of what holds what it finds, where side a is on the carrier of
+                               side b: position [m], of fixed joints then rows of the rotation;
+                               chain (k, 32) uint8:
                                 digests, see stark.recording.chain. With bdf2: velocities_0000 and lags_0000
                                 (k, n, 3) [m/s], of rigid bodies (k, 3); spins_0000 (k, 3, 3) [kg m^2/s] of
                                 rigid bodies, (k, n, 3, 3) of rods: increments of the angular momentum by all
@@ -69,16 +72,27 @@ def describe(sim: Any) -> dict[str, Any]:
                 "formula": described_formula(joint.formula),
                 "contact": scene.joint_contact(joint._index),
                 **joint._given,
+                **_held_place(sim._core.first_joint_place(joint._index)),
             }
             for joint in sim.joints
         ],
         "attachments": [
-            {**a._given, "contact": scene.attachment_contact(a._index), "name": a.name}
+            {
+                **a._given,
+                "contact": scene.attachment_contact(a._index),
+                "name": a.name,
+                **_held_place(sim._core.first_held_place(a._index)),
+            }
             for a in sim.attachments
         ],
         "energies": [energy.name for energy in sim.energies],
         "actuators": [_actuator(actuator) for actuator in sim.actuators],
     }
+
+
+def _held_place(first: int) -> dict[str, int]:
+    """Where the numbers of what holds what it finds begin in ``held_places``."""
+    return {"held_place": first} if first >= 0 else {}
 
 
 def _actuator(actuator: Any) -> dict[str, Any]:
@@ -264,6 +278,8 @@ def _state_of(sim: Any, *, with_history: bool = True) -> dict[str, np.ndarray]:
     state["actuators"] = np.array([actuator.enabled for actuator in sim.actuators], dtype=np.int8)
     values = [value for actuator in sim.actuators for value in actuator.parameters.values()]
     state["actuator_values"] = np.array(values, dtype=np.float64)
+    if len(places := sim._core.held_places):
+        state["held_places"] = places
     return state
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .certificate import INCONCLUSIVE, NOT_APPLICABLE, NOT_RECORDED, VERIFIED, VIOLATED, Claim, comparable
 from .formulas import Frames, UnknownFormula, evaluate
+from .held_places import carried, on_carrier, places, taken_anew
 from .joint_kinds import KINDS
 from .reading import Run, State, pair_count
 from .stops import StopCheck
@@ -81,24 +82,44 @@ class JointCheck:
                 continue
             coordinates |= {(k, name): value for name, value in found.items()}
         self.stops.add(state, coordinates)
-        self.previous = state
         first = 0
         for attachment in self.run.scene["attachments"]:
             count = pair_count(attachment)
             held = state.attachments[first : first + count] == 1
             first += count
-            if held.any():
-                apart = np.linalg.norm(self._apart(state, attachment)[held], axis=1)
-                where = {"time": state.time, "attachment": attachment["name"]}
-                pair = int(np.flatnonzero(held)[apart.argmax()])
+            self._add_attachment(state, attachment, held)
+        self.previous = state
+
+    def _add_attachment(self, state: State, attachment: dict[str, Any], held: NDArray[np.bool_]) -> None:
+        """Looks at the pairs that hold, and whether places that were taken anew are where the points were."""
+        numbers = places(state, attachment)
+        found = [(state, held)]
+        if taken_anew(self._start_of(state), state, attachment):
+            assert self.previous is not None and numbers is not None
+            before = places(self.previous, attachment)
+            new = (numbers.reshape(-1, 3) != before.reshape(-1, 3)).any(axis=1)  # type: ignore[union-attr]
+            found.append((self.previous, new))
+        for at, rows in found:
+            if rows.any():
+                apart = np.linalg.norm(self._apart(at, attachment, numbers)[rows], axis=1)
+                where = {"time": at.time, "attachment": attachment["name"]}
+                pair = int(np.flatnonzero(rows)[apart.argmax()])
                 self.attachments.keep(float(apart.max()), self.length, "m", where | {"pair": pair})
+
+    def _start_of(self, state: State) -> State | None:
+        """The state that a step to this one began with, if it is recorded."""
+        return None if self.previous and self.run.jumps(self.previous, state) else self.previous
 
     def _add_joint(self, state: State, joint: dict[str, Any], is_held: bool) -> dict[str, tuple[float, str]]:
         """Looks at what a joint holds; returns its coordinates with their units."""
         units = {name: unit for name, unit in joint.get("coordinates", [])}
         if joint["built_in"]:
-            frames = self._frames(state, joint)
+            frames = self._frames(state, joint, places(state, joint))
             kind = KINDS[joint["kind"]]
+            if taken_anew(self._start_of(state), state, joint):
+                assert self.previous is not None  # there is where the frames were
+                found = self._frames(self.previous, joint, places(state, joint))
+                self._keep(self.previous, joint, *kind.held(*found, joint["values"]))
             lengths, angles = kind.held(*frames, joint["values"])
             values = {name: float(f(*frames)) for name, f in kind.coordinates.items()}
         elif (state.index == 0 or state.is_placed) and joint["formula"]["uses_motion"]:
@@ -114,8 +135,8 @@ class JointCheck:
             self._keep(state, joint, lengths, angles)
         return {name: (value, units[name]) for name, value in values.items() if name in units}
 
-    def _frames(self, state: State, joint: dict[str, Any]) -> Frames:
-        return (*self._frame(state, joint["a"]), *self._frame(state, joint["b"]))
+    def _frames(self, state: State, joint: dict[str, Any], place: Floats | None = None) -> Frames:
+        return (*self._frame(state, joint["a"]), *on_carrier(self._frame(state, joint["b"]), place))
 
     def _evaluated(self, state: State, joint: dict[str, Any]) -> list[float]:
         """Outputs of a recorded formula."""
@@ -166,11 +187,11 @@ class JointCheck:
 
     # --- attachments ---
 
-    def _apart(self, state: State, attachment: dict[str, Any]) -> Floats:
-        """Points of side a less what carries them (n, 3) [m]."""
+    def _apart(self, state: State, attachment: dict[str, Any], numbers: Floats | None) -> Floats:
+        """Points of side a less what carries them (n, 3) [m]; ``numbers``: of places that were taken anew."""
         a = self._places(state, attachment["a"])
         if "patches" not in attachment:
-            return a - np.concatenate([self._places(state, b) for b in attachment["b"]])
+            return a - np.concatenate([self._places(state, b) for b in carried(attachment, numbers)])
         assert self.start is not None
         corners = np.array(attachment["patches"])
         before, now = (s.positions[attachment["patch_body"]][corners] for s in (self.start, state))

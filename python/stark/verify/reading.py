@@ -22,6 +22,7 @@ Integers = NDArray[np.int32]
 
 _READABLE, _READABLE_STATES = 1, 2  # versions of recordings and of their states
 _CACHED_CHUNKS = 2
+_JOINT_WIDTHS = {"fixed": 12, "ball": 3}  # numbers of joints that hold what they find (held_places.py)
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,8 @@ class State:
     #: By body: 1 where the user has placed it since the step before; None in recordings of older versions.
     placed: NDArray[np.int8] | None = None
     placed_coordinates: Floats | None = None  # of all joints in a row, where bodies were placed
+    #: Where side a is on the carrier of side b, of joints and attachments that hold what they find.
+    held_places: Floats | None = None
     #: With bdf2 (multistep.py), None without and in recordings of older versions. By body: (n, 3), of rigid
     #: ones (3,) [m/s]; A, p and Q of angular momenta (n, 3, 3), of rigid ones (3, 3) [kg m^2/s].
     velocities: list[Floats | None] = field(default_factory=list)
@@ -190,6 +193,7 @@ class Run:
             at("contact_regained"),
             at("placed"),
             at("placed_coordinates"),
+            at("held_places"),
             [at(f"velocities_{i:04d}") for i in count],
             [at(f"lags_{i:04d}") for i in count],
             [at(f"spins_{i:04d}") for i in count],
@@ -239,6 +243,8 @@ class Run:
         if all(isinstance(actuator, dict) for actuator in self.scene["actuators"]):
             values = sum(len(actuator["values"]) for actuator in self.scene["actuators"])
             counts += [("actuators", len(self.scene["actuators"])), ("actuator_values", values)]
+        if self.held_place_count > 0:
+            counts += [("held_places", self.held_place_count)]
         for name, count in counts:
             rows = arrays.get(name)
             need(
@@ -255,6 +261,11 @@ class Run:
         """Pairs of all attachments."""
         return sum(pair_count(attachment) for attachment in self.scene["attachments"])
 
+    @property
+    def held_place_count(self) -> int:
+        """Numbers of the places of what holds what it finds."""
+        return sum(place_width(part) for part in (*self.scene["joints"], *self.scene["attachments"]))
+
 
 def pair_count(attachment: dict[str, Any]) -> int:
     """Pairs of an attachment: as many as points on its side a."""
@@ -262,6 +273,13 @@ def pair_count(attachment: dict[str, Any]) -> int:
     return len(
         a["vertices"] if a["kind"] == "vertices" else a["supports" if a["kind"] == "embedded" else "local"]
     )
+
+
+def place_width(part: dict[str, Any]) -> int:
+    """Numbers of a joint or an attachment; 0 for one that holds what it was added with."""
+    if "held_place" not in part:
+        return 0
+    return _JOINT_WIDTHS[part["kind"]] if "kind" in part else 3 * pair_count(part)
 
 
 def read(folder: Path, progress: Callable[[float, str], None] = lambda done, text: None) -> Run:

@@ -242,7 +242,7 @@ void Assembler::assemble_mapped(const PotentialBatch& batch, const Configuration
     const double* out = lanes + block * outputs * kLanes;
     for (int64_t l = 0; out_energies && l < lanes_used(batch, block); ++l)
       out_energies[block * kLanes + l] = ElementView(out, 3 * points, static_cast<int>(l)).energy();
-    add_mapped_block(batch, block, out, configuration, options, gradient, hessian);
+    if (!batch.rests(block)) add_mapped_block(batch, block, out, configuration, options, gradient, hessian);
   }
 }
 

@@ -106,6 +106,12 @@ void ConstraintSet::write_inputs() {
       group.batch.set(lambda, e, std::span<const double>(multipliers_).subspan(r, count));
       group.batch.set(rho, e, std::span<const double>(penalties_).subspan(r, count));
     }
+    group.batch.set_resting([&](int64_t e) {
+      const int64_t r = places_[group.joints[e]].residual;
+      const auto is_zero = [](double value) { return value == 0.0; };
+      return std::ranges::all_of(std::span(multipliers_).subspan(r, count), is_zero) &&
+             std::ranges::all_of(std::span(penalties_).subspan(r, count), is_zero);
+    });
   }
 }
 

@@ -17,6 +17,15 @@ FrameExpressions frame_of(PotentialBuilder& builder, FrameKind kind, int first, 
                           SymbolicVec3 (PotentialBuilder::*at)(int)) {
   const auto point = [&](int k) { return (builder.*at)(first + k); };
   if (kind == FrameKind::Axes) return {point(0), point(1), point(2), point(3)};
+  if (kind == FrameKind::Placed) {
+    const std::vector<Scalar> n = builder.data_array(placement, kPlaceNumbers, "",
+                                                     "place on what carries the frame: position, rotation");
+    const symbolic::Mat3 carrier = symbolic::Mat3::from_columns(point(1), point(2), point(3));
+    const symbolic::Mat3 turned =
+        carrier * symbolic::Mat3(n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10], n[11]);
+    return {point(0) + carrier * SymbolicVec3(n[0], n[1], n[2]), turned.column(0), turned.column(1),
+            turned.column(2)};
+  }
   const std::vector<Scalar> n =
       builder.data_array(placement, kPatchNumbers, "", "placement on the patch: weights, height, rotation");
   const symbolic::Mat3 axes = patch_axes(point(0), point(1), point(2));
@@ -126,7 +135,7 @@ std::set<std::string> parameter_names(const JointDefinition& definition) {
 }  // namespace
 
 Joint::Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind_b, symbolic::Backend backend)
-    : name_(definition.name) {
+    : name_(definition.name), kind_a_(kind_a), kind_b_(kind_b) {
   const int point_count = frame_point_count(kind_a) + frame_point_count(kind_b);
   const std::set<std::string> parameters = parameter_names(definition);
   const auto traced = std::make_shared<PotentialBuilder>(point_count, parameters);

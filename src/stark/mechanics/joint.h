@@ -28,9 +28,14 @@ namespace stark {
 /// vectors count as angles.
 enum class ResidualUnit : uint8_t { Length, Angle };
 
-/// What carries a frame: a rigid body or the world (a point and three directions), or three vertices.
-enum class FrameKind : uint8_t { Axes, Patch };
-constexpr int frame_point_count(FrameKind kind) { return kind == FrameKind::Axes ? 4 : 3; }
+/// What carries a frame: a rigid body or the world (a point and three directions), the same with a place
+/// there that may change between steps, or three vertices.
+enum class FrameKind : uint8_t { Axes, Placed, Patch };
+constexpr int frame_point_count(FrameKind kind) { return kind == FrameKind::Patch ? 3 : 4; }
+
+/// Numbers of a Placed frame, as its carrier sees it: position [m], and the nine entries of its rotation, row
+/// by row.
+inline constexpr int kPlaceNumbers = 12;
 
 /// Numbers that place a frame on a patch: three barycentric weights, height above it [m], and the nine
 /// entries of the rotation from the frame to the axes of the patch (patch_axes), row by row.
@@ -124,6 +129,8 @@ class Joint {
   Joint(const JointDefinition& definition, FrameKind kind_a, FrameKind kind_b, symbolic::Backend backend);
 
   const std::string& name() const { return name_; }
+  FrameKind kind_a() const { return kind_a_; }
+  FrameKind kind_b() const { return kind_b_; }
   /// Which points of the two frames the formula uses: 0.. of frame a, then those of frame b.
   const std::vector<int>& points() const { return points_; }
   const std::vector<ResidualUnit>& units() const { return units_; }  ///< by residual
@@ -144,6 +151,7 @@ class Joint {
   Joint() = default;
 
   std::string name_;
+  FrameKind kind_a_ = FrameKind::Axes, kind_b_ = FrameKind::Axes;
   std::vector<int> points_;
   std::vector<ResidualUnit> units_;
   std::vector<int> hold_sizes_;

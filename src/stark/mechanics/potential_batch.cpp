@@ -21,6 +21,7 @@ void PotentialBatch::resize(std::span<const int32_t> stencils) {
   size_ = static_cast<int64_t>(stencils.size()) / point_count();
   stencils_.assign(stencils.begin(), stencils.end());
   elements_.assign(static_cast<size_t>(block_count()) * potential_->element_width() * kLanes, 0.0);
+  resting_.clear();
   const auto& fields = potential_->element_fields();
   for (size_t k = 0; k < fields.size(); ++k)
     if (fields[k].source == ElementField::Source::Internal)
@@ -79,6 +80,12 @@ int PotentialBatch::field_index(const std::string& name) const {
   for (size_t k = 0; k < fields.size(); ++k)
     if (fields[k].name == name) return static_cast<int>(k);
   throw InternalError("potential '" + potential_->name() + "' has no element field '" + name + "'");
+}
+
+void PotentialBatch::set_resting(const std::function<bool(int64_t)>& rests) {
+  resting_.assign(block_count(), 1);
+  for (int64_t e = 0; e < size_; ++e)
+    if (!rests(e)) resting_[e / kLanes] = 0;
 }
 
 void PotentialBatch::set_uniform(const std::string& name, std::span<const double> values) {
@@ -144,7 +151,17 @@ void PotentialBatch::evaluate(symbolic::Order order, std::span<const Vec3> x, in
   for (int64_t group = first; group < last; group += kGroupBlocks) {
     const int64_t group_end = std::min(group + kGroupBlocks, last);
     gather(x, group, group_end, unknowns);
-    evaluate_lanes(order, unknowns, group, group_end, out + (group - first) * outputs * kLanes);
+    for (int64_t run = group; run < group_end;) {
+      const bool is_idle = rests(run);
+      int64_t end = run + 1;
+      while (end < group_end && rests(end) == is_idle) ++end;
+      double* const of_run = out + (run - first) * outputs * kLanes;
+      if (is_idle)
+        std::fill_n(of_run, (end - run) * outputs * kLanes, 0.0);
+      else
+        evaluate_lanes(order, unknowns + (run - group) * 3 * point_count() * kLanes, run, end, of_run);
+      run = end;
+    }
   }
 }
 

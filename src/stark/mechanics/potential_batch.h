@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -52,6 +53,11 @@ class PotentialBatch {
   void set_uniform(const std::string& name, double value) { set_uniform(name, {&value, 1}); }
   /// Sets "time_step" and "time" (at the end of the step) where the potential uses them.
   void set_time(double h, double time);
+
+  /// Elements that have neither energy nor derivatives until this is called again, or resize(): constraints
+  /// that hold nothing. Blocks of lanes that all rest cost nothing.
+  void set_resting(const std::function<bool(int64_t element)>& rests);
+  bool rests(int64_t block) const { return !resting_.empty() && resting_[block] != 0; }
 
   void set_rest(std::span<const Vec3> X);  ///< fills the Rest fields; X by site [m]
   /// Fills the Previous and the Beyond fields; by site [m].
@@ -103,6 +109,7 @@ class PotentialBatch {
   std::vector<int32_t> stencils_;
   AlignedVector<double> elements_;
   AlignedVector<double> uniforms_;
+  std::vector<char> resting_;  ///< by block of lanes; empty: none rests
   int time_step_offset_ = -1, time_offset_ = -1;
 };
 

@@ -15,10 +15,13 @@ Vec3 origin_of_b(const ConstraintGroup& group, int64_t element, int first, bool 
   std::vector<Vec3> p;
   for (int k = 0; k < group.batch.point_count(); ++k)
     if (group.joint->points()[k] >= first) p.push_back(x[sites[k]]);
+  const auto number = [&](int i) {
+    return group.batch.get(group.batch.field_index("placement_b"), element, i);
+  };
+  if (!is_patch && group.joint->kind_b() == FrameKind::Placed && p.size() == 4)
+    return p[0] + p[1] * number(0) + p[2] * number(1) + p[3] * number(2);
   if (!is_patch) return p.empty() ? Vec3{} : p.front();
   if (p.size() < 3) return {};
-  const int field = group.batch.field_index("placement_b");
-  const auto number = [&](int i) { return group.batch.get(field, element, i); };
   const Vec3 normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
   return p[0] * number(0) + p[1] * number(1) + p[2] * number(2) + normal * number(3);
 }

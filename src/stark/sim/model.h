@@ -67,6 +67,14 @@ struct ModelAttachment {
   int32_t first_constraint = 0;  ///< in the constraint set: its pairs follow joints and actuators
 };
 
+/// A constraint that can hold what it finds where it is: its frame b is FrameKind::Placed
+/// (sim/held_places.h).
+struct HeldPlace {
+  int32_t constraint = 0;
+  int64_t first = 0;      ///< in State::held_place
+  bool has_axes = false;  ///< kPlaceNumbers there; else the position alone, of a pair of an attachment
+};
+
 /// Frames of the nodes of fibres, path by path, in the body arrays of the state; without bending there are
 /// none.
 struct ModelFibres {
@@ -95,6 +103,9 @@ class Model {
   /// By actuator of the scene. In the constraint set they follow the joints.
   const std::vector<ModelActuator>& actuators() const { return actuators_; }
   const std::vector<ModelAttachment>& attachments() const { return attachments_; }  ///< by attachment
+  const std::vector<HeldPlace>& held_places() const { return held_places_; }  ///< by constraint, ascending
+  /// State::held_place at time 0, which is empty in states until one of them is taken anew.
+  const std::vector<double>& initial_places() const { return initial_places_; }
   const std::vector<ModelFibres>& fibres() const { return fibres_; }  ///< by fibres of the scene
   /// Position in Energies::batches of an energy of the scene.
   int32_t energy_batch(EnergyId energy) const { return energy_batches_.at(energy.index); }
@@ -125,6 +136,8 @@ class Model {
   std::vector<JointSide> joint_sides_;
   std::vector<ModelActuator> actuators_;
   std::vector<ModelAttachment> attachments_;
+  std::vector<HeldPlace> held_places_;
+  std::vector<double> initial_places_;
   std::vector<ModelFibres> fibres_;
   std::vector<Vec3> rest_positions_;  ///< by site [m]
   State initial_state_;

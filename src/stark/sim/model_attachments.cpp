@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <stark/base/error.h>
+#include <stark/sim/held_places.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -12,14 +13,46 @@ void Model::Builder::add_attachment_sites() {
     const size_t first = attachment_sites.size();
     for (const int32_t site : add_point_sites(attachment.a)) attachment_sites.push_back({site});
     size_t pair = first;
-    for (const PointSet& points : attachment.b)
-      for (const int32_t site : add_point_sites(points)) attachment_sites[pair++].push_back(site);
+    attachment_frames.resize(attachment_sites.size());
+    for (const PointSet& points : attachment.b) {
+      const std::vector<int32_t> carrier =
+          can_hold_here(attachment, points) ? add_carrier_sites(points) : std::vector<int32_t>{};
+      for (const int32_t site : add_point_sites(points)) {
+        attachment_frames[pair] = carrier;
+        attachment_sites[pair++].push_back(site);
+      }
+    }
     for (const Index3& patch : attachment.patches) {
       for (const int32_t v : patch)
         attachment_sites[pair].push_back(model.bodies_[attachment.patch_body.index].first_site + v);
       ++pair;
     }
   }
+}
+
+std::vector<int32_t> Model::Builder::add_carrier_sites(const PointSet& points) {
+  const std::vector<Vec3> axes{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  if (points.kind == PointKind::WorldPoints) return add_frame_sites(world_frame({}));
+  std::vector<int32_t> result;
+  PointSet frame{.kind = PointKind::BodyPoints, .body = points.body, .node = points.node, .local = {Vec3{}}};
+  for (const int32_t site : add_point_sites(frame)) result.push_back(site);
+  frame.kind = PointKind::BodyDirections;
+  frame.local = axes;
+  for (const int32_t site : add_point_sites(frame)) result.push_back(site);
+  return result;
+}
+
+void Model::Builder::set_carried_places(PotentialBatch& batch, std::span<const int32_t> pairs) const {
+  std::vector<Vec3> local;  // by pair, as its attachment has it
+  for (const AttachmentDescription& attachment : scene.attachments()) {
+    for (const PointSet& points : attachment.b)
+      for (int64_t k = 0; k < points.size(); ++k)
+        local.push_back(can_hold_here(attachment, points) ? points.local[k] : Vec3{});
+    local.resize(local.size() + attachment.patches.size());
+  }
+  for (size_t e = 0; e < pairs.size(); ++e)
+    set_place(batch, static_cast<int64_t>(e),
+              std::array{local[pairs[e]].x, local[pairs[e]].y, local[pairs[e]].z});
 }
 
 void Model::Builder::add_attachments(std::vector<ConstraintGroup>& groups) {
@@ -29,20 +62,28 @@ void Model::Builder::add_attachments(std::vector<ConstraintGroup>& groups) {
     model.attachments_.push_back({.first_pair = next, .first_constraint = first_number + next});
     next += static_cast<int32_t>(attachment.size());
   }
-  for (const FrameKind kind : {FrameKind::Axes, FrameKind::Patch}) {
-    const size_t carriers = kind == FrameKind::Axes ? 1 : 3;
-    std::vector<int32_t> stencils, numbers;
+  const auto kind_of_pair = [&](int32_t pair) {
+    if (!attachment_frames[pair].empty()) return FrameKind::Placed;
+    return attachment_sites[pair].size() == 2 ? FrameKind::Axes : FrameKind::Patch;
+  };
+  for (const FrameKind kind : {FrameKind::Axes, FrameKind::Patch, FrameKind::Placed}) {
+    std::vector<int32_t> stencils, pairs;
     for (int32_t pair = 0; pair < next; ++pair) {
-      const std::vector<int32_t>& of_pair = attachment_sites[pair];
-      if (of_pair.size() != 1 + carriers) continue;
-      stencils.insert(stencils.end(), of_pair.begin(), of_pair.end());
-      numbers.push_back(first_number + pair);
+      if (kind_of_pair(pair) != kind) continue;
+      const std::span<const int32_t> of_pair = attachment_sites[pair];
+      const std::span<const int32_t> carriers =
+          kind == FrameKind::Placed ? std::span<const int32_t>(attachment_frames[pair]) : of_pair.subspan(1);
+      stencils.push_back(of_pair[0]);
+      stencils.insert(stencils.end(), carriers.begin(), carriers.end());
+      pairs.push_back(pair);
     }
-    if (numbers.empty()) continue;
+    if (pairs.empty()) continue;
     auto joint = std::make_shared<const Joint>(*find_joint("ball"), FrameKind::Axes, kind, backend());
-    STARK_CHECK(joint->points().size() == 1 + carriers);  // origins, or the origin and three vertices
-    ConstraintGroup group{joint, PotentialBatch(joint->potential()), std::move(numbers)};
+    STARK_CHECK(joint->points().size() == stencils.size() / pairs.size());  // the origin and its carriers
+    ConstraintGroup group{joint, PotentialBatch(joint->potential()), {}};
+    for (const int32_t pair : pairs) group.joints.push_back(first_number + pair);
     group.batch.resize(stencils);
+    if (kind == FrameKind::Placed) set_carried_places(group.batch, pairs);
     groups.push_back(std::move(group));
   }
   for (const std::vector<int32_t>& of_pair : attachment_sites) {

@@ -105,6 +105,7 @@ struct Model::Builder {
   /// The point of a vertex, or those that it follows.
   std::vector<int32_t> carriers_of(int32_t site) const;
   static FrameKind kind_of(const FrameDescription& frame);
+  static FrameKind kind_of_b(const JointDescription& joint);
   /// Numbers that place a frame on a patch with vertices at p (mechanics/joint.h, kPatchNumbers).
   static std::vector<double> patch_numbers(const FrameDescription& frame, const std::array<Vec3, 3>& p);
 
@@ -120,9 +121,13 @@ struct Model::Builder {
 
   // Attachments (model_attachments.cpp)
   void add_attachment_sites();
+  std::vector<int32_t> add_carrier_sites(const PointSet& points);
   /// Appends the groups and the sides of all pairs, numbered on from joints and actuators.
   void add_attachments(std::vector<ConstraintGroup>& groups);
   JointSide side_of_sites(std::span<const int32_t> some) const;
+  void set_carried_places(PotentialBatch& batch, std::span<const int32_t> pairs) const;
+  /// Constraints that can hold what they find, and the places that they have.
+  void list_held_places();
   /// Places points on their patches as they are at x, the positions at time 0.
   void set_initial_attachments(std::span<const Vec3> x);
 
@@ -175,6 +180,8 @@ struct Model::Builder {
   std::vector<std::vector<int32_t>> joint_sites;      ///< by joint: points of frame a, then of frame b
   /// By pair: the point, then the point or the three vertices of the patch that carry it.
   std::vector<std::vector<int32_t>> attachment_sites;
+  /// By pair: the four points of the frame that carries it, where it can hold what it finds.
+  std::vector<std::vector<int32_t>> attachment_frames;
   std::map<std::string, size_t> part_places;  ///< in model.parts_, by name
 };
 

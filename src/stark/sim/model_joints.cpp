@@ -1,5 +1,6 @@
 // Joints of a model: sites of their frames, one group for each definition and kinds of frames.
 #include <stark/base/rotation.h>
+#include <stark/sim/held_places.h>
 #include <stark/sim/model_builder.h>
 
 namespace stark {
@@ -28,6 +29,10 @@ std::vector<double> Model::Builder::patch_numbers(const FrameDescription& frame,
 
 FrameKind Model::Builder::kind_of(const FrameDescription& frame) {
   return frame.carrier == Carrier::Patch ? FrameKind::Patch : FrameKind::Axes;
+}
+
+FrameKind Model::Builder::kind_of_b(const JointDescription& joint) {
+  return can_hold_here(joint) ? FrameKind::Placed : kind_of(joint.b);
 }
 
 std::vector<int32_t> Model::Builder::add_frame_sites(const FrameDescription& frame) {
@@ -78,7 +83,7 @@ void Model::Builder::add_joints() {
   std::vector<Key> keys;  // in the order of the joints: addresses decide nothing
   for (int32_t j = 0; j < static_cast<int32_t>(scene.joints().size()); ++j) {
     const JointDescription& joint = scene.joints()[j];
-    const Key key{joint.definition.get(), kind_of(joint.a), kind_of(joint.b)};
+    const Key key{joint.definition.get(), kind_of(joint.a), kind_of_b(joint)};
     const auto [entry, is_new] = index.try_emplace(key, members.size());
     if (is_new) {
       members.emplace_back();
@@ -95,6 +100,7 @@ void Model::Builder::add_joints() {
   add_actuators(groups);
   add_attachments(groups);
   energies.constraints = ConstraintSet(std::move(groups));
+  list_held_places();
   locate_actuators();
 }
 
@@ -116,7 +122,10 @@ void Model::Builder::set_joint_fields(PotentialBatch& batch, int64_t element, co
     if (field.source != ElementField::Source::Data || !field.name.starts_with(prefix)) continue;
     const std::string name = field.name.substr(prefix.size());
     if (name == "placement_a") batch.set(field.name, element, placement(joint.a));
-    if (name == "placement_b") batch.set(field.name, element, placement(joint.b));
+    if (name == "placement_b" && can_hold_here(joint))
+      set_place(batch, element, std::array{0.0, 0.0, 0.0});
+    else if (name == "placement_b")
+      batch.set(field.name, element, placement(joint.b));
     if (const auto given = joint.values.find(name); given != joint.values.end())
       batch.set(field.name, element, given->second.values);
   }

@@ -136,6 +136,9 @@ class Simulation {
   /// Throws InvalidArgument where a released joint is further apart than the tolerances, and would be pulled
   /// together if it were held again.
   void check_joint_agrees(JointId joint) const;
+  /// Holds a joint from the next step on with side a where it is now, as the carrier of side b sees it.
+  /// Throws InvalidArgument for joints that cannot (sim/held_places.h) and broken ones.
+  void hold_joint_here(JointId joint);
   bool joint_enabled(JointId joint) const;
   /// Whether its force or torque exceeded what it stands: it never holds again.
   bool joint_broken(JointId joint) const;
@@ -174,6 +177,16 @@ class Simulation {
   void check_attachment_agrees(AttachmentId attachment) const;
   /// Releases an attachment, or holds it again from the next step on; broken pairs stay broken.
   void set_attachment_enabled(AttachmentId attachment, bool enabled);
+  /// Holds pairs of an attachment from the next step on with their points where they are now, as what carries
+  /// them sees it. Throws InvalidArgument for pairs that cannot (sim/held_places.h) and broken ones; then
+  /// nothing has changed.
+  void hold_pairs_here(AttachmentId attachment, std::span<const int32_t> pairs);
+  /// Releases some pairs of an attachment.
+  void release_pairs(AttachmentId attachment, std::span<const int32_t> pairs);
+  /// Where side a is on the carriers of side b, of all constraints that can hold what they find.
+  const std::vector<double>& held_places() const {
+    return state_.held_place.empty() ? model_->initial_places() : state_.held_place;
+  }
   /// By pair: 1 held, 0 released, -1 broken.
   std::vector<int32_t> attachment_status(AttachmentId attachment) const;
   /// Forces [N] on the points of side a in the last step, zero for pairs that were not held; what carries
@@ -225,9 +238,13 @@ class Simulation {
   void check_energies();
   void check_invariance(const PotentialBatch& batch, std::span<const double> element,
                         const std::string& where) const;
+  /// Takes the place of a constraint anew. Null: it cannot hold what it finds.
+  const HeldPlace* find_held_place(int32_t constraint) const;
+  void take_place(const HeldPlace& place);
   void check_joints();
   void check_actuators();
   void check_attachments();
+  void check_pairs(AttachmentId attachment, std::span<const int32_t> pairs) const;
   /// After the state was replaced: sensors have nothing to tell of it.
   void forget_last_step();
   double scene_size() const;  ///< [m] diagonal of a box around all bodies

@@ -64,6 +64,45 @@ void Simulation::set_attachment_enabled(AttachmentId id, bool enabled) {
     parts_->joints.set_attachment_status(model_->attachments()[id.index], pair, enabled ? kHeld : kReleased);
 }
 
+void Simulation::check_pairs(AttachmentId id, std::span<const int32_t> pairs) const {
+  const AttachmentDescription& attachment = scene_.attachment(id);
+  for (const int32_t pair : pairs)
+    if (pair < 0 || pair >= attachment.size())
+      throw InvalidArgument("attachment '" + attachment.name + "': pair " + std::to_string(pair) +
+                            ": must be in [0, " + std::to_string(attachment.size()) + ")");
+}
+
+void Simulation::hold_pairs_here(AttachmentId id, std::span<const int32_t> pairs) {
+  const AttachmentDescription& attachment = scene_.attachment(id);
+  const ModelAttachment& place = model_->attachments()[id.index];
+  const std::string owner = "attachment '" + attachment.name + "'";
+  check_pairs(id, pairs);
+  for (const int32_t pair : pairs) {
+    if (!find_held_place(place.first_constraint + pair))
+      throw InvalidArgument(
+          owner +
+          (attachment.enabled
+               ? ": it holds from time 0 on, at the places that it has there: add it with enabled = "
+                 "false to hold what it finds later"
+               : ": what carries pair " + std::to_string(pair) +
+                     " is not rigid: pairs hold what they find on a rigid body, a node of a rod or the "
+                     "world; exchange the sides if the other one is rigid"));
+    if (state_.attachment_held[place.first_pair + pair] == kBroken)
+      throw InvalidArgument(owner + ": pair " + std::to_string(pair) +
+                            " has broken: it cannot hold anything any more; rewind, or leave it out");
+  }
+  for (const int32_t pair : pairs) {
+    take_place(*find_held_place(place.first_constraint + pair));
+    parts_->joints.set_attachment_status(place, pair, kHeld);
+  }
+}
+
+void Simulation::release_pairs(AttachmentId id, std::span<const int32_t> pairs) {
+  check_pairs(id, pairs);
+  for (const int32_t pair : pairs)
+    parts_->joints.set_attachment_status(model_->attachments()[id.index], pair, kReleased);
+}
+
 std::vector<int32_t> Simulation::attachment_status(AttachmentId id) const {
   const int64_t pairs = scene_.attachment(id).size();
   const auto first = state_.attachment_held.begin() + model_->attachments()[id.index].first_pair;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <stark/base/error.h>
+#include <stark/sim/held_places.h>
 #include <stark/sim/joint_wrench.h>
 #include <stark/sim/simulation_parts.h>
 
@@ -102,6 +103,37 @@ void Simulation::set_joint_enabled(JointId joint, bool enabled) {
   parts_->joints.forget_history();
   const size_t count = energies_.constraints.groups()[place.group].joint->units().size();
   let_go(state_, place.residual, count);
+}
+
+const HeldPlace* Simulation::find_held_place(int32_t constraint) const {
+  const std::vector<HeldPlace>& places = model_->held_places();
+  const auto place = std::ranges::lower_bound(places, constraint, {}, &HeldPlace::constraint);
+  return place != places.end() && place->constraint == constraint ? &*place : nullptr;
+}
+
+void Simulation::take_place(const HeldPlace& place) {
+  if (state_.held_place.empty()) state_.held_place = model_->initial_places();
+  const std::vector<double> numbers = find_place(energies_.constraints, place, site_positions());
+  std::ranges::copy(numbers, state_.held_place.begin() + place.first);
+  const ConstraintSet::Place& at = energies_.constraints.place(place.constraint);
+  set_place(energies_.constraints.groups()[at.group].batch, at.element, numbers);
+}
+
+void Simulation::hold_joint_here(JointId joint) {
+  const JointDescription& description = scene_.joint(joint);
+  const HeldPlace* place = find_held_place(joint.index);
+  if (!place)
+    throw InvalidArgument(
+        owner_text(description) + " of the kind '" + description.definition->name + "', " +
+        (description.enabled ? "held" : "released") +
+        " at time 0: only fixed and ball joints that are added with enabled = false, and whose "
+        "side b is a rigid body, a node of a rod or the world, can hold what they find");
+  if (state_.joint_enabled[joint.index] == kBroken)
+    throw InvalidArgument(owner_text(description) +
+                          " has broken: it cannot hold anything any more; rewind, or "
+                          "add another joint");
+  take_place(*place);
+  set_joint_enabled(joint, true);
 }
 
 bool Simulation::joint_enabled(JointId joint) const {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <stark/base/error.h>
+#include <stark/sim/held_places.h>
 #include <stark/sim/internal_variables.h>
 #include <stark/sim/simulation_parts.h>
 #include <stark/sim/state_history.h>
@@ -47,7 +48,10 @@ void Simulation::set_state(const State& given) {
   State next = with_history(given, has_history(settings_.time.integrator));
   // Older versions kept nothing nearer to what joints pull with.
   if (next.joint_force.empty()) next.joint_force = next.joint_multiplier;
-  if (const std::string field = first_length_difference(next, state_); !field.empty())
+  // Until a constraint holds what it finds, states keep no places; after that, they keep all.
+  State like = state_;
+  like.held_place = next.held_place.empty() ? next.held_place : model_->initial_places();
+  if (const std::string field = first_length_difference(next, like); !field.empty())
     throw InvalidArgument("state has " + count_text(next) + ", the simulation has " + count_text(state_) +
                           " ('" + field + "' is not as long); use a state of the same scene");
   if (const std::string what = find_invalid_number(next); !what.empty())
@@ -92,6 +96,7 @@ void Simulation::reset() {
 void Simulation::forget_last_step() {
   step_start_.clear();
   energies_.constraints.set_forces(state_.joint_force);
+  set_places(energies_.constraints, model_->held_places(), held_places());
   const std::vector<Vec3> x = site_positions();
   for (PotentialBatch* batch : energies_.all_batches()) batch->set_previous(x);
   set_internal(energies_, state_.internal_variable);

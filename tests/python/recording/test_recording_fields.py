@@ -107,12 +107,12 @@ def test_frames_draw_and_export_recorded_fields(tmp_path: Path) -> None:
 
     run, _ = record(tmp_path / "run")
     options: dict[str, Any] = {"width": 160, "height": 90, "quality": "draft", "hide": "ball"}
-    plain = run.still(1.0, **options)
-    colored = run.still(1.0, field="stress", **options)
+    plain = run.still(0.06, **options)
+    colored = run.still(0.06, field="stress", **options)
     assert (np.abs(colored.astype(int) - plain.astype(int)).max(axis=2) > 40).mean() > 0.02
-    marked = run.still(1.0, contacts=True, **options)
+    marked = run.still(0.06, contacts=True, **options)
     assert (np.abs(marked.astype(int) - plain.astype(int)).max(axis=2) > 40).any()
-    on_ball = run.still(1.0, contacts="ball", width=160, height=90, quality="draft")
+    on_ball = run.still(0.06, contacts="ball", width=160, height=90, quality="draft")
     assert on_ball.shape == (90, 160, 3)
     files = export_recording(run, tmp_path / "vtu", "vtu", frames=[6])
     text = files[0].read_bytes()
@@ -121,7 +121,7 @@ def test_frames_draw_and_export_recorded_fields(tmp_path: Path) -> None:
     with pytest.raises(stark.InvalidArgument, match="stark run --fields speed"):
         run.field("speed", 0)
     with pytest.raises(stark.InvalidArgument, match="needs a simulation"):
-        run.still(1.0, field="speed", **options)
+        run.still(0.06, field="speed", **options)
 
 
 def test_a_resumed_run_has_the_same_fields(tmp_path: Path) -> None:
