@@ -111,12 +111,17 @@ def shown_value(value: object, most: int = 60) -> str:
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
-def nearest_hint(name: str, known: Iterable[str]) -> str:
-    """' (did you mean ...?)' for a name that is not known, or nothing: as the core says it."""
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The known name that is most like one that is not known; empty if none is like it."""
     import difflib  # not at start-up
 
-    near = difflib.get_close_matches(name, list(known), n=1)
-    return f" (did you mean '{near[0]}'?)" if near else ""
+    return next(iter(difflib.get_close_matches(name[:80], list(known), n=1)), "")
+
+
+def nearest_hint(name: str, known: Iterable[str]) -> str:
+    """' (did you mean ...?)' for a name that is not known, or nothing: as the core says it."""
+    near = nearest(name, known)
+    return f" (did you mean '{near}'?)" if near else ""
 
 
 def refuse_unknown_values(

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from stark.arguments import nearest
+
 
 def attribute_error(message: str, name: str) -> AttributeError:
     """An error that has its own hint: without an object, Python adds none to the traceback."""
@@ -35,13 +37,11 @@ class KnownAttributes:
 
     def _unknown_attribute(self, name: str) -> str:
         """What is said of an attribute that there is not."""
-        import difflib
-
         if name in self._elsewhere:
             return f"{self!r} has no attribute '{name}': write {self._elsewhere[name]}"
         known = [other for other in dir(type(self)) if not other.startswith("_")]
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f"; did you mean '{near[0]}'?" if near else ""
+        near = nearest(name, known)
+        hint = f"; did you mean '{near}'?" if near else ""
         return f"{self!r} has no attribute '{name}'{hint}"
 
 

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stark import _core
 from stark._core import InvalidArgument, RodLaw, ShellLaw, SolidLaw
-from stark.arguments import refuse_masked
+from stark.arguments import nearest, refuse_masked
 
 _LARGEST = float(np.finfo(np.float64).max)
 _CoreMaterial = TypeVar("_CoreMaterial", _core.ShellMaterial, _core.SolidMaterial, _core.RodMaterial)
@@ -427,10 +427,8 @@ if not TYPE_CHECKING:  # checkers would take every name for known
         """Says which preset was probably meant."""
         if name.startswith("_"):
             raise AttributeError(name)
-        import difflib  # not at start-up
-
-        near = difflib.get_close_matches(name, [other for other in globals() if other[0].islower()], n=1)
-        hint = f"did you mean '{near[0]}'?" if near else f"presets are {', '.join(presets)}"
+        near = nearest(name, [other for other in globals() if other[0].islower()])
+        hint = f"did you mean '{near}'?" if near else f"presets are {', '.join(presets)}"
         raise AttributeError(
             f"there is no material '{name}' in stark.materials; {hint}",
             name=name,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from stark import materials
 from stark import mesh as meshes
 from stark._core import InvalidArgument, InvalidMesh
-from stark.arguments import as_array, given_flag, given_name, given_word, shown_value
+from stark.arguments import as_array, given_flag, given_name, given_word, nearest, shown_value
 from stark.bodies.body import Body
 from stark.bodies.cloth import Cloth
 from stark.bodies.rigid import RigidBody
@@ -372,10 +372,8 @@ class SceneBodies(SceneLink):
             options["name"] = self._core.free_name(kind)
         known = inspect.signature(self.add_rigid).parameters
         for name in sorted(options.keys() - known.keys()):
-            import difflib  # not at start-up
-
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"; did you mean '{near[0]}'?" if near else ""
+            near = nearest(name, known)
+            hint = f"; did you mean '{near}'?" if near else ""
             raise TypeError(f"add_{kind}() got an unexpected keyword argument '{name}'{hint}")
         return self.add_rigid(mesh, **options)
 

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments import shown_value
+from ..arguments import nearest, shown_value
 from .errors import DocumentError
 
 Schema: TypeAlias = dict[str, Any]
@@ -350,10 +350,8 @@ class Tagged(Kind):
 
 
 def _hint(name: str, known: Sequence[str] | Mapping[str, Any]) -> str:
-    import difflib
-
-    near = difflib.get_close_matches(name[:80], list(known), n=1)
-    return f"; did you mean '{near[0]}'?" if near else f"; known are {', '.join(known)}"
+    near = nearest(name, known)
+    return f"; did you mean '{near}'?" if near else f"; known are {', '.join(known)}"
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any
 
 from .._core import InvalidArgument
-from ..arguments import real_number
+from ..arguments import nearest, real_number
 
 
 def matching(chosen: Any, names: Sequence[str], what: str) -> list[int]:
@@ -49,8 +48,7 @@ def opacities(given: Mapping[Any, Any] | None, names: Sequence[str]) -> list[flo
 
 
 def _known(pattern: str, names: Sequence[str]) -> str:
-    near = difflib.get_close_matches(pattern, names, n=1)
-    if near:
-        return f"did you mean '{near[0]}'?"
+    if near := nearest(pattern, names):
+        return f"did you mean '{near}'?"
     shown = ", ".join(f"'{name}'" for name in names[:8])
     return f"there are {shown}{', ...' if len(names) > 8 else ''}"

@@ -42,8 +42,9 @@ def check_inertias(links: Iterable[Link], report: Report) -> None:
                 )
         if (problem := impossible(link.inertia)) is not None:
             report.add("suspicious", title, problem)
-    for names in same.values():
-        if len(names) > 2:
+    for (least, largest), names in same.items():
+        # Legs and wheels are alike, too; a placeholder is that of a ball, or all there is.
+        if len(names) > 2 and (least == largest or 2 * len(names) > sum(map(len, same.values()))):
             report.add("suspicious", "links", f"{', '.join(names)} have the same inertia: a placeholder?")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import difflib
 import importlib
 import importlib.util
 import inspect
@@ -18,6 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from ..arguments import nearest
 from ..telemetry.given import RULE, given_number
 from .options import SceneFileError, converted_options, option_text
 
@@ -135,8 +135,8 @@ def load(scene: str | PathLike[str], options: Mapping[str, Any] | None = None) -
         name = Path(text).stem + _choose(module, Path(text).stem, options or {})
         return replace(_checked(module, name), source=str(Path(text).resolve()), options=chosen)
     if text not in names():
-        near = difflib.get_close_matches(text, names(), n=1)
-        hint = f"did you mean '{near[0]}'?" if near else f"packaged scenes: {', '.join(names())}"
+        near = nearest(text, names())
+        hint = f"did you mean '{near}'?" if near else f"packaged scenes: {', '.join(names())}"
         raise SceneFileError(f"no scene is called '{text}'; {hint} (a file must end in .py or .json)")
     module = importlib.import_module(f"{__package__}.{text}")
     checked = _checked(module, text + _choose(module, text, options or {}))

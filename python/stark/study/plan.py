@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .._core import InvalidArgument
-from ..arguments import given_path, shown_value
+from ..arguments import given_path, nearest, shown_value
 from ..files import NotAFile, read_bytes
 from . import sampling
 from .sampling import Axis, Options, Range, Value
@@ -150,8 +149,8 @@ class _Table:
     def finish(self) -> None:
         """Raises PlanError for keys that nobody took."""
         for key in sorted(self._left):
-            near = difflib.get_close_matches(key, self._known, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"known here: {', '.join(self._known)}"
+            near = nearest(key, self._known)
+            hint = f"did you mean '{near}'?" if near else f"known here: {', '.join(self._known)}"
             raise self.error(key, self._values[key], f"no such key; {hint}")
 
 
@@ -201,8 +200,8 @@ def _settings(table: _Table, values: dict[str, Any], prefix: str = "") -> dict[s
 def _samples(table: _Table) -> list[Options]:
     kind = table.text("kind")
     if kind not in _KINDS:
-        near = difflib.get_close_matches(kind, _KINDS, n=1)
-        hint = f"; did you mean '{near[0]}'?" if near else ""
+        near = nearest(kind, _KINDS)
+        hint = f"; did you mean '{near}'?" if near else ""
         raise table.error("kind", kind, f"must be one of {', '.join(_KINDS)}{hint}")
     if kind == "list":
         samples = _listed(table)

@@ -141,8 +141,10 @@ class Certificate:
 def _measured(claim: Claim) -> str:
     if claim.worst is None:
         return ""
-    unit = "" if claim.unit == "1" else f" {claim.unit}"
-    bound = "" if claim.tolerance is None else f", bound {claim.tolerance:.4g}{unit}"
+    unit, bound = "" if claim.unit == "1" else f" {claim.unit}", ""
+    if claim.tolerance is not None:
+        is_floor = (claim.worst > claim.tolerance) == (claim.status == VERIFIED)
+        bound = f", must be at {'least' if is_floor else 'most'} {claim.tolerance:.4g}{unit}"
     at = (claim.where or {}).get("time")
     return f": {claim.worst:.4g}{unit}{bound}" + ("" if at is None else f" at {at:.6g} s")
 
