@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace stark {
 
@@ -61,6 +62,28 @@ std::vector<std::pair<Index2, double>> border_of(const Patch& patch, const Surfa
   return border;
 }
 
+std::set<int32_t> vertices_of(const std::vector<std::pair<Index2, double>>& border) {
+  std::set<int32_t> vertices;
+  for (const auto& [edge, length] : border) vertices.insert(edge.begin(), edge.end());
+  return vertices;
+}
+
+/// Area of each vertex of a patch of several triangles with vertices inside that may touch: a third of those
+/// of its triangles. Empty if there are none.
+std::map<int32_t, double> areas_inside(const Patch& patch, const SurfaceMesh& mesh,
+                                       std::span<const Vec3> rest, const std::set<int32_t>& on_border,
+                                       const std::vector<bool>& is_left_out) {
+  if (patch.triangles.size() == 1) return {};
+  std::map<int32_t, double> areas;
+  bool has_inside = false;
+  for (const int32_t t : patch.triangles)
+    for (const int32_t v : mesh.triangles[t]) {
+      areas[v] += norm(area_vector(mesh.triangles[t], rest)) / 3.0;
+      has_inside = has_inside || (!on_border.contains(v) && !is_left_out[v]);
+    }
+  return has_inside ? areas : std::map<int32_t, double>{};
+}
+
 }  // namespace
 
 AreaWeights::AreaWeights(const SurfaceMesh& mesh, std::span<const Vec3> rest, std::span<const int32_t> patch,
@@ -82,15 +105,27 @@ void AreaWeights::share_triangles(const SurfaceMesh& mesh, std::span<const Vec3>
   const int32_t groups = mesh.triangle_group.empty() ? 0 : *std::ranges::max_element(mesh.triangle_group) + 1;
   std::vector<double> total(groups, 0.0);
   cell_area_.assign(groups, 0.0);
+  std::vector<bool> is_left_out(mesh.vertex_count, false);
+  for (const int32_t v : mesh.inner) is_left_out[v] = true;
   for (const Patch& p : collect_patches(mesh, rest, patch)) {
     if (p.triangles.empty()) continue;
     const auto border = border_of(p, mesh, rest);
     double length = 0.0;
     for (const auto& [edge, l] : border) length += l;
     const bool is_triangle = p.triangles.size() == 1;
+    const std::set<int32_t> on_border = is_triangle ? std::set<int32_t>{} : vertices_of(border);
+    const std::map<int32_t, double> inside = areas_inside(p, mesh, rest, on_border, is_left_out);
+    double of_border =
+        inside.empty() ? 1.0 : 0.0;  // part that its vertices have, and its edges in their place
+    for (const auto& [v, area] : inside) {
+      of_vertex[v].push_back({p.largest, area});
+      if (on_border.contains(v)) of_border += area / p.area;
+    }
     for (const auto& [edge, l] : border) {
-      const double area = p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
-      for (const int32_t v : edge) of_vertex[v].push_back({p.largest, 0.5 * area});
+      const double area =
+          of_border * p.area * (is_triangle || !(length > 0.0) ? 1.0 / border.size() : l / length);
+      for (const int32_t v : edge)
+        if (inside.empty()) of_vertex[v].push_back({p.largest, 0.5 * area});
       if (const auto e = edge_of.find(edge); e != edge_of.end())
         of_edge[e->second].push_back({p.largest, area});
     }

@@ -164,8 +164,9 @@ std::vector<PotentialBatch*> Energies::all_batches() {
 
 namespace {
 
-/// What collides of a body: of rigid ones the polyhedron without what its triangulation adds.
-void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces,
+/// What collides of a body: of rigid ones the polyhedron without what its triangulation adds. Vertices inside
+/// flat faces are kept where the body `moves`: they carry their part of the pressure.
+void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> rest, bool has_faces, bool moves,
                  ContactSurfaces& out) {
   SurfaceMesh& mesh = out.mesh;
   const FlatFaces faces =
@@ -173,7 +174,8 @@ void add_surface(const ModelBody& body, int32_t group, std::span<const Vec3> res
                           : separate_faces(body.triangles);
   const auto first_triangle = static_cast<int32_t>(mesh.triangles.size());
   for (int32_t v = 0; v < body.site_count; ++v) mesh.vertex_group[body.first_site + v] = group;
-  for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
+  if (!moves)
+    for (const int32_t v : faces.inner_vertices) mesh.inner.push_back(body.first_site + v);
   for (size_t t = 0; t < body.triangles.size(); ++t) {
     const auto& [v0, v1, v2] = body.triangles[t];
     mesh.triangles.push_back({body.first_site + v0, body.first_site + v1, body.first_site + v2});
@@ -230,7 +232,8 @@ ContactSurfaces Model::make_surfaces(const Scene& scene, const Settings& setting
     const BodyId id{static_cast<int32_t>(b)};
     // Directions may differ from triangle to triangle, so such a face is not taken for one.
     const bool has_faces = scene.surface_directions(id).size() <= 1;
-    add_surface(bodies_[b], id.index, rest_positions_, has_faces, surfaces);
+    const bool moves = scene.motion(id) != Motion::Fixed;
+    add_surface(bodies_[b], id.index, rest_positions_, has_faces, moves, surfaces);
     surfaces.group_distance.push_back(contact_distance(scene, id, settings));
     surfaces.stiffness.push_back(contact_stiffness(scene, *this, id, settings));
     surfaces.core.push_back(scene.contact_core(id));
