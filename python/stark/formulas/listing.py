@@ -84,6 +84,13 @@ def listed(
     return nodes, outputs
 
 
+def stages_of(graph: ExpressionGraph) -> list[int]:
+    """Numbers, as ``listed`` counts, of the nodes that derivatives may go through."""
+    place = {key: k for k, key in enumerate(graph.nodes)}
+    source = next((output.graph for output in graph.outputs if output.graph is not None), None)
+    return [] if source is None else sorted({place[key] for key in source.stages if key in place})
+
+
 def _bits(number: float) -> bytes:
     return struct.pack("<d", number)
 
@@ -94,6 +101,7 @@ def replayed(
     nodes: Sequence[Sequence[Any]],
     outputs: Sequence[int],
     internals: Sequence[Internal] = (),
+    stages: Sequence[int] = (),
 ) -> tuple[_core.Formula, ExpressionGraph, dict[int, tuple[str, int, int]]]:
     """The formula of nodes as ``listed`` gives them, its graph and what the inputs of that are. Nodes must
     have operands before them; raises TraceError for operations on what they are not for, and KeyError or
@@ -127,6 +135,9 @@ def replayed(
             values.append(OPERATIONS[operation][1](*(values[k] for k in operands)))
     for variable in coming:
         variable.entries(builder)
+    for k in stages:
+        if values[k].graph is not None:
+            values[k].graph.mark_stage(values[k])
     results: list[Scalar] = [values[k] for k in outputs]
     return builder.finish(results), ExpressionGraph("formula", results), sources
 
